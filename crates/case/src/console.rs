@@ -1,0 +1,63 @@
+//! What a person sees while a command runs.
+
+use std::fmt;
+use std::io::Write;
+use std::sync::Mutex;
+
+/// Where lines for people go. Writing never fails: a reader who left (`| head`) does not stop a computation.
+pub struct Console {
+    lines: Mutex<Option<Box<dyn Write + Send>>>,
+    /// A terminal on which a passing line may be overwritten.
+    passing: Mutex<Option<Box<dyn Write + Send>>>,
+}
+
+impl fmt::Debug for Console {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Console")
+    }
+}
+
+impl Console {
+    /// Says nothing.
+    #[must_use]
+    pub fn silent() -> Self {
+        Self { lines: Mutex::new(None), passing: Mutex::new(None) }
+    }
+
+    /// Says everything to `out`.
+    pub fn new(out: impl Write + Send + 'static) -> Self {
+        Self { lines: Mutex::new(Some(Box::new(out))), passing: Mutex::new(None) }
+    }
+
+    /// With a terminal for what passes: the progress of a solve.
+    #[must_use]
+    pub fn with_passing(mut self, terminal: impl Write + Send + 'static) -> Self {
+        self.passing = Mutex::new(Some(Box::new(terminal)));
+        self
+    }
+
+    /// Writes a line and shows it at once.
+    pub fn say(&self, line: impl fmt::Display) {
+        self.clear();
+        let Ok(mut out) = self.lines.lock() else { return };
+        if let Some(out) = out.as_mut() {
+            let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+        }
+    }
+
+    /// Shows a line until the next one.
+    pub fn pass(&self, line: impl fmt::Display) {
+        let Ok(mut out) = self.passing.lock() else { return };
+        if let Some(out) = out.as_mut() {
+            let _ = write!(out, "\r\x1b[K{line}").and_then(|()| out.flush());
+        }
+    }
+
+    /// Takes a passing line away.
+    pub fn clear(&self) {
+        let Ok(mut out) = self.passing.lock() else { return };
+        if let Some(out) = out.as_mut() {
+            let _ = write!(out, "\r\x1b[K").and_then(|()| out.flush());
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! A checked formula, ready to evaluate.
+
+use super::analysis::{Kind, analyse};
+use super::evaluate::{EvaluationError, evaluate};
+use super::parser::parse;
+use super::program::{Op, Step};
+use super::token::Problem;
+use crate::quantity::{Dimension, Units};
+use crate::syntax::quoted;
+use thiserror::Error;
+
+/// A number, or a formula of the reference coordinates X, Y, Z; values are in the case's units.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Formula {
+    text: String,
+    steps: Vec<Step>,
+    kind: Option<Kind>,
+    constant: Option<f64>,
+}
+
+/// A text that is no formula, or contradicts itself.
+#[derive(Clone, PartialEq, Eq, Debug, Error)]
+#[error("{message} at column {column} of {}", quoted(text))]
+pub struct FormulaError {
+    /// The text.
+    pub text: String,
+    /// Where in it, in characters from 1.
+    pub column: usize,
+    /// What is wrong there and what was expected.
+    pub message: String,
+}
+
+impl Formula {
+    /// A plain number, which fits every dimension.
+    #[must_use]
+    pub fn number(value: f64) -> Self {
+        let steps = vec![Step { op: Op::Plain(value), column: 1 }];
+        Self { text: value.to_string(), steps, kind: None, constant: Some(value) }
+    }
+
+    /// Reads a text; its units become numbers of the system `units`.
+    ///
+    /// # Errors
+    ///
+    /// What was expected and in which column; contradicting dimensions ("1 m + 1 Pa"); a constant without a finite
+    /// value ("1 / 0").
+    pub fn parse(text: &str, units: &Units) -> Result<Self, FormulaError> {
+        let refuse = |Problem { column, message }| FormulaError { text: text.to_string(), column, message };
+        let steps = parse(text, units).map_err(refuse)?;
+        let kind = analyse(&steps).map_err(refuse)?;
+        let varies = steps.iter().any(|step| matches!(step.op, Op::Coordinate(_)));
+        let constant = if varies {
+            None
+        } else {
+            let fault = |(fault, column): (super::Fault, usize)| refuse(Problem { column, message: fault.to_string() });
+            Some(evaluate(&steps, [0.0; 3]).map_err(fault)?)
+        };
+        Ok(Self { text: text.to_string(), steps, kind: Some(kind), constant })
+    }
+
+    /// Refuses a formula whose units or coordinates make it something else than `wanted`.
+    ///
+    /// # Errors
+    ///
+    /// `unit of the wrong kind: "5 mm" is a length, a pressure is wanted (Pa, kPa, MPa, GPa)`
+    pub fn check(&self, wanted: Dimension) -> Result<(), String> {
+        match self.kind.and_then(|kind| kind.refuses(wanted)) {
+            Some(why) => Err(format!("unit of the wrong kind: {} {why}", quoted(&self.text))),
+            None => Ok(()),
+        }
+    }
+
+    /// As written.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The value, if it is the same everywhere.
+    #[must_use]
+    pub fn constant(&self) -> Option<f64> {
+        self.constant
+    }
+
+    /// The value at a reference point, both in the case's units.
+    ///
+    /// # Errors
+    ///
+    /// Division by zero, roots of negative numbers and the like, with the column and the point.
+    pub fn at(&self, point: [f64; 3]) -> Result<f64, EvaluationError> {
+        match self.constant {
+            Some(value) => Ok(value),
+            None => evaluate(&self.steps, point).map_err(|(fault, column)| EvaluationError {
+                text: self.text.clone(),
+                column,
+                fault,
+                point,
+            }),
+        }
+    }
+}
+
+/// The dimension of a compound unit: "Pa", "N/A^2", "1".
+pub(crate) fn dimension_of(unit: &str) -> Option<Dimension> {
+    if unit == "1" {
+        return Some(Dimension::NONE);
+    }
+    let formula = Formula::parse(unit, &Units::default()).ok()?;
+    formula.kind.map(Kind::dimension)
+}

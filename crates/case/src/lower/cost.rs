@@ -1,0 +1,330 @@
+//! Cost terms and the shapes they aim at.
+
+use super::array::{self, Entity};
+use super::context::Context;
+use crate::expression::EvaluationError;
+use crate::schema::{self, Case, Cost as Block, Phi as PhiBlock, Target as TargetBlock, vector_at};
+use crate::syntax::At;
+use nastic_control::{
+    ControlError, ControlNorm, ControlSmoothness, Cost, IntoCost, Partials, Phi, Reduced, Sight, SmoothedHausdorff,
+    Target, Tracking,
+};
+use nastic_fem::Solid;
+use nastic_mesh::{Mesh, MeshError};
+use std::sync::{Arc, OnceLock};
+
+/// The shape a cost aims at, for pictures and `target.vtu`.
+#[derive(Clone, Debug)]
+pub struct TargetShape {
+    /// Path of the cost's block.
+    pub at: At,
+    /// Name of the cost.
+    pub cost: String,
+    /// The target's mesh, in the case's units; of a tracking target the body's own.
+    pub mesh: Arc<Mesh>,
+    /// Displacement of the nodes where the mesh is the body's, with a flag for those it matters at; empty otherwise.
+    pub displacement: Vec<([f64; 3], bool)>,
+}
+
+impl TargetShape {
+    /// Whether it says where every node should be: such a shape can be drawn.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.displacement.iter().all(|(_, matters)| *matters)
+    }
+}
+
+/// The target meshes, by cost; read before the body is built, so that all missing files are told at once.
+pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option<TargetShape>> {
+    case.costs.iter().map(|cost| load_target(cost, context)).collect()
+}
+
+fn load_target(cost: &Block, context: &mut Context<'_>) -> Option<TargetShape> {
+    let (source, at) = match cost {
+        Block::SmoothedHausdorff(block) => (&block.target, block.at.key("target")),
+        Block::Tracking(block) => match &block.target {
+            TargetBlock::Nodes(nodes) => (&nodes.nodes, nodes.at.key("nodes")),
+            _ => return None,
+        },
+        _ => return None,
+    };
+    let mesh = Arc::new(super::mesh::load(source, &at, context)?);
+    Some(TargetShape { at: cost.at().clone(), cost: cost.name().to_owned(), mesh, displacement: vec![] })
+}
+
+/// Adds all terms to the problem, with the targets to show; `None` if that cannot be.
+pub(super) fn add(
+    case: &Case,
+    targets: Vec<Option<TargetShape>>,
+    mut reduced: Reduced,
+    context: &mut Context<'_>,
+) -> Option<(Reduced, Vec<TargetShape>)> {
+    let (mut terms, mut shapes) = (Vec::new(), Vec::new());
+    for (block, target) in case.costs.iter().zip(targets) {
+        if block.weight() == 0.0 {
+            context.warn(&block.at().key("weight"), "the weight is zero: the term is left out");
+            continue;
+        }
+        let lowering = Lowering { case, reduced: &reduced, block };
+        let Some((cost, shape)) = lowering.lower(target, context) else { continue };
+        terms.push((block.at(), Named { name: block.name().to_owned(), cost }));
+        shapes.extend(shape);
+    }
+    for (at, term) in terms {
+        reduced = context.take(at, reduced.cost(term))?;
+    }
+    Some((reduced, shapes))
+}
+
+/// What the terms themselves have to say.
+pub(super) fn warn(case: &Case, reduced: &Reduced, context: &mut Context<'_>) {
+    let terms = case.costs.iter().filter(|block| block.weight() != 0.0);
+    for (block, cost) in terms.zip(reduced.costs()) {
+        for warning in cost.warnings(reduced.solid()) {
+            context.warn(block.at(), warning);
+        }
+    }
+}
+
+struct Lowering<'a> {
+    case: &'a Case,
+    reduced: &'a Reduced,
+    block: &'a Block,
+}
+
+type Bound = (Box<dyn Cost>, Option<TargetShape>);
+
+impl Lowering<'_> {
+    fn lower(&self, target: Option<TargetShape>, context: &mut Context<'_>) -> Option<Bound> {
+        match self.block {
+            Block::SmoothedHausdorff(block) => self.hausdorff(block, target?, context),
+            Block::Tracking(block) => self.tracking(block, target, context),
+            Block::ControlNorm(block) => {
+                let cost = ControlNorm::of(self.control(&block.of)?, block.weight);
+                Some((Box::new(context.take(&block.at, cost)?), None))
+            }
+            Block::ControlSmoothness(block) => {
+                let cost = ControlSmoothness::of(self.control(&block.of)?, block.weight);
+                Some((Box::new(context.take(&block.at, cost)?), None))
+            }
+        }
+    }
+
+    /// The library's name of a control, which is that of its actuation.
+    fn control(&self, name: &str) -> Option<&str> {
+        self.case.controls.iter().find(|control| control.name() == name).map(|control| control.of.as_str())
+    }
+
+    fn hausdorff(
+        &self,
+        block: &schema::SmoothedHausdorff,
+        target: TargetShape,
+        context: &mut Context<'_>,
+    ) -> Option<Bound> {
+        let solid = self.reduced.solid();
+        let mut sound = true;
+        if let Some(region) = &block.region {
+            sound &= context.take(&block.at.key("region"), solid.mesh().region(region)).is_some();
+        }
+        if let Some(region) = &block.target_region {
+            sound &= context.take(&block.at.key("target_region"), target.mesh.region(region)).is_some();
+        }
+        if !sound {
+            return None;
+        }
+        let diagonal = diagonal(&target.mesh, block.target_region.as_deref());
+        let mut cost = SmoothedHausdorff::to(target.mesh.clone())
+            .phi(phi(&block.phi, diagonal))
+            .stages(block.stages.iter().map(|stage| (stage.alpha, stage.beta, stage.gamma)))
+            .quadrature(block.quadrature.unwrap_or_else(|| own_points(solid.mesh())))
+            .weight(block.weight);
+        if let Some(region) = &block.region {
+            cost = cost.region(region);
+        }
+        if let Some(region) = &block.target_region {
+            cost = cost.target_region(region);
+        }
+        let cost = context.take(&block.at, cost.bind(solid))?;
+        Some((cost, Some(target)))
+    }
+
+    fn tracking(
+        &self,
+        block: &schema::Tracking,
+        target: Option<TargetShape>,
+        context: &mut Context<'_>,
+    ) -> Option<Bound> {
+        let mesh = self.reduced.solid().mesh().clone();
+        let (key, name) = match (&block.surface, &block.region, &block.nodes) {
+            (Some(name), _, _) => ("surface", name),
+            (_, Some(name), _) => ("region", name),
+            (_, _, Some(name)) => ("nodes", name),
+            (None, None, None) => return None,
+        };
+        let nodes = context.take(&block.at.key(key), nodes(&mesh, key, name))?;
+        let goal = self.goal(block, target, &mesh, context)?;
+        let tracking = match key {
+            "surface" => Tracking::surface(name, goal.target.clone()),
+            "region" => Tracking::region(name, goal.target.clone()),
+            _ => Tracking::nodes(name, goal.target.clone()),
+        };
+        match tracking.weight(block.weight).bind(self.reduced.solid()) {
+            Ok(cost) => Some((cost, Some(goal.shape(self.block, &mesh, &nodes)))),
+            Err(error) => {
+                let why = goal.fault.get().map_or_else(|| error.to_string(), ToString::to_string);
+                context.complain(&block.at.key("target"), why);
+                None
+            }
+        }
+    }
+
+    fn goal(
+        &self,
+        block: &schema::Tracking,
+        target: Option<TargetShape>,
+        mesh: &Mesh,
+        context: &mut Context<'_>,
+    ) -> Option<Goal> {
+        let (at, dim) = (block.at.key("target"), mesh.dim());
+        let fault: Arc<OnceLock<EvaluationError>> = Arc::default();
+        let target = match &block.target {
+            TargetBlock::Formulas(entries) if entries.len() < dim => {
+                context.complain(&at, format!("{} entries, but the body has {dim} dimensions", entries.len()));
+                return None;
+            }
+            TargetBlock::Formulas(entries) => {
+                let (entries, fault) = (entries.clone(), fault.clone());
+                // The target of a plane body lies in its plane, whatever the third entry left out.
+                Target::position(move |x| match vector_at(&entries, x) {
+                    Ok(y) => y,
+                    Err(error) => {
+                        let _ = fault.set(error);
+                        [f64::NAN; 3]
+                    }
+                })
+            }
+            TargetBlock::Array(file) => {
+                let array = array::read(file, &at, &[2, 3], Entity::Node, self.case, mesh, context)?;
+                if array.entity == Entity::Cell {
+                    context.complain(&at.key("array"), "a displacement by cell is no target: one by node is wanted");
+                    return None;
+                }
+                let entries = array.values.chunks_exact(array.components);
+                Target::Displacement(entries.flat_map(|u| u[..dim.min(u.len())].to_vec()).collect())
+            }
+            TargetBlock::Nodes(nodes) => {
+                let target = target?;
+                let (found, wanted) = (target.mesh.points().len(), mesh.points().len());
+                if found != wanted {
+                    let name = target.mesh.name();
+                    let message = format!("{name} has {found} nodes, the body's mesh {wanted}: no numbering in common");
+                    context.complain(&nodes.at.key("nodes"), message);
+                    return None;
+                }
+                let pairs = target.mesh.points().iter().zip(mesh.points());
+                Target::Displacement(pairs.flat_map(|(y, x)| (0..dim).map(move |k| y[k] - x[k])).collect())
+            }
+        };
+        Some(Goal { target, fault })
+    }
+}
+
+/// What tracked points should reach, and the first fault of its formulas.
+struct Goal {
+    target: Target,
+    fault: Arc<OnceLock<EvaluationError>>,
+}
+
+impl Goal {
+    fn shape(&self, block: &Block, mesh: &Arc<Mesh>, nodes: &[u32]) -> TargetShape {
+        let dim = mesh.dim();
+        let mut displacement = vec![([0.0; 3], false); mesh.points().len()];
+        for &node in nodes {
+            let x = mesh.points()[node as usize];
+            let u: [f64; 3] = match &self.target {
+                Target::Position(at) => {
+                    let y = at(x);
+                    std::array::from_fn(|k| y[k] - x[k])
+                }
+                Target::Displacement(u) => {
+                    std::array::from_fn(|k| if k < dim { u[node as usize * dim + k] } else { 0.0 })
+                }
+            };
+            if u.iter().all(|u| u.is_finite()) {
+                displacement[node as usize] = (u, true);
+            }
+        }
+        TargetShape { at: block.at().clone(), cost: block.name().to_owned(), mesh: mesh.clone(), displacement }
+    }
+}
+
+fn nodes(mesh: &Mesh, key: &str, name: &str) -> Result<Vec<u32>, MeshError> {
+    match key {
+        // The library takes a surface's nodes too where no node set has the name.
+        "nodes" if !mesh.node_sets().contains_key(name) && mesh.surfaces().contains_key(name) => {
+            super::support::nodes(mesh, "surface", name)
+        }
+        _ => super::support::nodes(mesh, key, name),
+    }
+}
+
+fn phi(block: &PhiBlock, diagonal: f64) -> Phi {
+    match block {
+        PhiBlock::Exponential(phi) => {
+            let length = phi.length.or(phi.fraction.map(|fraction| fraction * diagonal));
+            Phi::Exponential { length: length.unwrap_or(diagonal) }
+        }
+        PhiBlock::Inverse(phi) => Phi::Inverse { eps: phi.eps },
+        PhiBlock::SmoothInverse(phi) => Phi::SmoothInverse { eps: phi.eps },
+    }
+}
+
+/// Diagonal of the bounding box of a mesh, or of one of its regions.
+fn diagonal(mesh: &Mesh, region: Option<&str>) -> f64 {
+    let Some(cells) = region.and_then(|name| mesh.region(name).ok()) else { return mesh.diagonal() };
+    let points: Vec<[f64; 3]> = mesh.nodes_of_cells(cells).iter().map(|&node| mesh.points()[node as usize]).collect();
+    let extent = |k: usize| {
+        let (low, high) =
+            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[k]), h.max(x[k])));
+        high - low
+    };
+    (0..3).map(|k| extent(k).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Gauss points per direction of the solid's own rule.
+fn own_points(mesh: &Mesh) -> usize {
+    mesh.blocks().iter().map(|block| block.kind.order() + 1).max().unwrap_or(2)
+}
+
+/// A term under the name the case gives it.
+#[derive(Debug)]
+struct Named {
+    name: String,
+    cost: Box<dyn Cost>,
+}
+
+impl Cost for Named {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn value(&self, at: &Sight) -> Result<f64, ControlError> {
+        self.cost.value(at)
+    }
+
+    fn partials(&self, at: &Sight, out: &mut Partials) -> Result<f64, ControlError> {
+        self.cost.partials(at, out)
+    }
+
+    fn stages(&self) -> usize {
+        self.cost.stages()
+    }
+
+    fn figures(&self, at: &Sight) -> Result<Vec<(String, f64)>, ControlError> {
+        self.cost.figures(at)
+    }
+
+    fn warnings(&self, solid: &Solid) -> Vec<String> {
+        self.cost.warnings(solid)
+    }
+}

@@ -1,0 +1,124 @@
+//! Values that vary over the body, sampled at quadrature points.
+
+use super::array::{self, Entity, MeshArray};
+use super::context::Context;
+use crate::schema::{Case, Parameter, VectorField, vector_at};
+use crate::syntax::At;
+use nastic_energy::Field;
+use nastic_fem::{Discretization, Sampling};
+use nastic_mesh::Mesh;
+use nastic_tensor::Vec3;
+
+/// Where values are wanted: points of a sampling, of which only those of the given cells matter.
+pub(super) struct Points<'a> {
+    pub case: &'a Case,
+    pub mesh: &'a Mesh,
+    sampling: &'a Sampling,
+    positions: Vec<[f64; 3]>,
+    wanted: Vec<bool>,
+}
+
+impl<'a> Points<'a> {
+    /// The body's own quadrature points on some cells.
+    pub fn of_body(case: &'a Case, disc: &'a Discretization, cells: &[u32]) -> Self {
+        let mut inside = vec![false; disc.mesh().cells()];
+        cells.iter().for_each(|&cell| inside[cell as usize] = true);
+        let wanted = disc.body().cells().iter().map(|&cell| inside[cell as usize]).collect();
+        Self { wanted, ..Self::of(case, disc.mesh(), disc.body()) }
+    }
+
+    /// All points of a sampling.
+    pub fn of(case: &'a Case, mesh: &'a Mesh, sampling: &'a Sampling) -> Self {
+        let positions = sampling.positions(mesh, None);
+        let wanted = vec![true; positions.len()];
+        Self { case, mesh, sampling, positions, wanted }
+    }
+
+    /// A number: uniform where it is constant, else one value per point.
+    pub fn number(&self, value: &Parameter, at: &At, context: &mut Context<'_>) -> Option<Field<f64>> {
+        if let Some(value) = value.constant() {
+            return Some(Field::Uniform(value));
+        }
+        self.scalars(value, at, context).map(Field::points)
+    }
+
+    /// A number at every point.
+    pub fn scalars(&self, value: &Parameter, at: &At, context: &mut Context<'_>) -> Option<Vec<f64>> {
+        let values = match value {
+            Parameter::Formula(formula) => {
+                let values = self.each(|point| formula.at(point), 0.0);
+                context.take(at, values)?
+            }
+            Parameter::Array(file) => {
+                let array = array::read(file, at, &[1], Entity::Cell, self.case, self.mesh, context)?;
+                self.sample(&array).into_iter().map(|[x, _, _]| x).collect()
+            }
+        };
+        Some(self.fill(values))
+    }
+
+    /// A unit direction. Nodal ones are normalised at the points.
+    pub fn direction(&self, value: &VectorField, at: &At, context: &mut Context<'_>) -> Option<Field<Vec3>> {
+        if let Some(value) = value.constant() {
+            return Some(Field::Uniform(Vec3::from(value)));
+        }
+        let (mut values, entity) = self.vectors_of(value, at, context)?;
+        if entity == Some(Entity::Node) {
+            values.iter_mut().filter(|v| v.norm() > 0.0).for_each(|v| *v = v.normalize());
+        }
+        Some(Field::points(values))
+    }
+
+    /// A vector at every point.
+    pub fn vectors(&self, value: &VectorField, at: &At, context: &mut Context<'_>) -> Option<Vec<Vec3>> {
+        self.vectors_of(value, at, context).map(|(values, _)| values)
+    }
+
+    /// The same, and what the values of a file belong to.
+    fn vectors_of(
+        &self,
+        value: &VectorField,
+        at: &At,
+        context: &mut Context<'_>,
+    ) -> Option<(Vec<Vec3>, Option<Entity>)> {
+        let (values, entity) = match value {
+            VectorField::Formulas(entries) => {
+                let values = self.each(|point| vector_at(entries, point), [0.0; 3]);
+                (context.take(at, values)?, None)
+            }
+            VectorField::Array(file) => {
+                let array = array::read(file, at, &[2, 3], Entity::Cell, self.case, self.mesh, context)?;
+                (self.sample(&array), Some(array.entity))
+            }
+        };
+        Some((self.fill(values).into_iter().map(Vec3::from).collect(), entity))
+    }
+
+    fn each<T: Copy, E>(&self, value: impl Fn([f64; 3]) -> Result<T, E>, none: T) -> Result<Vec<T>, E> {
+        let wanted = self.positions.iter().zip(&self.wanted);
+        wanted.map(|(point, wanted)| if *wanted { value(*point) } else { Ok(none) }).collect()
+    }
+
+    fn sample(&self, array: &MeshArray) -> Vec<[f64; 3]> {
+        let n = array.components;
+        let vector = |entry: &[f64]| std::array::from_fn(|k| entry.get(k).copied().unwrap_or(0.0));
+        match array.entity {
+            Entity::Node => self.sampling.interpolate(&array.values, n).chunks_exact(n).map(vector).collect(),
+            Entity::Cell => {
+                let of = |cell: u32| vector(&array.values[cell as usize * n..][..n]);
+                self.sampling.cells().into_iter().map(of).collect()
+            }
+        }
+    }
+
+    /// Points that do not matter get the value of one that does: laws check all they are given.
+    fn fill<T: Copy>(&self, mut values: Vec<T>) -> Vec<T> {
+        if let Some(first) = self.wanted.iter().position(|wanted| *wanted) {
+            let typical = values[first];
+            for (value, _) in values.iter_mut().zip(&self.wanted).filter(|(_, wanted)| !**wanted) {
+                *value = typical;
+            }
+        }
+        values
+    }
+}

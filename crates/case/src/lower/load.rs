@@ -1,0 +1,76 @@
+//! Dead loads: tractions and body forces, constant or varying.
+
+use super::context::Context;
+use super::field::Points;
+use super::named::attempt;
+use crate::schema::{Case, VectorField};
+use crate::syntax::At;
+use nastic_fem::{Sampling, Solid};
+use nastic_tensor::Vec3;
+
+/// Gauss points more than the shape functions need, for loads that vary.
+const MORE_POINTS: usize = 1;
+
+pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
+    for load in &case.loads {
+        if let (Some(name), Some(traction)) = (&load.surface, &load.traction) {
+            add_traction(case, name, traction, &load.at, solid, context);
+        } else if let (Some(name), Some(force)) = (&load.region, &load.body_force) {
+            add_body_force(case, name, force, &load.at, solid, context);
+        }
+    }
+}
+
+fn add_traction(
+    case: &Case,
+    name: &str,
+    traction: &VectorField,
+    at: &At,
+    solid: &mut Solid,
+    context: &mut Context<'_>,
+) {
+    let mesh = solid.mesh().clone();
+    let Some(facets) = context.take(&at.key("surface"), mesh.surface(name)) else { return };
+    if let Some(constant) = traction.constant() {
+        attempt(solid, at, context, |solid| solid.traction(name, Vec3::from(constant)));
+        return;
+    }
+    let sampling = Sampling::of_facets(&mesh, facets, |kind| kind.rule_of_points(kind.order() + 1 + MORE_POINTS));
+    add_sampled(case, &sampling, traction, &at.key("traction"), solid, context);
+}
+
+fn add_body_force(case: &Case, name: &str, force: &VectorField, at: &At, solid: &mut Solid, context: &mut Context<'_>) {
+    let mesh = solid.mesh().clone();
+    let Some(cells) = context.take(&at.key("region"), mesh.region(name)) else { return };
+    if let Some(constant) = force.constant() {
+        attempt(solid, at, context, |solid| solid.body_force(name, Vec3::from(constant)));
+        return;
+    }
+    let rule = |kind: nastic_mesh::CellKind| kind.rule_of_points(kind.order() + 1 + MORE_POINTS);
+    let sampling = Sampling::of_cells(&mesh, cells.iter().copied(), rule);
+    let Some(sampling) = context.take(at, sampling) else { return };
+    add_sampled(case, &sampling, force, &at.key("body_force"), solid, context);
+}
+
+/// The nodal force of a density at the points of a sampling.
+fn add_sampled(
+    case: &Case,
+    sampling: &Sampling,
+    density: &VectorField,
+    at: &At,
+    solid: &mut Solid,
+    context: &mut Context<'_>,
+) {
+    let mesh = solid.mesh().clone();
+    let Some(values) = Points::of(case, &mesh, sampling).vectors(density, at, context) else { return };
+    let dim = mesh.dim();
+    if dim == 2 && values.iter().any(|v| v.z != 0.0) {
+        context.complain(at, "a load on a body in plane strain has no z component");
+        return;
+    }
+    let weighted = values.iter().zip(sampling.weights());
+    let weighted: Vec<f64> = weighted.flat_map(|(v, w)| (0..dim).map(move |i| w * v[i])).collect();
+    let mut force = vec![0.0; solid.discretization().dofs()];
+    sampling.spread(&weighted, dim, &mut force);
+    attempt(solid, at, context, |solid| solid.nodal_force(&force));
+}

@@ -1,0 +1,60 @@
+//! Passive laws.
+
+use super::context::Context;
+use super::field::Points;
+use super::named::{attempt, key_of};
+use crate::schema::{Case, Input};
+use crate::syntax::At;
+use nastic_energy::catalogue::Inputs;
+use nastic_fem::Solid;
+use std::collections::BTreeMap;
+
+pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
+    let mut covered: Vec<Option<usize>> = vec![None; solid.mesh().cells()];
+    for (k, material) in case.materials.iter().enumerate() {
+        let mesh = solid.mesh().clone();
+        let Some(cells) = context.take(&material.at.key("region"), mesh.region(&material.region)) else { continue };
+        let before = cells.iter().filter_map(|&cell| covered[cell as usize].replace(k));
+        let before: Vec<usize> = before.collect();
+        if let Some(&first) = before.first() {
+            let message = format!(
+                "{} of its cells have the law of \"{}\" too: both energies add up",
+                before.len(),
+                case.materials[first].region
+            );
+            context.warn(&material.at.key("region"), message);
+        }
+        let disc = solid.discretization().clone();
+        let points = Points::of_body(case, &disc, cells);
+        let Some(inputs) = inputs(&material.parameters, &material.at, &points, context) else { continue };
+        match material.law.build(&inputs) {
+            Ok(law) => attempt(solid, &material.at, context, |solid| solid.material_dyn(&material.region, law)),
+            Err(error) => context.complain(&key_of(&material.at, &error), error),
+        }
+    }
+}
+
+/// The parameters of a law or actuation, sampled.
+pub(super) fn inputs(
+    parameters: &BTreeMap<&'static str, Input>,
+    at: &At,
+    points: &Points<'_>,
+    context: &mut Context<'_>,
+) -> Option<Inputs> {
+    let mut out = Some(Inputs::new());
+    for (name, input) in parameters {
+        let at = at.key(name);
+        // One that fails does not keep the others from being looked at.
+        let with = match input {
+            Input::Number(value) => {
+                points.number(value, &at, context).map(|field| out.clone().map(|i| i.number(name, field)))
+            }
+            Input::Direction(value) => {
+                points.direction(value, &at, context).map(|field| out.clone().map(|i| i.direction(name, field)))
+            }
+            Input::Word(word) => Some(out.clone().map(|i| i.choice(name, word))),
+        };
+        out = with.flatten();
+    }
+    out
+}

@@ -1,0 +1,51 @@
+//! Meshes of a case: from files, or generated.
+
+use super::context::Context;
+use crate::schema::{BoxMesh, Case, MeshFile, MeshSource};
+use crate::syntax::At;
+use nastic_mesh::{CellKind, Mesh, MeshError, box_mesh, rectangle};
+
+/// The body's mesh.
+pub(super) fn body(case: &Case, context: &mut Context<'_>) -> Option<Mesh> {
+    load(&case.mesh, &at(case), context)
+}
+
+/// Where the body's mesh stands in the case.
+pub(super) fn at(case: &Case) -> At {
+    match &case.mesh {
+        MeshSource::File(file) => file.at.clone(),
+        MeshSource::Box(block) => block.at.clone(),
+    }
+}
+
+/// Reads or makes a mesh; what was mended is noted.
+pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Mesh> {
+    let mesh = match source {
+        MeshSource::File(file) => read(file, at, context)?,
+        MeshSource::Box(block) => {
+            let mesh = generate(block);
+            context.take(at, mesh)?
+        }
+    };
+    let notes = mesh.notes().iter().map(|note| format!("{}: {note}", mesh.name()));
+    context.notes.extend(notes);
+    Some(mesh)
+}
+
+fn read(file: &MeshFile, at: &At, context: &mut Context<'_>) -> Option<Mesh> {
+    let path = context.file(&file.file);
+    let mesh = nastic_io::read_mesh(&path, file.scale);
+    // Named as the case names it: what a reader of messages knows.
+    context.take(at, mesh).map(|mesh| mesh.named(file.file.clone()))
+}
+
+fn generate(block: &BoxMesh) -> Result<Mesh, MeshError> {
+    let unknown = || MeshError::Generate { what: "a mesh", why: format!("no element {}", block.element.name()) };
+    let kind = CellKind::from_name(block.element.name()).ok_or_else(unknown)?;
+    let cells = |k: usize| block.cells.get(k).copied().unwrap_or(1);
+    let size = block.size.xyz();
+    match block.element.dimensions() {
+        2 => rectangle([size[0], size[1]], [cells(0), cells(1)], kind),
+        _ => box_mesh(size, [cells(0), cells(1), cells(2)], kind),
+    }
+}

@@ -1,0 +1,31 @@
+//! Builder calls whose errors belong to a place of the case.
+
+use super::context::Context;
+use crate::syntax::At;
+use nastic_energy::EnergyError;
+use nastic_fem::{FemError, Solid};
+
+/// One builder call on the body; if it fails the body stays as it was.
+pub(super) fn attempt(
+    solid: &mut Solid,
+    at: &At,
+    context: &mut Context<'_>,
+    call: impl FnOnce(Solid) -> Result<Solid, FemError>,
+) {
+    match call(solid.clone()) {
+        Ok(changed) => *solid = changed,
+        Err(error) => context.complain(at, error),
+    }
+}
+
+/// The key an error of a law speaks of.
+pub(super) fn key_of(at: &At, error: &EnergyError) -> At {
+    match error {
+        EnergyError::Parameter { name, .. }
+        | EnergyError::Direction { name, .. }
+        | EnergyError::Length { name, .. }
+        | EnergyError::Missing { name, .. }
+        | EnergyError::Kind { name, .. } => at.key(name),
+        _ => at.clone(),
+    }
+}

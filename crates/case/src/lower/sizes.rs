@@ -1,0 +1,50 @@
+//! Sizes that look like another unit was meant.
+
+use super::context::Context;
+use super::cost::TargetShape;
+use crate::quantity::Dimension;
+use crate::schema::Case;
+use nastic_mesh::Mesh;
+
+/// Soft bodies longer than this are rare, millimetres taken for metres are not.
+const LARGE: f64 = 10.0;
+/// Body and target that differ by this much were hardly drawn in one unit.
+const APART: f64 = 50.0;
+
+pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], context: &mut Context<'_>) {
+    let at = super::mesh::at(case);
+    let units = context.units;
+    let metres = |length: f64| units.in_si(length, Dimension::LENGTH);
+    let unit = units.length().symbol;
+    let size = mesh.size().into_iter().fold(0.0, f64::max);
+    if metres(size) > LARGE {
+        let extent = show(mesh, unit);
+        let message = format!(
+            "the body measures {extent}: if {} is drawn in millimetres, write \"mesh\": {{ \"file\": ..., \"scale\": \
+             1e-3 }}, or \"units\": {{ \"length\": \"mm\", ... }}",
+            mesh.name()
+        );
+        context.warn(&at, message);
+    }
+    for target in targets.iter().flatten() {
+        let ratio = target.mesh.diagonal() / mesh.diagonal();
+        if !(1.0 / APART..=APART).contains(&ratio) {
+            let (body, aim) = (show(mesh, unit), show(&target.mesh, unit));
+            let message = format!(
+                "the body measures {body}, this target {aim}: are both drawn in the same unit? Give the \"scale\" of one"
+            );
+            context.warn(&target.at.key("target"), message);
+        }
+    }
+}
+
+fn show(mesh: &Mesh, unit: &str) -> String {
+    let size = mesh.size();
+    let size: Vec<String> = size[..mesh.dim()].iter().map(|s| format!("{}", rounded(*s))).collect();
+    format!("{} {unit}", size.join(" x "))
+}
+
+/// Four significant digits: a size, not a measurement.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

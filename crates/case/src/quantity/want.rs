@@ -1,0 +1,75 @@
+//! What a key asks of its number.
+
+use crate::quantity::Dimension;
+
+/// The sign a key demands.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Sign {
+    /// Any finite number.
+    Any,
+    /// >= 0
+    NotNegative,
+    /// > 0
+    Positive,
+}
+
+/// Dimension and sign a key demands of its number; part of the one description the reader and the schema share.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Want {
+    /// `None`: decided later (a control's bounds take the dimension of what they control).
+    pub dimension: Option<Dimension>,
+    /// Checked where the value is a constant.
+    pub sign: Sign,
+}
+
+impl Want {
+    /// Anything.
+    pub const ANY: Self = Self { dimension: None, sign: Sign::Any };
+    /// Anything, > 0.
+    pub const ANY_POSITIVE: Self = Self { dimension: None, sign: Sign::Positive };
+    /// Anything, >= 0.
+    pub const ANY_NOT_NEGATIVE: Self = Self { dimension: None, sign: Sign::NotNegative };
+    /// A plain number.
+    pub const NUMBER: Self = Self::a(Dimension::NONE);
+    /// A plain number > 0.
+    pub const POSITIVE: Self = Self::NUMBER.positive();
+    /// A plain number >= 0.
+    pub const NOT_NEGATIVE: Self = Self { dimension: Some(Dimension::NONE), sign: Sign::NotNegative };
+    /// A length.
+    pub const LENGTH: Self = Self::a(Dimension::LENGTH);
+    /// A length > 0.
+    pub const POSITIVE_LENGTH: Self = Self::LENGTH.positive();
+    /// A force.
+    pub const FORCE: Self = Self::a(Dimension::FORCE);
+    /// A time.
+    pub const TIME: Self = Self::a(Dimension::TIME);
+    /// A pressure.
+    pub const PRESSURE: Self = Self::a(Dimension::PRESSURE);
+    /// A magnetic field.
+    pub const FIELD: Self = Self::a(Dimension::FIELD);
+    /// A magnetic field > 0.
+    pub const POSITIVE_FIELD: Self = Self::FIELD.positive();
+    /// A force per volume.
+    pub const BODY_FORCE: Self = Self::a(Dimension::BODY_FORCE);
+    /// A magnetic permeability > 0.
+    pub const PERMEABILITY: Self = Self::a(Dimension::PERMEABILITY).positive();
+
+    /// A quantity of this dimension.
+    #[must_use]
+    pub const fn a(dimension: Dimension) -> Self {
+        Self { dimension: Some(dimension), sign: Sign::Any }
+    }
+
+    const fn positive(self) -> Self {
+        Self { dimension: self.dimension, sign: Sign::Positive }
+    }
+
+    /// Whether a constant has the demanded sign; the text says what was wanted.
+    pub(crate) fn refuses(self, value: f64) -> Option<&'static str> {
+        match self.sign {
+            Sign::Positive if value <= 0.0 => Some("must be positive"),
+            Sign::NotNegative if value < 0.0 => Some("must not be negative"),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! What commands leave behind: `result.json`, snapshots, pictures.
+
+pub(crate) mod expectation;
+pub(crate) mod files;
+pub(crate) mod fingerprint;
+pub(crate) mod picture;
+pub(crate) mod snapshot;
+pub(crate) mod summary;
+
+pub use expectation::{Missed, find};

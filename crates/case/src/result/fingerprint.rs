@@ -1,0 +1,26 @@
+//! Whether two cases are the same: a hash of the case and of all files it names.
+
+use std::path::Path;
+
+/// FNV-1a, 64 bits: guards against a changed case, not against an adversary.
+pub(crate) struct Fingerprint(u64);
+
+impl Fingerprint {
+    /// Of a case's canonical text and of the contents of files, in order.
+    pub fn of(canonical: &str, files: &[impl AsRef<Path>]) -> String {
+        let mut hash = Self(0xcbf2_9ce4_8422_2325);
+        hash.add(canonical.as_bytes());
+        for file in files {
+            // A file that vanished since it was read changes the hash, as it should.
+            hash.add(&std::fs::read(file).unwrap_or_default());
+        }
+        format!("{:016x}", hash.0)
+    }
+
+    fn add(&mut self, bytes: &[u8]) {
+        // The length first, so that two lists of files cannot run into one.
+        for byte in (bytes.len() as u64).to_le_bytes().iter().chain(bytes) {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+}

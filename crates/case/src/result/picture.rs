@@ -1,0 +1,58 @@
+//! Pictures of start, target and result, for those who do not have ParaView open.
+
+use super::files::Directory;
+use super::snapshot;
+use crate::lower::Problem;
+use nastic_control::Space;
+use nastic_io::WriteError;
+use nastic_io::picture::{Body, Colour, Field, Look, Picture};
+use nastic_mesh::Snapshot;
+
+/// What is drawn.
+pub(crate) struct Drawing<'a> {
+    pub title: String,
+    pub subtitle: String,
+    /// The state drawn solid, and its name in the legend.
+    pub body: (&'a str, &'a Snapshot),
+    /// A state drawn as glass behind it.
+    pub ghost: Option<(&'a str, &'a Snapshot)>,
+}
+
+/// Writes `picture.png` and `picture.svg`.
+pub(crate) fn write(problem: &Problem, drawing: &Drawing<'_>, to: &Directory) -> Result<(), WriteError> {
+    let mut picture =
+        Picture::new(&drawing.title).subtitle(&drawing.subtitle).length_unit(problem.units().length().symbol);
+    if let Some((label, ghost)) = drawing.ghost {
+        picture = picture.body(Body::of(label, ghost).look(Look::Glass(Colour::GREY)));
+    }
+    for target in problem.targets.iter().filter(|target| target.is_whole()) {
+        if let Ok(shape) = snapshot::target(target) {
+            picture = picture.body(Body::of("target", &shape).look(Look::Glass(Colour::RED)));
+        }
+    }
+    let (label, body) = drawing.body;
+    picture = picture.body(Body::of(label, body).look(look(problem, body)));
+    picture.write(to.file("picture.png"))?;
+    picture.write(to.file("picture.svg"))
+}
+
+/// Coloured by the first scalar control, else by J.
+fn look(problem: &Problem, body: &Snapshot) -> Look {
+    for (block, field) in problem.layout().blocks().iter().zip(&problem.controls) {
+        if block.components == 1 {
+            let array = match block.map.space() {
+                Space::Node => {
+                    body.point_array(&field.name).map(|a| Field::at_nodes(&a.name, &field.unit, a.values.clone()))
+                }
+                _ => body.cell_array(&field.name).map(|a| Field::at_cells(&a.name, &field.unit, a.values.clone())),
+            };
+            if let Some(array) = array {
+                return Look::Field(array);
+            }
+        }
+    }
+    match body.cell_array("J") {
+        Some(array) => Look::Field(Field::at_cells("J", "", array.values.clone())),
+        None => Look::Solid(Colour::BLUE),
+    }
+}

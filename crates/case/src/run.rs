@@ -1,0 +1,130 @@
+//! The commands, as functions of a library: `check`, `solve`, `gradient`, `gradcheck`, `optimize`.
+//!
+//! ```no_run
+//! use nastic_case::console::Console;
+//! use nastic_case::run::{Options, run};
+//! use nastic_case::schema::Command;
+//!
+//! let outcome = run(Command::Solve, "case.json".as_ref(), &Options::default(), &Console::silent())?;
+//! println!("{}", outcome.result["probes"]["tip"]["displacement"]);
+//! # Ok::<(), nastic_case::run::RunError>(())
+//! ```
+
+mod certificate;
+mod check;
+mod describe;
+mod error;
+mod gradcheck;
+mod gradient;
+mod number;
+mod optimize;
+mod session;
+mod solve;
+mod table;
+mod watched;
+
+pub use certificate::{Certificate, certify};
+pub use error::{Exit, RunError};
+pub use gradcheck::{GradientTest, test_gradient};
+
+use crate::console::Console;
+use crate::result::{Missed, expectation};
+use crate::schema::Command;
+use serde_json::{Value, json};
+use session::Session;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// What a user may choose beside the case.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Directory of all results; that of the case if absent.
+    pub out: Option<PathBuf>,
+    /// Number of threads; all processors if absent. Results do not depend on it.
+    pub threads: Option<usize>,
+    /// Overrides `path=value`, in order.
+    pub set: Vec<String>,
+    /// Once raised, the command stops as soon as it can, keeping what it has.
+    pub cancel: Arc<AtomicBool>,
+}
+
+/// What a command found.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Outcome {
+    /// How it ended.
+    pub exit: Exit,
+    /// The content of `result.json`.
+    pub result: Value,
+    /// Expectations of the case that were not met.
+    pub missed: Vec<Missed>,
+}
+
+/// Runs a command on a case file.
+///
+/// # Errors
+/// A [`RunError`], which knows its exit code. A failed gradient check, a stop before convergence and missed expectations
+/// are no errors: see [`Outcome::exit`].
+pub fn run(command: Command, case: &Path, options: &Options, console: &Console) -> Result<Outcome, RunError> {
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(threads) = options.threads {
+        pool = pool.num_threads(threads);
+    }
+    let pool = pool.build().map_err(|error| RunError::Threads(error.to_string()))?;
+    pool.install(|| {
+        let mut session = Session::open(command, case, options, console)?;
+        let exit = match &session.command {
+            Command::Check => check::run(&mut session),
+            Command::Solve => solve::run(&mut session),
+            Command::Gradient => gradient::run(&mut session),
+            Command::Gradcheck => gradcheck::run(&mut session),
+            Command::Optimize => optimize::run(&mut session),
+        };
+        console.clear();
+        match exit {
+            Ok(exit) => close(session, exit),
+            Err(error) => {
+                note_failure(session, &error);
+                Err(error)
+            }
+        }
+    })
+}
+
+/// What went wrong takes the place of a result, so that no older one is taken for it.
+fn note_failure(mut session: Session<'_>, error: &RunError) {
+    session.finish_clock();
+    session.put("error", json!(error.to_string()));
+    session.put("exit", json!(error.exit().code()));
+    if let Some(out) = &session.out {
+        // The error itself is what the caller hears of.
+        let _ = out.write_json("result.json", &session.result_value());
+    }
+}
+
+/// Judges expectations and writes the result.
+fn close(mut session: Session<'_>, exit: Exit) -> Result<Outcome, RunError> {
+    let mut exit = exit;
+    session.finish_clock();
+    let expect = &session.problem.case.expect;
+    let (checked, missed) = expectation::judge(expect, &session.command, &session.result_value());
+    for miss in &missed {
+        session.console.say(format!("MISSED      {miss}"));
+    }
+    if checked > 0 && missed.is_empty() {
+        session.console.say(format!("expect      {checked} of {checked} values as expected"));
+    }
+    let misses: Vec<Value> =
+        missed.iter().map(|m| json!({ "path": m.path, "found": m.found, "expected": m.expected })).collect();
+    session.put("expect", json!({ "checked": checked, "missed": misses }));
+    if !missed.is_empty() && matches!(exit, Exit::Done | Exit::NotConverged) {
+        exit = Exit::ExpectMissed;
+    }
+    session.put("exit", json!(exit.code()));
+    let result = session.result_value();
+    if let Some(out) = &session.out {
+        out.write_json("result.json", &result)?;
+        session.console.say(format!("results     {}", out.path().display()));
+    }
+    Ok(Outcome { exit, result, missed })
+}

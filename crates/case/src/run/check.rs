@@ -1,0 +1,39 @@
+//! `nastic check`: what the case says, as it was understood. Nothing is solved.
+
+use super::describe::{self, Line};
+use super::error::{Exit, RunError};
+use super::session::Session;
+use serde_json::json;
+
+pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
+    let problem = &session.problem;
+    let sections = [
+        describe::units(problem),
+        describe::mesh(problem),
+        describe::groups(problem),
+        describe::materials(problem),
+        describe::actuation(problem),
+        describe::controls(problem),
+        describe::supports(problem),
+        describe::costs(problem),
+        describe::optimizer(problem),
+        describe::conventions(problem),
+    ];
+    for lines in &sections {
+        let mut head = "";
+        for Line { head: own, text } in lines {
+            let shown = if *own == head { "" } else { own };
+            head = own;
+            session.console.say(format!("{shown:<12}{text}"));
+        }
+    }
+    let warnings = problem.warnings.len();
+    let entries = describe::json(problem);
+    session.put_all(entries);
+    session.console.say(match warnings {
+        0 => "check       the case is complete and consistent".to_owned(),
+        n => format!("check       the case is complete and consistent, with {}", super::number::count(n, "warning")),
+    });
+    session.put("valid", json!(true));
+    Ok(Exit::Done)
+}

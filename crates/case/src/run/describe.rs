@@ -1,0 +1,454 @@
+//! A problem in words: what `nastic check` prints.
+
+use super::number::{count, grouped, quantity, scientific, short, vector};
+use crate::expression::dimension_of;
+use crate::lower::{Admitted, ControlField, Problem};
+use crate::quantity::{Dimension, Units};
+use crate::schema::{Cost, Fixed, Input, Metric, Parameter, Phi, VectorField};
+use nastic_control::ControlBlock;
+use nastic_energy::catalogue::{self, Takes};
+use nastic_mesh::CellKind;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+
+/// A line under a heading.
+pub(super) struct Line {
+    pub head: &'static str,
+    pub text: String,
+}
+
+fn line(head: &'static str, text: impl Into<String>) -> Line {
+    Line { head, text: text.into() }
+}
+
+pub(super) fn units(problem: &Problem) -> Vec<Line> {
+    let units = problem.units();
+    let (length, force, time, field) = (units.length(), units.force(), units.time(), units.field());
+    let pressure = units.label(Dimension::PRESSURE);
+    let text =
+        format!("{}, {}, {}, {}; pressures in {pressure}", length.symbol, force.symbol, time.symbol, field.symbol);
+    vec![line("units", text)]
+}
+
+pub(super) fn mesh(problem: &Problem) -> Vec<Line> {
+    let (mesh, measures) = (problem.mesh(), problem.mesh().measures());
+    let kinds: Vec<String> =
+        mesh.blocks().iter().map(|block| format!("{} {}", grouped(block.len()), block.kind)).collect();
+    let unit = problem.units().length().symbol;
+    let (volume, area, cube, square) = match mesh.dim() {
+        2 => ("area", "boundary length", format!("{unit}^2"), unit.to_owned()),
+        _ => ("volume", "boundary area", format!("{unit}^3"), format!("{unit}^2")),
+    };
+    let size: Vec<String> = measures.size[..mesh.dim()].iter().map(|s| short(*s)).collect();
+    let quality = mesh.quality();
+    let mut out = vec![
+        line("mesh", format!("{}: {}, {}", mesh.name(), kinds.join(" + "), count(mesh.points().len(), "node"))),
+        line(
+            "mesh",
+            format!(
+                "size {} {unit}, {volume} {} {cube}, {area} {} {square}",
+                size.join(" x "),
+                short(measures.volume),
+                short(measures.boundary)
+            ),
+        ),
+        line(
+            "mesh",
+            format!(
+                "quality: scaled Jacobian >= {:.3} (1 is best), Jacobian ratio >= {:.3}, aspect <= {:.2}, edges {} to {} {unit}",
+                quality.scaled_jacobian(),
+                quality.jacobian_ratio(),
+                quality.aspect(),
+                short(quality.shortest_edge),
+                short(quality.longest_edge)
+            ),
+        ),
+    ];
+    out.extend(quality.warnings().into_iter().map(|warning| line("mesh", format!("WARNING: {warning}"))));
+    out
+}
+
+pub(super) fn groups(problem: &Problem) -> Vec<Line> {
+    let (mesh, measures) = (problem.mesh(), problem.mesh().measures());
+    let unit = problem.units().length().symbol;
+    let d = mesh.dim();
+    let measure = |value: f64, dim: usize| match dim {
+        1 => format!("length {} {unit}", short(value)),
+        2 => format!("area {} {unit}^2", short(value)),
+        _ => format!("volume {} {unit}^3", short(value)),
+    };
+    let mut out = Vec::new();
+    for (name, cells) in mesh.regions() {
+        let size = measures.regions.get(name).copied().unwrap_or(f64::NAN);
+        out.push(line("regions", format!("{name}: {}, {}", count(cells.len(), "cell"), measure(size, d))));
+    }
+    for (name, facets) in mesh.surfaces() {
+        let size = measures.surfaces.get(name).copied().unwrap_or(f64::NAN);
+        out.push(line("surfaces", format!("{name}: {}, {}", count(facets.len(), "facet"), measure(size, d - 1))));
+    }
+    for (name, nodes) in mesh.node_sets() {
+        out.push(line("node sets", format!("{name}: {}", count(nodes.len(), "node"))));
+    }
+    out
+}
+
+pub(super) fn materials(problem: &Problem) -> Vec<Line> {
+    let of = |material: &crate::schema::Material| {
+        let units = problem.units();
+        let values = parameters(&material.parameters, &catalogue_of(material.law.forms), units);
+        line("materials", format!("{}: {} ({}); {values}", material.region, material.law.name, material.law.about))
+    };
+    problem.case.materials.iter().map(of).collect()
+}
+
+pub(super) fn actuation(problem: &Problem) -> Vec<Line> {
+    let mut out = Vec::new();
+    for (k, actuation) in problem.case.actuation.iter().enumerate() {
+        let units = problem.units();
+        let values = parameters(&actuation.parameters, &catalogue_of(actuation.kind.forms), units);
+        let values = if values.is_empty() { values } else { format!("; {values}") };
+        let text = format!("{}: {} on {}{values}", actuation.name, actuation.kind.name, actuation.region);
+        out.push(line("actuation", text));
+        out.push(line("actuation", format!("  {}", actuation.kind.about)));
+        if let Some(limit) = problem.solid().body().fiber_limit(k) {
+            let limit = quantity(limit, Dimension::PRESSURE, units);
+            out.push(line("actuation", format!("  the law stays polyconvex up to a tension of {limit}")));
+        }
+        for (key, fixed) in &actuation.fixed {
+            let value = match fixed {
+                Fixed::Scalar(value) => scalar(value, Dimension::NONE, units),
+                Fixed::Vector(value) => vector_field(value),
+            };
+            out.push(line("actuation", format!("  fixed {key} {value}")));
+        }
+    }
+    out
+}
+
+pub(super) fn controls(problem: &Problem) -> Vec<Line> {
+    let fields = problem.layout().blocks().iter().zip(&problem.controls);
+    let of = |(block, field): (&ControlBlock, &ControlField)| {
+        let values = block.of(&problem.start);
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let unit = &field.unit;
+        let start = if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) };
+        let components =
+            if block.components > 1 { format!(" of {} components", block.components) } else { String::new() };
+        let unknowns = count(block.map.len(), "unknown");
+        let admitted = admitted(field);
+        line(
+            "controls",
+            format!(
+                "{}: by {}, {unknowns}{components}, start {start} {unit}, {admitted}",
+                field.name,
+                block.map.space().name()
+            ),
+        )
+    };
+    fields.map(of).collect()
+}
+
+fn admitted(field: &ControlField) -> String {
+    let unit = &field.unit;
+    match field.admitted {
+        Admitted::Between { lower, upper } => format!("within [{}, {}] {unit}", short(lower), short(upper)),
+        Admitted::Norm(norm) => format!("of length {} {unit}", short(norm)),
+        Admitted::MaxNorm(most) => format!("no longer than {} {unit}", short(most)),
+        Admitted::Any => "unbounded".to_owned(),
+    }
+}
+
+pub(super) fn supports(problem: &Problem) -> Vec<Line> {
+    let (solid, units) = (problem.solid(), problem.units());
+    let held = solid.supports().fixed().iter().filter(|fixed| **fixed).count();
+    let moved = solid.supports().values().iter().filter(|value| **value != 0.0).count();
+    let total = solid.discretization().dofs();
+    let mut out = vec![line(
+        "supports",
+        format!(
+            "{} of {} displacement components held, {} of them moved; no rigid motion is free",
+            grouped(held),
+            grouped(total),
+            grouped(moved)
+        ),
+    )];
+    if !problem.case.loads.is_empty() {
+        let dim = problem.mesh().dim();
+        let mut sum = [0.0; 3];
+        solid.dead_load().iter().enumerate().for_each(|(dof, force)| sum[dof % dim] += force);
+        let text = format!(
+            "{}; total force {} {}",
+            count(problem.case.loads.len(), "dead load"),
+            vector(&sum[..dim]),
+            units.force().symbol
+        );
+        out.push(line("loads", text));
+    }
+    out
+}
+
+pub(super) fn costs(problem: &Problem) -> Vec<Line> {
+    let mut out = Vec::new();
+    for cost in &problem.case.costs {
+        let text = match cost {
+            Cost::SmoothedHausdorff(block) => {
+                let stages =
+                    block.stages.iter().map(|s| format!("({}, {}, {})", short(s.alpha), short(s.beta), short(s.gamma)));
+                let stages: Vec<String> = stages.collect();
+                format!("phi {}, (alpha, beta, gamma) = {}", phi(&block.phi), stages.join(" then "))
+            }
+            Cost::Tracking(block) => {
+                let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
+                format!("weight/2 int |x - x_target|^2 on {}", place.map_or("", String::as_str))
+            }
+            Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
+            Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
+        };
+        let (name, kind) = (cost.name(), cost.kind());
+        let name = if name == kind { name.to_owned() } else { format!("{name} ({kind})") };
+        out.push(line("costs", format!("{name}: {text}, weight {}", short(cost.weight()))));
+    }
+    for target in &problem.targets {
+        let unit = problem.units().length().symbol;
+        if target.displacement.is_empty() {
+            let size: Vec<String> = target.mesh.size()[..target.mesh.dim()].iter().map(|s| short(*s)).collect();
+            let text = format!(
+                "{}: {} ({}), size {} {unit}",
+                target.cost,
+                target.mesh.name(),
+                count(target.mesh.cells(), "cell"),
+                size.join(" x ")
+            );
+            out.push(line("targets", text));
+        } else {
+            let n = target.displacement.iter().filter(|(_, matters)| *matters).count();
+            let far = target
+                .displacement
+                .iter()
+                .map(|(u, _)| u.iter().map(|x| x * x).sum::<f64>().sqrt())
+                .fold(0.0, f64::max);
+            out.push(line(
+                "targets",
+                format!("{}: {} to be moved by up to {} {unit}", target.cost, count(n, "node"), short(far)),
+            ));
+        }
+    }
+    out
+}
+
+fn phi(phi: &Phi) -> String {
+    match phi {
+        Phi::Exponential(block) => match (block.length, block.fraction) {
+            (Some(length), _) => format!("exp(-r/{})", short(length)),
+            (None, Some(fraction)) => format!("exp(-r/l), l {} of the target's diagonal", short(fraction)),
+            (None, None) => "exp(-r/l)".to_owned(),
+        },
+        Phi::Inverse(block) => format!("1/(r + {})", short(block.eps)),
+        Phi::SmoothInverse(block) => format!("1/sqrt(r^2 + {}^2)", short(block.eps)),
+    }
+}
+
+pub(super) fn optimizer(problem: &Problem) -> Vec<Line> {
+    if problem.layout().is_empty() || problem.reduced.costs().is_empty() {
+        return vec![];
+    }
+    let block = &problem.case.optimizer;
+    let metric = match block.metric {
+        Metric::L2 => "L2 (lumped)".to_owned(),
+        Metric::H1(length) => format!("H1 of length {}", quantity(length, Dimension::LENGTH, problem.units())),
+    };
+    let text = format!(
+        "{}, at most {} iterations, tolerance {} on the projected gradient, metric {metric}",
+        block.method.name(),
+        block.max_iterations,
+        short(block.tolerance)
+    );
+    vec![line("optimizer", text)]
+}
+
+pub(super) fn conventions(problem: &Problem) -> Vec<Line> {
+    let mut out = vec![line(
+        "conventions",
+        "x = X + u, F = I + grad u, P = dW/dF; loads are dead: per reference area and volume",
+    )];
+    if problem.mesh().dim() == 2 {
+        out.push(line("conventions", "plane strain: F = diag(F_2x2, 1), forces per unit of depth"));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind.name == "fiber_tension") {
+        out.push(line(
+            "conventions",
+            "fibre tension m adds -(m/2)|F a|^2 to the energy: m < 0 contracts the fibre, m > 0 lengthens it",
+        ));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind.name == "turgor") {
+        out.push(line("conventions", "turgor m adds -m (J - 1) to the energy: m > 0 inflates"));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind.name == "magnet") {
+        let mu0 = problem.units().permeability();
+        out.push(line(
+            "conventions",
+            format!(
+                "magnets add -(1/mu0)(F B_r).B_a to the energy; mu0 = {} in these units unless given",
+                scientific(mu0, 8)
+            ),
+        ));
+    }
+    if problem.layout().blocks().iter().any(|block| block.map.space() == nastic_control::Space::Node)
+        && problem.mesh().blocks().iter().any(|block| block.kind.order() > 1)
+    {
+        out.push(line(
+            "conventions",
+            "nodal controls live on corner nodes and are linear between them, so that bounds hold everywhere",
+        ));
+    }
+    if !problem.layout().is_empty() {
+        out.push(line(
+            "conventions",
+            "derivative: dj/dm_i; gradient: its Riesz image in the metric; steps go along minus the gradient",
+        ));
+    }
+    out
+}
+
+/// The parameters of all forms by name.
+fn catalogue_of(forms: &'static [&'static [catalogue::Parameter]]) -> BTreeMap<&'static str, Dimension> {
+    let dimension = |p: &catalogue::Parameter| match p.takes {
+        Takes::Number { unit, .. } => dimension_of(unit).unwrap_or(Dimension::NONE),
+        Takes::Direction { .. } | Takes::Choice { .. } => Dimension::NONE,
+    };
+    forms.iter().copied().flatten().map(|p| (p.name, dimension(p))).collect()
+}
+
+fn parameters(
+    inputs: &BTreeMap<&'static str, Input>,
+    dimensions: &BTreeMap<&'static str, Dimension>,
+    units: &Units,
+) -> String {
+    let of = |(name, input): (&&'static str, &Input)| {
+        let value = match input {
+            Input::Number(value) => scalar(value, dimensions.get(name).copied().unwrap_or(Dimension::NONE), units),
+            Input::Direction(value) => vector_field(value),
+            Input::Word(word) => (*word).to_owned(),
+        };
+        format!("{name} {value}")
+    };
+    inputs.iter().map(of).collect::<Vec<_>>().join(", ")
+}
+
+fn scalar(value: &Parameter, dimension: Dimension, units: &Units) -> String {
+    match value {
+        Parameter::Formula(formula) => match formula.constant() {
+            Some(value) => quantity(value, dimension, units),
+            None => format!("\"{}\"", formula.text()),
+        },
+        Parameter::Array(file) => format!("array {} of {}", file.array, file.file),
+    }
+}
+
+fn vector_field(value: &VectorField) -> String {
+    match (value.constant(), value) {
+        (Some(constant), _) => vector(&constant),
+        (None, VectorField::Formulas(entries)) => {
+            let texts: Vec<String> = entries.iter().map(|entry| format!("\"{}\"", entry.text())).collect();
+            format!("({})", texts.join(", "))
+        }
+        (None, VectorField::Array(file)) => format!("array {} of {}", file.array, file.file),
+    }
+}
+
+/// The same for programs.
+pub(super) fn json(problem: &Problem) -> Map<String, Value> {
+    let (mesh, measures, quality) = (problem.mesh(), problem.mesh().measures(), problem.mesh().quality());
+    let kinds: BTreeMap<&str, usize> = mesh.blocks().iter().fold(BTreeMap::new(), |mut kinds, block| {
+        *kinds.entry(CellKind::name(block.kind)).or_default() += block.len();
+        kinds
+    });
+    let regions: Map<String, Value> = mesh
+        .regions()
+        .iter()
+        .map(|(name, cells)| (name.clone(), json!({ "cells": cells.len(), "measure": measures.regions.get(name) })))
+        .collect();
+    let surfaces: Map<String, Value> = mesh
+        .surfaces()
+        .iter()
+        .map(|(name, facets)| (name.clone(), json!({ "facets": facets.len(), "measure": measures.surfaces.get(name) })))
+        .collect();
+    let sets: Map<String, Value> =
+        mesh.node_sets().iter().map(|(name, nodes)| (name.clone(), json!({ "nodes": nodes.len() }))).collect();
+    let mut out = Map::new();
+    out.insert(
+        "mesh".into(),
+        json!({
+            "name": mesh.name(), "dimensions": mesh.dim(), "nodes": mesh.points().len(), "cells": mesh.cells(),
+            "kinds": kinds, "unknowns": problem.solid().discretization().dofs(), "size": measures.size,
+            "measure": measures.volume, "boundary": measures.boundary,
+            "quality": {
+                "scaled_jacobian": quality.scaled_jacobian(), "jacobian_ratio": quality.jacobian_ratio(),
+                "aspect": quality.aspect(), "shortest_edge": quality.shortest_edge, "longest_edge": quality.longest_edge,
+            },
+            "regions": regions, "surfaces": surfaces, "node_sets": sets,
+        }),
+    );
+    out.insert(
+        "materials".into(),
+        problem
+            .case
+            .materials
+            .iter()
+            .map(|m| law(problem, &m.region, m.law.name, &m.parameters, m.law.forms))
+            .collect(),
+    );
+    let actuations = problem.case.actuation.iter().enumerate().map(|(k, a)| {
+        let mut entry = law(problem, &a.region, a.kind.name, &a.parameters, a.kind.forms);
+        entry["name"] = json!(a.name);
+        entry["fiber_limit"] = json!(problem.solid().body().fiber_limit(k));
+        entry
+    });
+    out.insert("actuation".into(), actuations.collect());
+    out.insert("controls".into(), crate::result::summary::controls(problem, &problem.start));
+    for (field, block) in problem.controls.iter().zip(problem.layout().blocks()) {
+        if let Some(entry) = out.get_mut("controls").and_then(|controls| controls.get_mut(&field.name)) {
+            entry["space"] = json!(block.map.space().name());
+            entry["unit"] = json!(field.unit);
+            entry["fiber_limit"] = json!(field.limit);
+            if let Admitted::Between { lower, upper } = field.admitted {
+                entry["lower"] = json!(lower);
+                entry["upper"] = json!(upper);
+            }
+        }
+    }
+    let held = problem.solid().supports().fixed().iter().filter(|fixed| **fixed).count();
+    out.insert("held_components".into(), json!(held));
+    out
+}
+
+/// A law with its constants in the case's units and in SI.
+fn law(
+    problem: &Problem,
+    region: &str,
+    name: &str,
+    inputs: &BTreeMap<&'static str, Input>,
+    forms: &'static [&'static [catalogue::Parameter]],
+) -> Value {
+    let dimensions = catalogue_of(forms);
+    let units = problem.units();
+    let of = |(name, input): (&&'static str, &Input)| {
+        let dimension = dimensions.get(name).copied().unwrap_or(Dimension::NONE);
+        let value = match input {
+            Input::Number(value) => match value.constant() {
+                Some(constant) => {
+                    json!({ "value": constant, "unit": units.label(dimension), "si": units.in_si(constant, dimension) })
+                }
+                None => json!({ "varies": scalar(value, dimension, units) }),
+            },
+            Input::Direction(value) => match value.constant() {
+                Some(constant) => json!(constant),
+                None => json!({ "varies": vector_field(value) }),
+            },
+            Input::Word(word) => json!(word),
+        };
+        ((*name).to_owned(), value)
+    };
+    let values: Map<String, Value> = inputs.iter().map(of).collect();
+    json!({ "region": region, "law": name, "parameters": values })
+}

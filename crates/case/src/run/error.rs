@@ -1,0 +1,100 @@
+//! How commands end.
+
+use crate::syntax::Diagnostics;
+use nastic_control::ControlError;
+use nastic_io::WriteError;
+use nastic_mesh::MeshError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// How a command ended; the codes are those of the program.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Exit {
+    /// Done.
+    Done,
+    /// Bad input.
+    BadInput,
+    /// The forward solve failed.
+    ForwardFailed,
+    /// Stopped before converging.
+    NotConverged,
+    /// The gradient check failed.
+    GradientWrong,
+    /// An expectation of the case was missed.
+    ExpectMissed,
+    /// A file could not be written.
+    NotWritten,
+}
+
+impl Exit {
+    /// The exit code.
+    #[must_use]
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::BadInput => 2,
+            Self::ForwardFailed => 3,
+            Self::NotConverged => 4,
+            Self::GradientWrong => 5,
+            Self::ExpectMissed => 6,
+            Self::NotWritten => 7,
+        }
+    }
+}
+
+/// Why a command has no result.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The case is wrong: all problems found.
+    #[error(transparent)]
+    Input(#[from] Diagnostics),
+    /// A number of threads that cannot be had.
+    #[error("threads: {0}")]
+    Threads(String),
+    /// There is no equilibrium, or no cost, where the command needs one.
+    #[error("{error}{}", kept(.file))]
+    Forward {
+        /// What failed.
+        error: Box<ControlError>,
+        /// Where the last good state was written.
+        file: Option<PathBuf>,
+    },
+    /// The optimiser could not begin.
+    #[error("the optimisation cannot begin: {0}")]
+    Start(#[from] nastic_opt::RunError),
+    /// The gradient check could not be made.
+    #[error("{0}")]
+    Taylor(#[from] nastic_opt::TaylorError),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// An array that does not fit its mesh.
+    #[error(transparent)]
+    Snapshot(#[from] MeshError),
+    /// Somebody asked to stop before there was anything to keep.
+    #[error("stopped before there was a result")]
+    Cancelled,
+}
+
+fn kept(file: &Option<PathBuf>) -> String {
+    match file {
+        Some(file) => format!("; the last good state was written to {}", file.display()),
+        None => String::new(),
+    }
+}
+
+impl RunError {
+    /// The exit code that belongs to it.
+    #[must_use]
+    pub fn exit(&self) -> Exit {
+        match self {
+            Self::Input(_) | Self::Threads(_) => Exit::BadInput,
+            Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
+            Self::Start(_) => Exit::BadInput,
+            Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,
+            Self::Taylor(_) => Exit::BadInput,
+            Self::Write(_) | Self::Snapshot(_) => Exit::NotWritten,
+            Self::Cancelled => Exit::NotConverged,
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! What the commands share: the case at hand, the clock, the place for results.
+
+use super::error::{Exit, RunError};
+use super::{Options, number};
+use crate::console::Console;
+use crate::lower::Problem;
+use crate::result::files::Directory;
+use crate::result::fingerprint::Fingerprint;
+use crate::result::snapshot::{self, View};
+use crate::schema::Command;
+use crate::syntax::Document;
+use nastic_control::ControlError;
+use nastic_fem::{State, StateError};
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// A command under way.
+pub(super) struct Session<'c> {
+    pub command: Command,
+    pub problem: Problem,
+    pub console: &'c Console,
+    pub cancel: Arc<AtomicBool>,
+    /// Where results go; `None` for commands that leave nothing behind unless told where.
+    pub out: Option<Directory>,
+    result: Map<String, Value>,
+    phases: Vec<(&'static str, f64)>,
+    began: Instant,
+}
+
+impl<'c> Session<'c> {
+    /// Reads and lowers the case.
+    pub fn open(command: Command, path: &Path, options: &Options, console: &'c Console) -> Result<Self, RunError> {
+        let began = Instant::now();
+        let mut document = Document::open(path)?;
+        for option in &options.set {
+            document.set(option)?;
+        }
+        let problem = Problem::lower(document, options.cancel.clone())?;
+        let out = directory(&command, &problem, path, options);
+        let mut session = Self {
+            command,
+            problem,
+            console,
+            cancel: options.cancel.clone(),
+            out,
+            result: Map::new(),
+            phases: vec![("read", began.elapsed().as_secs_f64())],
+            began,
+        };
+        session.introduce(path);
+        if let Some(out) = &session.out {
+            out.create()?;
+        }
+        Ok(session)
+    }
+
+    /// The head of every result, and of what is said.
+    fn introduce(&mut self, path: &Path) {
+        let problem = &self.problem;
+        let case = &problem.case;
+        let hash = Fingerprint::of(&problem.document.canonical(), &problem.files);
+        let title = case.title.clone();
+        let units = problem.units();
+        let versions = json!({ "nastic": env!("CARGO_PKG_VERSION"), "case": case.nastic });
+        let labels = json!({
+            "length": units.length().symbol,
+            "force": units.force().symbol,
+            "time": units.time().symbol,
+            "field": units.field().symbol,
+        });
+        let warnings: Vec<String> = problem.warnings.iter().map(ToString::to_string).collect();
+        let notes = problem.notes.clone();
+        let command = self.command.name();
+        self.console.say(match &title {
+            Some(title) => format!("case        {}: {title}", path.display()),
+            None => format!("case        {}", path.display()),
+        });
+        let (mesh, dofs) = (problem.mesh(), problem.solid().discretization().dofs());
+        let body = format!("{}, {} unknowns", number::count(mesh.cells(), "cell"), number::grouped(dofs));
+        self.console.say(format!(
+            "body        {}: {body}, {} control values",
+            mesh.name(),
+            number::grouped(problem.start.len())
+        ));
+        for note in &notes {
+            self.console.say(format!("note        {note}"));
+        }
+        for warning in &warnings {
+            self.console.say(format!("WARNING     {warning}"));
+        }
+        self.put("command", json!(command));
+        self.put("case", json!(path.display().to_string()));
+        self.put("title", json!(title));
+        self.put("case_hash", json!(hash));
+        self.put("versions", versions);
+        self.put("units", labels);
+        self.put("warnings", json!(warnings));
+        self.put("notes", json!(notes));
+    }
+
+    /// Adds an entry to the result.
+    pub fn put(&mut self, key: &str, value: Value) {
+        self.result.insert(key.to_owned(), value);
+    }
+
+    /// Adds entries to the result.
+    pub fn put_all(&mut self, entries: Map<String, Value>) {
+        self.result.extend(entries);
+    }
+
+    /// The result as it stands.
+    pub fn result_value(&self) -> Value {
+        Value::Object(self.result.clone())
+    }
+
+    /// Does something, and notes how long it took.
+    pub fn timed<T>(&mut self, phase: &'static str, work: impl FnOnce(&mut Self) -> T) -> T {
+        let began = Instant::now();
+        let out = work(self);
+        self.note_time(phase, began.elapsed().as_secs_f64());
+        out
+    }
+
+    /// Adds to the time of a phase.
+    pub fn note_time(&mut self, phase: &'static str, seconds: f64) {
+        match self.phases.iter_mut().find(|(known, _)| *known == phase) {
+            Some((_, total)) => *total += seconds,
+            None => self.phases.push((phase, seconds)),
+        }
+    }
+
+    /// Puts the times into the result.
+    pub fn finish_clock(&mut self) {
+        let mut times: Map<String, Value> =
+            self.phases.iter().map(|(phase, seconds)| ((*phase).to_owned(), json!(seconds))).collect();
+        times.insert("total".into(), json!(self.began.elapsed().as_secs_f64()));
+        self.put("seconds", Value::Object(times));
+    }
+
+    /// Whether somebody asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// What this command needs and the case lacks.
+    pub fn require(&self, controls: bool, costs: bool) -> Result<(), RunError> {
+        let command = self.command.name();
+        if controls && self.problem.layout().is_empty() {
+            let message = format!("\"{command}\" needs controls, and the case has none");
+            return Err(self.problem.complain("controls", message).into());
+        }
+        if costs && self.problem.reduced.costs().is_empty() {
+            let message = format!("\"{command}\" needs costs, and the case has none");
+            return Err(self.problem.complain("costs", message).into());
+        }
+        Ok(())
+    }
+
+    /// The error of a state that was not found; its last good state is kept on disk.
+    pub fn forward_failed(&self, error: ControlError) -> RunError {
+        if let ControlError::State(StateError::Cancelled) = error {
+            return RunError::Cancelled;
+        }
+        let last = match &error {
+            ControlError::State(StateError::Inverted { last, at, .. }) => Some((last, Some(at.cell))),
+            ControlError::State(StateError::NoConvergence { last, .. }) => Some((last, None)),
+            _ => None,
+        };
+        let file = match last.map(|(last, cell)| self.write_failure(last, cell)) {
+            Some(Err(error)) => return error,
+            Some(Ok(file)) => file,
+            None => None,
+        };
+        RunError::Forward { error: Box::new(error), file }
+    }
+
+    fn write_failure(&self, last: &State, cell: Option<usize>) -> Result<Option<PathBuf>, RunError> {
+        let Some(out) = &self.out else { return Ok(None) };
+        // The start control is what was asked for; the state shows how far the body came.
+        let view = View { state: last, m: &self.problem.start, adjoint: None, derivative: None };
+        let mut snapshot = snapshot::snapshot(&self.problem, &view)?;
+        if let Some(cell) = cell {
+            let mut failed = vec![0.0; self.problem.mesh().cells()];
+            failed[cell] = 1.0;
+            snapshot = snapshot.with_cells("failed", 1, failed)?;
+        }
+        out.write_vtu("failure.vtu", &snapshot)?;
+        Ok(Some(out.file("failure.vtu")))
+    }
+}
+
+/// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where
+/// they are told to.
+fn directory(command: &Command, problem: &Problem, path: &Path, options: &Options) -> Option<Directory> {
+    let named = options.out.clone().map(Directory::new);
+    if matches!(command, Command::Check | Command::Gradcheck) {
+        return named;
+    }
+    let stem = path.file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy().into_owned());
+    let own = problem.case.output.directory.clone().unwrap_or_else(|| format!("out/{stem}"));
+    Some(named.unwrap_or_else(|| Directory::new(problem.document.resolve(&own))))
+}
+
+impl From<Exit> for u8 {
+    fn from(exit: Exit) -> Self {
+        exit.code()
+    }
+}

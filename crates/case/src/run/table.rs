@@ -1,0 +1,83 @@
+//! The table of trials.
+
+use super::number::scientific;
+use nastic_control::Evaluated;
+use nastic_opt::{Reason, Trial};
+use std::fmt::Write;
+
+/// One row per trial, in columns.
+pub(super) struct Table {
+    /// Whether true distances are known.
+    pub distance: bool,
+    /// Whether there is more than one stage.
+    pub stages: bool,
+}
+
+impl Table {
+    pub fn header(&self) -> String {
+        let mut out = format!("{:>5} {:>5}", "trial", "iter");
+        if self.stages {
+            let _ = write!(out, " {:>5}", "stage");
+        }
+        let _ = write!(out, "  {:>13} {:>10} {:>9}", "cost", "gradient", "step");
+        if self.distance {
+            let _ = write!(out, " {:>10}", "distance");
+        }
+        let _ = write!(out, " {:>6} {:>6} {:>7} {:>7} {:>8}", "newton", "factor", "min J", "active", "seconds");
+        out
+    }
+
+    pub fn row(
+        &self,
+        trial: &Trial<'_, Evaluated>,
+        newton: Option<usize>,
+        distance: Option<f64>,
+        seconds: f64,
+    ) -> String {
+        let mut out = format!("{:>5}", trial.trial);
+        let iteration = if trial.accepted { trial.iteration.to_string() } else { "-".to_owned() };
+        let _ = write!(out, " {iteration:>5}");
+        if self.stages {
+            let _ = write!(out, " {:>5}", trial.stage + 1);
+        }
+        let cost = trial.cost.map_or_else(|| "-".to_owned(), |cost| scientific(cost, 6));
+        let gradient = if trial.accepted { scientific(trial.relative_gradient, 2) } else { "-".to_owned() };
+        let step = if trial.step > 0.0 { scientific(trial.step, 2) } else { "-".to_owned() };
+        let _ = write!(out, "  {cost:>13} {gradient:>10} {step:>9}");
+        if self.distance {
+            let distance = distance.map_or_else(|| "-".to_owned(), |d| scientific(d, 4));
+            let _ = write!(out, " {distance:>10}");
+        }
+        let count = |name: &str| trial.report.get(name).map(|value| value as usize);
+        let show = |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |n| n.to_string());
+        let newton = show(count("newton").or(newton));
+        let factor = show(count("factorisations"));
+        let min_j = trial.report.get("min_J").map_or_else(|| "-".to_owned(), |j| format!("{j:.4}"));
+        let active = format!("{:.1}%", 100.0 * trial.active_share);
+        let _ = write!(out, " {newton:>6} {factor:>6} {min_j:>7} {active:>7} {seconds:>8.2}");
+        if let Some(remark) = remark(&trial.reason) {
+            let _ = write!(out, "  {remark}");
+        }
+        out
+    }
+}
+
+/// What the columns do not say.
+fn remark(reason: &Reason) -> Option<String> {
+    match reason {
+        Reason::Armijo => None,
+        Reason::Start => Some("start".to_owned()),
+        Reason::Stage => Some("new stage".to_owned()),
+        Reason::NoDecrease { .. } => Some("rejected: not enough decrease".to_owned()),
+        Reason::Failed(why) | Reason::DerivativeFailed(why) => Some(format!("failed: {}", shortened(why))),
+    }
+}
+
+/// The first part of a long explanation; `history.jsonl` has it whole.
+fn shortened(why: &str) -> String {
+    let first = why.split(';').next().unwrap_or(why);
+    match first.char_indices().nth(80) {
+        Some((end, _)) => format!("{}...", &first[..end]),
+        None => first.to_owned(),
+    }
+}

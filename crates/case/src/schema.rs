@@ -1,0 +1,52 @@
+//! The typed case: every block and key of a case file.
+//!
+//! One description serves three readers: the structs below are written once, with their keys, documentation, units and
+//! defaults, and three macros turn that into the Rust type, the reader that reports every problem, and the
+//! JSON Schema ([`json_schema`]). They cannot diverge. Laws and actuations take their names and keys from the catalogue
+//! of `nastic-energy`.
+
+#[macro_use]
+mod macros;
+
+mod actuation;
+mod case;
+mod catalogue;
+mod check;
+mod control;
+mod cost;
+mod expectation;
+mod field;
+mod json;
+mod load;
+mod load_case;
+mod material;
+mod mesh;
+mod optimizer;
+mod read;
+mod scenario;
+mod settings;
+mod support;
+mod units;
+mod value;
+
+pub use actuation::{Actuation, Fixed};
+pub use case::{Case, Output, Probe};
+pub use catalogue::Input;
+pub use control::{Control, Space, Start};
+pub use cost::{
+    ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Phi, SmoothedHausdorff, Stage, Target, Tracking,
+};
+pub use expectation::{Command, Expectation};
+pub use field::{ArrayFile, Parameter, VectorField, vector_at};
+pub use json::json_schema;
+pub use load::Load;
+pub use load_case::LoadCase;
+pub use material::Material;
+pub use mesh::{BoxMesh, Element, MeshFile, MeshSource};
+pub use optimizer::{Method, Metric, Optimizer};
+pub use scenario::{
+    BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
+    RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
+};
+pub use support::{Axis, Displacement, Support};
+pub use value::Vector;

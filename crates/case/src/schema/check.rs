@@ -1,0 +1,132 @@
+//! What a case must fulfil beyond the form of its blocks, as far as that shows without the mesh.
+
+mod controls;
+mod variants;
+
+use crate::quantity::Want;
+use crate::schema::actuation::Actuation;
+use crate::schema::case::Probe;
+use crate::schema::control::Control;
+use crate::schema::cost::Cost;
+use crate::schema::load_case::LoadCase;
+use crate::schema::material::Material;
+use crate::schema::read::{Read, Reader};
+use crate::schema::scenario::{Risk, Scenarios};
+use crate::syntax::{At, Value, quoted};
+
+/// The version of case files this program reads.
+const VERSION: f64 = 1.0;
+
+/// The blocks that speak of each other, as far as they can be read: a mistake elsewhere does not hide one here.
+pub(crate) struct Blocks {
+    pub(crate) materials: Vec<Material>,
+    pub(crate) actuation: Vec<Actuation>,
+    pub(crate) controls: Vec<Control>,
+    pub(crate) costs: Vec<Cost>,
+    pub(crate) load_cases: Vec<LoadCase>,
+    pub(crate) probes: Vec<Probe>,
+    pub(crate) scenarios: Option<Scenarios>,
+    pub(crate) risk: Option<Risk>,
+    /// Blocks with problems: what is missing from them may be there, misspelt.
+    troubled: Vec<String>,
+}
+
+/// Adds all problems between blocks to those of `reader`, which has read the whole case already.
+pub(crate) fn check(reader: &mut Reader<'_>) {
+    let blocks = Blocks::read(reader);
+    check_version(reader);
+    check_names(&blocks, reader);
+    controls::check(&blocks, reader);
+    check_risk(&blocks, reader);
+    variants::check(&blocks, reader);
+}
+
+impl Blocks {
+    fn read(reader: &Reader<'_>) -> Self {
+        Self {
+            materials: list(reader, "materials"),
+            actuation: list(reader, "actuation"),
+            controls: list(reader, "controls"),
+            costs: list(reader, "costs"),
+            load_cases: list(reader, "load_cases"),
+            probes: list(reader, "probes"),
+            scenarios: block(reader, "scenarios"),
+            risk: block(reader, "risk"),
+            troubled: reader.problems.iter().filter_map(|p| p.path.split('/').next().map(str::to_string)).collect(),
+        }
+    }
+
+    /// True if everything in this block could be read.
+    fn complete(&self, block: &str) -> bool {
+        !self.troubled.iter().any(|troubled| troubled == block)
+    }
+}
+
+/// A block without complaints: the full reading makes those.
+fn block<T: Read>(reader: &Reader<'_>, key: &str) -> Option<T> {
+    let mut silent = Reader::new(reader.document, reader.units);
+    T::read(reader.document.root().find(key)?, &At::root().key(key), Want::ANY, &mut silent)
+}
+
+fn list<T: Read>(reader: &Reader<'_>, key: &str) -> Vec<T> {
+    block(reader, key).unwrap_or_default()
+}
+
+fn check_version(reader: &mut Reader<'_>) {
+    let at = At::root().key("nastic");
+    let found = reader.document.root().find(at.as_str()).map(|node| node.value.clone());
+    if let Some(Value::Number(found)) = found.filter(|value| *value != Value::Number(VERSION)) {
+        reader.complain_at(&at, format!("this program reads version {VERSION} of case files, found {found}"));
+    }
+}
+
+fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
+    let empty =
+        matches!(reader.document.root().find("materials").map(|n| &n.value), Some(Value::Array(e)) if e.is_empty());
+    if empty {
+        reader.complain_at(&At::root().key("materials"), "at least one material is needed");
+    }
+    unique(blocks.materials.iter().map(|m| (m.region.as_str(), m.at.key("region"))), "a material", reader);
+    unique(blocks.actuation.iter().map(|a| (a.name.as_str(), a.at.key("name"))), "an actuation", reader);
+    unique(blocks.probes.iter().map(|p| (p.name.as_str(), p.at.key("name"))), "a probe", reader);
+    unique(blocks.load_cases.iter().map(|c| (c.name.as_str(), c.at.key("name"))), "a load case", reader);
+    for actuation in &blocks.actuation {
+        plain(&actuation.name, &actuation.at.key("name"), &['.', '/'], reader);
+    }
+    for probe in &blocks.probes {
+        plain(&probe.name, &probe.at.key("name"), &['/'], reader);
+    }
+    for case in &blocks.load_cases {
+        plain(&case.name, &case.at.key("name"), &['/', '\\'], reader);
+    }
+}
+
+/// Complains about every name that stood before.
+fn unique<'a>(names: impl Iterator<Item = (&'a str, At)>, what: &str, reader: &mut Reader<'_>) {
+    let mut seen: Vec<(&str, At)> = Vec::new();
+    for (name, at) in names {
+        match seen.iter().find(|(other, _)| *other == name) {
+            Some((_, first)) => {
+                let first = first.parent();
+                reader.complain_at(&at, format!("{} has {what} already, at {first}", quoted(name)));
+            }
+            None => seen.push((name, at)),
+        }
+    }
+}
+
+/// Complains about signs that would make paths and file names ambiguous.
+fn plain(name: &str, at: &At, forbidden: &[char], reader: &mut Reader<'_>) {
+    if let Some(sign) = name.chars().find(|c| forbidden.contains(c) || c.is_control()) {
+        reader.complain_at(at, format!("a name must not contain {}", quoted(&sign.to_string())));
+    }
+}
+
+fn check_risk(blocks: &Blocks, reader: &mut Reader<'_>) {
+    let certain = blocks.scenarios.as_ref().is_some_and(Scenarios::is_empty)
+        || reader.document.root().find("scenarios").is_none();
+    if let Some(risk) = blocks.risk.as_ref().filter(|risk| certain && **risk != Risk::Mean) {
+        let message = format!("\"{}\" has no meaning without scenarios", risk.name());
+        reader.complain_at(&At::root().key("risk"), message);
+    }
+}

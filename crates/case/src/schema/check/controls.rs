@@ -1,0 +1,170 @@
+//! Controls against actuations, and costs against controls.
+
+use super::{Blocks, plain};
+use crate::expression::Formula;
+use crate::schema::actuation::Actuation;
+use crate::schema::catalogue::SlotName;
+use crate::schema::control::{Control, Start};
+use crate::schema::cost::Cost;
+use crate::schema::field::{Parameter, VectorField, check_unit};
+use crate::schema::read::Reader;
+use crate::syntax::{At, nearest, quoted};
+
+pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
+    let alone: Vec<&[Control]> = blocks.load_cases.iter().map(|case| case.controls.as_slice()).collect();
+    for control in blocks.controls.iter().chain(alone.iter().copied().flatten()) {
+        check_slot(control, blocks, reader);
+    }
+    check_group(blocks, &[], &blocks.controls, &blocks.costs, reader);
+    for case in &blocks.load_cases {
+        check_group(blocks, &blocks.controls, &case.controls, &case.costs, reader);
+    }
+    check_purpose(blocks, reader);
+}
+
+fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
+    let slots: Vec<(String, SlotName)> = blocks.actuation.iter().flat_map(Actuation::slots).collect();
+    let Some((_, slot)) = slots.iter().find(|(name, _)| *name == control.of) else {
+        if blocks.complete("actuation") {
+            let known: Vec<&str> = slots.iter().map(|(name, _)| name.as_str()).collect();
+            let clause = if known.is_empty() {
+                ": the case has no actuation".into()
+            } else {
+                nearest::clause(&control.of, &known)
+            };
+            let message = format!("no actuation {}{clause}", quoted(&control.of));
+            reader.complain_at(&control.at.key("of"), message);
+        }
+        return;
+    };
+    if slot.vector && control.direction.is_none() {
+        check_vector(control, reader);
+    } else {
+        check_scalar(control, slot, reader);
+    }
+    check_dimensions(control, slot, reader);
+}
+
+fn check_vector(control: &Control, reader: &mut Reader<'_>) {
+    for (key, given) in [("lower", control.lower.is_some()), ("upper", control.upper.is_some())] {
+        if given {
+            let message = format!("\"{}\" is a vector: give \"norm\" or \"max_norm\"", control.of);
+            reader.complain_at(&control.at.key(key), message);
+        }
+    }
+    let start = control.at.key("start");
+    match &control.start {
+        Some(Start::Scalar(_)) => {
+            reader.complain_at(&start, format!("\"{}\" is a vector: give two or three entries", control.of));
+        }
+        None if control.norm.is_some() && reader.document.root().find(start.as_str()).is_none() => {
+            reader.complain_at(&control.at, "missing key \"start\": zero, the default, does not have the \"norm\"");
+        }
+        Some(Start::Vector(entries)) if control.norm.is_some() && entries.iter().all(|e| e.constant() == Some(0.0)) => {
+            reader.complain_at(&start, "a zero vector cannot be given the \"norm\"");
+        }
+        _ => {}
+    }
+}
+
+fn check_scalar(control: &Control, slot: &SlotName, reader: &mut Reader<'_>) {
+    match &control.direction {
+        Some(_) if !slot.vector => {
+            let message = format!("\"{}\" is a scalar, it has no direction", control.of);
+            reader.complain_at(&control.at.key("direction"), message);
+        }
+        Some(direction) => {
+            let formulas = direction.entries().iter().map(|entry| Formula::number(*entry)).collect();
+            check_unit(&VectorField::Formulas(formulas), &control.at.key("direction"), reader);
+        }
+        None => {}
+    }
+    for (key, given) in [("norm", control.norm.is_some()), ("max_norm", control.max_norm.is_some() && !slot.vector)] {
+        if given {
+            let message = format!("\"{}\" is a scalar: give \"lower\" and \"upper\"", control.of);
+            reader.complain_at(&control.at.key(key), message);
+        }
+    }
+    if let Some(Start::Vector(_) | Start::Random(_)) = control.start {
+        reader.complain_at(&control.at.key("start"), format!("\"{}\" is a scalar: give one value", control.of));
+    }
+}
+
+/// Start and bounds take the dimension of what they control.
+fn check_dimensions(control: &Control, slot: &SlotName, reader: &mut Reader<'_>) {
+    let start = control.at.key("start");
+    let mut values: Vec<(At, &Formula)> = Vec::new();
+    match &control.start {
+        Some(Start::Scalar(formula)) => values.push((start, formula)),
+        Some(Start::Vector(entries)) => values.extend(entries.iter().enumerate().map(|(i, e)| (start.index(i), e))),
+        _ => {}
+    }
+    for (key, bound) in [("lower", &control.lower), ("upper", &control.upper)] {
+        if let Some(Parameter::Formula(formula)) = bound {
+            values.push((control.at.key(key), formula));
+        }
+    }
+    for (at, formula) in values {
+        if let Some(Err(why)) = slot.want.dimension.map(|dimension| formula.check(dimension)) {
+            reader.complain_at(&at, why);
+        }
+    }
+}
+
+/// The controls and costs of one load case, or those that all share.
+fn check_group(blocks: &Blocks, shared: &[Control], own: &[Control], costs: &[Cost], reader: &mut Reader<'_>) {
+    for (i, control) in own.iter().enumerate() {
+        plain(control.name(), &control.at.key("name"), &['/'], reader);
+        let before: Vec<&Control> = shared.iter().chain(&own[..i]).collect();
+        if let Some(first) = before.iter().find(|other| other.of == control.of) {
+            let message = format!("{} has a control already, at {}", quoted(&control.of), first.at);
+            reader.complain_at(&control.at.key("of"), message);
+        } else if let Some(first) = before.iter().find(|other| other.name() == control.name()) {
+            let message = format!("{} names a control already, at {}", quoted(control.name()), first.at);
+            reader.complain_at(&control.at.key("name"), message);
+        }
+    }
+    let names: Vec<&str> = shared.iter().chain(own).map(Control::name).collect();
+    if !blocks.complete("controls") || !blocks.complete("load_cases") {
+        return;
+    }
+    for cost in costs {
+        if let Some(of) = cost.control().filter(|of| !names.contains(of)) {
+            let clause =
+                if names.is_empty() { ": the case has no controls".into() } else { nearest::clause(of, &names) };
+            reader.complain_at(&cost.at().key("of"), format!("no control {}{clause}", quoted(of)));
+        }
+    }
+}
+
+/// An actuation that is zero and nobody's control does nothing, which nobody wants.
+fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
+    if !["controls", "load_cases", "scenarios"].iter().all(|block| blocks.complete(block)) {
+        return;
+    }
+    let controls = blocks.controls.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.controls));
+    let controlled: Vec<&str> = controls.map(|control| control.of.as_str()).collect();
+    let known: Vec<String> = blocks.actuation.iter().flat_map(Actuation::slots).map(|(name, _)| name).collect();
+    if controlled.iter().any(|of| !known.iter().any(|name| name == of)) {
+        // A misspelt control may have meant any of them.
+        return;
+    }
+    for actuation in &blocks.actuation {
+        for (name, slot) in actuation.slots() {
+            let at = actuation.at.key(slot.key);
+            if actuation.fixes(slot.key) || controlled.contains(&name.as_str()) || varies(blocks, &at) {
+                continue;
+            }
+            let message = format!(
+                "\"{}\" has no effect: its {} is zero; give \"{}\" a value, or a control {{ \"of\": \"{name}\", ... }}",
+                actuation.name, slot.key, slot.key
+            );
+            reader.complain_at(&actuation.at, message);
+        }
+    }
+}
+
+fn varies(blocks: &Blocks, at: &At) -> bool {
+    let mut paths = super::variants::paths(blocks);
+    paths.any(|path| path.starts_with(at.as_str()))
+}

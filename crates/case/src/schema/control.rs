@@ -1,0 +1,121 @@
+//! The blocks of `controls`.
+
+use crate::expression::Formula;
+use crate::quantity::Want;
+use crate::schema::field::{ArrayFile, Parameter};
+use crate::schema::json::{Definitions, any_of, vector};
+use crate::schema::read::{Read, Reader};
+use crate::schema::value::{Vector, entries};
+use crate::syntax::{At, Node, Value};
+use serde_json::Value as Json;
+
+object! {
+    /// A field the optimiser may change.
+    pub struct Control checked by check {
+        /// The actuation it sets: "NAME", for a magnet "NAME.remanence" or "NAME.field".
+        pub of: String,
+        /// Its own name in results; that of `of` if left out.
+        pub name: Option<String>,
+        /// Where its values live.
+        pub space: Space,
+        /// Value to start from; zero if left out. Vectors for magnets.
+        pub start: Option<Start>,
+        /// Least value of a scalar; unbounded if left out.
+        pub lower: Option<Parameter>,
+        /// Largest value of a scalar; the law's convexity bound if left out.
+        pub upper: Option<Parameter>,
+        /// Length every vector must have.
+        pub norm: Option<f64> as POSITIVE_FIELD,
+        /// Length no vector may exceed.
+        pub max_norm: Option<f64> as POSITIVE_FIELD,
+        /// Fixed direction of a vector: the control is then its amplitude, a scalar.
+        pub direction: Option<Vector> as NUMBER,
+    }
+}
+
+choice! {
+    /// Where a control's values live.
+    pub enum Space {
+        /// One value.
+        "uniform" => Uniform,
+        /// One value per region of the mesh.
+        "region" => Region,
+        /// One value per cell.
+        "cell" => Cell,
+        /// One value per corner node, linear between.
+        "node" => Node,
+    }
+}
+
+/// What a control starts from.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Start {
+    /// A scalar, constant or of X, Y, Z.
+    Scalar(Formula),
+    /// A vector, two or three entries.
+    Vector(Vec<Formula>),
+    /// An array of an earlier result.
+    Array(ArrayFile),
+    /// Random directions of the control's norm, from this seed.
+    Random(u64),
+}
+
+object! {
+    /// Random unit vectors.
+    pub struct RandomStart {
+        /// The seed.
+        pub random: u64,
+    }
+}
+
+impl Control {
+    /// Its name in results.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.name.as_deref().unwrap_or(&self.of)
+    }
+}
+
+impl Read for Start {
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        match &node.value {
+            Value::Array(_) => entries(node, at, want, reader).map(Self::Vector),
+            Value::Object(members) if members.iter().any(|member| member.key == "random") => {
+                RandomStart::read(node, at, want, reader).map(|start| Self::Random(start.random))
+            }
+            Value::Object(_) => ArrayFile::read(node, at, want, reader).map(Self::Array),
+            _ => Formula::read(node, at, want, reader).map(Self::Scalar),
+        }
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        any_of(vec![
+            Formula::schema(want, definitions),
+            vector::<Formula>(want, definitions),
+            ArrayFile::schema(want, definitions),
+            RandomStart::schema(want, definitions),
+        ])
+    }
+}
+
+fn check(control: &Control, reader: &mut Reader<'_>) {
+    if let (Some(lower), Some(upper)) = (constant(&control.lower), constant(&control.upper)) {
+        if lower > upper {
+            let message = format!("crossed bounds: \"lower\" is {lower}, above \"upper\" {upper}");
+            reader.complain_at(&control.at.key("lower"), message);
+        } else if let Some(Start::Scalar(start)) = &control.start {
+            let outside = start.constant().filter(|value| !(lower..=upper).contains(value));
+            if let Some(value) = outside {
+                let message = format!("the start {value} lies outside the bounds {lower} to {upper}");
+                reader.complain_at(&control.at.key("start"), message);
+            }
+        }
+    }
+    if control.norm.is_some() && control.max_norm.is_some() {
+        reader.complain_at(&control.at.key("max_norm"), "\"norm\" fixes the length already: give one of them");
+    }
+}
+
+fn constant(bound: &Option<Parameter>) -> Option<f64> {
+    bound.as_ref().and_then(Parameter::constant)
+}

@@ -1,0 +1,229 @@
+//! The blocks of `costs`.
+
+use crate::expression::Formula;
+use crate::quantity::Want;
+use crate::schema::field::ArrayFile;
+use crate::schema::json::{Definitions, any_of, vector};
+use crate::schema::mesh::MeshSource;
+use crate::schema::read::{Read, Reader};
+use crate::schema::value::entries;
+use crate::syntax::{At, Node, Value};
+use serde_json::Value as Json;
+
+tagged! {
+    /// A term of the cost; the cost is their sum.
+    pub enum Cost by "kind" {
+        /// Distance between the deformed body and a target shape.
+        "smoothed_hausdorff" => SmoothedHausdorff(SmoothedHausdorff),
+        /// Distance of every point to its own target position.
+        "tracking" => Tracking(Tracking),
+        /// Size of a control.
+        "control_norm" => ControlNorm(ControlNorm),
+        /// Slope of a control.
+        "control_smoothness" => ControlSmoothness(ControlSmoothness),
+    }
+}
+
+object! {
+    /// Smoothed Hausdorff distance between the deformed body and a target shape.
+    pub struct SmoothedHausdorff checked by check_stages {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// Mesh of the target shape.
+        pub target: MeshSource,
+        /// Region of the target mesh; all of it if left out.
+        pub target_region: Option<String>,
+        /// Region of the body; all of it if left out.
+        pub region: Option<String>,
+        /// The decreasing function of the distance.
+        pub phi: Phi,
+        /// Exponents, sharpened from stage to stage.
+        pub stages: Vec<Stage>,
+        /// Gauss points per direction of the cost's own rule; the solid's rule if left out.
+        pub quadrature: Option<usize> as POSITIVE,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
+choice! {
+    /// The decreasing function of the distance r.
+    pub enum Phi {
+        /// exp(-r / l)
+        "exponential" => Exponential(Exponential),
+        /// 1 / (r + eps)
+        "inverse" => Inverse(Inverse),
+        /// 1 / sqrt(r^2 + eps^2)
+        "smooth_inverse" => SmoothInverse(Inverse),
+    }
+}
+
+object! {
+    /// exp(-r / l)
+    pub struct Exponential one of [length, fraction] {
+        /// l
+        pub length: Option<f64> as POSITIVE_LENGTH,
+        /// l as a fraction of the diagonal of the target's bounding box.
+        pub fraction: Option<f64> as POSITIVE,
+    }
+}
+
+object! {
+    /// Parameters of the inverse functions of the distance.
+    pub struct Inverse {
+        /// eps
+        pub eps: f64 as POSITIVE_LENGTH,
+    }
+}
+
+object! {
+    /// One stage of the continuation.
+    pub struct Stage {
+        /// Exponent of the soft minimum.
+        pub alpha: f64 as POSITIVE,
+        /// Exponent of the soft maximum.
+        pub beta: f64 as POSITIVE,
+        /// Exponent that joins both directions.
+        pub gamma: f64 as POSITIVE,
+    }
+}
+
+object! {
+    /// weight/2 int |x - x_target|^2 over a surface or region, the sum over a node set.
+    pub struct Tracking one of [surface, region, nodes] {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// Surface of the mesh.
+        pub surface: Option<String>,
+        /// Region of the mesh.
+        pub region: Option<String>,
+        /// Node set of the mesh.
+        pub nodes: Option<String>,
+        /// Target positions.
+        pub target: Target,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
+/// Where points shall go.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Target {
+    /// The position as formulas of X, Y, Z.
+    Formulas(Vec<Formula>),
+    /// A displacement array of a file on the same mesh.
+    Array(ArrayFile),
+    /// The nodes of a mesh with the same numbering.
+    Nodes(NodeTarget),
+}
+
+object! {
+    /// Target positions node by node.
+    pub struct NodeTarget {
+        /// A mesh with the same numbering of nodes.
+        pub nodes: MeshSource,
+    }
+}
+
+object! {
+    /// weight/2 int m^2
+    pub struct ControlNorm {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// The control.
+        pub of: String,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
+object! {
+    /// weight/2 int |grad m|^2; for cell fields the jumps over faces by the distance of centres.
+    pub struct ControlSmoothness {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// The control.
+        pub of: String,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
+impl Cost {
+    /// Path of this block in the case.
+    #[must_use]
+    pub fn at(&self) -> &At {
+        match self {
+            Self::SmoothedHausdorff(block) => &block.at,
+            Self::Tracking(block) => &block.at,
+            Self::ControlNorm(block) => &block.at,
+            Self::ControlSmoothness(block) => &block.at,
+        }
+    }
+
+    /// Name in results: its own, or its kind.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        let own = match self {
+            Self::SmoothedHausdorff(block) => &block.name,
+            Self::Tracking(block) => &block.name,
+            Self::ControlNorm(block) => &block.name,
+            Self::ControlSmoothness(block) => &block.name,
+        };
+        own.as_deref().unwrap_or(self.kind())
+    }
+
+    /// Factor.
+    #[must_use]
+    pub fn weight(&self) -> f64 {
+        match self {
+            Self::SmoothedHausdorff(block) => block.weight,
+            Self::Tracking(block) => block.weight,
+            Self::ControlNorm(block) => block.weight,
+            Self::ControlSmoothness(block) => block.weight,
+        }
+    }
+
+    /// The control a regularising term refers to.
+    pub(crate) fn control(&self) -> Option<&str> {
+        match self {
+            Self::ControlNorm(block) => Some(&block.of),
+            Self::ControlSmoothness(block) => Some(&block.of),
+            Self::SmoothedHausdorff(_) | Self::Tracking(_) => None,
+        }
+    }
+}
+
+impl Read for Target {
+    fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        match &node.value {
+            Value::Array(_) => entries(node, at, Want::LENGTH, reader).map(Self::Formulas),
+            Value::Object(members) if members.iter().any(|member| member.key == "nodes") => {
+                NodeTarget::read(node, at, Want::ANY, reader).map(Self::Nodes)
+            }
+            Value::Object(_) => ArrayFile::read(node, at, Want::ANY, reader).map(Self::Array),
+            _ => {
+                let forms = "[\"formula\", ...], { \"file\": ..., \"array\": ... } or { \"nodes\": ... }";
+                reader.expected(node, at, forms);
+                None
+            }
+        }
+    }
+
+    fn schema(_: Want, definitions: &mut Definitions) -> Json {
+        any_of(vec![
+            vector::<Formula>(Want::LENGTH, definitions),
+            ArrayFile::schema(Want::ANY, definitions),
+            NodeTarget::schema(Want::ANY, definitions),
+        ])
+    }
+}
+
+fn check_stages(cost: &SmoothedHausdorff, reader: &mut Reader<'_>) {
+    if cost.stages.is_empty() {
+        reader.complain_at(
+            &cost.at.key("stages"),
+            "at least one stage is needed: { \"alpha\": 1, \"beta\": 4, \"gamma\": 4 }",
+        );
+    }
+}

@@ -1,0 +1,266 @@
+//! One description per block: `object!`, `tagged!`, `choice!`.
+
+/// A block with fixed keys.
+///
+/// ```text
+/// object! {
+///     /// What the block is.
+///     pub struct Name [one of [a, b]] [checked by function] {
+///         /// What the key is.
+///         pub key: Type [as WANT] [= default],
+///     }
+/// }
+/// ```
+///
+/// Makes the struct (with `at`, its path in the case), its reader and its schema. `as` names a constant of
+/// [`crate::quantity::Want`]; `one of` demands exactly one of these keys; `checked by` names a function
+/// `(&Self, &mut Reader)` called on every block whose keys could be read.
+macro_rules! object {
+    (
+        $(#[doc = $about:literal])*
+        pub struct $name:ident $(one of [$($alternative:ident),*])? $(checked by $check:path)? {
+            $(
+                $(#[doc = $doc:literal])*
+                pub $field:ident : $type:ty $(as $want:ident)? $(= $default:expr)?
+            ),* $(,)?
+        }
+    ) => {
+        $(#[doc = $about])*
+        #[derive(Clone, PartialEq, Debug)]
+        pub struct $name {
+            /// Path of this block in the case.
+            pub at: $crate::syntax::At,
+            $( $(#[doc = $doc])* pub $field: $type, )*
+        }
+
+        impl $crate::schema::read::Object for $name {
+            const NAME: &'static str = stringify!($name);
+            const ABOUT: &'static str = concat!($($about),*);
+            const ALTERNATIVES: &'static [&'static str] = &[$($(stringify!($alternative)),*)?];
+
+            fn names() -> Vec<&'static str> {
+                vec![$( $crate::schema::read::key_name(stringify!($field)) ),*]
+            }
+
+            fn keys(definitions: &mut $crate::schema::json::Definitions) -> Vec<$crate::schema::read::Key> {
+                vec![$(
+                    $crate::schema::read::Key::new::<$type>(
+                        stringify!($field),
+                        concat!($($doc),*),
+                        want!($($want)?),
+                        default!($type $(, $default)?),
+                        definitions,
+                    )
+                ),*]
+            }
+
+            fn defaults() -> Option<Self> {
+                Some(Self { at: $crate::syntax::At::root(), $( $field: default!($type $(, $default)?)? ),* })
+            }
+
+            fn read_keys(
+                node: &$crate::syntax::Node,
+                at: &$crate::syntax::At,
+                reader: &mut $crate::schema::read::Reader<'_>,
+            ) -> Option<Self> {
+                let before = reader.problems.len();
+                $(
+                    let $field: Option<$type> = reader.key(
+                        node,
+                        at,
+                        stringify!($field),
+                        concat!($($doc),*),
+                        want!($($want)?),
+                        default!($type $(, $default)?),
+                    );
+                )*
+                let out = Self { at: at.clone(), $( $field: $field? ),* };
+                if reader.problems.len() == before {
+                    $( $check(&out, reader); )?
+                }
+                Some(out)
+            }
+        }
+
+        impl $crate::schema::read::Read for $name {
+            fn absent() -> Option<Self> {
+                <Self as $crate::schema::read::Object>::defaults()
+            }
+
+            fn read(
+                node: &$crate::syntax::Node,
+                at: &$crate::syntax::At,
+                _: $crate::quantity::Want,
+                reader: &mut $crate::schema::read::Reader<'_>,
+            ) -> Option<Self> {
+                $crate::schema::read::object(node, at, None, reader)
+            }
+
+            fn schema(
+                _: $crate::quantity::Want,
+                definitions: &mut $crate::schema::json::Definitions,
+            ) -> serde_json::Value {
+                definitions.object::<Self>(None)
+            }
+        }
+    };
+}
+
+/// A block whose other keys depend on the value of one: `tagged! { pub enum Cost by "kind" { "x" => X(Block), } }`.
+macro_rules! tagged {
+    (
+        $(#[doc = $about:literal])*
+        pub enum $name:ident by $tag:literal {
+            $( $(#[doc = $doc:literal])* $text:literal => $variant:ident($type:ty) ),* $(,)?
+        }
+    ) => {
+        $(#[doc = $about])*
+        #[derive(Clone, PartialEq, Debug)]
+        pub enum $name {
+            $( $(#[doc = $doc])* $variant($type) ),*
+        }
+
+        impl $name {
+            /// The name in the case.
+            #[must_use]
+            pub fn kind(&self) -> &'static str {
+                match self { $( Self::$variant(_) => $text ),* }
+            }
+        }
+
+        impl $crate::schema::read::Read for $name {
+            fn read(
+                node: &$crate::syntax::Node,
+                at: &$crate::syntax::At,
+                _: $crate::quantity::Want,
+                reader: &mut $crate::schema::read::Reader<'_>,
+            ) -> Option<Self> {
+                match reader.tag(node, at, $tag, &[$($text),*])? {
+                    $( $text => $crate::schema::read::object(node, at, Some($tag), reader).map(Self::$variant), )*
+                    _ => None,
+                }
+            }
+
+            fn schema(
+                _: $crate::quantity::Want,
+                definitions: &mut $crate::schema::json::Definitions,
+            ) -> serde_json::Value {
+                let variants = vec![$( definitions.object::<$type>(Some(($tag, $text))) ),*];
+                serde_json::json!({ "oneOf": variants })
+            }
+        }
+    };
+}
+
+/// One of several words, some of which carry a value:
+/// `choice! { pub enum Metric { "l2" => L2, "h1" => H1(f64) as LENGTH, } }` reads `"l2"` and `{ "h1": 0.1 }`.
+macro_rules! choice {
+    (
+        $(#[doc = $about:literal])*
+        pub enum $name:ident {
+            $( $(#[doc = $doc:literal])* $text:literal => $variant:ident $( ($type:ty) $(as $want:ident)? )? ),* $(,)?
+        }
+    ) => {
+        $(#[doc = $about])*
+        #[derive(Clone, PartialEq, Debug)]
+        pub enum $name {
+            $( $(#[doc = $doc])* $variant $( ($type) )? ),*
+        }
+
+        impl $name {
+            const CHOICES: &'static [$crate::schema::read::Choice] = &[
+                $( $crate::schema::read::Choice {
+                    name: $text,
+                    about: concat!($($doc),*),
+                    schema: choice_schema!($($type $(as $want)?)?),
+                } ),*
+            ];
+
+            /// The name in the case.
+            #[must_use]
+            pub fn name(&self) -> &'static str {
+                match self { $( choice_pattern!($variant $($type)?) => $text ),* }
+            }
+        }
+
+        impl $crate::schema::read::Read for $name {
+            fn read(
+                node: &$crate::syntax::Node,
+                at: &$crate::syntax::At,
+                _: $crate::quantity::Want,
+                reader: &mut $crate::schema::read::Reader<'_>,
+            ) -> Option<Self> {
+                let (chosen, value) = reader.choose(node, at, Self::CHOICES)?;
+                match (chosen, value) {
+                    $( choice_found!(inner, $text $(, $type)?) => {
+                        choice_made!(inner, at, reader, $text, $variant $(, $type $(as $want)?)?)
+                    } )*
+                    _ => None,
+                }
+            }
+
+            fn schema(
+                _: $crate::quantity::Want,
+                definitions: &mut $crate::schema::json::Definitions,
+            ) -> serde_json::Value {
+                definitions.choice(Self::CHOICES)
+            }
+
+            fn to_json(&self) -> Option<serde_json::Value> {
+                let plain = Self::CHOICES.iter().any(|c| c.name == self.name() && c.schema.is_none());
+                plain.then(|| self.name().into())
+            }
+        }
+    };
+}
+
+macro_rules! want {
+    () => {
+        $crate::quantity::Want::ANY
+    };
+    ($want:ident) => {
+        $crate::quantity::Want::$want
+    };
+}
+
+macro_rules! default {
+    ($type:ty) => {
+        <$type as $crate::schema::read::Read>::absent()
+    };
+    ($type:ty, $default:expr) => {
+        Some::<$type>($default)
+    };
+}
+
+macro_rules! choice_schema {
+    () => { None };
+    ($type:ty $(as $want:ident)?) => {
+        Some(|definitions| <$type as $crate::schema::read::Read>::schema(want!($($want)?), definitions))
+    };
+}
+
+macro_rules! choice_pattern {
+    ($variant:ident) => {
+        Self::$variant
+    };
+    ($variant:ident $type:ty) => {
+        Self::$variant(_)
+    };
+}
+
+macro_rules! choice_found {
+    ($inner:ident, $text:literal) => {
+        ($text, None)
+    };
+    ($inner:ident, $text:literal, $type:ty) => {
+        ($text, Some($inner))
+    };
+}
+
+macro_rules! choice_made {
+    ($inner:ident, $at:ident, $reader:ident, $text:literal, $variant:ident) => { Some(Self::$variant) };
+    ($inner:ident, $at:ident, $reader:ident, $text:literal, $variant:ident, $type:ty $(as $want:ident)?) => {
+        <$type as $crate::schema::read::Read>::read($inner, &$at.key($text), want!($($want)?), $reader)
+            .map(Self::$variant)
+    };
+}

@@ -1,0 +1,131 @@
+//! The block `mesh`, and other shapes given by a mesh.
+
+use crate::quantity::Want;
+use crate::schema::json::{Definitions, any_of};
+use crate::schema::read::{Read, Reader};
+use crate::schema::value::Vector;
+use crate::syntax::{At, Node, Value};
+use serde_json::{Value as Json, json};
+
+/// A mesh: from a file, or generated.
+#[derive(Clone, PartialEq, Debug)]
+pub enum MeshSource {
+    /// Gmsh 2.2 or 4.1, or VTU.
+    File(MeshFile),
+    /// A box or rectangle from the origin, with region "body" and surfaces "x-", "x+", "y-", ...
+    Box(BoxMesh),
+}
+
+/// A mesh file.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MeshFile {
+    /// Path of the block or text in the case.
+    pub at: At,
+    /// The file, relative to the case.
+    pub file: String,
+    /// Factor from the file's coordinates to the case's unit of length.
+    pub scale: f64,
+}
+
+object! {
+    /// A mesh from a file, or generated.
+    pub struct MeshBlock one of [file, box] checked by check_scale {
+        /// Gmsh 2.2 or 4.1 (ascii or binary), or VTU; relative to the case.
+        pub file: Option<String>,
+        /// Factor from the file's coordinates to the case's unit of length.
+        pub scale: Option<f64> as POSITIVE,
+        /// A generated box or rectangle with one corner in the origin.
+        pub r#box: Option<BoxMesh>,
+    }
+}
+
+object! {
+    /// A box (three entries) or rectangle in plane strain (two) with one corner in the origin: region "body", surfaces
+    /// "x-", "x+", "y-", "y+", "z-", "z+".
+    pub struct BoxMesh checked by check_box {
+        /// Edge lengths.
+        pub size: Vector as POSITIVE_LENGTH,
+        /// Number of cells along each edge.
+        pub cells: Vec<usize> as POSITIVE,
+        /// Type of cell. Simplices split each box into 6, each rectangle into 2.
+        pub element: Element,
+    }
+}
+
+choice! {
+    /// Types of cells.
+    pub enum Element {
+        /// Tetrahedron, linear.
+        "tet4" => Tet4,
+        /// Tetrahedron, quadratic.
+        "tet10" => Tet10,
+        /// Hexahedron, trilinear.
+        "hex8" => Hex8,
+        /// Hexahedron, quadratic without face and centre nodes.
+        "hex20" => Hex20,
+        /// Hexahedron, triquadratic.
+        "hex27" => Hex27,
+        /// Triangle in plane strain, linear.
+        "tri3" => Tri3,
+        /// Triangle in plane strain, quadratic.
+        "tri6" => Tri6,
+        /// Quadrilateral in plane strain, bilinear.
+        "quad4" => Quad4,
+        /// Quadrilateral in plane strain, quadratic without centre node.
+        "quad8" => Quad8,
+        /// Quadrilateral in plane strain, biquadratic.
+        "quad9" => Quad9,
+    }
+}
+
+impl Element {
+    /// 2 or 3.
+    #[must_use]
+    pub fn dimensions(&self) -> usize {
+        match self {
+            Self::Tet4 | Self::Tet10 | Self::Hex8 | Self::Hex20 | Self::Hex27 => 3,
+            Self::Tri3 | Self::Tri6 | Self::Quad4 | Self::Quad8 | Self::Quad9 => 2,
+        }
+    }
+}
+
+impl Read for MeshSource {
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        if let Value::Text(_) = node.value {
+            let file = String::read(node, at, want, reader)?;
+            return Some(Self::File(MeshFile { at: at.clone(), file, scale: 1.0 }));
+        }
+        if !matches!(node.value, Value::Object(_)) {
+            reader.expected(node, at, "the name of a mesh file or an object { ... }");
+            return None;
+        }
+        let block = MeshBlock::read(node, at, want, reader)?;
+        match (block.file, block.r#box) {
+            (Some(file), _) => Some(Self::File(MeshFile { at: at.clone(), file, scale: block.scale.unwrap_or(1.0) })),
+            (None, generated) => generated.map(Self::Box),
+        }
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        any_of(vec![json!({ "type": "string", "minLength": 1 }), MeshBlock::schema(want, definitions)])
+    }
+}
+
+fn check_scale(block: &MeshBlock, reader: &mut Reader<'_>) {
+    if block.r#box.is_some() && block.scale.is_some() {
+        reader.complain_at(&block.at.key("scale"), "a generated mesh has no scale: give its size");
+    }
+}
+
+fn check_box(block: &BoxMesh, reader: &mut Reader<'_>) {
+    let wanted = block.element.dimensions();
+    let given = [("size", block.size.entries().len()), ("cells", block.cells.len())];
+    for (key, found) in given {
+        if found != wanted {
+            let name = block.element.name();
+            let message =
+                format!("\"{name}\" is a cell in {wanted} dimensions: {wanted} entries wanted, found {found}");
+            reader.complain_at(&block.at.key(key), message);
+        }
+    }
+}

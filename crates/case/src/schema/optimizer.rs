@@ -1,0 +1,45 @@
+//! The block `optimizer`.
+
+object! {
+    /// How the cost is made small.
+    pub struct Optimizer {
+        /// The method.
+        pub method: Method = Method::ProjectedGradient,
+        /// Iterations after which it stops unconverged.
+        pub max_iterations: usize = 100,
+        /// It stops when the projected gradient's norm has fallen to this part of its first value.
+        pub tolerance: f64 as POSITIVE = 1e-4,
+        /// The inner product of controls.
+        pub metric: Metric = Metric::L2,
+        /// Number of starts; those after the first are random.
+        pub starts: usize as POSITIVE = 1,
+        /// Seed of whatever is random.
+        pub seed: u64 = 0,
+    }
+}
+
+choice! {
+    /// Optimisation methods.
+    pub enum Method {
+        /// Projected gradient with Armijo backtracking.
+        "projected_gradient" => ProjectedGradient,
+        /// Projected gradient with Barzilai-Borwein steps, non-monotone.
+        "spectral" => Spectral,
+        /// Limited-memory quasi-Newton with bounds.
+        "lbfgs" => Lbfgs,
+        /// Gauss-Newton, for tracking costs.
+        "gauss_newton" => GaussNewton,
+        /// Newton with conjugate gradients.
+        "newton_cg" => NewtonCg,
+    }
+}
+
+choice! {
+    /// Inner products of controls.
+    pub enum Metric {
+        /// int m n
+        "l2" => L2,
+        /// int m n + length^2 int grad m . grad n
+        "h1" => H1(f64) as POSITIVE_LENGTH,
+    }
+}

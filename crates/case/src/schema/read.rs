@@ -1,0 +1,239 @@
+//! Nodes to typed values, every problem noted.
+
+use crate::quantity::{Units, Want};
+use crate::schema::json::Definitions;
+use crate::syntax::{At, Diagnostic, Document, Member, Node, Value, nearest, quoted};
+use serde_json::Value as Json;
+
+/// A type a key may have.
+pub(crate) trait Read: Sized {
+    /// The value when the key is left out; `None` makes the key required.
+    fn absent() -> Option<Self> {
+        None
+    }
+
+    /// Reads a node; `None` after at least one complaint to `reader`.
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self>;
+
+    /// The JSON Schema of all nodes `read` accepts.
+    fn schema(want: Want, definitions: &mut Definitions) -> Json;
+
+    /// A default value, for the schema.
+    fn to_json(&self) -> Option<Json> {
+        None
+    }
+}
+
+/// A block with fixed keys; made by `object!`.
+pub(crate) trait Object: Sized {
+    const NAME: &'static str;
+    const ABOUT: &'static str;
+    /// Exactly one of these must be there; empty for no such rule.
+    const ALTERNATIVES: &'static [&'static str];
+
+    fn names() -> Vec<&'static str>;
+    fn keys(definitions: &mut Definitions) -> Vec<Key>;
+    /// The block with no key given, unless one is required.
+    fn defaults() -> Option<Self>;
+    fn read_keys(node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Self>;
+}
+
+/// One key of a block, for the schema.
+pub(crate) struct Key {
+    pub(crate) name: &'static str,
+    pub(crate) about: String,
+    pub(crate) required: bool,
+    pub(crate) default: Option<Json>,
+    pub(crate) schema: Json,
+}
+
+impl Key {
+    pub(crate) fn new<T: Read>(
+        field: &'static str,
+        about: &str,
+        want: Want,
+        default: Option<T>,
+        definitions: &mut Definitions,
+    ) -> Self {
+        Self {
+            name: key_name(field),
+            about: about.trim().to_string(),
+            required: default.is_none(),
+            default: default.and_then(|value| value.to_json()),
+            schema: T::schema(want, definitions),
+        }
+    }
+}
+
+/// One word of a `choice!`.
+pub(crate) struct Choice {
+    pub(crate) name: &'static str,
+    pub(crate) about: &'static str,
+    /// Of the value the word carries, if it carries one.
+    pub(crate) schema: Option<fn(&mut Definitions) -> Json>,
+}
+
+/// A field's name without the mark of a Rust keyword.
+pub(crate) fn key_name(field: &'static str) -> &'static str {
+    field.strip_prefix("r#").unwrap_or(field)
+}
+
+/// Reads a block: an object, no unknown keys, no missing ones. `tag` is a key read elsewhere.
+pub(crate) fn object<T: Object>(node: &Node, at: &At, tag: Option<&str>, reader: &mut Reader<'_>) -> Option<T> {
+    let members = reader.members(node, at)?;
+    let names = T::names();
+    let known: Vec<&str> = tag.into_iter().chain(names).collect();
+    reader.refuse_unknown(members, at, &known);
+    let mut fits = true;
+    if !T::ALTERNATIVES.is_empty() {
+        let given = members.iter().filter(|m| T::ALTERNATIVES.contains(&m.key.as_str())).count();
+        if given != 1 {
+            let list = T::ALTERNATIVES.join("\", \"");
+            reader.complain(node, at, format!("exactly one of \"{list}\" must be given, found {given}"));
+            fits = false;
+        }
+    }
+    T::read_keys(node, at, reader).filter(|_| fits)
+}
+
+/// What reading needs, and what it found wrong.
+pub(crate) struct Reader<'a> {
+    pub(crate) document: &'a Document,
+    pub(crate) units: Units,
+    pub(crate) problems: Vec<Diagnostic>,
+}
+
+impl<'a> Reader<'a> {
+    pub(crate) fn new(document: &'a Document, units: Units) -> Self {
+        Self { document, units, problems: Vec::new() }
+    }
+
+    /// Notes a problem at a node.
+    pub(crate) fn complain(&mut self, node: &Node, at: &At, message: impl Into<String>) {
+        self.problems.push(self.document.problem(&node.place, at, message));
+    }
+
+    /// Notes a problem at a path.
+    pub(crate) fn complain_at(&mut self, at: &At, message: impl Into<String>) {
+        self.problems.push(self.document.complain(at, message));
+    }
+
+    /// Notes that a node has the wrong type.
+    pub(crate) fn expected(&mut self, node: &Node, at: &At, what: &str) {
+        self.complain(node, at, format!("{what} was expected, found {}", node.what()));
+    }
+
+    /// The members of an object.
+    pub(crate) fn members<'n>(&mut self, node: &'n Node, at: &At) -> Option<&'n [Member]> {
+        match &node.value {
+            Value::Object(members) => Some(members),
+            _ => {
+                self.expected(node, at, "an object { ... }");
+                None
+            }
+        }
+    }
+
+    /// Reads one key of a block.
+    pub(crate) fn key<T: Read>(
+        &mut self,
+        node: &Node,
+        at: &At,
+        field: &'static str,
+        about: &str,
+        want: Want,
+        default: Option<T>,
+    ) -> Option<T> {
+        let name = key_name(field);
+        let Value::Object(members) = &node.value else { return None };
+        match members.iter().find(|member| member.key == name) {
+            // Complained about already; going on with the default lets the other checks of the block speak.
+            Some(member) => T::read(&member.node, &at.key(name), want, self).or(default),
+            None => {
+                if default.is_none() {
+                    self.complain(node, at, format!("missing key \"{name}\": {}", first_sentence(about)));
+                }
+                default
+            }
+        }
+    }
+
+    /// Complains about every key that is not known.
+    pub(crate) fn refuse_unknown(&mut self, members: &[Member], at: &At, known: &[&str]) {
+        for member in members {
+            if !known.contains(&member.key.as_str()) {
+                let clause = nearest::clause(&member.key, known);
+                let message = format!("unknown key {}{clause}", quoted(&member.key));
+                self.problems.push(self.document.problem(&member.place, &at.key(&member.key), message));
+            }
+        }
+    }
+
+    /// The value of the key that decides about the other keys.
+    pub(crate) fn tag<'k>(&mut self, node: &Node, at: &At, tag: &str, known: &[&'k str]) -> Option<&'k str> {
+        let members = self.members(node, at)?;
+        let Some(member) = members.iter().find(|member| member.key == tag) else {
+            self.complain(node, at, format!("missing key \"{tag}\" (one of: {})", known.join(", ")));
+            return None;
+        };
+        self.word(&member.node, &at.key(tag), tag, known)
+    }
+
+    /// The word or `{ "word": value }` of a `choice!`.
+    pub(crate) fn choose<'n>(
+        &mut self,
+        node: &'n Node,
+        at: &At,
+        choices: &'static [Choice],
+    ) -> Option<(&'static str, Option<&'n Node>)> {
+        let words: Vec<&'static str> = choices.iter().filter(|c| c.schema.is_none()).map(|c| c.name).collect();
+        let keys: Vec<&'static str> = choices.iter().filter(|c| c.schema.is_some()).map(|c| c.name).collect();
+        match &node.value {
+            Value::Text(text) if keys.contains(&text.as_str()) => {
+                self.complain(node, at, format!("\"{text}\" needs its values: {{ \"{text}\": ... }}"));
+                None
+            }
+            Value::Text(_) => {
+                let all: Vec<&'static str> = choices.iter().map(|c| c.name).collect();
+                self.word(node, at, "name", &all).map(|word| (word, None))
+            }
+            Value::Object(members) if !keys.is_empty() => {
+                self.refuse_unknown(members, at, &keys);
+                let found: Vec<_> = members.iter().filter(|m| keys.contains(&m.key.as_str())).collect();
+                let [member] = found.as_slice() else {
+                    if members.len() != 1 {
+                        self.complain(node, at, format!("exactly one key was expected (one of: {})", keys.join(", ")));
+                    }
+                    return None;
+                };
+                let name = keys.iter().find(|key| **key == member.key)?;
+                Some((name, Some(&member.node)))
+            }
+            _ => {
+                let text = (!words.is_empty()).then(|| format!("a text (one of: {})", words.join(", ")));
+                let object = (!keys.is_empty()).then(|| format!("{{ \"{}\": ... }}", keys.join("\": ... } or { \"")));
+                let both: Vec<_> = text.into_iter().chain(object).collect();
+                self.expected(node, at, &both.join(" or "));
+                None
+            }
+        }
+    }
+
+    /// One of the known words.
+    pub(crate) fn word<'k>(&mut self, node: &Node, at: &At, what: &str, known: &[&'k str]) -> Option<&'k str> {
+        let Value::Text(text) = &node.value else {
+            self.expected(node, at, &format!("a text (one of: {})", known.join(", ")));
+            return None;
+        };
+        let found = known.iter().find(|word| *word == text).copied();
+        if found.is_none() {
+            self.complain(node, at, format!("unknown {what} {}{}", quoted(text), nearest::clause(text, known)));
+        }
+        found
+    }
+}
+
+fn first_sentence(about: &str) -> &str {
+    let about = about.trim();
+    about.split_once(". ").map_or(about, |(first, _)| first).trim_end_matches('.')
+}

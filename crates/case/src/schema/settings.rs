@@ -1,0 +1,45 @@
+//! The key `set` of scenarios and load cases.
+
+use crate::quantity::Want;
+use crate::schema::json::Definitions;
+use crate::schema::read::{Read, Reader};
+use crate::syntax::{At, Node, Setting, quoted};
+use serde_json::{Value as Json, json};
+
+/// Blocks a variant of the case may change; everything else is shared.
+pub(crate) const CHANGEABLE: [&str; 5] = ["materials", "supports", "loads", "actuation", "costs"];
+
+/// `{ "path": value, ... }`: all settings of a variant. The values are read later, in their place.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Settings(pub Vec<Setting>);
+
+impl Read for Settings {
+    fn absent() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        let members = reader.members(node, at)?;
+        for member in members {
+            check_path(&member.key, &at.key(&member.key), reader);
+        }
+        Some(Self(members.iter().map(|m| Setting { path: m.key.clone(), node: m.node.clone() }).collect()))
+    }
+
+    fn schema(_: Want, _: &mut Definitions) -> Json {
+        let heads = CHANGEABLE.join("|");
+        json!({ "type": "object", "propertyNames": { "pattern": format!("^({heads})/") } })
+    }
+}
+
+/// Complains about a path outside the blocks that may vary.
+pub(crate) fn check_path(path: &str, at: &At, reader: &mut Reader<'_>) {
+    let (head, rest) = path.split_once('/').unwrap_or((path, ""));
+    if !CHANGEABLE.contains(&head) {
+        let list = CHANGEABLE.join(", ");
+        reader
+            .complain_at(at, format!("{} cannot vary between scenarios or load cases, only {list} can", quoted(head)));
+    } else if rest.is_empty() {
+        reader.complain_at(at, format!("a path to one value was expected, as in \"{head}/0/...\""));
+    }
+}

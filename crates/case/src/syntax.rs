@@ -1,0 +1,19 @@
+//! Text to nodes that know where they stand: JSON with comments and trailing commas, overrides, diagnostics.
+
+mod diagnostic;
+mod document;
+mod node;
+mod parse;
+mod path;
+mod setting;
+
+pub(crate) mod nearest;
+mod quote;
+
+pub(crate) use quote::quoted;
+
+pub use diagnostic::{Diagnostic, Diagnostics};
+pub use document::Document;
+pub use node::{Member, Node, Place, Value};
+pub use path::At;
+pub use setting::Setting;

@@ -1,0 +1,93 @@
+//! What is wrong with a case.
+
+use std::fmt;
+use thiserror::Error;
+
+/// One problem: what, where, and what would be right.
+#[derive(Clone, PartialEq, Eq, Debug, Error)]
+pub struct Diagnostic {
+    /// The file as the user named it, or the `--set` option the value came from.
+    pub file: String,
+    /// Path of the block or key: `materials/0/mu1`; empty for the file as a whole.
+    pub path: String,
+    /// Line from 1; 0 where there is none.
+    pub line: usize,
+    /// Column from 1, in characters; 0 where there is none.
+    pub column: usize,
+    /// The problem.
+    pub message: String,
+}
+
+/// `case.json:12:5: materials/0/mu1: unit of the wrong kind ...`
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.file)?;
+        if self.line > 0 {
+            write!(f, ":{}:{}", self.line, self.column)?;
+        }
+        if !self.path.is_empty() {
+            let path: String = self.path.chars().filter(|c| !c.is_control()).collect();
+            write!(f, ": {path}")?;
+        }
+        write!(f, ": {}", self.message)
+    }
+}
+
+/// All problems of a case, in the order of its lines; never empty as an error.
+#[derive(Clone, PartialEq, Eq, Debug, Default, Error)]
+pub struct Diagnostics(Vec<Diagnostic>);
+
+impl Diagnostics {
+    /// In the order of lines, each problem once.
+    #[must_use]
+    pub fn new(mut list: Vec<Diagnostic>) -> Self {
+        list.sort_by_key(|problem| (problem.line, problem.column));
+        let mut kept: Vec<Diagnostic> = Vec::with_capacity(list.len());
+        for problem in list {
+            if !kept.contains(&problem) {
+                kept.push(problem);
+            }
+        }
+        Self(kept)
+    }
+
+    /// The problems.
+    #[must_use]
+    pub fn list(&self) -> &[Diagnostic] {
+        &self.0
+    }
+
+    /// True if nothing is wrong.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// `Err(self)` unless empty.
+    ///
+    /// # Errors
+    ///
+    /// Itself.
+    pub fn into_result(self) -> Result<(), Self> {
+        if self.0.is_empty() { Ok(()) } else { Err(self) }
+    }
+}
+
+impl From<Diagnostic> for Diagnostics {
+    fn from(one: Diagnostic) -> Self {
+        Self(vec![one])
+    }
+}
+
+/// One line per problem.
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, problem) in self.0.iter().enumerate() {
+            if i > 0 {
+                f.write_str("\n")?;
+            }
+            write!(f, "{problem}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,184 @@
+//! Cases that are well formed but do not fit their mesh, their files or themselves: every mistake is told with its place
+//! and what would be right.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+
+use common::{BAR, Place, problems, warnings, with};
+
+/// One problem, ending so.
+fn one(from: &str, to: &str, ending: &str) {
+    let found = problems(&with(BAR, from, to));
+    assert_eq!(found.lines().count(), 1, "{from} -> {to}:\n{found}");
+    assert!(found.ends_with(ending), "{from} -> {to}:\n{found}\nwanted: {ending}");
+}
+
+/// One warning that contains this.
+fn warned(from: &str, to: &str, part: &str) {
+    let found = warnings(&with(BAR, from, to));
+    assert!(found.lines().count() == 1 && found.contains(part), "{from} -> {to}:\n{found}\nwanted: {part}");
+}
+
+const MESH: &str = r#""mesh": { "box": { "size": [1.0, 0.25, 0.25], "cells": [4, 1, 1], "element": "hex8" } }"#;
+const TRACKING: &str = r#"{ "kind": "tracking", "surface": "x+", "target": ["X - 0.1", "Y", "Z + 0.1"] }"#;
+
+#[test]
+fn the_bar_itself_is_right() {
+    assert_eq!(problems(BAR), "");
+    assert_eq!(warnings(BAR), "");
+}
+
+#[test]
+fn a_missing_file_is_named_with_its_line() {
+    let found = problems(&with(BAR, MESH, r#""mesh": "nowhere.msh""#));
+    assert!(found.starts_with("case.json:5:") && found.contains(": mesh: cannot read nowhere.msh: "), "{found}");
+    let found = problems(&with(BAR, MESH, r#""mesh": "case.txt""#));
+    assert!(found.contains("must end in .msh"), "{found}");
+}
+
+#[test]
+fn a_missing_target_is_told_together_with_a_missing_mesh() {
+    let hausdorff = r#"{ "kind": "smoothed_hausdorff", "target": "gone.msh", "phi": { "inverse": { "eps": 0.1 } },
+        "stages": [ { "alpha": 1, "beta": 2, "gamma": 2 } ] }"#;
+    let found = problems(&with(&with(BAR, MESH, r#""mesh": "nowhere.msh""#), TRACKING, hausdorff));
+    assert_eq!(found.lines().count(), 2, "{found}");
+    assert!(found.contains("nowhere.msh") && found.contains("costs/0/target: cannot read gone.msh"), "{found}");
+}
+
+#[test]
+fn several_mistakes_are_told_at_once() {
+    let text = with(BAR, r#""surface": "x-""#, r#""surface": "left""#);
+    let text = with(&text, r#""region": "body", "law""#, r#""region": "bdy", "law""#);
+    let text = with(&text, "[1.0, 0.25, 0.25] }", "[2.0, 0.25, 0.25] }");
+    let found = problems(&text);
+    let paths: Vec<&str> = found.lines().map(|line| line.split(": ").nth(1).unwrap()).collect();
+    assert_eq!(paths, ["materials/0/region", "supports/0/surface", "probes/0/point"], "{found}");
+}
+
+#[test]
+fn a_body_without_support_says_what_moves() {
+    let text = with(BAR, r#""supports": [ { "surface": "x-", "fix": ["x", "y", "z"] } ],"#, "");
+    let found = problems(&text);
+    assert!(found.contains("supports: the supports leave 6 rigid motion(s) of the body free"), "{found}");
+    let found = problems(&with(BAR, r#"["x", "y", "z"] }"#, r#"["x", "y"] }"#));
+    assert!(found.contains("leave 1 rigid motion(s)") && found.contains("shift along z"), "{found}");
+}
+
+#[test]
+fn contradicting_supports_name_the_node() {
+    let more = r#""supports": [ { "surface": "y-", "displacement": { "x": "1 mm" } }, "#;
+    let found = problems(&with(BAR, r#""supports": [ "#, more));
+    assert!(found.contains("supports/1") && found.contains("prescribes"), "{found}");
+}
+
+#[test]
+fn units_of_the_wrong_kind_are_refused() {
+    one(
+        r#""lower": "-200 kPa""#,
+        r#""lower": "-200 mm""#,
+        r#"controls/0/lower: unit of the wrong kind: "-200 mm" is a length, a pressure is wanted (Pa, kPa, MPa, GPa)"#,
+    );
+}
+
+#[test]
+fn bounds_and_starts_must_agree() {
+    one(
+        r#""lower": "-200 kPa""#,
+        r#""lower": "200 kPa""#,
+        r#"controls/0/lower: crossed bounds: "lower" is 200000, above "upper" 100000"#,
+    );
+    let found = problems(&with(BAR, r#""upper": "100 kPa""#, r#""upper": "-300 kPa * X / 1 m""#));
+    assert!(found.contains("controls/0/lower: crossed bounds at node "), "{found}");
+    let found = problems(&with(BAR, r#""-50 kPa * Z / 0.25 m""#, r#""-500 kPa * Z / 0.25 m""#));
+    assert!(found.contains("controls/0/start: the start -500000 at node "), "{found}");
+    assert!(found.contains("lies outside what is allowed: [-2e5, 1e5]"), "{found}");
+}
+
+#[test]
+fn an_upper_bound_defaults_to_the_law_and_is_warned_about_beyond_it() {
+    let problem = common::lower(&with(BAR, r#", "upper": "100 kPa""#, "")).unwrap();
+    let bounds = problem.controls[0].bounds.as_ref().unwrap();
+    assert_eq!(bounds.at(0), (-2e5, 2e5));
+    warned(
+        r#""upper": "100 kPa""#,
+        r#""upper": "250 kPa""#,
+        "controls/0/upper: a tension of 250000 Pa exceeds 200000 Pa, up to which the law stays polyconvex",
+    );
+    warned(r#""lower": "-200 kPa", "#, "", r#"controls/0: no "lower" bound is given"#);
+}
+
+#[test]
+fn a_probe_outside_tells_how_far() {
+    let found = problems(&with(BAR, "[1.0, 0.25, 0.25] }", "[1.5, 0.25, 0.25] }"));
+    assert!(found.contains("probes/0/point: (1.5, 0.25, 0.25) is outside the body"), "{found}");
+    assert!(found.contains("the nearest point of it is (1, 0.25, 0.25), 5.000e-1 away"), "{found}");
+}
+
+#[test]
+fn an_empty_target_is_refused() {
+    let place = Place::new();
+    // a mesh with a surface but no volume
+    place.write("flat.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n0\n$EndNodes\n$Elements\n0\n$EndElements\n");
+    let hausdorff = r#"{ "kind": "smoothed_hausdorff", "target": "flat.msh", "phi": { "inverse": { "eps": 0.1 } },
+        "stages": [ { "alpha": 1, "beta": 2, "gamma": 2 } ] }"#;
+    let error = place.run(nastic_case::schema::Command::Check, &with(BAR, TRACKING, hausdorff), &[]).unwrap_err();
+    let found = error.to_string();
+    assert!(found.contains("costs/0/target: ") && found.contains("no volume cells and no plane cells"), "{found}");
+}
+
+#[test]
+fn a_truncated_mesh_is_told_with_its_line() {
+    let place = Place::new();
+    place.write("cut.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n");
+    let error =
+        place.run(nastic_case::schema::Command::Check, &with(BAR, MESH, r#""mesh": "cut.msh""#), &[]).unwrap_err();
+    let found = error.to_string();
+    assert!(found.contains("case.json:5:") && found.contains(": mesh: ") && found.contains("in $Nodes"), "{found}");
+}
+
+#[test]
+fn millimetres_taken_for_metres_are_warned_about() {
+    let big = r#""mesh": { "box": { "size": [1000, 250, 250], "cells": [4, 1, 1], "element": "hex8" } }"#;
+    let text = with(&with(BAR, MESH, big), r#""point": [1.0, 0.25, 0.25]"#, r#""point": [1000, 250, 250]"#);
+    let text = with(&text, r#""-50 kPa * Z / 0.25 m""#, "0");
+    let found = warnings(&text);
+    assert!(
+        found.contains("mesh/box: the body measures 1000 x 250 x 250 m: if box is drawn in millimetres"),
+        "{found}"
+    );
+    let units = r#""units": { "length": "mm", "force": "N" }, "mesh""#;
+    assert_eq!(warnings(&with(&text, r#""mesh""#, units)), "", "the same in millimetres");
+}
+
+#[test]
+fn a_target_of_another_size_is_warned_about() {
+    let hausdorff = r#"{ "kind": "smoothed_hausdorff",
+        "target": { "box": { "size": [900, 250, 250], "cells": [4, 1, 1], "element": "hex8" } },
+        "phi": { "smooth_inverse": { "eps": 0.1 } }, "stages": [ { "alpha": 1, "beta": 2, "gamma": 2 } ] }"#;
+    let found = warnings(&with(BAR, TRACKING, hausdorff));
+    let part = "costs/0/target: the body measures 1 x 0.25 x 0.25 m, this target 900 x 250 x 250 m";
+    assert!(found.contains(part), "{found}");
+}
+
+#[test]
+fn what_is_not_supported_yet_says_so() {
+    let scenarios = r#""scenarios": [ { "set": { "materials/0/mu1": "90 kPa" } } ], "probes""#;
+    let found = problems(&with(BAR, r#""probes""#, scenarios));
+    assert!(found.contains("scenarios: scenarios are not supported yet"), "{found}");
+    let found = problems(&with(BAR, r#""method": "lbfgs""#, r#""method": "newton_cg""#));
+    assert!(
+        found.ends_with("\"newton_cg\" is not supported yet; take projected_gradient, spectral or lbfgs"),
+        "{found}"
+    );
+}
+
+#[test]
+fn a_fixed_value_beside_a_control_is_refused() {
+    let fixed = r#""direction": [1, 0, 0], "tension": "5 kPa" }"#;
+    one(
+        r#""direction": [1, 0, 0] }"#,
+        fixed,
+        "actuation/0/tension: controls/0 controls this: remove the fixed value, or the control",
+    );
+}

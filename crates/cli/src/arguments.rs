@@ -1,0 +1,74 @@
+//! What may be typed.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Optimal control of actuated hyperelastic soft bodies.
+///
+/// A case file (JSON with comments) says which body, what moves it from within, and what it shall become. nastic finds
+/// its equilibrium, the derivative of the cost by the adjoint, and the best control.
+#[derive(Debug, Parser)]
+#[command(
+    name = "nastic",
+    version,
+    after_help = "Exit codes: 0 done, 2 bad input, 3 forward solve failed, 4 stopped before converging, \
+                  5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written.",
+    max_term_width = 100
+)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Show how a case is understood: groups, sizes, mesh quality, values with units, conventions. Solves nothing
+    Check(Case),
+    /// Find the equilibrium at the start controls
+    ///
+    /// Writes start.vtu (the equilibrium), target.vtu, picture.png, picture.svg and result.json.
+    Solve(Case),
+    /// Compute cost and derivative at the start controls, for outside optimisers
+    ///
+    /// Writes derivative.json: one array per control under its name, in file order; entries in the order of cells, corner
+    /// nodes or regions of the mesh, the components of a vector one after the other. Also start.vtu, target.vtu and
+    /// result.json.
+    Gradient(Case),
+    /// Test the derivative by Taylor remainders, per control and per cost term
+    ///
+    /// Leaves nothing behind, unless --out says where to put result.json.
+    Gradcheck(Case),
+    /// Find the best control: the main job
+    ///
+    /// Begins with a short gradient check, prints one row per trial, ends with a summary. Writes start.vtu, optimum.vtu,
+    /// target.vtu, iterations.pvd with its snapshots, history.jsonl, picture.png, picture.svg and result.json. Ctrl-C
+    /// stops after the trial at hand and keeps what was found.
+    Optimize(Case),
+    /// Print the JSON Schema of case files, for editors
+    Schema,
+}
+
+/// A case and how to run it.
+#[derive(Debug, Args)]
+pub struct Case {
+    /// The case file
+    #[arg(value_name = "CASE")]
+    pub case: PathBuf,
+    /// Directory of all results [default: output/directory of the case, else out/NAME beside it]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number of threads; results do not depend on it [default: all processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Put a value in the place of another: --set materials/0/mu1="90 kPa"; may be repeated
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub settings: Vec<String>,
+    /// Print errors only
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print the result as JSON instead of text for people
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,139 @@
+//! The program as a user types it: exit codes, streams, options.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+const BAR: &str = include_str!("../../case/tests/cases/bar.json");
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new(case: &str) -> Self {
+        let place = Self(tempfile::tempdir().unwrap());
+        std::fs::write(place.path("case.json"), case).unwrap();
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn nastic(&self, arguments: &[&str]) -> Output {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_nastic"));
+        program.args(arguments).current_dir(self.0.path()).output().unwrap()
+    }
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn done_is_zero_and_results_lie_beside_the_case() {
+    let place = Place::new(BAR);
+    for command in ["check", "solve", "gradient", "gradcheck"] {
+        let output = place.nastic(&[command, "case.json"]);
+        assert_eq!(code(&output), 0, "{command}: {}", text(&output.stderr));
+        assert!(!output.stdout.is_empty() && output.stderr.is_empty(), "{command}: {}", text(&output.stderr));
+    }
+    assert!(place.path("out/case/result.json").exists());
+    assert!(place.path("out/case/derivative.json").exists());
+}
+
+#[test]
+fn bad_input_is_two_and_tells_every_problem() {
+    let place = Place::new(&BAR.replace("\"x-\"", "\"left\"").replace("[1.0, 0.25, 0.25] }", "[9.0, 0, 0] }"));
+    let output = place.nastic(&["optimize", "case.json"]);
+    assert_eq!(code(&output), 2);
+    let told = text(&output.stderr);
+    assert!(told.contains("nastic: case.json:7:") && told.contains("supports/0/surface"), "{told}");
+    assert!(told.contains("probes/0/point") && told.contains("2 problems"), "{told}");
+    assert!(!place.path("out").exists(), "nothing is written for a case that is wrong");
+    let output = place.nastic(&["solve", "nowhere.json"]);
+    assert_eq!(code(&output), 2);
+    assert!(text(&output.stderr).contains("nowhere.json: cannot be read"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_failed_solve_is_three() {
+    let place = Place::new(BAR);
+    let output = place.nastic(&["solve", "case.json", "--set", "supports/0/displacement={\"x\": 0}"]);
+    assert_eq!(code(&output), 2, "fixed and displaced");
+    let crushed = BAR.replace(
+        r#""fix": ["x", "y", "z"] }"#,
+        r#""fix": ["x", "y", "z"] }, { "surface": "x+", "displacement": { "x": -1.2 } }"#,
+    );
+    let place = Place::new(&crushed);
+    let output = place.nastic(&["solve", "case.json", "--json"]);
+    assert_eq!(code(&output), 3);
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["exit"], 3);
+    assert!(answer["last_good_state"].as_str().unwrap().ends_with("failure.vtu"), "{answer}");
+}
+
+#[test]
+fn stopping_early_is_four_and_missing_an_expectation_six() {
+    let place = Place::new(BAR);
+    let output = place.nastic(&["optimize", "case.json", "--out", "there"]);
+    assert_eq!(code(&output), 4, "{}", text(&output.stderr));
+    let told = text(&output.stdout);
+    assert!(told.contains("trial  iter") && told.contains("to go on"), "{told}");
+    assert!(place.path("there/optimum.vtu").exists());
+    let expect = r#"expect={"min_J": {"value": 3, "absolute": 0.1}}"#;
+    let output = place.nastic(&["solve", "case.json", "--quiet", "--set", expect]);
+    assert_eq!(code(&output), 6);
+    assert!(output.stdout.is_empty());
+    assert!(text(&output.stderr).contains("expectation missed: min_J is 0.9"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_place_that_cannot_be_written_to_is_seven() {
+    let place = Place::new(BAR);
+    std::fs::write(place.path("there"), "in the way").unwrap();
+    let output = place.nastic(&["solve", "case.json", "--out", "there/deeper"]);
+    assert_eq!(code(&output), 7, "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("cannot write there/deeper"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn json_is_the_result_and_nothing_else() {
+    let place = Place::new(BAR);
+    let output = place.nastic(&["solve", "case.json", "--json", "--threads", "1"]);
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let file = std::fs::read(place.path("out/case/result.json")).unwrap();
+    assert_eq!(answer, serde_json::from_slice::<serde_json::Value>(&file).unwrap());
+    let output = place.nastic(&["check", "case.json", "--json", "--set", "materials/0/mu1=-1"]);
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["problems"][0]["path"], "materials/0/mu1");
+    assert_eq!(code(&output), 2);
+}
+
+#[test]
+fn overrides_take_the_place_of_values() {
+    let place = Place::new(BAR);
+    let output = place.nastic(&["check", "case.json", "--set", "materials/0/mu1=90 kPa", "--set", "probes/0/name=top"]);
+    assert_eq!(code(&output), 0);
+    assert!(text(&output.stdout).contains("mu1 90000 Pa"), "{}", text(&output.stdout));
+    let output = place.nastic(&["check", "case.json", "--set", "material/0/mu1=90 kPa"]);
+    assert_eq!(code(&output), 2);
+    assert!(text(&output.stderr).contains("did you mean \"materials\"?"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn the_schema_is_json_and_help_names_every_command() {
+    let place = Place::new(BAR);
+    let schema: serde_json::Value = serde_json::from_slice(&place.nastic(&["schema"]).stdout).unwrap();
+    assert_eq!(schema["title"], "nastic case");
+    let help = text(&place.nastic(&["--help"]).stdout);
+    for word in ["check", "solve", "gradient", "gradcheck", "optimize", "schema", "Exit codes: 0 done, 2 bad input"] {
+        assert!(help.contains(word), "{word}\n{help}");
+    }
+    let output = place.nastic(&["optimise", "case.json"]);
+    assert_eq!(code(&output), 2, "clap refuses with the same code");
+}

@@ -1,0 +1,257 @@
+//! [`SmoothedHausdorff`]: how far the deformed body is from a target domain.
+
+use super::hausdorff::{Cloud, Evaluation, Method, Phi, Smoothing};
+use super::{Cost, IntoCost, Partials, Sight, check_weight};
+use crate::error::ControlError;
+use nastic_fem::{Sampling, Solid};
+use nastic_mesh::Mesh;
+use nastic_mesh::{Hausdorff, Shape, hausdorff};
+use nastic_tensor::Mat3;
+use std::sync::Arc;
+
+/// The smoothed Hausdorff distance rho between the deformed body and a target domain, times a weight.
+///
+/// With A, B the smoothed densities of the body at target points and of the target at body points,
+///
+/// ```text
+/// A(y) = (1/|Omega|) int_Omega phi(|y-x|)^alpha dx,    d_Omega(y) = phi^-1( A(y)^(1/alpha) )
+/// B(x) = (1/|T|)     int_T     phi(|x-y|)^alpha dy,    d_T(x)     = phi^-1( B(x)^(1/alpha) )
+/// D1 = ( (1/|T|) int_T d_Omega^beta )^(1/beta),        D2 = ( (1/|Omega|) int_Omega d_T^beta )^(1/beta)
+/// rho = ( (D1^gamma + D2^gamma) / sqrt 2 )^(1/gamma)
+/// ```
+///
+/// The derivative is the exact one of the discrete value, the part through the deformed weights `J w` and `|Omega|`
+/// included. A perfect match costs rho(T, T) > 0 and is in general not stationary, so the true Hausdorff distance and
+/// the self-distance are reported beside rho. Unit: length times the weight's.
+///
+/// Source: survey, eq. (7); docs/model.md section 5.
+#[derive(Debug, Clone)]
+pub struct SmoothedHausdorff {
+    target: Arc<Mesh>,
+    target_region: Option<String>,
+    region: Option<String>,
+    phi: Phi,
+    stages: Vec<(f64, f64, f64)>,
+    quadrature: usize,
+    weight: f64,
+}
+
+/// Share of the target's diagonal that the length of phi is unless given.
+const DEFAULT_LENGTH: f64 = 0.1;
+
+impl SmoothedHausdorff {
+    /// To the whole of a target mesh, with `phi = exp(-r/l)`, l a tenth of the target's diagonal, two Gauss points per
+    /// direction, and the stages (alpha, beta, gamma) = (1, 4, 4), (4, 16, 8).
+    pub fn to(target: impl Into<Arc<Mesh>>) -> Self {
+        let target = target.into();
+        let phi = Phi::Exponential { length: DEFAULT_LENGTH * target.diagonal() };
+        let stages = vec![(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)];
+        SmoothedHausdorff { target, target_region: None, region: None, phi, stages, quadrature: 2, weight: 1.0 }
+    }
+
+    /// Only this region of the target.
+    pub fn target_region(mut self, name: &str) -> Self {
+        self.target_region = Some(name.to_owned());
+        self
+    }
+
+    /// Only this region of the body.
+    pub fn region(mut self, name: &str) -> Self {
+        self.region = Some(name.to_owned());
+        self
+    }
+
+    /// The decreasing function phi.
+    pub fn phi(mut self, phi: Phi) -> Self {
+        self.phi = phi;
+        self
+    }
+
+    /// `phi = exp(-r/length)`.
+    pub fn exponential(self, length: f64) -> Self {
+        self.phi(Phi::Exponential { length })
+    }
+
+    /// Continuation stages (alpha, beta, gamma), coarse to fine.
+    pub fn stages(mut self, stages: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
+        self.stages = stages.into_iter().collect();
+        self
+    }
+
+    /// Gauss points per direction, on body and target.
+    pub fn quadrature(mut self, points: usize) -> Self {
+        self.quadrature = points;
+        self
+    }
+
+    /// Multiplies the cost.
+    pub fn weight(mut self, weight: f64) -> Self {
+        self.weight = weight;
+        self
+    }
+
+    /// The cost on a body.
+    ///
+    /// # Errors
+    /// Unknown regions, an empty target, parameters that are not positive, dimensions that differ.
+    pub fn bind_to(self, solid: &Solid) -> Result<BoundHausdorff, ControlError> {
+        let weight = check_weight("smoothed_hausdorff", self.weight)?;
+        let fail = |what: String| ControlError::Cost { what };
+        if self.target.dim() != solid.mesh().dim() {
+            let (target, body) = (self.target.dim(), solid.mesh().dim());
+            return Err(fail(format!(
+                "the target {} is {target}-dimensional, the body {body}-dimensional",
+                self.target.name()
+            )));
+        }
+        if self.stages.is_empty() {
+            return Err(fail("smoothed_hausdorff needs at least one stage (alpha, beta, gamma)".to_owned()));
+        }
+        if self.quadrature == 0 || self.quadrature > 20 {
+            return Err(fail(format!("smoothed_hausdorff: quadrature {} is not within 1 to 20", self.quadrature)));
+        }
+        let stages = self.stages.iter().map(|&(alpha, beta, gamma)| Smoothing::new(self.phi, alpha, beta, gamma));
+        let stages = stages.collect::<Result<Vec<_>, _>>().map_err(|e| fail(e.to_string()))?;
+        let body = sample(solid.mesh(), self.region.as_deref(), self.quadrature)?;
+        let target = sample(&self.target, self.target_region.as_deref(), self.quadrature)?;
+        let positions = target.positions(&self.target, None);
+        let cloud = Cloud::new(positions, target.weights().to_vec()).map_err(|e| fail(e.to_string()))?;
+        let shape = Shape::new(&self.target, self.target.points(), self.target_region.as_deref());
+        let shape = shape.map_err(|e| fail(e.to_string()))?;
+        let body_spacing = body.positions(solid.mesh(), None);
+        let body_spacing =
+            Cloud::new(body_spacing, body.weights().to_vec()).map_err(|e| fail(e.to_string()))?.spacing();
+        let spacing = body_spacing.max(cloud.spacing());
+        Ok(BoundHausdorff { body, region: self.region, target: self.target, cloud, shape, stages, weight, spacing })
+    }
+}
+
+impl IntoCost for SmoothedHausdorff {
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        Ok(Box::new(self.bind_to(solid)?))
+    }
+}
+
+fn sample(mesh: &Mesh, region: Option<&str>, points: usize) -> Result<Sampling, ControlError> {
+    let cells = match region {
+        Some(name) => mesh.region(name)?.to_vec(),
+        None => (0..mesh.cells() as u32).collect(),
+    };
+    if cells.is_empty() {
+        return Err(ControlError::Cost { what: format!("{} has no cells to measure a distance to", mesh.name()) });
+    }
+    Ok(Sampling::of_cells(mesh, cells, |kind| kind.rule_of_points(points))?)
+}
+
+/// [`SmoothedHausdorff`] bound to a body.
+#[derive(Debug)]
+pub struct BoundHausdorff {
+    body: Sampling,
+    region: Option<String>,
+    target: Arc<Mesh>,
+    cloud: Cloud,
+    shape: Shape,
+    stages: Vec<Smoothing>,
+    weight: f64,
+    /// The coarser of the mean point spacings of body and target.
+    spacing: f64,
+}
+
+impl BoundHausdorff {
+    fn smoothing(&self, stage: usize) -> Smoothing {
+        self.stages[stage.min(self.stages.len() - 1)]
+    }
+
+    fn evaluation(&self, at: &Sight) -> Result<(Evaluation, Vec<Mat3>), ControlError> {
+        let kinematics = self.body.kinematics(at.u)?;
+        let weights: Vec<f64> = self.body.weights().iter().zip(&kinematics).map(|(w, k)| w * k.j()).collect();
+        let positions = self.body.positions(at.solid.mesh(), Some(at.u));
+        let fail = |e: super::hausdorff::HausdorffError| ControlError::Cost { what: e.to_string() };
+        let cloud = Cloud::new(positions, weights).map_err(fail)?;
+        let evaluation =
+            Evaluation::new(&cloud, &self.cloud, self.smoothing(at.stage), Method::Direct).map_err(fail)?;
+        let cofactors = kinematics.iter().map(|k| *k.h()).collect();
+        Ok((evaluation, cofactors))
+    }
+
+    /// The true Hausdorff distance of the deformed body from the target.
+    ///
+    /// # Errors
+    /// A body turned inside out.
+    pub fn true_distance(&self, solid: &Solid, u: &[f64]) -> Result<Hausdorff, ControlError> {
+        let dim = solid.discretization().dim();
+        let mut positions = solid.mesh().points().to_vec();
+        for (x, u) in positions.iter_mut().zip(u.chunks_exact(dim)) {
+            x.iter_mut().zip(u).for_each(|(x, u)| *x += u);
+        }
+        let body = Shape::new(solid.mesh(), &positions, self.region.as_deref());
+        let body = body.map_err(|e| ControlError::Cost { what: e.to_string() })?;
+        hausdorff(&body, &self.shape).map_err(|e| ControlError::Cost { what: e.to_string() })
+    }
+
+    /// rho(T, T): what a perfect match would cost, weight not included.
+    ///
+    /// # Errors
+    /// Parameters out of the range of numbers.
+    pub fn self_distance(&self, stage: usize) -> Result<f64, ControlError> {
+        let own = Evaluation::new(&self.cloud, &self.cloud, self.smoothing(stage), Method::Direct);
+        Ok(own.map_err(|e| ControlError::Cost { what: e.to_string() })?.distance().rho)
+    }
+
+    /// The target.
+    pub fn target(&self) -> &Arc<Mesh> {
+        &self.target
+    }
+}
+
+impl Cost for BoundHausdorff {
+    fn name(&self) -> &str {
+        "smoothed_hausdorff"
+    }
+
+    fn value(&self, at: &Sight) -> Result<f64, ControlError> {
+        Ok(self.weight * self.evaluation(at)?.0.distance().rho)
+    }
+
+    fn partials(&self, at: &Sight, out: &mut Partials) -> Result<f64, ControlError> {
+        let (evaluation, cofactors) = self.evaluation(at)?;
+        let partials = evaluation.partials().map_err(|e| ControlError::Cost { what: e.to_string() })?;
+        let dim = at.solid.discretization().dim();
+        let weight = self.weight;
+        let forces: Vec<f64> =
+            partials.points.iter().flat_map(|p| p.iter().take(dim).map(move |p| weight * p)).collect();
+        self.body.spread(&forces, dim, &mut out.u);
+        // dw_q = w_q^0 H : grad v
+        let stresses = cofactors.iter().zip(self.body.weights()).zip(&partials.weights);
+        let stresses: Vec<Mat3> = stresses.map(|((h, w), d)| h * (weight * w * d)).collect();
+        self.body.spread_stress(&stresses, &mut out.u);
+        Ok(weight * evaluation.distance().rho)
+    }
+
+    fn stages(&self) -> usize {
+        self.stages.len()
+    }
+
+    fn figures(&self, at: &Sight) -> Result<Vec<(String, f64)>, ControlError> {
+        Ok(vec![
+            ("hausdorff/smoothed".to_owned(), self.evaluation(at)?.0.distance().rho),
+            ("hausdorff/true".to_owned(), self.true_distance(at.solid, at.u)?.distance),
+            ("hausdorff/self".to_owned(), self.self_distance(at.stage)?),
+        ])
+    }
+
+    fn warnings(&self, _: &Solid) -> Vec<String> {
+        let coarse = |(k, s): (usize, &Smoothing)| {
+            let length = s.resolution();
+            (length < self.spacing).then(|| {
+                format!(
+                    "stage {} of smoothed_hausdorff resolves {length:.3e}, below the mean spacing {:.3e} of the quadrature \
+                     points: it sees separate points, not a body; lower alpha, or raise the quadrature or the length",
+                    k + 1,
+                    self.spacing
+                )
+            })
+        };
+        self.stages.iter().enumerate().filter_map(coarse).collect()
+    }
+}

@@ -1,0 +1,215 @@
+//! [`Tracking`]: the mean squared distance of a surface, region or node set from wanted positions.
+
+use super::{Cost, IntoCost, Partials, Sight, check_weight};
+use crate::error::ControlError;
+use nastic_fem::{Sampling, Solid};
+use std::fmt;
+use std::sync::Arc;
+
+/// `j = (weight/2) int_{Gamma_0} |x - x_target|^2 dA` over a named surface of the reference body (`dX` over a region, a
+/// plain sum over a node set), with `x = X + u(X)`.
+///
+/// Derivative: `dj/du [v] = weight int (x - x_target) . v dA`.
+/// Units: length^4 times the weight's on a surface, length^5 over a region, length^2 over nodes.
+/// Source: survey, section 4.2.3; docs/model.md section 5.
+#[derive(Clone, Debug)]
+pub struct Tracking {
+    place: Place,
+    target: Target,
+    weight: f64,
+}
+
+#[derive(Clone, Debug)]
+enum Place {
+    Surface(String),
+    Region(String),
+    Nodes(String),
+}
+
+/// Where the tracked points should be.
+#[derive(Clone)]
+pub enum Target {
+    /// The wanted position of the point that is at X in the reference body.
+    Position(Arc<dyn Fn([f64; 3]) -> [f64; 3] + Send + Sync>),
+    /// A wanted displacement by node, flat (`dim` per node), interpolated.
+    Displacement(Vec<f64>),
+}
+
+impl fmt::Debug for Target {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Target::Position(_) => f.write_str("Position(..)"),
+            Target::Displacement(u) => write!(f, "Displacement({} entries)", u.len()),
+        }
+    }
+}
+
+impl Target {
+    /// The wanted position as a function of the reference position.
+    pub fn position(at: impl Fn([f64; 3]) -> [f64; 3] + Send + Sync + 'static) -> Self {
+        Target::Position(Arc::new(at))
+    }
+}
+
+impl Tracking {
+    /// Tracks a named surface.
+    pub fn surface(name: &str, target: Target) -> Self {
+        Tracking { place: Place::Surface(name.to_owned()), target, weight: 1.0 }
+    }
+
+    /// Tracks a named region.
+    pub fn region(name: &str, target: Target) -> Self {
+        Tracking { place: Place::Region(name.to_owned()), target, weight: 1.0 }
+    }
+
+    /// Tracks the nodes of a named node set (or of a surface), each with weight one.
+    pub fn nodes(name: &str, target: Target) -> Self {
+        Tracking { place: Place::Nodes(name.to_owned()), target, weight: 1.0 }
+    }
+
+    /// Multiplies the cost.
+    pub fn weight(mut self, weight: f64) -> Self {
+        self.weight = weight;
+        self
+    }
+}
+
+impl IntoCost for Tracking {
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        Ok(Box::new(self.bind_to(solid)?))
+    }
+}
+
+impl Tracking {
+    /// The cost on a body.
+    ///
+    /// # Errors
+    /// Unknown names, a target of the wrong size or not finite, a weight that is not positive.
+    pub fn bind_to(self, solid: &Solid) -> Result<BoundTracking, ControlError> {
+        let weight = check_weight("tracking", self.weight)?;
+        let mesh = solid.mesh();
+        // Two points more than the shape functions need: targets are curved.
+        let points = match &self.place {
+            Place::Surface(name) => {
+                Look::Points(Sampling::of_facets(mesh, mesh.surface(name)?, |k| k.rule_of_points(k.order() + 2)))
+            }
+            Place::Region(name) => {
+                let cells = mesh.region(name)?.to_vec();
+                Look::Points(Sampling::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?)
+            }
+            Place::Nodes(name) => Look::Nodes(solid.nodes_of(name)?),
+        };
+        let target = points.targets(solid, &self.target)?;
+        Ok(BoundTracking { points, target, weight })
+    }
+}
+
+/// [`Tracking`] bound to a body.
+#[derive(Debug)]
+pub struct BoundTracking {
+    points: Look,
+    target: Vec<[f64; 3]>,
+    weight: f64,
+}
+
+#[derive(Debug)]
+enum Look {
+    Points(Sampling),
+    Nodes(Vec<u32>),
+}
+
+impl Look {
+    fn targets(&self, solid: &Solid, target: &Target) -> Result<Vec<[f64; 3]>, ControlError> {
+        let reference = self.positions(solid, None);
+        let out: Vec<[f64; 3]> = match target {
+            Target::Position(at) => reference.into_iter().map(|x| at(x)).collect(),
+            Target::Displacement(u) => {
+                let expected = solid.discretization().dofs();
+                if u.len() != expected {
+                    let what = format!("tracking target has {} entries where the mesh needs {expected}", u.len());
+                    return Err(ControlError::Cost { what });
+                }
+                self.positions(solid, Some(u))
+            }
+        };
+        if let Some(bad) = out.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
+            let what = format!("tracking target is not finite at its point {bad} ({:?}); check the formula", out[bad]);
+            return Err(ControlError::Cost { what });
+        }
+        Ok(out)
+    }
+
+    fn positions(&self, solid: &Solid, u: Option<&[f64]>) -> Vec<[f64; 3]> {
+        let (mesh, dim) = (solid.mesh(), solid.discretization().dim());
+        match self {
+            Look::Points(sampling) => sampling.positions(mesh, u),
+            Look::Nodes(nodes) => {
+                let position = |&node: &u32| {
+                    let mut x = mesh.points()[node as usize];
+                    if let Some(u) = u {
+                        (0..dim).for_each(|i| x[i] += u[node as usize * dim + i]);
+                    }
+                    x
+                };
+                nodes.iter().map(position).collect()
+            }
+        }
+    }
+
+    fn weight(&self, q: usize) -> f64 {
+        match self {
+            Look::Points(sampling) => sampling.weights()[q],
+            Look::Nodes(_) => 1.0,
+        }
+    }
+
+    /// Adds the nodal image of vectors at the points.
+    fn spread(&self, values: &[f64], dim: usize, out: &mut [f64]) {
+        match self {
+            Look::Points(sampling) => sampling.spread(values, dim, out),
+            Look::Nodes(nodes) => {
+                for (&node, value) in nodes.iter().zip(values.chunks_exact(dim)) {
+                    for (i, v) in value.iter().enumerate() {
+                        out[node as usize * dim + i] += v;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl BoundTracking {
+    /// Distance vectors `x - x_target` at the points.
+    fn gaps(&self, at: &Sight) -> Vec<[f64; 3]> {
+        let x = self.points.positions(at.solid, Some(at.u));
+        x.iter().zip(&self.target).map(|(x, t)| [x[0] - t[0], x[1] - t[1], x[2] - t[2]]).collect()
+    }
+
+    fn sum(&self, gaps: &[[f64; 3]]) -> f64 {
+        let squares =
+            gaps.iter().enumerate().map(|(q, g)| self.points.weight(q) * g.iter().map(|g| g * g).sum::<f64>());
+        0.5 * self.weight * squares.sum::<f64>()
+    }
+}
+
+impl Cost for BoundTracking {
+    fn name(&self) -> &str {
+        "tracking"
+    }
+
+    fn value(&self, at: &Sight) -> Result<f64, ControlError> {
+        Ok(self.sum(&self.gaps(at)))
+    }
+
+    fn partials(&self, at: &Sight, out: &mut Partials) -> Result<f64, ControlError> {
+        let dim = at.solid.discretization().dim();
+        let gaps = self.gaps(at);
+        let weighted = |(q, gap): (usize, &[f64; 3])| {
+            let w = self.weight * self.points.weight(q);
+            (0..dim).map(move |i| w * gap[i]).collect::<Vec<f64>>()
+        };
+        let forces: Vec<f64> = gaps.iter().enumerate().flat_map(weighted).collect();
+        self.points.spread(&forces, dim, &mut out.u);
+        Ok(self.sum(&gaps))
+    }
+}

@@ -1,0 +1,82 @@
+//! [`EnsembleBlock`]: the control fields of an ensemble, each once, in one vector.
+
+use super::error::EnsembleError;
+use super::part::Part;
+use crate::layout::ControlBlock;
+
+/// One control field of an ensemble, used by some of its members.
+#[derive(Clone, Debug)]
+pub struct EnsembleBlock {
+    /// The control's name, `LOAD_CASE/CONTROL` for a load case's own.
+    pub name: String,
+    /// First entry in the vector.
+    pub first: usize,
+    /// Number of entries.
+    pub len: usize,
+    /// Index of the first member that uses it: the one whose inner product it has.
+    pub owner: usize,
+    /// Index of the field in that member's layout.
+    pub field: usize,
+}
+
+impl EnsembleBlock {
+    /// Its part of a vector.
+    pub fn of<'m>(&self, m: &'m [f64]) -> &'m [f64] {
+        &m[self.first..self.first + self.len]
+    }
+}
+
+/// Enters the control fields of `part` (names as the ensemble has them) after those of the parts before it.
+pub(super) fn enter(
+    blocks: &mut Vec<EnsembleBlock>,
+    before: &[Part],
+    part: &mut Part,
+    names: Vec<String>,
+) -> Result<(), EnsembleError> {
+    for (field, name) in names.into_iter().enumerate() {
+        let new = &part.problem.layout().blocks()[field];
+        let index = match blocks.iter().position(|block| block.name == name) {
+            Some(index) => {
+                let owner = &before[blocks[index].owner];
+                let old = &owner.problem.layout().blocks()[blocks[index].field];
+                if let Some(what) = difference(old, new) {
+                    let (who, other) = (part.name.clone(), owner.name.clone());
+                    return Err(EnsembleError::Block { block: name, who, other, what });
+                }
+                index
+            }
+            None => {
+                let first = blocks.last().map_or(0, |last| last.first + last.len);
+                blocks.push(EnsembleBlock { name, first, len: new.len(), owner: before.len(), field });
+                blocks.len() - 1
+            }
+        };
+        part.blocks.push(index);
+    }
+    Ok(())
+}
+
+/// In what two fields of one name differ. Positions may: the geometry can be uncertain too.
+fn difference(a: &ControlBlock, b: &ControlBlock) -> Option<&'static str> {
+    match () {
+        () if a.map.space() != b.map.space() => Some("space"),
+        () if a.components != b.components => Some("number of components"),
+        () if a.unit != b.unit => Some("unit"),
+        () if a.map.entities() != b.map.entities() => Some("cells or nodes"),
+        () => None,
+    }
+}
+
+/// The control vector of one member.
+pub(super) fn gather(blocks: &[EnsembleBlock], part: &Part, m: &[f64]) -> Vec<f64> {
+    part.blocks.iter().flat_map(|&block| blocks[block].of(m)).copied().collect()
+}
+
+/// Adds `weight` times a member's dual vector to the ensemble's.
+pub(super) fn scatter(blocks: &[EnsembleBlock], part: &Part, weight: f64, from: &[f64], out: &mut [f64]) {
+    for (local, &block) in part.problem.layout().blocks().iter().zip(&part.blocks) {
+        let block = &blocks[block];
+        let place = &mut out[block.first..block.first + block.len];
+        place.iter_mut().zip(local.of(from)).for_each(|(out, d)| *out += weight * d);
+    }
+}

@@ -1,0 +1,156 @@
+//! [`EnsembleBuilder`]: scenarios and load cases, one after the other.
+
+use super::blocks::enter;
+use super::error::EnsembleError;
+use super::part::{LoadCase, Part};
+use super::{Ensemble, Finished, Watch};
+use crate::error::ControlError;
+use crate::reduced::Reduced;
+use crate::risk::Risk;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// What [`Ensemble::new`] begins. Nothing is checked before [`build`](Self::build).
+#[derive(Debug)]
+pub struct EnsembleBuilder {
+    risk: Box<dyn Risk>,
+    scenarios: Vec<(String, f64, Vec<LoadCase>)>,
+    watch: Watch,
+    cancel: Option<Arc<AtomicBool>>,
+}
+
+/// Name of the one scenario of a problem that has load cases alone.
+const ALONE: &str = "";
+
+impl EnsembleBuilder {
+    pub(super) fn new(risk: Box<dyn Risk>) -> Self {
+        EnsembleBuilder { risk, scenarios: vec![], watch: Watch(None), cancel: None }
+    }
+
+    /// Adds a scenario of one problem.
+    pub fn scenario(self, name: &str, probability: f64, problem: Reduced) -> Self {
+        self.scenario_of(name, probability, vec![LoadCase::new("", 1.0, problem)])
+    }
+
+    /// Adds a scenario of several load cases; its cost is their weighted sum.
+    pub fn scenario_of(mut self, name: &str, probability: f64, cases: Vec<LoadCase>) -> Self {
+        self.scenarios.push((name.to_owned(), probability, cases));
+        self
+    }
+
+    /// Adds load cases without uncertainty: one scenario of probability one.
+    pub fn load_cases(self, cases: Vec<LoadCase>) -> Self {
+        self.scenario_of(ALONE, 1.0, cases)
+    }
+
+    /// Is told of every member that finished, from the thread that computed it, in no particular order.
+    pub fn watched_by(mut self, watch: impl Fn(&Finished) + Send + Sync + 'static) -> Self {
+        self.watch = Watch(Some(Arc::new(watch)));
+        self
+    }
+
+    /// A flag that ends the state solves of all members.
+    pub fn cancelled_by(mut self, flag: Arc<AtomicBool>) -> Self {
+        self.cancel = Some(flag);
+        self
+    }
+
+    /// Checks all members and joins their controls.
+    ///
+    /// # Errors
+    /// Members that are incomplete or share a control they do not agree about; names given twice; probabilities that do
+    /// not fit the risk measure.
+    pub fn build(self) -> Result<Ensemble, EnsembleError> {
+        self.check_names()?;
+        let probabilities: Vec<f64> = self.scenarios.iter().map(|(_, p, _)| *p).collect();
+        self.risk.check(&probabilities)?;
+        let alone = self.scenarios.iter().map(|(_, _, cases)| cases.len()).sum::<usize>() == 1;
+        let (mut parts, mut blocks, mut names) = (Vec::new(), Vec::new(), Vec::new());
+        for (scenario, (name, _, cases)) in self.scenarios.into_iter().enumerate() {
+            for case in cases {
+                let fields = field_names(&case).map_err(|e| EnsembleError::member(&label(&name, &case.name), e))?;
+                let mut part = Part {
+                    name: label(&name, &case.name),
+                    case: case.name,
+                    scenario,
+                    weight: case.weight,
+                    problem: prepared(case.problem, alone, self.cancel.as_ref()),
+                    blocks: vec![],
+                };
+                enter(&mut blocks, &parts, &mut part, fields)?;
+                parts.push(part);
+            }
+            names.push(name);
+        }
+        // Only owners lend their inner product, so only theirs is built.
+        for (index, part) in parts.iter().enumerate() {
+            let checked = match blocks.iter().any(|block| block.owner == index) {
+                true => part.problem.check(),
+                false => part.problem.solid().check().map_err(ControlError::from),
+            };
+            checked.map_err(|e| EnsembleError::member(&part.name, e))?;
+        }
+        let len = blocks.iter().map(|block| block.len).sum();
+        let (risk, watch) = (self.risk, self.watch);
+        let mut ensemble = Ensemble { parts, names, probabilities, blocks, len, risk, lumped: None, watch };
+        ensemble.lumped = ensemble.collect_lumped();
+        Ok(ensemble)
+    }
+
+    fn check_names(&self) -> Result<(), EnsembleError> {
+        if self.scenarios.is_empty() {
+            return Err(EnsembleError::Empty { what: "the ensemble".into() });
+        }
+        let mut seen = BTreeSet::new();
+        for (scenario, probability, cases) in &self.scenarios {
+            if !seen.insert(label(scenario, "")) {
+                return Err(EnsembleError::Twice { name: scenario.clone() });
+            }
+            if !probability.is_finite() {
+                return Err(EnsembleError::Weight { who: label(scenario, ""), weight: *probability });
+            }
+            if cases.is_empty() {
+                return Err(EnsembleError::Empty { what: label(scenario, "") });
+            }
+            let mut seen = BTreeSet::new();
+            for case in cases {
+                let who = label(scenario, &case.name);
+                if !(case.weight.is_finite() && case.weight > 0.0) {
+                    return Err(EnsembleError::Weight { who, weight: case.weight });
+                }
+                if !seen.insert(&case.name) {
+                    return Err(EnsembleError::Twice { name: who });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Members run side by side, each on one thread; a single one may have them all.
+fn prepared(problem: Reduced, alone: bool, cancel: Option<&Arc<AtomicBool>>) -> Reduced {
+    let problem = if alone { problem } else { problem.sequential() };
+    match cancel {
+        Some(flag) => problem.cancelled_by(flag.clone()),
+        None => problem,
+    }
+}
+
+fn label(scenario: &str, case: &str) -> String {
+    match (scenario, case) {
+        ("", "") => "the load cases".into(),
+        (name, "") | ("", name) => name.into(),
+        (scenario, case) => format!("{scenario}/{case}"),
+    }
+}
+
+/// Names of a load case's control fields in the ensemble.
+fn field_names(case: &LoadCase) -> Result<Vec<String>, ControlError> {
+    let layout = case.problem.layout();
+    for own in &case.own {
+        layout.block(own)?;
+    }
+    let name = |own: bool, name: &str| if own { format!("{}/{name}", case.name) } else { name.to_owned() };
+    Ok(layout.blocks().iter().map(|block| name(case.own.contains(&block.name), &block.name)).collect())
+}

@@ -1,0 +1,92 @@
+//! What can go wrong with an ensemble.
+
+use crate::error::ControlError;
+use crate::risk::RiskError;
+use thiserror::Error;
+
+/// An ensemble that cannot be built, or a member that cannot be evaluated.
+#[derive(Clone, Debug, Error)]
+pub enum EnsembleError {
+    /// Nothing in it.
+    #[error("{what} is empty; give at least one problem")]
+    Empty {
+        /// The ensemble or a scenario.
+        what: String,
+    },
+    /// Two scenarios, or two load cases of one scenario, of one name.
+    #[error("the name \"{name}\" is given twice; results go by these names")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// A weight that is not a positive number, a probability that is not a number.
+    #[error("{who} has weight {weight}; weights of load cases are positive, probabilities finite numbers")]
+    Weight {
+        /// The member.
+        who: String,
+        /// Its weight.
+        weight: f64,
+    },
+    /// Members that share a control do not mean the same by it.
+    #[error(
+        "{who} and {other} share the control \"{block}\" but differ in its {what}; give both the same space on the same \
+         cells, or make it the load case's own"
+    )]
+    Block {
+        /// The control.
+        block: String,
+        /// The later member.
+        who: String,
+        /// The earlier one.
+        other: String,
+        /// In what.
+        what: &'static str,
+    },
+    /// A member that is incomplete or has no equilibrium.
+    #[error("{who}: {source}")]
+    Member {
+        /// Scenario and load case.
+        who: String,
+        /// What is wrong with it.
+        source: Box<ControlError>,
+    },
+    /// A cost that is not a number.
+    #[error("{who} costs {value}; costs must be finite")]
+    Value {
+        /// Scenario and load case.
+        who: String,
+        /// Its cost.
+        value: f64,
+    },
+    /// A vector of the wrong length.
+    #[error("the control vector has {found} entries where the ensemble has {expected}")]
+    Length {
+        /// Its length.
+        found: usize,
+        /// Length of all blocks.
+        expected: usize,
+    },
+    /// No control of that name.
+    #[error("control \"{name}\" not found in the ensemble; there are: {known}")]
+    UnknownControl {
+        /// The name asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// No mean shape.
+    #[error("no mean shape: {what}")]
+    Shape {
+        /// Why.
+        what: String,
+    },
+    /// The risk measure does not fit.
+    #[error(transparent)]
+    Risk(#[from] RiskError),
+}
+
+impl EnsembleError {
+    pub(super) fn member(who: &str, source: ControlError) -> Self {
+        EnsembleError::Member { who: who.to_owned(), source: Box::new(source) }
+    }
+}

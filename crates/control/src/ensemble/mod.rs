@@ -1,0 +1,307 @@
+//! [`Ensemble`]: one control for many bodies.
+
+mod blocks;
+mod builder;
+mod error;
+mod part;
+mod product;
+mod report;
+mod shape;
+
+pub use blocks::EnsembleBlock;
+pub use builder::EnsembleBuilder;
+pub use error::EnsembleError;
+pub use part::{LoadCase, Part};
+pub use report::Measured;
+
+use crate::error::ControlError;
+use crate::reduced::Evaluated;
+use crate::risk::Risk;
+use blocks::{gather, scatter};
+use nastic_opt::{Failed, Objective, Report, Request};
+use rayon::prelude::*;
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The risk of one control vector over scenarios, each a weighted sum over load cases:
+///
+/// `jhat(m) = R(j_1(m), .., j_n(m))`, `j_s(m) = sum_l w_l j_sl(m_sl)`,
+/// `djhat/dm = sum_s (dR/dj_s) sum_l w_l dj_sl/dm`.
+///
+/// Members share the controls that have the same names; a load case may have controls of its own
+/// ([`LoadCase::own`]). The vector holds every block once. Members are evaluated side by side, each on one thread and
+/// from its own last state; sums run in the order the members were added, so the bits do not depend on the number of
+/// threads. Members built on one [`Discretization`](nastic_fem::Discretization) share mesh and symbolic analysis.
+/// A member without an equilibrium is a failed trial that names it.
+///
+/// Source: docs/model.md section 6; survey, section 4.2.3.
+///
+/// ```
+/// use nastic_control::{Ensemble, Reduced, Space, Target, Tracking, risk::MeanDeviation};
+/// use nastic_energy::{MooneyRivlin, Turgor};
+/// use nastic_fem::{Discretization, Solid};
+/// use nastic_mesh::{CellKind, box_mesh};
+/// use nastic_opt::{Bounds, Optimizer, ProjectedGradient};
+///
+/// let mesh = Discretization::new(box_mesh([1.0, 0.2, 0.2], [2, 1, 1], CellKind::Hex8)?.into())?;
+/// let longer = Target::position(|x| [1.05 * x[0], x[1], x[2]]);
+/// let mut robust = Ensemble::new(MeanDeviation { lambda: 1.0 });
+/// for (name, mu) in [("soft", 0.8e5), ("stiff", 1.2e5)] {
+///     let body = Solid::on(mesh.clone())
+///         .material("body", MooneyRivlin::new(mu, 2e4, 2e5)?)?
+///         .actuate("body", "turgor", Turgor::new())?
+///         .clamp("x-")?;
+///     let problem =
+///         Reduced::new(body).control("turgor", Space::Uniform)?.cost(Tracking::surface("x+", longer.clone()))?;
+///     robust = robust.scenario(name, 0.5, problem);
+/// }
+/// let robust = robust.build()?;
+/// let best = ProjectedGradient::default().within(Bounds::new(0.0, 1e5)?).minimize(&robust, 0.0)?;
+/// assert_eq!(best.point.costs.len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Ensemble {
+    parts: Vec<Part>,
+    names: Vec<String>,
+    probabilities: Vec<f64>,
+    blocks: Vec<EnsembleBlock>,
+    len: usize,
+    risk: Box<dyn Risk>,
+    lumped: Option<Vec<f64>>,
+    watch: Watch,
+}
+
+/// An evaluated control of an ensemble. A value.
+#[derive(Debug, Clone)]
+pub struct EnsemblePoint {
+    /// The control vector.
+    pub m: Vec<f64>,
+    /// Every member's state and terms, in the order of [`Ensemble::parts`].
+    pub parts: Vec<Evaluated>,
+    /// Cost `j_s` of every scenario.
+    pub costs: Vec<f64>,
+    /// R of these.
+    pub risk: f64,
+}
+
+/// A member that has been evaluated: what an [`EnsembleBuilder::watched_by`] is told.
+#[derive(Debug, Clone, Copy)]
+pub struct Finished<'a> {
+    /// Index of the member.
+    pub index: usize,
+    /// How many members there are.
+    pub of: usize,
+    /// The member.
+    pub name: &'a str,
+    /// Its cost, or why there is none.
+    pub cost: Result<f64, &'a ControlError>,
+}
+
+type Watcher = dyn Fn(&Finished) + Send + Sync;
+
+#[derive(Clone)]
+struct Watch(Option<Arc<Watcher>>);
+
+impl fmt::Debug for Watch {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(if self.0.is_some() { "Watch(..)" } else { "Watch(nobody)" })
+    }
+}
+
+impl Ensemble {
+    /// Begins an ensemble that is judged by a measure of risk.
+    #[allow(clippy::new_ret_no_self)]
+    pub fn new(risk: impl Risk + 'static) -> EnsembleBuilder {
+        EnsembleBuilder::new(Box::new(risk))
+    }
+
+    /// As [`new`](Self::new), with a measure chosen at run time.
+    pub fn with_risk(risk: Box<dyn Risk>) -> EnsembleBuilder {
+        EnsembleBuilder::new(risk)
+    }
+
+    /// The members, scenario by scenario, load case by load case.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// Names of the scenarios.
+    pub fn scenarios(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Probabilities of the scenarios.
+    pub fn probabilities(&self) -> &[f64] {
+        &self.probabilities
+    }
+
+    /// The measure of risk.
+    pub fn risk(&self) -> &dyn Risk {
+        self.risk.as_ref()
+    }
+
+    /// The control fields, in the order they first occur.
+    pub fn blocks(&self) -> &[EnsembleBlock] {
+        &self.blocks
+    }
+
+    /// The control field of a name.
+    ///
+    /// # Errors
+    /// [`EnsembleError::UnknownControl`] with the names there are.
+    pub fn block(&self, name: &str) -> Result<&EnsembleBlock, EnsembleError> {
+        self.blocks.iter().find(|b| b.name == name).ok_or_else(|| EnsembleError::UnknownControl {
+            name: name.to_owned(),
+            known: self.blocks.iter().map(|b| b.name.clone()).collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// Smallest convexity bound of a tension over all members that use the control; `None` where no law states one.
+    ///
+    /// # Errors
+    /// [`EnsembleError::UnknownControl`].
+    pub fn fiber_limit(&self, name: &str) -> Result<Option<f64>, EnsembleError> {
+        let block = self.block(name)?;
+        let mut lowest: Option<f64> = None;
+        for part in &self.parts {
+            for (field, index) in part.problem.layout().blocks().iter().zip(&part.blocks) {
+                if self.blocks[*index].first == block.first {
+                    let limit = part.problem.solid().body().fiber_limit(field.actuation);
+                    lowest = lowest.into_iter().chain(limit).reduce(f64::min);
+                }
+            }
+        }
+        Ok(lowest)
+    }
+
+    /// The control vector of one member.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Length`].
+    pub fn local(&self, part: &Part, m: &[f64]) -> Result<Vec<f64>, EnsembleError> {
+        self.check_len(m)?;
+        Ok(gather(&self.blocks, part, m))
+    }
+
+    /// [`Objective::evaluate`] with the typed error.
+    ///
+    /// # Errors
+    /// The first member, in order, without an equilibrium or with a cost that is not a number.
+    pub fn try_evaluate(&self, m: &[f64], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, EnsembleError> {
+        self.check_len(m)?;
+        let parts = self.side_by_side(|index, part| {
+            let near = how.near.and_then(|point| point.parts.get(index));
+            let request = Request { near, accuracy: how.accuracy, stage: how.stage };
+            let outcome = part.problem.try_evaluate(&gather(&self.blocks, part, m), &request);
+            self.tell(index, &outcome);
+            outcome
+        })?;
+        self.joined(m, parts)
+    }
+
+    fn check_len(&self, m: &[f64]) -> Result<(), EnsembleError> {
+        let (found, expected) = (m.len(), self.len);
+        if found == expected { Ok(()) } else { Err(EnsembleError::Length { found, expected }) }
+    }
+
+    /// Costs of the scenarios, and their risk.
+    fn joined(&self, m: &[f64], parts: Vec<Evaluated>) -> Result<EnsemblePoint, EnsembleError> {
+        let mut costs = vec![0.0; self.names.len()];
+        for (part, point) in self.parts.iter().zip(&parts) {
+            let value = point.cost();
+            if !value.is_finite() {
+                return Err(EnsembleError::Value { who: part.name.clone(), value });
+            }
+            costs[part.scenario] += part.weight * value;
+        }
+        let risk = self.risk.value(&self.probabilities, &costs);
+        Ok(EnsemblePoint { m: m.to_vec(), parts, costs, risk })
+    }
+
+    /// Runs `each` for every member, on as many threads as there are; results in the members' order.
+    ///
+    /// After a failure the members behind it are left out. Those before it are not, so that the failure reported is the
+    /// first in order, whoever was first on the clock.
+    fn side_by_side<T: Send>(
+        &self,
+        each: impl Fn(usize, &Part) -> Result<T, ControlError> + Sync,
+    ) -> Result<Vec<T>, EnsembleError> {
+        let failed = AtomicUsize::new(usize::MAX);
+        let run = |(index, part): (usize, &Part)| {
+            if index > failed.load(Ordering::Relaxed) {
+                return None;
+            }
+            let outcome = each(index, part).map_err(|e| EnsembleError::member(&part.name, e));
+            if outcome.is_err() {
+                failed.fetch_min(index, Ordering::Relaxed);
+            }
+            Some(outcome)
+        };
+        let outcomes: Vec<Option<_>> = self.parts.par_iter().enumerate().with_max_len(1).map(run).collect();
+        // One left out stands behind a failure, at which this stops.
+        outcomes.into_iter().flatten().collect()
+    }
+
+    fn tell(&self, index: usize, outcome: &Result<Evaluated, ControlError>) {
+        if let Some(watch) = &self.watch.0 {
+            let cost = outcome.as_ref().map(Evaluated::cost);
+            watch(&Finished { index, of: self.parts.len(), name: &self.parts[index].name, cost });
+        }
+    }
+
+    /// The derivative of the risk, with the typed error.
+    ///
+    /// # Errors
+    /// The first member, in order, whose adjoint cannot be had.
+    pub fn try_derivative(&self, point: &EnsemblePoint) -> Result<Vec<f64>, EnsembleError> {
+        let by_cost = self.risk.weights(&self.probabilities, &point.costs);
+        let weight = |part: &Part| by_cost[part.scenario] * part.weight;
+        let derivatives = self.side_by_side(|index, part| match (weight(part), point.parts.get(index)) {
+            (weight, Some(at)) if weight != 0.0 => part.problem.derivative_of(at, None).map(Some),
+            _ => Ok(None),
+        })?;
+        let mut out = vec![0.0; self.len];
+        for (part, derivative) in self.parts.iter().zip(&derivatives) {
+            if let Some(derivative) = derivative {
+                scatter(&self.blocks, part, weight(part), derivative, &mut out);
+            }
+        }
+        Ok(out)
+    }
+}
+
+impl Objective for Ensemble {
+    type Point = EnsemblePoint;
+
+    fn evaluate(&self, m: &[f64], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, Failed> {
+        self.try_evaluate(m, how).map_err(|e| Failed::new(e.to_string()))
+    }
+
+    fn value(&self, point: &EnsemblePoint) -> f64 {
+        point.risk
+    }
+
+    fn derivative(&self, point: &EnsemblePoint) -> Result<Vec<f64>, Failed> {
+        self.try_derivative(point).map_err(|e| Failed::new(e.to_string()))
+    }
+
+    /// The most of any member; one with fewer stays at its last.
+    fn stages(&self) -> usize {
+        self.parts.iter().map(|part| part.problem.stages()).max().unwrap_or(1)
+    }
+
+    fn restage(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, Failed> {
+        let restaged = |(part, at): (&Part, &Evaluated)| {
+            let outcome = part.problem.restage(stage, at);
+            outcome.map_err(|e| Failed::new(format!("{}: {e}", part.name)))
+        };
+        let parts: Vec<Evaluated> = self.parts.iter().zip(&point.parts).map(restaged).collect::<Result<_, _>>()?;
+        self.joined(&point.m, parts).map_err(|e| Failed::new(e.to_string()))
+    }
+
+    fn report(&self, point: &EnsemblePoint) -> Report {
+        self.report_of(point)
+    }
+}

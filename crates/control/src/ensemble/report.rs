@@ -1,0 +1,96 @@
+//! What is reported of an ensemble: every risk, every scenario, the work of all.
+
+use super::{Ensemble, EnsemblePoint};
+use crate::risk::{CATALOGUE, Risk, deviation};
+use nastic_fem::SolveReport;
+use nastic_opt::Report;
+
+/// A measure of risk at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// The measure.
+    pub name: &'static str,
+    /// R as it is optimised.
+    pub value: f64,
+    /// Without its smoothing, if it has one.
+    pub exact: Option<f64>,
+}
+
+impl Ensemble {
+    /// Every measure of the catalogue that is defined for these probabilities, whichever is optimised: the optimised
+    /// one with its parameters, the others with their defaults.
+    pub fn risks(&self, point: &EnsemblePoint) -> Vec<Measured> {
+        let (p, j) = (&self.probabilities, &point.costs);
+        let measured =
+            |risk: &dyn Risk| Measured { name: risk.name(), value: risk.value(p, j), exact: risk.exact(p, j) };
+        let mut all: Vec<Measured> = Vec::new();
+        for row in CATALOGUE {
+            let default = (row.make)();
+            match () {
+                () if row.name == self.risk.name() => all.push(measured(self.risk.as_ref())),
+                () if default.check(p).is_ok() => all.push(measured(default.as_ref())),
+                () => {}
+            }
+        }
+        if !all.iter().any(|measured| measured.name == self.risk.name()) {
+            all.push(measured(self.risk.as_ref()));
+        }
+        all
+    }
+
+    /// `risk/NAME` and `risk/NAME/exact`, `risk/deviation`; `terms/NAME`, expected; `scenarios/NAME/cost`, and
+    /// `scenarios/NAME/LOAD_CASE/terms/TERM` for every member; work summed over members, the smallest J.
+    pub(super) fn report_of(&self, point: &EnsemblePoint) -> Report {
+        let mut entries = Vec::new();
+        for risk in self.risks(point) {
+            entries.push((format!("risk/{}", risk.name), risk.value));
+            if let Some(exact) = risk.exact {
+                entries.push((format!("risk/{}/exact", risk.name), exact));
+            }
+        }
+        entries.push(("risk/deviation".into(), deviation(&self.probabilities, &point.costs)));
+        entries.extend(self.expected_terms(point));
+        for (name, cost) in self.names.iter().zip(&point.costs).filter(|(name, _)| !name.is_empty()) {
+            entries.push((format!("scenarios/{name}/cost"), *cost));
+        }
+        let kind = if self.names.iter().all(String::is_empty) { "load_cases" } else { "scenarios" };
+        for (part, at) in self.parts.iter().zip(&point.parts) {
+            for (term, value) in part.problem.term_names().iter().zip(&at.terms) {
+                entries.push((format!("{kind}/{}/terms/{term}", part.name), *value));
+            }
+        }
+        entries.extend(work_entries(point));
+        Report(entries)
+    }
+
+    /// `sum_s p_s sum_l w_l` of every term, by name.
+    fn expected_terms(&self, point: &EnsemblePoint) -> Vec<(String, f64)> {
+        let mut sums: Vec<(String, f64)> = Vec::new();
+        for (part, at) in self.parts.iter().zip(&point.parts) {
+            let weight = self.probabilities[part.scenario] * part.weight;
+            for (term, value) in part.problem.term_names().into_iter().zip(&at.terms) {
+                let name = format!("terms/{term}");
+                match sums.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, sum)) => *sum += weight * value,
+                    None => sums.push((name, weight * value)),
+                }
+            }
+        }
+        sums
+    }
+}
+
+fn work_entries(point: &EnsemblePoint) -> [(String, f64); 4] {
+    let mut work = SolveReport::default();
+    let mut min_j = f64::INFINITY;
+    for part in &point.parts {
+        work.add_work(&part.total_work());
+        min_j = min_j.min(part.state.report.min_j);
+    }
+    [
+        ("newton".into(), work.newton as f64),
+        ("factorisations".into(), work.factorisations as f64),
+        ("back_substitutions".into(), work.back_substitutions as f64),
+        ("min_J".into(), min_j),
+    ]
+}

@@ -1,0 +1,57 @@
+//! What can go wrong between controls, costs and states.
+
+use nastic_fem::{FemError, InvertedAt, StateError};
+use nastic_mesh::MeshError;
+
+/// A control problem that cannot be built or evaluated: what, where, how much, what to try.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum ControlError {
+    /// Building the body failed.
+    #[error(transparent)]
+    Fem(#[from] FemError),
+    /// A name or a mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The state could not be found.
+    #[error(transparent)]
+    State(#[from] StateError),
+    /// A configuration with J <= 0.
+    #[error(transparent)]
+    Inverted(#[from] InvertedAt),
+    /// A control that no actuation offers.
+    #[error("control \"{name}\" not found; there are: {known}")]
+    UnknownControl {
+        /// The name asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// Two control fields for the same slots.
+    #[error("control \"{name}\" is given twice (as \"{other}\"); keep one")]
+    ControlledTwice {
+        /// The later one.
+        name: String,
+        /// The earlier one.
+        other: String,
+    },
+    /// Region space over cells of no region.
+    #[error("cell {cell} is in no named region, so a control by region has no value there; use the space \"cell\"")]
+    NoRegion {
+        /// The cell.
+        cell: usize,
+    },
+    /// A vector of the wrong length.
+    #[error("the control vector has {found} entries where the problem has {expected}")]
+    Length {
+        /// Its length.
+        found: usize,
+        /// Length of the layout.
+        expected: usize,
+    },
+    /// A cost that makes no sense as given.
+    #[error("{what}")]
+    Cost {
+        /// What is wrong and what to try.
+        what: String,
+    },
+}

@@ -1,0 +1,225 @@
+//! Inner products of control fields: lumped L2, in which clamping is the projection, and H1.
+
+use crate::error::ControlError;
+use crate::layout::Layout;
+use crate::map::{ControlMap, Space};
+use nastic_fem::linear::{Factor, Graph, Ordering, Pattern, Pivots, Symbolic, SymmetricMatrix};
+use nastic_fem::{Discretization, Solid};
+use nastic_opt::{Diagonal, InnerProduct};
+use std::sync::Arc;
+
+/// Which inner product turns derivatives into gradients.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Metric {
+    /// `int m v dX`, lumped: the weight of an unknown is the integral of its basis function.
+    #[default]
+    L2,
+    /// `int m v + length^2 grad m . grad v dX` (mass lumped): smooths the gradient over the length given.
+    H1 {
+        /// The smoothing length.
+        length: f64,
+    },
+}
+
+/// The inner product of a layout.
+///
+/// # Errors
+/// A control that acts on nothing, or a smoothing length that is not positive.
+pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<Box<dyn InnerProduct>, ControlError> {
+    let weights = lumped_weights(solid.discretization(), layout);
+    if let Some(i) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
+        return Err(ControlError::Cost {
+            what: format!("unknown {i} of the controls acts on nothing (weight {})", weights[i]),
+        });
+    }
+    match metric {
+        Metric::L2 => {
+            let diagonal = Diagonal::new(weights).map_err(|e| ControlError::Cost { what: e.to_string() })?;
+            Ok(Box::new(diagonal))
+        }
+        Metric::H1 { length } if length.is_finite() && length > 0.0 => {
+            Ok(Box::new(H1::new(solid.discretization(), layout, &weights, length)?))
+        }
+        Metric::H1 { length } => {
+            let what = format!("the smoothing length of the H1 product is {length}; it is a positive length");
+            Err(ControlError::Cost { what })
+        }
+    }
+}
+
+/// `int phi_i dX` for every entry of the control vector.
+fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
+    let mut out = vec![0.0; layout.len()];
+    for block in layout.blocks() {
+        for (q, w) in disc.body().weights().iter().enumerate() {
+            for (i, shape) in block.map.at_point(q) {
+                for c in 0..block.components {
+                    out[block.first + i * block.components + c] += w * shape;
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The consistent mass times m for one component: `int phi_i m dX`.
+pub(crate) fn mass_product(disc: &Discretization, map: &ControlMap, m: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; map.len()];
+    for (q, w) in disc.body().weights().iter().enumerate() {
+        let value: f64 = map.at_point(q).map(|(i, shape)| shape * m[i]).sum();
+        map.at_point(q).for_each(|(i, shape)| out[i] += w * shape * value);
+    }
+    out
+}
+
+/// The stiffness times m for one component: `int grad phi_i . grad m dX`, or its analogue over faces.
+pub(crate) fn stiffness_product(disc: &Discretization, map: &ControlMap, m: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; map.len()];
+    for_each_stiffness(disc, map, |unknowns, local| {
+        let n = unknowns.len();
+        for (a, &i) in unknowns.iter().enumerate() {
+            let row = &local[a * n..(a + 1) * n];
+            out[i as usize] += row.iter().zip(unknowns).map(|(k, &j)| k * m[j as usize]).sum::<f64>();
+        }
+    });
+    out
+}
+
+/// Calls back with the unknowns and the dense stiffness of every cell (nodal fields) or inner face (cell fields).
+fn for_each_stiffness(disc: &Discretization, map: &ControlMap, mut each: impl FnMut(&[u32], &[f64])) {
+    match map.space() {
+        Space::Uniform | Space::Region => {}
+        Space::Cell => for_each_face(disc, map, each),
+        Space::Node => {
+            let mesh = disc.mesh();
+            let inverses: Vec<&[f64; 9]> = disc.body().inverse_jacobians().collect();
+            for (id, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
+                let unknowns: Vec<u32> = map.at_point(first).map(|(i, _)| i as u32).collect();
+                if unknowns.is_empty() {
+                    continue;
+                }
+                let kind = mesh.cell(id).kind;
+                let n = unknowns.len();
+                let mut local = vec![0.0; n * n];
+                let mut reference = vec![[0.0; 3]; n];
+                for (q, xi) in kind.rule().points.iter().enumerate().take(count) {
+                    kind.corner_kind().gradients(xi, &mut reference);
+                    let inverse = inverses[first + q];
+                    let gradient =
+                        |r: &[f64; 3]| [0, 1, 2].map(|j| (0..kind.dim()).map(|k| r[k] * inverse[3 * k + j]).sum());
+                    let g: Vec<[f64; 3]> = reference.iter().map(gradient).collect();
+                    let w = disc.body().weights()[first + q];
+                    for a in 0..n {
+                        for b in 0..n {
+                            local[a * n + b] += w * (0..3).map(|j| g[a][j] * g[b][j]).sum::<f64>();
+                        }
+                    }
+                }
+                each(&unknowns, &local);
+            }
+        }
+    }
+}
+
+/// `area / distance` of the centres for every pair of neighbouring cells the control acts on.
+fn for_each_face(disc: &Discretization, map: &ControlMap, mut each: impl FnMut(&[u32], &[f64])) {
+    let mesh = disc.mesh();
+    let mut unknown_of = vec![u32::MAX; mesh.cells()];
+    for (i, &cell) in map.entities().iter().enumerate() {
+        unknown_of[cell as usize] = i as u32;
+    }
+    for &(here, there) in mesh.neighbours() {
+        let (a, b) = (unknown_of[here.cell as usize], unknown_of[there.cell as usize]);
+        if a == u32::MAX || b == u32::MAX {
+            continue;
+        }
+        let (x, y) = (map.positions()[a as usize], map.positions()[b as usize]);
+        let distance = (0..3).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>().sqrt();
+        let k = mesh.area(&[here]) / distance;
+        each(&[a, b], &[k, -k, -k, k]);
+    }
+}
+
+/// `G = M + length^2 S`, M lumped, factorised once; one scalar matrix per control field, shared by its components.
+#[derive(Debug)]
+struct H1 {
+    len: usize,
+    blocks: Vec<H1Block>,
+}
+
+#[derive(Debug)]
+struct H1Block {
+    first: usize,
+    components: usize,
+    matrix: SymmetricMatrix,
+    factor: Factor,
+}
+
+impl H1 {
+    fn new(disc: &Discretization, layout: &Layout, weights: &[f64], length: f64) -> Result<Self, ControlError> {
+        let fail = |what: String| ControlError::Cost { what };
+        let mut blocks = Vec::new();
+        for block in layout.blocks() {
+            let map = &block.map;
+            let mut cliques: Vec<Vec<u32>> = (0..map.len() as u32).map(|i| vec![i]).collect();
+            for_each_stiffness(disc, map, |unknowns, _| cliques.push(unknowns.to_vec()));
+            let graph =
+                Graph::from_cliques(map.len(), cliques.iter().map(Vec::as_slice)).map_err(|e| fail(e.to_string()))?;
+            let ordering = Ordering::best(&graph, map.positions()).map_err(|e| fail(e.to_string()))?;
+            let pattern = Arc::new(Pattern::new(&graph, 1, ordering).map_err(|e| fail(e.to_string()))?);
+            let mut matrix = SymmetricMatrix::zeros(pattern.clone());
+            let mut add = |i: usize, j: usize, value: f64| {
+                if let Some(at) = pattern.value_index(i, j) {
+                    matrix.values[at] += value;
+                }
+            };
+            for i in 0..map.len() {
+                add(i, i, weights[block.first + i * block.components]);
+            }
+            for_each_stiffness(disc, map, |unknowns, local| {
+                let n = unknowns.len();
+                for a in 0..n {
+                    for b in 0..=a {
+                        add(unknowns[a] as usize, unknowns[b] as usize, length * length * local[a * n + b]);
+                    }
+                }
+            });
+            let symbolic = Arc::new(Symbolic::new(&pattern).map_err(|e| fail(e.to_string()))?);
+            let factor = symbolic.factorize(&matrix, Pivots::Positive, true).map_err(|e| fail(e.to_string()))?;
+            blocks.push(H1Block { first: block.first, components: block.components, matrix, factor });
+        }
+        Ok(H1 { len: layout.len(), blocks })
+    }
+
+    /// Applies a scalar operation to every component of every block.
+    fn by_component(&self, v: &[f64], each: impl Fn(&H1Block, &mut Vec<f64>)) -> Vec<f64> {
+        let mut out = v.to_vec();
+        for block in &self.blocks {
+            let n = block.matrix.pattern().dofs();
+            for c in 0..block.components {
+                let entry = |i: usize| block.first + i * block.components + c;
+                let mut scalar: Vec<f64> = (0..n).map(|i| v[entry(i)]).collect();
+                each(block, &mut scalar);
+                scalar.into_iter().enumerate().for_each(|(i, value)| out[entry(i)] = value);
+            }
+        }
+        out
+    }
+}
+
+impl InnerProduct for H1 {
+    fn len(&self) -> usize {
+        self.len
+    }
+
+    fn apply(&self, v: &[f64]) -> Vec<f64> {
+        self.by_component(v, |block, x| {
+            let from = x.clone();
+            block.matrix.multiply(&from, x);
+        })
+    }
+
+    fn riesz(&self, d: &[f64]) -> Vec<f64> {
+        self.by_component(d, |block, x| block.factor.solve(x, 1))
+    }
+}

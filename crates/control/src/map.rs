@@ -1,0 +1,249 @@
+//! [`ControlMap`]: from the unknowns of a control field to its values at the quadrature points, and back.
+
+use crate::error::ControlError;
+use nastic_fem::Discretization;
+use std::collections::BTreeMap;
+
+/// How a control field varies over the body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Space {
+    /// One value.
+    Uniform,
+    /// One value per named region.
+    Region,
+    /// One value per cell.
+    Cell,
+    /// Linear (multilinear) between corner nodes, on every element: bounds at the nodes hold everywhere.
+    Node,
+}
+
+impl Space {
+    /// The name in case files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Space::Uniform => "uniform",
+            Space::Region => "region",
+            Space::Cell => "cell",
+            Space::Node => "node",
+        }
+    }
+}
+
+/// A linear map `m(q) = sum_i phi_i(q) m_i` for one scalar component, with its transpose.
+///
+/// The basis functions are non-negative and sum to one on the cells of the actuation, so the values at the points lie
+/// within the bounds of the unknowns.
+#[derive(Debug, Clone)]
+pub struct ControlMap {
+    space: Space,
+    /// Row starts by quadrature point of the body (empty rows where the actuation does not act).
+    starts: Vec<u32>,
+    unknowns: Vec<u32>,
+    shapes: Vec<f64>,
+    /// What each unknown stands for: region index, cell number or node number (0 for uniform).
+    entities: Vec<u32>,
+    regions: Vec<String>,
+    positions: Vec<[f64; 3]>,
+}
+
+impl ControlMap {
+    /// The map of a space over the given cells.
+    ///
+    /// # Errors
+    /// [`ControlError::NoRegion`] in the region space where a cell belongs to none.
+    pub fn new(disc: &Discretization, cells: &[u32], space: Space) -> Result<Self, ControlError> {
+        let mesh = disc.mesh();
+        let mut acts = vec![false; mesh.cells()];
+        cells.iter().for_each(|&c| acts[c as usize] = true);
+        let regions: Vec<String> = mesh.regions().keys().cloned().collect();
+        let region_of = (space == Space::Region).then(|| region_of_cells(disc));
+        let mut map = ControlMap {
+            space,
+            starts: vec![0],
+            unknowns: vec![],
+            shapes: vec![],
+            entities: vec![],
+            regions,
+            positions: vec![],
+        };
+        let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
+        for entity in entities(disc, cells, space, region_of.as_deref())? {
+            let next = numbers.len() as u32;
+            numbers.entry(entity).or_insert(next);
+        }
+        // Unknowns are numbered by ascending entity, so that a field reads like the mesh does.
+        for (rank, (&entity, number)) in numbers.iter_mut().enumerate() {
+            *number = rank as u32;
+            map.entities.push(entity);
+        }
+        for (id, (_, count)) in disc.points_of_cells().into_iter().enumerate() {
+            let cell = mesh.cell(id);
+            let rule = cell.kind.rule();
+            for xi in rule.points.iter().take(count) {
+                if acts[id] {
+                    match space {
+                        Space::Node => {
+                            let corners = cell.kind.corners();
+                            let mut shapes = vec![0.0; corners];
+                            cell.kind.corner_kind().shapes(xi, &mut shapes);
+                            for (node, shape) in cell.nodes.iter().zip(shapes) {
+                                map.unknowns.push(numbers[node]);
+                                map.shapes.push(shape);
+                            }
+                        }
+                        _ => {
+                            let entity = match (space, &region_of) {
+                                (Space::Cell, _) => id as u32,
+                                (_, Some(region_of)) => region_of[id],
+                                _ => 0,
+                            };
+                            map.unknowns.push(numbers[&entity]);
+                            map.shapes.push(1.0);
+                        }
+                    }
+                }
+                map.starts.push(map.unknowns.len() as u32);
+            }
+        }
+        map.positions = map.centres(disc);
+        Ok(map)
+    }
+
+    /// The space.
+    pub fn space(&self) -> Space {
+        self.space
+    }
+
+    /// Number of unknowns per component.
+    pub fn len(&self) -> usize {
+        self.entities.len()
+    }
+
+    /// Whether the actuation acts nowhere.
+    pub fn is_empty(&self) -> bool {
+        self.entities.is_empty()
+    }
+
+    /// What each unknown stands for: the region's index among the names, the cell, or the node (0 for uniform).
+    pub fn entities(&self) -> &[u32] {
+        &self.entities
+    }
+
+    /// In words: `cell 12`, `node 7`, `region "arm"`, `the whole region`.
+    pub fn describe(&self, unknown: usize) -> String {
+        let entity = self.entities[unknown];
+        match self.space {
+            Space::Uniform => "the whole region".to_owned(),
+            Space::Region => format!("region \"{}\"", self.regions[entity as usize]),
+            Space::Cell => format!("cell {entity}"),
+            Space::Node => format!("node {entity}"),
+        }
+    }
+
+    /// Where each unknown sits: the node, or the centre of its cells. Start formulas are evaluated here.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// Values at the quadrature points of the body, written to entry `stride * q + offset`.
+    pub fn to_points(
+        &self,
+        m: &[f64],
+        components: usize,
+        component: usize,
+        stride: usize,
+        offset: usize,
+        out: &mut [f64],
+    ) {
+        for q in 0..self.starts.len() - 1 {
+            let row = self.starts[q] as usize..self.starts[q + 1] as usize;
+            if !row.is_empty() {
+                let terms = row.map(|k| self.shapes[k] * m[self.unknowns[k] as usize * components + component]);
+                out[stride * q + offset] = terms.sum();
+            }
+        }
+    }
+
+    /// The transpose of [`to_points`](Self::to_points): adds `sum_q phi_i(q) v(q)`.
+    pub fn from_points(
+        &self,
+        values: &[f64],
+        stride: usize,
+        offset: usize,
+        components: usize,
+        component: usize,
+        out: &mut [f64],
+    ) {
+        for q in 0..self.starts.len() - 1 {
+            for k in self.starts[q] as usize..self.starts[q + 1] as usize {
+                out[self.unknowns[k] as usize * components + component] += self.shapes[k] * values[stride * q + offset];
+            }
+        }
+    }
+
+    /// The basis functions at a point: pairs of unknown and value.
+    pub fn at_point(&self, q: usize) -> impl Iterator<Item = (usize, f64)> {
+        (self.starts[q] as usize..self.starts[q + 1] as usize).map(|k| (self.unknowns[k] as usize, self.shapes[k]))
+    }
+
+    /// Number of quadrature points of the body.
+    pub fn points(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    fn centres(&self, disc: &Discretization) -> Vec<[f64; 3]> {
+        if self.space == Space::Node {
+            return self.entities.iter().map(|&node| disc.mesh().points()[node as usize]).collect();
+        }
+        let at = disc.body().positions(disc.mesh(), None);
+        let mut sums = vec![[0.0; 4]; self.len()];
+        for (q, (x, w)) in at.iter().zip(disc.body().weights()).enumerate() {
+            for (i, shape) in self.at_point(q) {
+                for k in 0..3 {
+                    sums[i][k] += w * shape * x[k];
+                }
+                sums[i][3] += w * shape;
+            }
+        }
+        sums.into_iter().map(|s| [s[0] / s[3], s[1] / s[3], s[2] / s[3]]).collect()
+    }
+}
+
+/// The first region (by name) of every cell, `u32::MAX` for none.
+fn region_of_cells(disc: &Discretization) -> Vec<u32> {
+    let mut of = vec![u32::MAX; disc.mesh().cells()];
+    for (r, cells) in disc.mesh().regions().values().enumerate() {
+        for &cell in cells {
+            if of[cell as usize] == u32::MAX {
+                of[cell as usize] = r as u32;
+            }
+        }
+    }
+    of
+}
+
+fn entities(
+    disc: &Discretization,
+    cells: &[u32],
+    space: Space,
+    region_of: Option<&[u32]>,
+) -> Result<Vec<u32>, ControlError> {
+    Ok(match (space, region_of) {
+        (Space::Cell, _) => cells.to_vec(),
+        (Space::Node, _) => {
+            let corners = |&c: &u32| {
+                let cell = disc.mesh().cell(c as usize);
+                cell.nodes[..cell.kind.corners()].to_vec()
+            };
+            cells.iter().flat_map(corners).collect()
+        }
+        (Space::Region, Some(region_of)) => {
+            let of = |&c: &u32| match region_of[c as usize] {
+                u32::MAX => Err(ControlError::NoRegion { cell: c as usize }),
+                r => Ok(r),
+            };
+            cells.iter().map(of).collect::<Result<_, _>>()?
+        }
+        _ => vec![0],
+    })
+}

@@ -1,0 +1,84 @@
+use nastic_tensor::{Mat3, Vec3};
+
+use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, Points, Response, Slot, Slots, Want};
+
+/// Tension of a fibre family along unit vectors `a(X)`.
+///
+/// **Energy.** `-(m/2) |F a|^2`, added to the passive energy; `m > 0` lengthens the fibre, `m < 0` contracts it.
+///
+/// **Stress and tangent.** `P = -m F a (x) a`, `dP_iJ/dF_kL = -m delta_ik a_J a_L`, `dP/dm = -F a (x) a`.
+///
+/// **Convexity.** Convex in `F` for `m <= 0`. A positive tension is covered by the passive law up to its
+/// [`fiber_limit`](EnergyTerm::fiber_limit); there is no lower bound by theory.
+///
+/// **Parameters.** `a`, unit vectors of the reference body, uniform or a [`Field`]; control `tension`, Pa.
+///
+/// **Source.** Section 4.1 of "Mathematical modeling, analysis and control in soft robotics", SeMA Journal 2023,
+/// doi 10.1007/s40324-023-00334-4. Another published "fibre tension", `-m (|F a| - 1)`, differs by the stretch in the
+/// stress.
+#[derive(Clone, Debug)]
+pub struct FiberTension {
+    direction: Field<Vec3>,
+}
+
+impl FiberTension {
+    /// Name in case files and messages.
+    pub const NAME: &str = "fiber_tension";
+    const SLOTS: [Slot; 1] = [Slot { name: "tension", unit: "Pa" }];
+
+    /// Fibres along the unit vector `a` everywhere.
+    ///
+    /// # Errors
+    /// [`EnergyError::Direction`] unless `|a| = 1` to 1e-6; it offers the unit vector along `a`.
+    pub fn along(a: Vec3) -> Result<Self, EnergyError> {
+        Self::along_field(a)
+    }
+
+    /// Fibres along unit vectors that vary over the body.
+    ///
+    /// # Errors
+    /// [`EnergyError::Direction`] with the first vector that is not a unit vector, and where it is.
+    pub fn along_field(a: impl Into<Field<Vec3>>) -> Result<Self, EnergyError> {
+        Ok(Self { direction: a.into().unit_directions(Self::NAME, "direction")? })
+    }
+}
+
+impl EnergyTerm for FiberTension {
+    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+        for (q, k) in at.kinematics.iter().enumerate() {
+            let tension = m.get(q, 0);
+            let a = self.direction.at(at.place(q));
+            let fa = k.f() * a;
+            if want.energy {
+                out.energy[q] -= 0.5 * tension * fa.norm_squared();
+            }
+            if want.stress {
+                out.stress[q] -= fa * (a * tension).transpose();
+            }
+            if want.tangent {
+                out.tangent[q].add_fiber(&a, -tension);
+            }
+        }
+    }
+
+    fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
+        self.direction.check_len(Self::NAME, "direction", cells, points)
+    }
+
+    fn direction(&self, at: Place) -> Option<Vec3> {
+        Some(self.direction.at(at))
+    }
+}
+
+impl Actuation for FiberTension {
+    fn slots(&self) -> &[Slot] {
+        &Self::SLOTS
+    }
+
+    fn stress_by_control(&self, at: &Points, _m: Slots, out: &mut [Mat3]) {
+        for (q, k) in at.kinematics.iter().enumerate() {
+            let a = self.direction.at(at.place(q));
+            out[q] = -(k.f() * a) * a.transpose();
+        }
+    }
+}

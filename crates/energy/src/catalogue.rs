@@ -1,0 +1,216 @@
+//! Every law and actuation by its name in case files, with its parameters, their units and an example of each.
+//!
+//! A row makes a member known to case files and to the contract tests alike, so neither can be forgotten.
+//!
+//! ```
+//! use nastic_energy::catalogue::{Inputs, material};
+//! # fn main() -> Result<(), nastic_energy::EnergyError> {
+//! let inputs = Inputs::new().number("young", 1e5).number("poisson", 0.4).number("share", 0.8);
+//! let law = material("mooney_rivlin")?.build(&inputs)?;
+//! # let _ = law;
+//! let wrong = material("mooney_rivlin")?.build(&Inputs::new().number("yuong", 1e5)).unwrap_err();
+//! assert!(wrong.to_string().contains("did you mean `young`?"), "{wrong}");
+//! # Ok(())
+//! # }
+//! ```
+
+mod choose;
+mod inputs;
+mod rows;
+
+use std::sync::Arc;
+
+use nastic_tensor::Mat3;
+
+use crate::{Actuation, ConvexDensity, EnergyError, EnergyTerm};
+
+use choose::{choose, distinct};
+use inputs::Given;
+pub use inputs::Inputs;
+
+/// A parameter of a law, as case files write it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its key.
+    pub name: &'static str,
+    /// What kind of value it takes.
+    pub takes: Takes,
+    /// Whether it may be left out.
+    pub optional: bool,
+}
+
+/// What a parameter takes, with an example of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Takes {
+    /// A number, which may vary over the body.
+    Number {
+        /// `Pa`, `1` for a pure number ...
+        unit: &'static str,
+        /// An example, in SI units.
+        example: f64,
+    },
+    /// A unit vector of the reference body, which may vary over it.
+    Direction {
+        /// An example.
+        example: [f64; 3],
+    },
+    /// One of a few words; the first is taken when it is left out.
+    Choice {
+        /// The words.
+        of: &'static [&'static str],
+    },
+}
+
+/// A passive law.
+#[derive(Clone, Copy, Debug)]
+pub struct MaterialRow {
+    /// Its name in case files.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// The sets of parameters it takes, its own coefficients first.
+    pub forms: &'static [&'static [Parameter]],
+    make: fn(&Given) -> Result<Made, EnergyError>,
+}
+
+/// An actuation.
+#[derive(Clone, Copy, Debug)]
+pub struct ActuationRow {
+    /// Its name in case files.
+    pub name: &'static str,
+    /// What it is, in a few words, with the sign of its control.
+    pub about: &'static str,
+    /// The sets of parameters it takes, apart from its control slots.
+    pub forms: &'static [&'static [Parameter]],
+    /// Positive control values and the displacement gradient they drive a free body at rest towards.
+    pub example: Example,
+    make: fn(&Given) -> Result<Arc<dyn Actuation>, EnergyError>,
+}
+
+/// What a positive control does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Example {
+    /// One value per slot, in SI units.
+    pub controls: &'static [f64],
+    /// Rows of a displacement gradient most of their work goes into, for the example parameters.
+    pub towards: [[f64; 3]; 3],
+}
+
+impl Example {
+    /// The displacement gradient as a matrix.
+    pub fn gradient(&self) -> Mat3 {
+        Mat3::from_fn(|i, j| self.towards[i][j])
+    }
+}
+
+/// A law, once for those who evaluate it and once for those who examine its convexity.
+struct Made {
+    term: Arc<dyn EnergyTerm>,
+    density: Option<Arc<dyn ConvexDensity>>,
+}
+
+impl Made {
+    fn density(law: impl ConvexDensity + 'static) -> Self {
+        let law = Arc::new(law);
+        Made { term: law.clone(), density: Some(law) }
+    }
+}
+
+/// All passive laws.
+pub fn materials() -> &'static [MaterialRow] {
+    rows::MATERIALS
+}
+
+/// All actuations.
+pub fn actuations() -> &'static [ActuationRow] {
+    rows::ACTUATIONS
+}
+
+/// The law of a name.
+///
+/// # Errors
+/// [`EnergyError::UnknownName`] lists the names and offers the nearest.
+pub fn material(name: &str) -> Result<&'static MaterialRow, EnergyError> {
+    materials()
+        .iter()
+        .find(|row| row.name == name)
+        .ok_or_else(|| unknown("law", name, materials().iter().map(|row| row.name).collect()))
+}
+
+/// The actuation of a name.
+///
+/// # Errors
+/// [`EnergyError::UnknownName`] lists the names and offers the nearest.
+pub fn actuation(name: &str) -> Result<&'static ActuationRow, EnergyError> {
+    actuations()
+        .iter()
+        .find(|row| row.name == name)
+        .ok_or_else(|| unknown("actuation", name, actuations().iter().map(|row| row.name).collect()))
+}
+
+impl MaterialRow {
+    /// The law with these parameters, which must be exactly one of its [`forms`](Self::forms).
+    ///
+    /// # Errors
+    /// An [`EnergyError`] that names the parameter: unknown, missing, of the wrong kind, out of range, or of another set.
+    pub fn build(&self, inputs: &Inputs) -> Result<Arc<dyn EnergyTerm>, EnergyError> {
+        Ok(self.made(inputs)?.term)
+    }
+
+    /// The same law as a function of `F`, `H` and `J`, for [`check::convex_density`](crate::check::convex_density);
+    /// `None` for a law that is not written as one.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    pub fn density(&self, inputs: &Inputs) -> Result<Option<Arc<dyn ConvexDensity>>, EnergyError> {
+        Ok(self.made(inputs)?.density)
+    }
+
+    /// Example inputs, one per form and word of a choice.
+    pub fn examples(&self) -> Vec<Inputs> {
+        self.forms.iter().flat_map(|form| with_words(form)).collect()
+    }
+
+    /// All keys any form takes, each once.
+    pub fn parameters(&self) -> Vec<&'static Parameter> {
+        distinct(self.forms)
+    }
+
+    fn made(&self, inputs: &Inputs) -> Result<Made, EnergyError> {
+        (self.make)(&choose(self.name, self.forms, inputs)?)
+    }
+}
+
+impl ActuationRow {
+    /// The actuation with these parameters.
+    ///
+    /// # Errors
+    /// As [`MaterialRow::build`].
+    pub fn build(&self, inputs: &Inputs) -> Result<Arc<dyn Actuation>, EnergyError> {
+        (self.make)(&choose(self.name, self.forms, inputs)?)
+    }
+
+    /// Example inputs, one per form and word of a choice.
+    pub fn examples(&self) -> Vec<Inputs> {
+        self.forms.iter().flat_map(|form| with_words(form)).collect()
+    }
+
+    /// All keys any form takes, each once.
+    pub fn parameters(&self) -> Vec<&'static Parameter> {
+        distinct(self.forms)
+    }
+}
+
+fn with_words(form: &[Parameter]) -> Vec<Inputs> {
+    let mut out = vec![Inputs::examples(form)];
+    for parameter in form {
+        if let Takes::Choice { of } = parameter.takes {
+            out = out.iter().flat_map(|i| of.iter().map(|word| i.clone().choice(parameter.name, word))).collect();
+        }
+    }
+    out
+}
+
+fn unknown(what: &str, found: &str, known: Vec<&'static str>) -> EnergyError {
+    EnergyError::UnknownName { what: what.to_owned(), found: found.to_owned(), known }
+}

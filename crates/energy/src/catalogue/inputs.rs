@@ -1,0 +1,130 @@
+use std::collections::BTreeMap;
+
+use nastic_tensor::Vec3;
+
+use super::{Parameter, Takes};
+use crate::{EnergyError, Field};
+
+/// Named parameters, as a case file gives them; numbers in consistent units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Inputs {
+    values: BTreeMap<String, Value>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Value {
+    Number(Field<f64>),
+    Direction(Field<Vec3>),
+    Choice(String),
+}
+
+impl Inputs {
+    /// None yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// With a number, uniform or a field.
+    #[must_use]
+    pub fn number(self, name: &str, value: impl Into<Field<f64>>) -> Self {
+        self.with(name, Value::Number(value.into()))
+    }
+
+    /// With a direction, uniform or a field.
+    #[must_use]
+    pub fn direction(self, name: &str, value: impl Into<Field<Vec3>>) -> Self {
+        self.with(name, Value::Direction(value.into()))
+    }
+
+    /// With a word.
+    #[must_use]
+    pub fn choice(self, name: &str, word: &str) -> Self {
+        self.with(name, Value::Choice(word.to_owned()))
+    }
+
+    /// The example values of a parameter set.
+    pub fn examples(form: &[Parameter]) -> Self {
+        form.iter().fold(Self::new(), |inputs, p| match p.takes {
+            Takes::Number { example, .. } => inputs.number(p.name, example),
+            Takes::Direction { example } => inputs.direction(p.name, Vec3::from(example)),
+            Takes::Choice { of } => inputs.choice(p.name, of.first().copied().unwrap_or_default()),
+        })
+    }
+
+    /// The names given, in alphabetical order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.values.keys().map(String::as_str)
+    }
+
+    fn with(mut self, name: &str, value: Value) -> Self {
+        self.values.insert(name.to_owned(), value);
+        self
+    }
+
+    pub(super) fn check_kind(&self, owner: &'static str, parameter: &Parameter) -> Result<(), EnergyError> {
+        let expected = match (&parameter.takes, self.values.get(parameter.name)) {
+            (Takes::Number { .. }, None | Some(Value::Number(_))) => return Ok(()),
+            (Takes::Direction { .. }, None | Some(Value::Direction(_))) => return Ok(()),
+            (Takes::Choice { of }, Some(Value::Choice(word))) if !of.contains(&word.as_str()) => {
+                return Err(super::unknown(&format!("{} of {owner}", parameter.name), word, of.to_vec()));
+            }
+            (Takes::Choice { .. }, None | Some(Value::Choice(_))) => return Ok(()),
+            (Takes::Number { .. }, _) => "a number",
+            (Takes::Direction { .. }, _) => "a direction",
+            (Takes::Choice { .. }, _) => "a word",
+        };
+        Err(EnergyError::Kind { owner, name: parameter.name, expected })
+    }
+}
+
+/// Inputs that were checked against one form of one law.
+pub struct Given<'a> {
+    owner: &'static str,
+    form: &'static [Parameter],
+    inputs: &'a Inputs,
+}
+
+impl<'a> Given<'a> {
+    pub fn new(owner: &'static str, form: &'static [Parameter], inputs: &'a Inputs) -> Self {
+        Given { owner, form, inputs }
+    }
+
+    /// Whether the form meant has this parameter.
+    pub fn form_has(&self, name: &str) -> bool {
+        self.form.iter().any(|p| p.name == name)
+    }
+
+    pub fn number(&self, name: &'static str) -> Result<Field<f64>, EnergyError> {
+        match self.inputs.values.get(name) {
+            Some(Value::Number(field)) => Ok(field.clone()),
+            _ => Err(self.missing(name)),
+        }
+    }
+
+    pub fn direction(&self, name: &'static str) -> Result<Field<Vec3>, EnergyError> {
+        match self.inputs.values.get(name) {
+            Some(Value::Direction(field)) => Ok(field.clone()),
+            _ => Err(self.missing(name)),
+        }
+    }
+
+    pub fn number_or(&self, name: &str, default: f64) -> Field<f64> {
+        match self.inputs.values.get(name) {
+            Some(Value::Number(field)) => field.clone(),
+            _ => Field::Uniform(default),
+        }
+    }
+
+    /// The word given, if any.
+    pub fn word(&self, name: &str) -> Option<&'a str> {
+        match self.inputs.values.get(name) {
+            Some(Value::Choice(word)) => Some(word),
+            _ => None,
+        }
+    }
+
+    fn missing(&self, name: &'static str) -> EnergyError {
+        let given = self.inputs.names().map(str::to_owned).collect();
+        EnergyError::Missing { owner: self.owner, name, given, forms: super::choose::describe(&[self.form]) }
+    }
+}

@@ -1,0 +1,137 @@
+use std::sync::Arc;
+
+use super::{ActuationRow, Example, Made, MaterialRow, Parameter, Takes};
+use crate::magnet::VACUUM_PERMEABILITY;
+use crate::{
+    FiberTension, Magnet, MagnetIsochoric, MagnetRotation, MooneyRivlin, NeoHooke, NeoHookeIsochoric,
+    TransverseMooneyRivlin, Turgor,
+};
+
+pub const MATERIALS: &[MaterialRow] = &[
+    MaterialRow {
+        name: MooneyRivlin::NAME,
+        about: "compressible Mooney-Rivlin",
+        forms: &[&[pressure("mu1", 1e5), pressure("mu2", 2e4), pressure("mu3", 1e6)], SHEAR_BULK_SHARE, YOUNG_SHARE],
+        make: |given| {
+            Ok(Made::density(if given.form_has("young") {
+                MooneyRivlin::from_young_poisson(
+                    given.number("young")?,
+                    given.number("poisson")?,
+                    given.number("share")?,
+                )?
+            } else if given.form_has("shear") {
+                MooneyRivlin::from_shear_bulk(given.number("shear")?, given.number("bulk")?, given.number("share")?)?
+            } else {
+                MooneyRivlin::new(given.number("mu1")?, given.number("mu2")?, given.number("mu3")?)?
+            }))
+        },
+    },
+    MaterialRow {
+        name: TransverseMooneyRivlin::NAME,
+        about: "Mooney-Rivlin with stiffening fibres along `fiber`",
+        forms: &[&[
+            pressure("mu1", 1e5),
+            pressure("mu2", 2e4),
+            pressure("mu3", 3e5),
+            pressure("mu4", 1e6),
+            direction("fiber", [0.6, 0.8, 0.0]),
+        ]],
+        make: |given| {
+            Ok(Made::density(TransverseMooneyRivlin::new(
+                given.number("mu1")?,
+                given.number("mu2")?,
+                given.number("mu3")?,
+                given.number("mu4")?,
+                given.direction("fiber")?,
+            )?))
+        },
+    },
+    MaterialRow {
+        name: NeoHooke::NAME,
+        about: "compressible neo-Hookean, polyconvex form",
+        forms: &[&[pressure("mu", 1e5), pressure("lambda", 4e5)], SHEAR_BULK, YOUNG],
+        make: |given| {
+            Ok(Made::density(if given.form_has("young") {
+                NeoHooke::from_young_poisson(given.number("young")?, given.number("poisson")?)?
+            } else if given.form_has("shear") {
+                NeoHooke::from_shear_bulk(given.number("shear")?, given.number("bulk")?)?
+            } else {
+                NeoHooke::new(given.number("mu")?, given.number("lambda")?)?
+            }))
+        },
+    },
+    MaterialRow {
+        name: NeoHookeIsochoric::NAME,
+        about: "neo-Hookean, split into isochoric and volumetric parts",
+        forms: &[&[pressure("mu", 1e5), pressure("kappa", 5e5)], SHEAR_BULK, YOUNG],
+        make: |given| {
+            Ok(Made::density(if given.form_has("young") {
+                NeoHookeIsochoric::from_young_poisson(given.number("young")?, given.number("poisson")?)?
+            } else if given.form_has("shear") {
+                NeoHookeIsochoric::from_shear_bulk(given.number("shear")?, given.number("bulk")?)?
+            } else {
+                NeoHookeIsochoric::new(given.number("mu")?, given.number("kappa")?)?
+            }))
+        },
+    },
+];
+
+pub const ACTUATIONS: &[ActuationRow] = &[
+    ActuationRow {
+        name: FiberTension::NAME,
+        about: "fibre tension along `direction`; positive lengthens the fibre, negative contracts it",
+        forms: &[&[direction("direction", [0.6, 0.0, 0.8])]],
+        example: Example { controls: &[1.5e5], towards: [[0.36, 0.0, 0.48], [0.0, 0.0, 0.0], [0.48, 0.0, 0.64]] },
+        make: |given| Ok(Arc::new(FiberTension::along_field(given.direction("direction")?)?)),
+    },
+    ActuationRow {
+        name: Turgor::NAME,
+        about: "pressure inside the material; positive inflates",
+        forms: &[&[]],
+        example: Example { controls: &[1e5], towards: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] },
+        make: |_| Ok(Arc::new(Turgor::new())),
+    },
+    ActuationRow {
+        name: Magnet::NAME,
+        about: "remanence in an applied field; the body turns its remanence into the field",
+        forms: &[&[
+            Parameter { optional: true, ..choice("variant", &["F", "isochoric", "rotation"]) },
+            Parameter { name: "mu0", takes: PERMEABILITY, optional: true },
+        ]],
+        example: Example {
+            controls: &[0.1, 0.0, 0.0, 0.0, 0.02, 0.0],
+            towards: [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
+        },
+        make: |given| {
+            let mu0 = given.number_or("mu0", VACUUM_PERMEABILITY);
+            Ok(match given.word("variant") {
+                Some("rotation") => Arc::new(MagnetRotation::with_permeability(mu0)?),
+                Some("isochoric") => Arc::new(MagnetIsochoric::with_permeability(mu0)?),
+                _ => Arc::new(Magnet::with_permeability(mu0)?),
+            })
+        },
+    },
+];
+
+const PERMEABILITY: Takes = Takes::Number { unit: "N/A^2", example: VACUUM_PERMEABILITY };
+
+const SHEAR_BULK: &[Parameter] = &[pressure("shear", 1e5), pressure("bulk", 5e5)];
+const SHEAR_BULK_SHARE: &[Parameter] = &[pressure("shear", 1e5), pressure("bulk", 5e5), number("share", 0.8)];
+const YOUNG: &[Parameter] = &[pressure("young", 3e5), number("poisson", 0.4)];
+const YOUNG_SHARE: &[Parameter] = &[pressure("young", 3e5), number("poisson", 0.4), number("share", 0.8)];
+
+const fn pressure(name: &'static str, example: f64) -> Parameter {
+    Parameter { name, takes: Takes::Number { unit: "Pa", example }, optional: false }
+}
+
+const fn number(name: &'static str, example: f64) -> Parameter {
+    Parameter { name, takes: Takes::Number { unit: "1", example }, optional: false }
+}
+
+const fn direction(name: &'static str, example: [f64; 3]) -> Parameter {
+    Parameter { name, takes: Takes::Direction { example }, optional: false }
+}
+
+const fn choice(name: &'static str, of: &'static [&'static str]) -> Parameter {
+    Parameter { name, takes: Takes::Choice { of }, optional: false }
+}

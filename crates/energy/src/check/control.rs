@@ -1,0 +1,51 @@
+use nastic_tensor::{Kinematics, Mat3};
+
+use super::derivative::sixth_order;
+use super::{Finding, Violation, Worst, evaluate, states};
+use crate::{Actuation, Place, Points, Slots};
+
+/// `stress_by_control` is the derivative of `P` by every control component, and is set rather than added.
+///
+/// # Errors
+/// A [`Violation`] at the first state where it is not.
+pub fn control_derivative(term: &dyn Actuation, at: Place, m: &[f64]) -> Result<Finding, Violation> {
+    let mut worst = Worst::new("dP/dm is the derivative of P", 1e-9);
+    let largest = m.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    let step = if largest > 0.0 { 1e-2 * largest } else { 1.0 };
+    for k in states() {
+        let stated = by_control(term, at, &k, m);
+        for (n, stated) in stated.iter().enumerate() {
+            let slope = sixth_order(step, |t| {
+                let mut moved = m.to_vec();
+                moved[n] += t * step;
+                Ok::<Mat3, Violation>(evaluate(term, at, &k, &moved).stress)
+            })?;
+            let noise = evaluate(term, at, &k, m).stress.norm() / step;
+            worst.see((slope - stated).norm(), slope.norm() + stated.norm() + noise, k.f())?;
+        }
+    }
+    Ok(worst.finding())
+}
+
+/// A positive control `m` drives the displacement gradient `towards` at rest: the work `-(dP/dm m) : towards`, per unit
+/// volume and relative to `|dP/dm m| |towards|`. One when the control drives just that, negative when it resists.
+///
+/// # Errors
+/// [`Violation::Controls`] when there are not as many values as slots.
+pub fn drives(term: &dyn Actuation, at: Place, m: &[f64], towards: &Mat3) -> Result<f64, Violation> {
+    let expected = term.slots().len();
+    if m.len() != expected {
+        return Err(Violation::Controls { check: "drives", expected, found: m.len() });
+    }
+    let stated = by_control(term, at, &Kinematics::rest(), m);
+    let stress: Mat3 = stated.iter().zip(m).map(|(dp, m)| dp * *m).sum();
+    Ok(-stress.dot(towards) / (stress.norm() * towards.norm()))
+}
+
+fn by_control(term: &dyn Actuation, at: Place, k: &Kinematics, m: &[f64]) -> Vec<Mat3> {
+    // Not-a-number to begin with: entries left out or added to would show.
+    let mut out = vec![Mat3::repeat(f64::NAN); m.len()];
+    let points = Points { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
+    term.stress_by_control(&points, Slots { values: m, width: m.len() }, &mut out);
+    out
+}

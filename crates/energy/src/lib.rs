@@ -1,0 +1,28 @@
+//! Energy terms: passive materials and actuations.
+//!
+//! A body's energy density is a sum of terms. Each gives, from the one place where it is written, its energy, the first
+//! Piola-Kirchhoff stress `P`, the elasticity tensor `dP/dF` and, for an [`Actuation`], the control derivative `dP/dm`.
+//! Formulas are three-dimensional throughout; plane strain embeds its gradient before it comes here.
+//!
+//! A law of one's own implements [`ConvexDensity`] (a function of `F`, `H` and `J` with its partial derivatives) or
+//! [`EnergyTerm`] directly, in any crate.
+
+mod actuation;
+pub mod catalogue;
+pub mod check;
+mod error;
+mod field;
+mod material;
+mod moduli;
+mod polyconvex;
+mod sum;
+mod term;
+
+pub use actuation::{FiberTension, Magnet, MagnetIsochoric, MagnetRotation, Turgor, magnet};
+pub use error::EnergyError;
+pub use field::{Entry, Field, Place, combine};
+pub use material::{MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRivlin};
+pub use moduli::Moduli;
+pub use polyconvex::{Block, Conjugates, ConvexDensity, Curvature};
+pub use sum::Sum;
+pub use term::{Actuation, EnergyTerm, Points, Response, Slot, Slots, Want};

@@ -1,0 +1,111 @@
+use nastic_tensor::{Mat3, Vec3};
+
+use super::engineering::shear_bulk;
+use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place};
+
+/// Neo-Hookean law split into isochoric and volumetric parts, the law of many published benchmarks.
+///
+/// **Energy.** `W = mu/2 (J^(-2/3) |F|^2 - 3) + kappa/4 (J^2 - 1 - 2 log J)`
+///
+/// **Stress and tangent.** With `g = J^(-2/3)`: `S_F = mu g F`, `S_H = 0`,
+/// `S_J = -mu g |F|^2 / (3 J) + kappa/2 (J - 1/J)`; `W_FF = mu g I`, `W_FJ = -2 mu g F / (3 J)`,
+/// `W_JJ = 5 mu g |F|^2 / (9 J^2) + kappa/2 (1 + 1/J^2)`; `P` and `dP/dF` by the chain rule of [`ConvexDensity`].
+/// Small strain: shear modulus `mu`, bulk modulus `kappa`.
+///
+/// **Convexity.** Polyconvex for `mu > 0`, `kappa > 0`, which are required; `W -> inf` as `J -> 0`. No positive fibre
+/// tension keeps it polyconvex, since `W_FF` fades as `J` grows.
+///
+/// **Parameters.** `mu`, `kappa` in Pa, each a [`Field`]; or [`from_young_poisson`](Self::from_young_poisson).
+///
+/// **Source.** J. C. Simo & T. J. R. Hughes, *Computational Inelasticity* (1998), section 9.2.
+#[derive(Clone, Debug)]
+pub struct NeoHookeIsochoric {
+    mu: Field<f64>,
+    kappa: Field<f64>,
+}
+
+impl NeoHookeIsochoric {
+    /// Name in case files and messages.
+    pub const NAME: &str = "neo_hooke_isochoric";
+
+    /// From shear and bulk modulus (Pa).
+    ///
+    /// # Errors
+    /// [`EnergyError::Parameter`] unless both are positive and finite.
+    pub fn new(mu: impl Into<Field<f64>>, kappa: impl Into<Field<f64>>) -> Result<Self, EnergyError> {
+        Self::named(["mu", "kappa"], mu.into(), kappa.into())
+    }
+
+    /// The same as [`new`](Self::new), under the name other laws use.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_shear_bulk(shear: impl Into<Field<f64>>, bulk: impl Into<Field<f64>>) -> Result<Self, EnergyError> {
+        Self::named(["shear", "bulk"], shear.into(), bulk.into())
+    }
+
+    /// From Young's modulus (Pa) and Poisson's ratio.
+    ///
+    /// # Errors
+    /// [`EnergyError::Parameter`] unless `E > 0` and `-1 < nu < 1/2`.
+    pub fn from_young_poisson(
+        young: impl Into<Field<f64>>,
+        poisson: impl Into<Field<f64>>,
+    ) -> Result<Self, EnergyError> {
+        let [shear, bulk] = shear_bulk(Self::NAME, &young.into(), &poisson.into())?;
+        Self::from_shear_bulk(shear, bulk)
+    }
+
+    fn named(names: [&'static str; 2], mu: Field<f64>, kappa: Field<f64>) -> Result<Self, EnergyError> {
+        mu.require_positive(Self::NAME, names[0])?;
+        kappa.require_positive(Self::NAME, names[1])?;
+        Ok(Self { mu, kappa })
+    }
+}
+
+/// `J^(-2/3)`.
+#[inline(always)]
+fn isochoric(j: f64) -> f64 {
+    let root = j.cbrt();
+    1.0 / (root * root)
+}
+
+impl ConvexDensity for NeoHookeIsochoric {
+    #[inline]
+    fn value(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> f64 {
+        let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
+        0.5 * mu * (isochoric(j) * f.norm_squared() - 3.0) + 0.25 * kappa * (j * j - 1.0 - 2.0 * j.ln())
+    }
+
+    #[inline]
+    fn first(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> Conjugates {
+        let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
+        let scaled = mu * isochoric(j);
+        let volumetric = 0.5 * kappa * (j - 1.0 / j);
+        Conjugates { f: f * scaled, h: Mat3::zeros(), j: volumetric - scaled * f.norm_squared() / (3.0 * j) }
+    }
+
+    #[inline]
+    fn second(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
+        let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
+        let scaled = mu * isochoric(j);
+        let square = j * j;
+        let jj = 5.0 / 9.0 * scaled * f.norm_squared() / square + 0.5 * kappa * (1.0 + 1.0 / square);
+        let fj = Some(f * (-2.0 / 3.0 * scaled / j));
+        Curvature { fj, ..Curvature::split(Block::Isotropic(scaled), Block::Zero, jj) }
+    }
+
+    fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {
+        Some(0.0)
+    }
+
+    fn check_fields(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
+        self.mu.check_len(Self::NAME, "mu", cells, points)?;
+        self.kappa.check_len(Self::NAME, "kappa", cells, points)
+    }
+
+    fn small_strain(&self, at: Place) -> Option<Moduli> {
+        let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
+        Some(Moduli::isotropic(kappa - 2.0 * mu / 3.0, mu))
+    }
+}

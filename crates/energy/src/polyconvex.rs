@@ -1,0 +1,171 @@
+use std::fmt::Debug;
+
+use nastic_tensor::{Mat3, Tangent, Vec3, cross};
+
+use crate::{EnergyError, EnergyTerm, Moduli, Place, Points, Response, Slots, Want};
+
+/// Work conjugates of `F`, `H` and `J` (Pa).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conjugates {
+    /// `S_F = dW/dF`.
+    pub f: Mat3,
+    /// `S_H = dW/dH`.
+    pub h: Mat3,
+    /// `S_J = dW/dJ`.
+    pub j: f64,
+}
+
+/// A block of second derivatives by two matrices, kept in the cheapest form it has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    /// Absent.
+    Zero,
+    /// `c delta_ik delta_JL`, from `c |A|^2 / 2`.
+    Isotropic(f64),
+    /// `delta_ik M_JL` with symmetric `M`, from `A M : A / 2`, such as `M = f f` for a fibre.
+    Metric(Mat3),
+    /// Anything else: entry `9 (3 i + J) + 3 k + L` is the derivative by `A_iJ` and `B_kL`.
+    Full(Box<Tangent>),
+}
+
+/// Second partial derivatives of `W(F, H, J)` (Pa).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curvature {
+    /// `W_FF`.
+    pub ff: Block,
+    /// `W_HH`.
+    pub hh: Block,
+    /// `W_JJ`.
+    pub jj: f64,
+    /// `W_FH`, rows by `F`, columns by `H`.
+    pub fh: Block,
+    /// `W_FJ`.
+    pub fj: Option<Mat3>,
+    /// `W_HJ`.
+    pub hj: Option<Mat3>,
+}
+
+impl Curvature {
+    /// Curvature without mixed derivatives, as of a sum of functions of `F`, of `H` and of `J`.
+    #[inline]
+    pub const fn split(ff: Block, hh: Block, jj: f64) -> Self {
+        Curvature { ff, hh, jj, fh: Block::Zero, fj: None, hj: None }
+    }
+}
+
+/// An energy density written as a function of `F`, `H` and `J`, which is polyconvex where it is convex in the three.
+///
+/// Write the density and its partial derivatives as if the three were independent; `P` and `dP/dF` follow by the one
+/// chain rule below. With `X` the map `B -> F x B`, which gives `dH = X dF` and `dJ = H : dF`,
+///
+/// `P = S_F + S_H x F + S_J H`
+///
+/// `dP/dF = W_FF + W_FH X + X W_HF + X W_HH X + W_JJ H(.)H + W_FJ(.)H + H(.)W_FJ + (X W_HJ)(.)H + H(.)(X W_HJ)
+///          + X(S_H + S_J F)`
+///
+/// (Bonet, Gil & Ortigosa 2015, doi 10.1016/j.cma.2014.10.002).
+pub trait ConvexDensity: Debug + Send + Sync {
+    /// `W(F, H, J)`, J/m^3.
+    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64;
+
+    /// First partial derivatives.
+    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates;
+
+    /// Second partial derivatives.
+    fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature;
+
+    /// See [`EnergyTerm::fiber_limit`].
+    fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {
+        None
+    }
+
+    /// See [`EnergyTerm::check`].
+    ///
+    /// # Errors
+    /// [`EnergyError::Length`] names the field.
+    fn check_fields(&self, _cells: usize, _points: usize) -> Result<(), EnergyError> {
+        Ok(())
+    }
+
+    /// See [`EnergyTerm::direction`].
+    fn fiber(&self, _at: Place) -> Option<Vec3> {
+        None
+    }
+
+    /// See [`EnergyTerm::moduli`].
+    fn small_strain(&self, _at: Place) -> Option<Moduli> {
+        None
+    }
+}
+
+impl<D: ConvexDensity> EnergyTerm for D {
+    fn respond(&self, at: &Points, _m: Slots, want: Want, out: &mut Response) {
+        for (q, k) in at.kinematics.iter().enumerate() {
+            let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
+            if want.energy {
+                out.energy[q] += self.value(place, f, h, j);
+            }
+            if want.stress || want.tangent {
+                let s = self.first(place, f, h, j);
+                if want.stress {
+                    out.stress[q] += s.f + cross(&s.h, f) + h * s.j;
+                }
+                if want.tangent {
+                    add_tangent(&self.second(place, f, h, j), &s, f, h, &mut out.tangent[q]);
+                }
+            }
+        }
+    }
+
+    fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {
+        self.tension_bound(at, a)
+    }
+
+    fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
+        self.check_fields(cells, points)
+    }
+
+    fn direction(&self, at: Place) -> Option<Vec3> {
+        self.fiber(at)
+    }
+
+    fn moduli(&self, at: Place) -> Option<Moduli> {
+        self.small_strain(at)
+    }
+}
+
+#[inline]
+fn add_tangent(w: &Curvature, s: &Conjugates, f: &Mat3, h: &Mat3, out: &mut Tangent) {
+    out.add_cross(&(s.h + f * s.j), 1.0);
+    out.add_outer(h, h, w.jj);
+    match &w.ff {
+        Block::Zero => {}
+        Block::Isotropic(c) => out.add_identity(*c),
+        Block::Metric(m) => out.add_metric(m),
+        Block::Full(d) => out.add(d),
+    }
+    match &w.hh {
+        Block::Zero => {}
+        Block::Isotropic(c) => out.add_cross_squared(f, *c),
+        Block::Metric(m) => out.add_cross_metric(f, m),
+        Block::Full(d) => out.add_cross_both(f, d),
+    }
+    match &w.fh {
+        Block::Zero => {}
+        Block::Isotropic(c) => out.add_cross(f, 2.0 * c),
+        Block::Metric(m) => {
+            let mut d = Tangent::zero();
+            d.add_metric(m);
+            out.add_cross_mixed(f, &d);
+        }
+        Block::Full(d) => out.add_cross_mixed(f, d),
+    }
+    // H meets the partials mixed with J once: W_FJ + X W_HJ.
+    if w.fj.is_some() || w.hj.is_some() {
+        let mut with_j = w.fj.unwrap_or_else(Mat3::zeros);
+        if let Some(hj) = &w.hj {
+            with_j += cross(f, hj);
+        }
+        out.add_outer_symmetric(&with_j, h, 1.0);
+    }
+}

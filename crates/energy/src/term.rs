@@ -1,0 +1,183 @@
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
+
+use crate::{EnergyError, Moduli, Place};
+
+/// The quadrature points of one cell: their kinematics, and who they are.
+#[derive(Clone, Copy, Debug)]
+pub struct Points<'a> {
+    /// `F`, `H`, `J` per point.
+    pub kinematics: &'a [Kinematics],
+    /// The mesh cell.
+    pub cell: usize,
+    /// Global number of the cell's first quadrature point; the others follow it.
+    pub first: usize,
+}
+
+impl Points<'_> {
+    /// Number of points.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.kinematics.len()
+    }
+
+    /// Whether there are none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.kinematics.is_empty()
+    }
+
+    /// The place of the `q`-th point, for fields.
+    #[inline]
+    pub fn place(&self, q: usize) -> Place {
+        Place { cell: self.cell, point: self.first + q }
+    }
+}
+
+/// Control values of one actuation at the points of one cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Slots<'a> {
+    /// Slot `k` at point `q` is `values[q * width + k]`, in the slot's unit.
+    pub values: &'a [f64],
+    /// Number of slots.
+    pub width: usize,
+}
+
+impl Slots<'_> {
+    /// What a passive term gets.
+    pub const fn none() -> Self {
+        Slots { values: &[], width: 0 }
+    }
+
+    /// Slot `k` at the `q`-th point; zero where nothing drives it, as when an actuation is used as a passive term.
+    #[inline]
+    pub fn get(&self, q: usize, k: usize) -> f64 {
+        if self.width == 0 { 0.0 } else { self.values[q * self.width + k] }
+    }
+}
+
+/// What a caller wants of a term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Want {
+    /// Energy density, J/m^3.
+    pub energy: bool,
+    /// First Piola-Kirchhoff stress `P`, Pa.
+    pub stress: bool,
+    /// Elasticity tensor `dP/dF`, Pa.
+    pub tangent: bool,
+}
+
+impl Want {
+    /// The energy alone: cheap, for line searches.
+    pub const ENERGY: Want = Want { energy: true, stress: false, tangent: false };
+    /// The stress alone.
+    pub const STRESS: Want = Want { energy: false, stress: true, tangent: false };
+    /// Stress and tangent, for Newton steps.
+    pub const TANGENT: Want = Want { energy: false, stress: true, tangent: true };
+    /// Everything.
+    pub const ALL: Want = Want { energy: true, stress: true, tangent: true };
+}
+
+/// Where terms **add** what is wanted: one entry per point. A slice that is not wanted may be empty.
+#[derive(Debug)]
+pub struct Response<'a> {
+    /// Energy density, J/m^3.
+    pub energy: &'a mut [f64],
+    /// First Piola-Kirchhoff stress `P`, Pa.
+    pub stress: &'a mut [Mat3],
+    /// Elasticity tensor `dP/dF`, Pa.
+    pub tangent: &'a mut [Tangent],
+}
+
+/// A contribution to the energy density of a body: a passive material, or an [`Actuation`].
+///
+/// Everything anyone may ask of a law is asked here, and nothing else in the workspace differentiates one. Laws that
+/// are a function of `(F, H, J)` implement [`ConvexDensity`](crate::ConvexDensity) instead and get this for free.
+pub trait EnergyTerm: Debug + Send + Sync {
+    /// Adds energy, `P` and `dP/dF`, as wanted, at all points of one cell.
+    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response);
+
+    /// Largest fibre tension `m` (Pa) along the unit vector `a` for which this law with `-(m/2) |F a|^2` added stays
+    /// polyconvex. `None` where the law makes no statement.
+    fn fiber_limit(&self, _at: Place, _a: &Vec3) -> Option<f64> {
+        None
+    }
+
+    /// Checks that the parameter fields fit a mesh of so many cells and quadrature points.
+    ///
+    /// # Errors
+    /// [`EnergyError::Length`] names the field.
+    fn check(&self, _cells: usize, _points: usize) -> Result<(), EnergyError> {
+        Ok(())
+    }
+
+    /// The fibre, to be written back out.
+    fn direction(&self, _at: Place) -> Option<Vec3> {
+        None
+    }
+
+    /// Small-strain moduli at the rest state, where they are known in closed form.
+    fn moduli(&self, _at: Place) -> Option<Moduli> {
+        None
+    }
+}
+
+/// One control component of an actuation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slot {
+    /// `tension`, `pressure`, `remanence.x` ...: the part before the dot is the control's name.
+    pub name: &'static str,
+    /// `Pa`, `T` ...
+    pub unit: &'static str,
+}
+
+/// An energy term that controls act on.
+pub trait Actuation: EnergyTerm {
+    /// The control components, in the order of [`Slots::values`].
+    fn slots(&self) -> &[Slot];
+
+    /// Control derivative of the stress at every point: sets `out[q * width + k] = dP/dm_k` (Pa per unit of slot `k`).
+    fn stress_by_control(&self, at: &Points, m: Slots, out: &mut [Mat3]);
+
+    /// The control values seen by an observer who turned space by `q`: components of spatial vectors turn with it,
+    /// scalars and vectors of the reference body stay. The contract tests use it to state objectivity.
+    fn turn(&self, _q: &Mat3, _m: &mut [f64]) {}
+}
+
+impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
+    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+        (**self).respond(at, m, want, out);
+    }
+
+    fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {
+        (**self).fiber_limit(at, a)
+    }
+
+    fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
+        (**self).check(cells, points)
+    }
+
+    fn direction(&self, at: Place) -> Option<Vec3> {
+        (**self).direction(at)
+    }
+
+    fn moduli(&self, at: Place) -> Option<Moduli> {
+        (**self).moduli(at)
+    }
+}
+
+impl<T: Actuation + ?Sized> Actuation for Arc<T> {
+    fn slots(&self) -> &[Slot] {
+        (**self).slots()
+    }
+
+    fn stress_by_control(&self, at: &Points, m: Slots, out: &mut [Mat3]) {
+        (**self).stress_by_control(at, m, out);
+    }
+
+    fn turn(&self, q: &Mat3, m: &mut [f64]) {
+        (**self).turn(q, m);
+    }
+}

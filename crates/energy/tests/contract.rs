@@ -1,0 +1,141 @@
+//! Every member of the catalogue, against the contract of an energy term.
+
+use nastic_energy::catalogue::{self, Inputs, Takes};
+use nastic_energy::{EnergyError, Field, MooneyRivlin, Place, check};
+use nastic_tensor::Vec3;
+
+const HERE: Place = Place { cell: 0, point: 0 };
+
+#[test]
+fn every_material_keeps_its_contract_in_every_form() {
+    for row in catalogue::materials() {
+        for inputs in row.examples() {
+            let name = format!("{} {inputs:?}", row.name);
+            let law = row.build(&inputs).unwrap_or_else(|e| panic!("{name}: {e}"));
+            check::passive(&law, HERE).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert!(law.moduli(HERE).is_some(), "{name} states no moduli");
+            assert!(law.fiber_limit(HERE, &Vec3::x()).is_some(), "{name} states no fiber limit");
+            law.check(0, 0).unwrap();
+            if let Some(density) = row.density(&inputs).unwrap() {
+                check::convex_density(&*density, HERE).unwrap_or_else(|e| panic!("{name}: {e}"));
+                check::fiber_limit(&*density, HERE).unwrap_or_else(|e| panic!("{name}: {e}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn every_actuation_keeps_its_contract_in_every_form() {
+    for row in catalogue::actuations() {
+        for inputs in row.examples() {
+            let name = format!("{} {inputs:?}", row.name);
+            let term = row.build(&inputs).unwrap_or_else(|e| panic!("{name}: {e}"));
+            let controls = row.example.controls;
+            check::actuation(&*term, HERE, controls).unwrap_or_else(|e| panic!("{name}: {e}"));
+            check::actuation(&*term, HERE, &vec![0.0; controls.len()]).unwrap_or_else(|e| panic!("{name}: {e}"));
+            let work = check::drives(&*term, HERE, controls, &row.example.gradient()).unwrap();
+            assert!(work > 0.7, "{name}: a positive control works {work} on what it is said to drive");
+        }
+    }
+}
+
+/// The free cube moves the way the catalogue says: `towards : e > 0`. What turns a cube leaves a free one no rest.
+#[test]
+fn a_positive_control_moves_a_free_cube_as_stated() {
+    let law = MooneyRivlin::new(1e5, 2e4, 1e6).unwrap();
+    for row in catalogue::actuations().iter().filter(|row| row.example.gradient() == row.example.gradient().transpose())
+    {
+        for inputs in row.examples() {
+            let f = check::free_cube(&law, &*row.build(&inputs).unwrap(), HERE, row.example.controls).unwrap();
+            let moved = (f - nastic_tensor::Mat3::identity()).dot(&row.example.gradient());
+            assert!(moved > 0.01, "{}: {f}", row.name);
+        }
+    }
+}
+
+#[test]
+fn every_parameter_is_required_and_checked() {
+    for row in catalogue::materials() {
+        for (form, inputs) in row.forms.iter().zip(row.examples()) {
+            for parameter in form.iter() {
+                let without = form.iter().filter(|p| p.name != parameter.name).copied().collect::<Vec<_>>();
+                let error = row.build(&Inputs::examples(&without)).unwrap_err();
+                assert!(
+                    matches!(&error, EnergyError::Missing { .. }) && error.to_string().contains(parameter.name),
+                    "{}: {error}",
+                    row.name
+                );
+                let (bad, wrong_kind) = match parameter.takes {
+                    Takes::Number { .. } => {
+                        let values = Field::cells(vec![f64::NAN; 2]);
+                        (inputs.clone().number(parameter.name, values), inputs.clone().choice(parameter.name, "x"))
+                    }
+                    Takes::Direction { .. } => {
+                        let values = Field::cells(vec![Vec3::new(0.0, 0.0, 2.0); 2]);
+                        (inputs.clone().direction(parameter.name, values), inputs.clone().number(parameter.name, 1.0))
+                    }
+                    Takes::Choice { .. } => {
+                        (inputs.clone().choice(parameter.name, "?"), inputs.clone().number(parameter.name, 1.0))
+                    }
+                };
+                let error = row.build(&bad).unwrap_err().to_string();
+                assert!(error.contains(parameter.name), "{}: {error}", row.name);
+                assert!(matches!(row.build(&wrong_kind).unwrap_err(), EnergyError::Kind { .. }), "{}", row.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_field_of_the_wrong_length_is_named_for_every_parameter() {
+    for row in catalogue::materials() {
+        let inputs = row.examples().swap_remove(0);
+        for parameter in row.forms[0] {
+            let with_field = match parameter.takes {
+                Takes::Number { example, .. } => inputs.clone().number(parameter.name, Field::points(vec![example; 3])),
+                Takes::Direction { example } => {
+                    inputs.clone().direction(parameter.name, Field::points(vec![Vec3::from(example); 3]))
+                }
+                Takes::Choice { .. } => continue,
+            };
+            let law = row.build(&with_field).unwrap();
+            assert!(law.check(1, 3).is_ok());
+            let expected = format!(
+                "{}: {} has 3 values, one per quadrature point, but the body has 8 quadrature points",
+                row.name, parameter.name
+            );
+            assert_eq!(law.check(1, 8).unwrap_err().to_string(), expected);
+        }
+    }
+}
+
+#[test]
+fn names_are_distinct_and_unknown_ones_are_answered() {
+    let names: Vec<_> =
+        catalogue::materials().iter().map(|r| r.name).chain(catalogue::actuations().iter().map(|r| r.name)).collect();
+    for (n, name) in names.iter().enumerate() {
+        assert!(!names[..n].contains(name), "{name} twice");
+    }
+    let error = catalogue::material("moony_rivlin").unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "no law is called `moony_rivlin` (did you mean `mooney_rivlin`?); there are: mooney_rivlin, \
+         transverse_mooney_rivlin, neo_hooke, neo_hooke_isochoric"
+    );
+    assert!(catalogue::actuation("muscle").unwrap_err().to_string().contains("fiber_tension"));
+}
+
+#[test]
+fn parameters_of_two_sets_are_refused() {
+    let row = catalogue::material("mooney_rivlin").unwrap();
+    let error = row.build(&Inputs::new().number("shear", 1.0).number("poisson", 0.3).number("share", 0.5)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "mooney_rivlin: poisson and shear belong to different parameter sets; it takes {mu1, mu2, mu3} or \
+         {shear, bulk, share} or {young, poisson, share}"
+    );
+    let error = row.build(&Inputs::new()).unwrap_err().to_string();
+    assert!(error.starts_with("mooney_rivlin needs mu1 (nothing was given)"), "{error}");
+    let error = row.build(&Inputs::new().number("young", 1.0).number("share", 0.5)).unwrap_err().to_string();
+    assert!(error.starts_with("mooney_rivlin needs poisson (given: share, young)"), "{error}");
+}

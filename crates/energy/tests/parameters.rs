@@ -1,0 +1,145 @@
+//! Parameters and directions: what is refused, with which words, and fields that vary over the body.
+
+use nastic_energy::{
+    EnergyTerm, FiberTension, Field, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, Points, Response, Slots, Sum,
+    TransverseMooneyRivlin, Want, check,
+};
+use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
+
+const HERE: Place = Place { cell: 0, point: 0 };
+
+#[test]
+fn signs_that_polyconvexity_needs() {
+    let message = |e: nastic_energy::EnergyError| e.to_string();
+    assert_eq!(
+        message(MooneyRivlin::new(0.0, 1.0, 1.0).unwrap_err()),
+        "mooney_rivlin: mu1 = 0e0, but it must be positive"
+    );
+    assert_eq!(
+        message(MooneyRivlin::new(1.0, -1.0, 1.0).unwrap_err()),
+        "mooney_rivlin: mu2 = -1e0, but it must not be negative: the law would lose its polyconvexity"
+    );
+    assert_eq!(
+        message(NeoHooke::new(Field::cells(vec![1.0, 2.0, f64::INFINITY]), 0.0).unwrap_err()),
+        "neo_hooke: mu = inf in cell 2, but it must be a finite number"
+    );
+    assert!(MooneyRivlin::new(1.0, 0.0, 0.0).is_ok());
+    assert!(NeoHooke::new(1.0, 0.0).is_ok());
+    assert!(NeoHookeIsochoric::new(1.0, 0.0).is_err());
+    assert!(TransverseMooneyRivlin::new(1.0, 0.0, -0.1, 1.0, Vec3::x()).is_err());
+}
+
+#[test]
+fn directions_have_length_one() {
+    let error = FiberTension::along(Vec3::new(1.0, 1.0, 0.0)).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "fiber_tension: direction = [1.0, 1.0, 0.0] has length 1.4142135623730951, not 1; the unit vector along it is \
+         [0.7071067811865475, 0.7071067811865475, 0.0]"
+    );
+    let error = FiberTension::along(Vec3::zeros()).unwrap_err().to_string();
+    assert!(error.ends_with("has length 0, not 1; it has no direction"), "{error}");
+    let field = Field::points(vec![Vec3::x(), Vec3::y() * 1.001]);
+    let error = TransverseMooneyRivlin::new(1.0, 1.0, 1.0, 1.0, field).unwrap_err().to_string();
+    assert!(error.contains("fiber = [0.0, 1.001, 0.0] at quadrature point 1 has length 1.0"), "{error}");
+    assert!(FiberTension::along(Vec3::new(f64::NAN, 0.0, 0.0)).is_err());
+}
+
+/// Printed digits are good enough, and the rest state is still free of stress.
+#[test]
+fn eight_digits_of_a_direction_are_enough() {
+    let printed = Vec3::new(0.26726124, 0.53452248, 0.80178373);
+    let law = TransverseMooneyRivlin::new(1e5, 2e4, 3e5, 1e6, printed).unwrap();
+    assert!((law.direction(HERE).unwrap().norm() - 1.0).abs() < 1e-15);
+    check::rest(&law, HERE).unwrap();
+}
+
+#[test]
+fn engineering_constants_without_a_polyconvex_law_are_refused() {
+    let error = MooneyRivlin::from_young_poisson(1.0, 0.25, 0.5).unwrap_err().to_string();
+    assert!(error.contains("take a share above 0.5"), "{error}");
+    assert!(MooneyRivlin::from_young_poisson(1.0, 0.25, 0.501).is_ok());
+    let error = MooneyRivlin::from_young_poisson(1.0, 0.3, 0.249).unwrap_err().to_string();
+    assert!(error.contains("take a share above 0.25"), "{error}");
+    assert!(MooneyRivlin::from_young_poisson(1.0, 0.3, 0.251).is_ok());
+    let error = MooneyRivlin::from_shear_bulk(Field::cells(vec![1.0, 3.0]), 2.0, 0.9).unwrap_err().to_string();
+    assert!(error.starts_with("mooney_rivlin: mu3 = ") && error.contains(" in cell 1 "), "{error}");
+    assert!(error.contains("no share below 1 is enough"), "{error}");
+    for share in [0.0, 1.0, f64::NAN] {
+        assert!(MooneyRivlin::from_shear_bulk(1.0, 10.0, share).is_err());
+    }
+    for nu in [-1.0, 0.5, 0.6] {
+        assert!(NeoHookeIsochoric::from_young_poisson(1.0, nu).is_err());
+    }
+    assert!(NeoHooke::from_young_poisson(1.0, -0.1).unwrap_err().to_string().contains("neo_hooke_isochoric"));
+    assert!(NeoHooke::from_shear_bulk(3.0, 1.9).unwrap_err().to_string().contains("2/3 of the shear modulus"));
+}
+
+#[test]
+fn fields_are_combined_value_by_value() {
+    let shear = Field::cells(vec![1e5, 2e5, 3e5]);
+    let law = MooneyRivlin::from_shear_bulk(shear, 1e6, Field::cells(vec![0.5, 0.6, 0.7])).unwrap();
+    let limit = |cell| law.fiber_limit(Place { cell, point: 99 }, &Vec3::x()).unwrap();
+    assert!((limit(0) - 5e4).abs() < 1e-9 && (limit(1) - 1.2e5).abs() < 1e-9 && (limit(2) - 2.1e5).abs() < 1e-9);
+    let mixed = MooneyRivlin::from_shear_bulk(Field::cells(vec![1.0; 3]), Field::points(vec![9.0; 24]), 0.5);
+    assert_eq!(
+        mixed.unwrap_err().to_string(),
+        "mooney_rivlin: shear and bulk must be given alike: shear has 3 values per cell, bulk has 24 per quadrature \
+         point; sample both per cell, or both per quadrature point"
+    );
+}
+
+/// One call over a cell's points gives each point its own parameters and its own control value.
+#[test]
+fn a_batch_is_its_points() {
+    let (cell, first) = (1, 3);
+    let states: Vec<Kinematics> = check::states().into_iter().take(4).collect();
+    let per_point: Vec<f64> = (0..7).map(|n| 1e5 * (1 + n) as f64).collect();
+    let fibers: Vec<Vec3> = (0..7).map(|n| Vec3::new((n as f64).cos(), (n as f64).sin(), 0.0)).collect();
+    let law = Sum::of(MooneyRivlin::new(Field::points(per_point), Field::cells(vec![1e4, 2e4]), 1e6).unwrap())
+        .plus(TransverseMooneyRivlin::new(1e5, 2e4, 3e5, 1e6, Field::points(fibers.clone())).unwrap());
+    let tension = FiberTension::along_field(Field::points(fibers)).unwrap();
+    let controls = [1e4, -2e5, 5e4, 0.0];
+
+    let (mut energy, mut stress, mut tangent) = ([0.0; 4], [Mat3::zeros(); 4], [Tangent::zero(); 4]);
+    let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut tangent };
+    let points = Points { kinematics: &states, cell, first };
+    law.respond(&points, Slots::none(), Want::ALL, &mut out);
+    tension.respond(&points, Slots { values: &controls, width: 1 }, Want::ALL, &mut out);
+
+    for (q, k) in states.iter().enumerate() {
+        let at = Place { cell, point: first + q };
+        let passive = check::evaluate(&law, at, k, &[]);
+        let mut expected = check::evaluate(&tension, at, k, &controls[q..=q]);
+        expected.tangent.add(&passive.tangent);
+        assert!((energy[q] - expected.energy - passive.energy).abs() < 1e-9 * energy[q].abs());
+        assert!((stress[q] - expected.stress - passive.stress).norm() < 1e-9 * stress[q].norm());
+        let error = tangent[q].0.iter().zip(&expected.tangent.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-5);
+        let other = check::evaluate(&law, Place { cell: 0, point: 0 }, k, &[]);
+        assert!((other.stress - passive.stress).norm() > 1e3, "the place makes no difference");
+    }
+    law.check(2, 7).unwrap();
+    tension.check(2, 7).unwrap();
+    assert!(law.check(2, 8).is_err() && law.check(3, 7).is_err() && tension.check(2, 6).is_err());
+}
+
+#[test]
+fn sums_add_up() {
+    let parts = Sum::of(MooneyRivlin::new(1e5, 2e4, 1e6).unwrap()).plus(NeoHooke::new(5e4, 1e5).unwrap());
+    check::passive(&parts, HERE).unwrap();
+    let fiber = TransverseMooneyRivlin::new(1e5, 2e4, 3e5, 1e6, Vec3::y()).unwrap();
+    let with_fiber = parts.plus(fiber);
+    check::passive(&with_fiber, HERE).unwrap();
+    assert_eq!(with_fiber.direction(HERE), Some(Vec3::y()));
+    assert_eq!(with_fiber.terms().len(), 3);
+    assert_eq!(Sum::default().fiber_limit(HERE, &Vec3::x()), None);
+}
+
+/// An actuation that nobody drives is at rest, also where it stands as a passive term.
+#[test]
+fn an_undriven_actuation_does_nothing() {
+    let tension = FiberTension::along(Vec3::x()).unwrap();
+    let here = check::evaluate(&tension, HERE, &check::states()[0], &[]);
+    assert_eq!((here.energy, here.stress, here.tangent), (0.0, Mat3::zeros(), Tangent::zero()));
+}

@@ -1,0 +1,75 @@
+//! The adjoint of the state equation, and the inertia of an equilibrium.
+
+use crate::error::StateError;
+use crate::linear::{Factor, SymmetricMatrix};
+use crate::request::Request;
+use crate::solid::Solid;
+use crate::state::{SolveReport, State};
+use crate::tangent::Tangents;
+use std::sync::Arc;
+
+/// Adjoint displacements, and what they took.
+#[derive(Debug, Clone)]
+pub struct Adjoint {
+    /// One solution per right-hand side, flat, zero on the supports.
+    pub lambda: Vec<Vec<f64>>,
+    /// The factor that served: the one handed in, or a fresh one of K(u*).
+    pub factor: Option<Arc<Factor>>,
+    /// Work done.
+    pub report: SolveReport,
+}
+
+/// Residual of the adjoint equation relative to its right-hand side.
+const TOLERANCE: f64 = 1e-11;
+
+impl Solid {
+    /// Solves `K(u*, m) lambda = rhs`, `lambda = 0` on the supports, for every right-hand side (entries on supports are
+    /// ignored). K is taken at the state itself: a factor handed in is a tool, the residual of K(u*) decides.
+    ///
+    /// Source: docs/model.md section 6; the adjoint of a cost has `rhs = -dj/du`.
+    ///
+    /// # Errors
+    /// [`StateError::Linear`] at a singular tangent, [`StateError::Problem`] for right-hand sides of the wrong length.
+    pub fn adjoint(&self, state: &State, rhs: &[&[f64]], how: &Request) -> Result<Adjoint, StateError> {
+        let clear = |b: &&[f64]| {
+            let mut b = b.to_vec();
+            self.supports().clear(&mut b);
+            b
+        };
+        let expected = self.discretization().dofs();
+        if let Some(b) = rhs.iter().find(|b| b.len() != expected) {
+            let what = "right-hand side of the adjoint".to_owned();
+            return Err(crate::FemError::Length { what, found: b.len(), expected }.into());
+        }
+        let rhs: Vec<Vec<f64>> = rhs.iter().map(clear).collect();
+        let columns: Vec<&[f64]> = rhs.iter().map(Vec::as_slice).collect();
+        let matrix = self.tangent(state, how.parallel)?;
+        let (mut factor, mut report) = (how.factor.clone(), SolveReport::default());
+        let lambda = Tangents::new(self, how.parallel)
+            .solve_exactly(matrix, &columns, TOLERANCE, &mut factor, &mut report)
+            .map_err(|why| StateError::Linear { why })?;
+        Ok(Adjoint { lambda, factor, report })
+    }
+
+    /// Number of negative eigenvalues of the tangent at a state: 0 for a stable equilibrium.
+    ///
+    /// # Errors
+    /// [`StateError::Linear`] where the tangent is singular: the state sits on a bifurcation.
+    pub fn negative_pivots(&self, state: &State) -> Result<usize, StateError> {
+        let matrix = self.tangent(state, true)?;
+        Tangents::new(self, true).negative_pivots(matrix).map_err(|e| StateError::Linear { why: e.to_string() })
+    }
+
+    /// The tangent K(u, m) at a state, supports not eliminated.
+    fn tangent(&self, state: &State, parallel: bool) -> Result<SymmetricMatrix, StateError> {
+        let mut matrix = self.discretization().matrix();
+        let evaluated = self.body().evaluate_tangent(&state.u, &state.controls, &mut matrix, parallel);
+        evaluated.map_err(|at| StateError::Inverted {
+            at,
+            load: state.load,
+            cuts: 0,
+            last: Box::new(state.clone()),
+        })?;
+        Ok(matrix)
+    }
+}

@@ -1,0 +1,104 @@
+//! From one equilibrium to another: the way is as long as it needs to be, and the user chooses no step count.
+
+use crate::controls::Controls;
+use crate::error::StateError;
+use crate::newton::{Newton, Stop};
+use crate::request::Request;
+use crate::solid::Solid;
+use crate::state::{SolveReport, Solved, State};
+use std::sync::Arc;
+
+/// Load steps shorter than this share of the way are given up on.
+const SHORTEST: f64 = 1.0 / 4096.0;
+
+impl Solid {
+    /// The equilibrium under these controls, at full dead loads and prescribed displacements.
+    ///
+    /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method fails,
+    /// the step is halved, and doubled again after a success. When a warm start leads nowhere, the way from rest is tried.
+    ///
+    /// # Errors
+    /// A typed [`StateError`]; where there was progress it holds the last equilibrium.
+    pub fn solve(&self, controls: &Controls, how: &Request) -> Result<Solved, StateError> {
+        self.check()?;
+        self.check_controls(controls)?;
+        let rest = self.rest();
+        let Some(near) = how.near.filter(|near| self.fits(near)) else { return self.walk(&rest, controls, how) };
+        match self.walk(near, controls, how) {
+            Err(StateError::Cancelled) => Err(StateError::Cancelled),
+            Err(failed) => {
+                let how = Request { near: None, factor: None, ..how.clone() };
+                self.walk(&rest, controls, &how).map_err(|_| failed)
+            }
+            solved => solved,
+        }
+    }
+
+    /// The undeformed state without loads: where every way begins unless told otherwise.
+    pub fn rest(&self) -> State {
+        State {
+            u: Arc::new(vec![0.0; self.discretization().dofs()]),
+            controls: Arc::new(self.controls()),
+            load: 0.0,
+            report: SolveReport { min_j: 1.0, ..SolveReport::default() },
+        }
+    }
+
+    fn fits(&self, state: &State) -> bool {
+        state.u.len() == self.discretization().dofs() && state.controls.fits(&self.controls())
+    }
+
+    fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
+        if !controls.fits(&self.controls()) {
+            let what = "the controls belong to another body; make them with Solid::controls".to_owned();
+            return Err(crate::FemError::Meaningless { what }.into());
+        }
+        for k in 0..controls.len() {
+            let what = format!("control of actuation \"{}\"", self.body().actuations()[k].name);
+            crate::controls::check_finite(&what, controls.values(k))?;
+        }
+        Ok(())
+    }
+
+    fn walk(&self, from: &State, to: &Controls, how: &Request) -> Result<Solved, StateError> {
+        let mut report = SolveReport::default();
+        let mut factor = how.factor.clone();
+        let mut here = from.clone();
+        let (mut done, mut step) = (0.0, 1.0_f64);
+        while done < 1.0 {
+            let path = (done + step).min(1.0);
+            let controls = from.controls.blend(to, path);
+            // exactly 1 at the end of the way
+            let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
+            let newton = Newton { solid: self, controls: &controls, load, path, request: how };
+            match newton.solve(here.u.to_vec(), &mut factor, &mut report) {
+                Ok(u) => {
+                    report.load_steps += 1;
+                    here = State { u: Arc::new(u), controls: Arc::new(controls), load, report };
+                    done = path;
+                    step *= 2.0;
+                }
+                Err(Stop::Cancelled) => return Err(StateError::Cancelled),
+                Err(Stop::Linear(why)) => return Err(StateError::Linear { why }),
+                Err(stop) if step <= SHORTEST => return Err(give_up(stop, path, &report, here)),
+                Err(_) => {
+                    report.cuts += 1;
+                    step *= 0.5;
+                    factor = None;
+                }
+            }
+        }
+        here.report = report;
+        Ok(Solved { state: here, factor })
+    }
+}
+
+fn give_up(stop: Stop, load: f64, report: &SolveReport, here: State) -> StateError {
+    let (cuts, last) = (report.cuts, Box::new(here));
+    match stop {
+        Stop::Inverted(at) => StateError::Inverted { at, load, cuts, last },
+        Stop::Slow { residual } => StateError::NoConvergence { load, cuts, newton: report.newton, residual, last },
+        Stop::Linear(why) => StateError::Linear { why },
+        Stop::Cancelled => StateError::Cancelled,
+    }
+}

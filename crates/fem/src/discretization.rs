@@ -1,0 +1,113 @@
+//! [`Discretization`]: everything about a mesh that materials, loads and supports do not change.
+
+use crate::error::FemError;
+use crate::linear::{Graph, Ordering, Pattern, Symbolic, SymmetricMatrix};
+use crate::sampling::{Part, Sampling};
+use nastic_mesh::Mesh;
+use std::fmt;
+use std::sync::Arc;
+
+/// A mesh with its quadrature points, numbering, sparsity pattern and symbolic factorisation.
+///
+/// Shared (by [`Arc`]) among all solids on the mesh: scenarios and load cases differ in physics alone. The numbering
+/// keeps supported components in, so that one symbolic analysis serves every choice of supports.
+pub struct Discretization {
+    mesh: Arc<Mesh>,
+    body: Sampling,
+    pattern: Arc<Pattern>,
+    symbolic: Arc<Symbolic>,
+    /// Per part of the body's sampling: the scatter map of every cell, one after the other.
+    scatter: Vec<Vec<u32>>,
+}
+
+impl Discretization {
+    /// The discretisation of the whole mesh with each element's default rule.
+    ///
+    /// # Errors
+    /// [`FemError::InvertedReference`] where the reference configuration is inside out, [`FemError::Structure`] for a mesh
+    /// too large for the direct solver.
+    pub fn new(mesh: Arc<Mesh>) -> Result<Arc<Self>, FemError> {
+        let body = Sampling::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
+        let cells = || body.parts.iter().flat_map(|p| (0..p.cells.len()).map(|c| p.nodes_of(c)));
+        let graph = Graph::from_cliques(mesh.points().len(), cells())?;
+        let ordering = Ordering::best(&graph, mesh.points())?;
+        let pattern = Arc::new(Pattern::new(&graph, mesh.dim(), ordering)?);
+        let symbolic = Arc::new(Symbolic::new(&pattern)?);
+        let of_part = |p: &Part| {
+            let mut maps = Vec::new();
+            for c in 0..p.cells.len() {
+                maps.extend(pattern.scatter_map(p.nodes_of(c))?);
+            }
+            Ok(maps)
+        };
+        let scatter = body.parts.iter().map(of_part).collect::<Result<_, FemError>>()?;
+        Ok(Arc::new(Discretization { mesh, body, pattern, symbolic, scatter }))
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+
+    /// Displacement components per node: 2 (plane strain) or 3.
+    pub fn dim(&self) -> usize {
+        self.mesh.dim()
+    }
+
+    /// Number of displacement unknowns, supported ones included.
+    pub fn dofs(&self) -> usize {
+        self.mesh.points().len() * self.dim()
+    }
+
+    /// The body's quadrature points, in mesh cell order.
+    pub fn body(&self) -> &Sampling {
+        &self.body
+    }
+
+    /// The cells' quadrature points: number of the first and how many, by cell.
+    pub fn points_of_cells(&self) -> Vec<(usize, usize)> {
+        let part = |p: &Part| (0..p.cells.len()).map(|c| (p.first_point(c), p.table.points)).collect::<Vec<_>>();
+        self.body.parts.iter().flat_map(part).collect()
+    }
+
+    /// Average over each cell of a quantity at the quadrature points, weighted by reference volume;
+    /// shape `[cells][components]`.
+    pub fn cell_average(&self, at_points: &[f64], components: usize) -> Vec<f64> {
+        let mut out = Vec::with_capacity(self.mesh.cells() * components);
+        for (first, count) in self.points_of_cells() {
+            let weights = &self.body.weights()[first..first + count];
+            let volume: f64 = weights.iter().sum();
+            for i in 0..components {
+                let sum: f64 = (0..count).map(|q| weights[q] * at_points[(first + q) * components + i]).sum();
+                out.push(sum / volume);
+            }
+        }
+        out
+    }
+
+    /// The sparsity pattern of the tangent.
+    pub fn pattern(&self) -> &Arc<Pattern> {
+        &self.pattern
+    }
+
+    /// The symbolic factorisation of the tangent.
+    pub fn symbolic(&self) -> &Arc<Symbolic> {
+        &self.symbolic
+    }
+
+    /// A zero matrix of the tangent's pattern.
+    pub fn matrix(&self) -> SymmetricMatrix {
+        SymmetricMatrix::zeros(self.pattern.clone())
+    }
+
+    /// Scatter maps of the cells of one part of the body's sampling.
+    pub(crate) fn scatter(&self, part: usize) -> &[u32] {
+        &self.scatter[part]
+    }
+}
+
+impl fmt::Debug for Discretization {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "Discretization of {} ({} unknowns, {} points)", self.mesh.name(), self.dofs(), self.body.len())
+    }
+}

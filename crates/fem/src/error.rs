@@ -1,0 +1,174 @@
+//! What can go wrong in building a problem and in solving it.
+
+use crate::linear::StructureError;
+use crate::sampling::Sampling;
+use crate::state::State;
+use nastic_energy::EnergyError;
+use nastic_mesh::MeshError;
+
+/// A deformation gradient that turns matter inside out: J <= 0, which no law is ever asked about.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("element {cell} inverted (J = {jacobian:.3e} at its quadrature point {point})")]
+pub struct InvertedAt {
+    /// Cell number in the mesh.
+    pub cell: usize,
+    /// Quadrature point within the cell.
+    pub point: usize,
+    /// The determinant found (not a number when the displacement was not finite).
+    pub jacobian: f64,
+}
+
+impl InvertedAt {
+    pub(crate) fn new(sampling: &Sampling, point: usize, jacobian: f64) -> Self {
+        for part in sampling.parts.iter().rev() {
+            if point >= part.first {
+                let local = point - part.first;
+                let cell = part.cells[local / part.table.points] as usize;
+                return InvertedAt { cell, point: local % part.table.points, jacobian };
+            }
+        }
+        InvertedAt { cell: 0, point, jacobian }
+    }
+}
+
+/// A problem that cannot be built: what, where, how much, and what to try.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum FemError {
+    /// A name or the mesh itself.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A law's parameter.
+    #[error(transparent)]
+    Energy(#[from] EnergyError),
+    /// The mesh is too large for the direct solver.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
+    /// The reference configuration is inside out somewhere.
+    #[error(
+        "cell {cell} of {mesh} is inverted or flat at a quadrature point (det dX/dxi = {jacobian:.3e}); repair the mesh"
+    )]
+    InvertedReference {
+        /// Mesh name.
+        mesh: String,
+        /// Cell number.
+        cell: usize,
+        /// Determinant of the map from the reference element.
+        jacobian: f64,
+    },
+    /// Cells that no passive material covers.
+    #[error("{count} cells of {mesh} have no material, the first is cell {first}; give one to each region ({regions})")]
+    NoMaterial {
+        /// Mesh name.
+        mesh: String,
+        /// How many.
+        count: usize,
+        /// The first of them.
+        first: usize,
+        /// The regions the mesh has.
+        regions: String,
+    },
+    /// The supports leave rigid motions free.
+    #[error(
+        "the supports leave {free} rigid motion(s) of {what} free ({example}), so no equilibrium is determined; \
+         fix more components or clamp a surface"
+    )]
+    RigidMotion {
+        /// Number of free rigid motions.
+        free: usize,
+        /// The connected part of the body.
+        what: String,
+        /// One of them in words.
+        example: String,
+    },
+    /// Two supports prescribe different values for one displacement component.
+    #[error(
+        "support on \"{support}\" prescribes {new} for component {component} of node {node}, where an earlier support \
+         prescribes {old}; let one of them go"
+    )]
+    SupportConflict {
+        /// Name of the later support.
+        support: String,
+        /// Node number.
+        node: usize,
+        /// "x", "y" or "z".
+        component: &'static str,
+        /// Value already there.
+        old: f64,
+        /// Value refused.
+        new: f64,
+    },
+    /// A support or load that names nothing to act on, or a component the dimension lacks.
+    #[error("{what}")]
+    Meaningless {
+        /// What is wrong and what to try.
+        what: String,
+    },
+    /// An array of the wrong length or with a value that is not finite.
+    #[error("{what} has {found} values where {expected} are needed")]
+    Length {
+        /// Which array.
+        what: String,
+        /// Its length.
+        found: usize,
+        /// The length needed.
+        expected: usize,
+    },
+    /// A value that is not finite.
+    #[error("{what} is not finite (entry {index} is {value})")]
+    NotFinite {
+        /// Which array.
+        what: String,
+        /// Entry.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// Why a state solve stopped short. It is an ordinary answer: an optimiser shortens its step on it.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum StateError {
+    /// Every attempt beyond `load` inverted an element.
+    #[error(
+        "{at} at load {load:.4} after {cuts} cuts of the load step; try a smaller control or load, or a finer mesh"
+    )]
+    Inverted {
+        /// Where.
+        at: InvertedAt,
+        /// Fraction of the way from the starting state.
+        load: f64,
+        /// How often the load step was cut.
+        cuts: usize,
+        /// The last equilibrium found on the way.
+        last: Box<State>,
+    },
+    /// Newton's method did not converge at this load, however small the step.
+    #[error(
+        "no equilibrium found at load {load:.4} after {cuts} cuts of the load step and {newton} Newton iterations \
+         (relative residual {residual:.2e}); the body may have no stable equilibrium there: try a smaller control or load"
+    )]
+    NoConvergence {
+        /// Fraction of the way.
+        load: f64,
+        /// How often the load step was cut.
+        cuts: usize,
+        /// Newton iterations spent.
+        newton: usize,
+        /// Residual reached, relative to the sum of element forces.
+        residual: f64,
+        /// The last equilibrium found on the way.
+        last: Box<State>,
+    },
+    /// A linear system could not be solved.
+    #[error("linear solve failed: {why}")]
+    Linear {
+        /// The reason.
+        why: String,
+    },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// The problem is not complete or an input does not fit.
+    #[error(transparent)]
+    Problem(#[from] FemError),
+}

@@ -1,0 +1,89 @@
+//! What can go wrong: in the structure (once per mesh) and in the numbers (once per factorisation).
+
+/// The node graph, the ordering or the pattern cannot be built.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StructureError {
+    /// An element names a node that does not exist.
+    #[error("element {element} refers to node {node}, but there are {nodes} nodes; check the connectivity")]
+    NodeOutOfRange {
+        /// Position of the element in the iteration.
+        element: usize,
+        /// The node it names.
+        node: u32,
+        /// Number of nodes.
+        nodes: usize,
+    },
+    /// Two nodes of a scatter map share no element of the pattern.
+    #[error("nodes {a} and {b} are not coupled in the pattern; build the pattern from every element that is assembled")]
+    NotCoupled {
+        /// One node.
+        a: u32,
+        /// The other.
+        b: u32,
+    },
+    /// An elimination order must hold every node exactly once.
+    #[error("the elimination order is no permutation of {nodes} nodes: {problem}")]
+    NotAPermutation {
+        /// Number of nodes.
+        nodes: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Arrays of different meshes were mixed.
+    #[error("{what}: expected length {expected}, got {found}")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Length it should have.
+        expected: usize,
+        /// Length it has.
+        found: usize,
+    },
+    /// More entries than 32-bit block indices can name.
+    #[error("{what}: {count} exceeds the 32-bit limit; the mesh is too large for a direct solver")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How much.
+        count: u64,
+    },
+}
+
+/// The numbers of a matrix cannot be factorised.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FactorError {
+    /// A NaN or infinity in the matrix itself.
+    #[error(
+        "matrix entry at node {node}, component {component} is {value}; the assembly produced a non-finite tangent"
+    )]
+    NotFinite {
+        /// Node of the entry's column.
+        node: usize,
+        /// Component of the entry's column.
+        component: usize,
+        /// The entry.
+        value: f64,
+    },
+    /// Cholesky met a pivot that is not positive: the matrix is not positive definite.
+    #[error(
+        "matrix is not positive definite: the pivot of node {node}, component {component} is not positive; \
+         factorise with pivots of either sign, or shorten the step"
+    )]
+    NotPositive {
+        /// Node at which positive definiteness was lost. It depends on the elimination order, not on the physics.
+        node: usize,
+        /// Component there.
+        component: usize,
+    },
+    /// A zero pivot, or a factor that overflowed: the matrix is singular to working precision.
+    #[error("matrix is singular: zero or non-finite pivot at node {node}, component {component}; check the supports")]
+    Singular {
+        /// Node of the pivot.
+        node: usize,
+        /// Component there.
+        component: usize,
+    },
+    /// Matrix and symbolic factorisation belong to different patterns.
+    #[error("the matrix belongs to another pattern than the symbolic factorisation")]
+    ForeignPattern,
+}

@@ -1,0 +1,189 @@
+//! Symmetric matrices on a [`Pattern`].
+
+use std::sync::Arc;
+
+use super::error::FactorError;
+use super::pattern::Pattern;
+
+/// A symmetric matrix; see [`Pattern`] for the layout of its values.
+#[derive(Clone, Debug)]
+pub struct SymmetricMatrix {
+    pattern: Arc<Pattern>,
+    /// The stored blocks.
+    pub values: Vec<f64>,
+}
+
+impl SymmetricMatrix {
+    /// The zero matrix.
+    pub fn zeros(pattern: Arc<Pattern>) -> Self {
+        let values = vec![0.0; pattern.values()];
+        Self { pattern, values }
+    }
+
+    /// Its pattern.
+    pub fn pattern(&self) -> &Arc<Pattern> {
+        &self.pattern
+    }
+
+    /// Sets all values to zero.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    /// Entry `(row, column)`, dofs by mesh node; zero outside the pattern.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        self.pattern.value_index(row, column).map_or(0.0, |at| self.values[at])
+    }
+
+    /// `y = A x`, always summed in the same order.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        match self.pattern.dim() {
+            3 => self.multiply_blocks::<3>(x, y),
+            2 => self.multiply_blocks::<2>(x, y),
+            1 => self.multiply_blocks::<1>(x, y),
+            _ => self.multiply_any(x, y),
+        }
+    }
+
+    fn multiply_blocks<const D: usize>(&self, x: &[f64], y: &mut [f64]) {
+        let (values, _) = self.values.as_chunks::<D>();
+        let (x, _) = x.as_chunks::<D>();
+        let (y, _) = y.as_chunks_mut::<D>();
+        let old = self.pattern.ordering().new_to_old();
+        y.fill([0.0; D]);
+        for (j, &node) in old.iter().enumerate() {
+            let (first, rows) = self.pattern.column(j);
+            let x_j = x[node as usize];
+            let mut y_j = y[node as usize];
+            for (block, &i) in values[D * first..].chunks_exact(D).zip(rows) {
+                let other = old[i as usize] as usize;
+                let y_i = &mut y[other];
+                if i as usize == j {
+                    for c in 0..D {
+                        for r in 0..D {
+                            y_j[r] += block[c][r] * x_j[c];
+                        }
+                    }
+                    continue;
+                }
+                let x_i = x[other];
+                for c in 0..D {
+                    for r in 0..D {
+                        y_i[r] += block[c][r] * x_j[c];
+                        y_j[c] += block[c][r] * x_i[r];
+                    }
+                }
+            }
+            y[node as usize] = y_j;
+        }
+    }
+
+    fn multiply_any(&self, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        self.for_each_entry(|row, column, value| {
+            y[row] += value * x[column];
+            if row / self.pattern.dim() != column / self.pattern.dim() {
+                y[column] += value * x[row];
+            }
+        });
+    }
+
+    /// Calls with `(row, column, value)` for every stored entry: off-diagonal blocks once, diagonal blocks in full.
+    fn for_each_entry(&self, mut visit: impl FnMut(usize, usize, f64)) {
+        let dim = self.pattern.dim();
+        let old = self.pattern.ordering().new_to_old();
+        for (j, &column_node) in old.iter().enumerate() {
+            let (first, rows) = self.pattern.column(j);
+            for (k, &i) in rows.iter().enumerate() {
+                let block = &self.values[dim * dim * (first + k)..][..dim * dim];
+                for (at, &value) in block.iter().enumerate() {
+                    let row = dim * old[i as usize] as usize + at % dim;
+                    visit(row, dim * column_node as usize + at / dim, value);
+                }
+            }
+        }
+    }
+
+    /// Replaces rows and columns of the dofs marked `fixed` by those of `diagonal` times the identity.
+    ///
+    /// Whoever prescribes values other than zero moves `A x` to the right-hand side first.
+    pub fn eliminate(&mut self, fixed: &[bool], diagonal: f64) {
+        let dim = self.pattern.dim();
+        let pattern = Arc::clone(&self.pattern);
+        let old = pattern.ordering().new_to_old();
+        let is_fixed: Vec<&[bool]> = old.iter().map(|&node| &fixed[dim * node as usize..][..dim]).collect();
+        let any: Vec<bool> = is_fixed.iter().map(|node| node.contains(&true)).collect();
+        for j in 0..pattern.nodes() {
+            let (first, rows) = pattern.column(j);
+            for (k, &i) in rows.iter().enumerate() {
+                if !any[j] && !any[i as usize] {
+                    continue;
+                }
+                let block = &mut self.values[dim * dim * (first + k)..][..dim * dim];
+                for (at, value) in block.iter_mut().enumerate() {
+                    let (r, c) = (at % dim, at / dim);
+                    if is_fixed[i as usize][r] || is_fixed[j][c] {
+                        *value = if i as usize == j && r == c { diagonal } else { 0.0 };
+                    }
+                }
+            }
+        }
+    }
+
+    /// The diagonal, by dof.
+    pub fn diagonal(&self) -> Vec<f64> {
+        let dim = self.pattern.dim();
+        let mut diagonal = vec![0.0; self.pattern.dofs()];
+        for (j, &node) in self.pattern.ordering().new_to_old().iter().enumerate() {
+            let (first, _) = self.pattern.column(j);
+            for c in 0..dim {
+                diagonal[dim * node as usize + c] = self.values[dim * dim * first + (dim + 1) * c];
+            }
+        }
+        diagonal
+    }
+
+    /// Adds `shift` times the identity.
+    pub fn add_to_diagonal(&mut self, shift: f64) {
+        let dim = self.pattern.dim();
+        for j in 0..self.pattern.nodes() {
+            let (first, _) = self.pattern.column(j);
+            (0..dim).for_each(|c| self.values[dim * dim * first + (dim + 1) * c] += shift);
+        }
+    }
+
+    /// The largest row sum of absolute values, `|A|_inf = |A|_1`.
+    pub fn norm(&self) -> f64 {
+        let mut sums = vec![0.0; self.pattern.dofs()];
+        let dim = self.pattern.dim();
+        self.for_each_entry(|row, column, value| {
+            sums[row] += value.abs();
+            if row / dim != column / dim {
+                sums[column] += value.abs();
+            }
+        });
+        sums.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Refuses NaN and infinities.
+    ///
+    /// # Errors
+    /// [`FactorError::NotFinite`] with the first offender in mesh numbering.
+    pub fn check_finite(&self) -> Result<(), FactorError> {
+        // A sum is NaN or infinite as soon as one addend is; it overflows only for numbers that are useless anyway.
+        if self.values.iter().sum::<f64>().is_finite() {
+            return Ok(());
+        }
+        let dim = self.pattern.dim();
+        let mut first: Option<(usize, f64)> = None;
+        self.for_each_entry(|_, column, value| {
+            if !value.is_finite() && first.is_none_or(|(at, _)| column < at) {
+                first = Some((column, value));
+            }
+        });
+        match first {
+            Some((dof, value)) => Err(FactorError::NotFinite { node: dof / dim, component: dof % dim, value }),
+            None => Ok(()),
+        }
+    }
+}

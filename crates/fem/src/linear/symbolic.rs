@@ -1,0 +1,297 @@
+//! The structure of the factor: dense fronts along the elimination tree.
+//!
+//! Duff, Reid, "The multifrontal solution of indefinite sparse symmetric linear equations", ACM TOMS 9 (1983);
+//! Liu, "The multifrontal method for sparse matrix solution", SIAM Review 34 (1992).
+
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
+
+use super::elimination::ROOT;
+use super::error::{FactorError, StructureError};
+use super::factor::{Factor, Pivots};
+use super::locks::lock;
+use super::matrix::SymmetricMatrix;
+use super::pattern::Pattern;
+
+/// The symbolic factorisation of a pattern: built once per mesh, shared by every factor.
+#[derive(Debug)]
+pub struct Symbolic {
+    pattern: Arc<Pattern>,
+    fronts: Vec<Front>,
+    rows: Vec<u32>,
+    /// For every entry of `rows`, its position in the parent front's list of columns and rows.
+    in_parent: Vec<u32>,
+    children: Vec<Vec<u32>>,
+    tasks: Vec<Task>,
+    panel_values: usize,
+    nonzeros: u64,
+    flops: f64,
+    /// Memory of update matrices, kept between factorisations.
+    workspace: Mutex<Vec<Vec<f64>>>,
+}
+
+/// Columns that are eliminated together. All numbers count nodes in elimination order.
+#[derive(Clone, Debug)]
+pub(super) struct Front {
+    pub columns: Range<usize>,
+    /// Rows below the columns: a range of [`Symbolic::rows`].
+    rows: Range<usize>,
+    pub parent: Option<usize>,
+    /// Where its panel of `height x width` dofs stands among the factor's values.
+    pub panel: Range<usize>,
+}
+
+/// A piece of work for one thread: the fronts of a whole subtree, or one front near the root.
+#[derive(Clone, Debug)]
+pub(super) struct Task {
+    pub fronts: Range<usize>,
+    pub parent: Option<usize>,
+    /// Tasks that must be done before.
+    pub children: Vec<usize>,
+}
+
+/// Subtrees with more than this share of all flops are cut into single fronts.
+const SUBTREE_SHARE: f64 = 1.0 / 32.0;
+
+impl Symbolic {
+    /// Analyses a pattern.
+    ///
+    /// # Errors
+    /// [`StructureError::TooLarge`] when the factor would have more than 2^31 entries (17 GB).
+    pub fn new(pattern: &Arc<Pattern>) -> Result<Self, StructureError> {
+        let mut symbolic = Self {
+            pattern: Arc::clone(pattern),
+            fronts: Vec::new(),
+            rows: Vec::new(),
+            in_parent: Vec::new(),
+            children: Vec::new(),
+            tasks: Vec::new(),
+            panel_values: 0,
+            nonzeros: 0,
+            flops: 0.0,
+            workspace: Mutex::new(Vec::new()),
+        };
+        symbolic.find_rows();
+        symbolic.lay_out_panels()?;
+        symbolic.locate_rows_in_parents();
+        symbolic.cut_tasks();
+        Ok(symbolic)
+    }
+
+    fn find_rows(&mut self) {
+        let pattern = Arc::clone(&self.pattern);
+        let starts = pattern.ordering().fronts();
+        let mut front_of = vec![0u32; pattern.nodes()];
+        for (f, range) in starts.windows(2).enumerate() {
+            front_of[range[0] as usize..range[1] as usize].fill(f as u32);
+        }
+        self.children = vec![Vec::new(); starts.len() - 1];
+        let mut seen_by = vec![ROOT; pattern.nodes()];
+        for (f, range) in starts.windows(2).enumerate() {
+            let columns = range[0] as usize..range[1] as usize;
+            let mut rows = Vec::new();
+            let mut add = |i: &u32| {
+                if *i as usize >= columns.end && seen_by[*i as usize] != f as u32 {
+                    seen_by[*i as usize] = f as u32;
+                    rows.push(*i);
+                }
+            };
+            columns.clone().for_each(|j| pattern.column(j).1.iter().for_each(&mut add));
+            for &child in &self.children[f] {
+                self.rows[self.fronts[child as usize].rows.clone()].iter().for_each(&mut add);
+            }
+            rows.sort_unstable();
+            let parent = rows.first().map(|&i| front_of[i as usize] as usize);
+            if let Some(parent) = parent {
+                self.children[parent].push(f as u32);
+            }
+            let first = self.rows.len();
+            self.rows.append(&mut rows);
+            self.fronts.push(Front { columns, rows: first..self.rows.len(), parent, panel: 0..0 });
+        }
+    }
+
+    fn lay_out_panels(&mut self) -> Result<(), StructureError> {
+        let dim = self.pattern.dim();
+        for f in 0..self.fronts.len() {
+            let (width, height) = (self.width(f) as u64, self.height(f) as u64);
+            let first = self.panel_values;
+            self.panel_values += (width * height) as usize;
+            self.fronts[f].panel = first..self.panel_values;
+            self.nonzeros += width * height - width * width.saturating_sub(1) / 2;
+            self.flops += front_flops(width as f64, height as f64);
+        }
+        let limit = (i32::MAX as usize).max(dim);
+        if self.panel_values > limit {
+            return Err(StructureError::TooLarge { what: "entries of the factor", count: self.panel_values as u64 });
+        }
+        Ok(())
+    }
+
+    fn locate_rows_in_parents(&mut self) {
+        self.in_parent = vec![0; self.rows.len()];
+        for front in &self.fronts {
+            let Some(parent) = front.parent.map(|p| &self.fronts[p]) else { continue };
+            let parent_rows = &self.rows[parent.rows.clone()];
+            let mut at = 0;
+            for k in front.rows.clone() {
+                let row = self.rows[k];
+                self.in_parent[k] = if (row as usize) < parent.columns.end {
+                    row - parent.columns.start as u32
+                } else {
+                    while parent_rows[at] < row {
+                        at += 1;
+                    }
+                    (parent.columns.len() + at) as u32
+                };
+            }
+        }
+    }
+
+    fn cut_tasks(&mut self) {
+        let n = self.fronts.len();
+        let mut subtree: Vec<f64> = (0..n).map(|f| front_flops(self.width(f) as f64, self.height(f) as f64)).collect();
+        let mut first: Vec<usize> = (0..n).collect();
+        for f in 0..n {
+            if let Some(parent) = self.fronts[f].parent {
+                subtree[parent] += subtree[f];
+                first[parent] = first[parent].min(first[f]);
+            }
+        }
+        let small = |f: usize| subtree[f] <= SUBTREE_SHARE * self.flops;
+        let mut task_of = vec![0; n];
+        let mut tasks: Vec<Task> = Vec::new();
+        for f in 0..n {
+            let parent = self.fronts[f].parent;
+            if small(f) && parent.is_some_and(small) {
+                continue;
+            }
+            let fronts = if small(f) { first[f]..f + 1 } else { f..f + 1 };
+            task_of[f] = tasks.len();
+            tasks.push(Task { fronts, parent, children: Vec::new() });
+        }
+        for t in 0..tasks.len() {
+            tasks[t].parent = tasks[t].parent.map(|front| task_of[front]);
+            if let Some(parent) = tasks[t].parent {
+                tasks[parent].children.push(t);
+            }
+        }
+        self.tasks = tasks;
+    }
+
+    /// Factorises `A = L L^T` ([`Pivots::Positive`]) or `A = L D L^T` ([`Pivots::AnySign`]).
+    ///
+    /// `parallel` uses all threads of the current rayon pool; the bits of the result do not depend on it.
+    ///
+    /// # Errors
+    /// [`FactorError`].
+    pub fn factorize(
+        self: &Arc<Self>,
+        matrix: &SymmetricMatrix,
+        pivots: Pivots,
+        parallel: bool,
+    ) -> Result<Factor, FactorError> {
+        let mut factor = Factor::empty(self);
+        factor.refactorize(matrix, pivots, parallel)?;
+        Ok(factor)
+    }
+
+    /// The pattern that was analysed.
+    pub fn pattern(&self) -> &Arc<Pattern> {
+        &self.pattern
+    }
+
+    /// Entries of the factor's lower triangle, with the explicit zeros that merged fronts store.
+    pub fn nonzeros(&self) -> u64 {
+        self.nonzeros
+    }
+
+    /// Floating-point operations of one factorisation, multiplications and additions counted separately.
+    pub fn flops(&self) -> f64 {
+        self.flops
+    }
+
+    /// Bytes held by one factor.
+    pub fn factor_bytes(&self) -> usize {
+        size_of::<f64>() * self.panel_values
+    }
+
+    /// Bytes that factorisations keep for their successors. They grow to what one factorisation needs (times the number of
+    /// factorisations that run at the same time).
+    pub fn workspace_bytes(&self) -> usize {
+        lock(&self.workspace).iter().map(|buffer| size_of::<f64>() * buffer.len()).sum()
+    }
+
+    /// Frees them.
+    pub fn release_workspace(&self) {
+        lock(&self.workspace).clear();
+    }
+
+    /// The smallest kept buffer that is large enough, or else a new one in place of the largest. Fresh memory costs a page
+    /// fault every few kB: a tenth of the factorisation's time.
+    pub(super) fn take_buffer(&self, len: usize) -> Vec<f64> {
+        if len == 0 {
+            return Vec::new();
+        }
+        let mut kept = lock(&self.workspace);
+        let best = kept.iter().enumerate().min_by_key(|(_, buffer)| match buffer.len() {
+            enough if enough >= len => (false, enough),
+            small => (true, usize::MAX - small),
+        });
+        let buffer = best.map(|(at, _)| at).map(|at| kept.swap_remove(at)).unwrap_or_default();
+        drop(kept);
+        if buffer.len() >= len { buffer } else { vec![0.0; len] }
+    }
+
+    /// Takes back what [`Symbolic::take_buffer`] gave.
+    pub(super) fn return_buffers(&self, buffers: Vec<Vec<f64>>) {
+        lock(&self.workspace).extend(buffers.into_iter().filter(|buffer| !buffer.is_empty()));
+    }
+
+    pub(super) fn fronts(&self) -> &[Front] {
+        &self.fronts
+    }
+
+    pub(super) fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    pub(super) fn panel_values(&self) -> usize {
+        self.panel_values
+    }
+
+    pub(super) fn children(&self, f: usize) -> &[u32] {
+        &self.children[f]
+    }
+
+    /// Node rows below the columns of front `f`, ascending.
+    pub(super) fn rows(&self, f: usize) -> &[u32] {
+        &self.rows[self.fronts[f].rows.clone()]
+    }
+
+    /// Positions of the rows of front `f` in its parent's columns and rows.
+    pub(super) fn rows_in_parent(&self, f: usize) -> &[u32] {
+        &self.in_parent[self.fronts[f].rows.clone()]
+    }
+
+    /// Dof columns of front `f`.
+    pub(super) fn width(&self, f: usize) -> usize {
+        self.pattern.dim() * self.fronts[f].columns.len()
+    }
+
+    /// Dof rows of front `f` below its columns.
+    pub(super) fn below(&self, f: usize) -> usize {
+        self.pattern.dim() * self.fronts[f].rows.len()
+    }
+
+    /// Dof rows of front `f`.
+    pub(super) fn height(&self, f: usize) -> usize {
+        self.width(f) + self.below(f)
+    }
+}
+
+/// Sum of `k^2` over the column lengths `k = height - width + 1 ..= height`.
+fn front_flops(width: f64, height: f64) -> f64 {
+    let squares = |n: f64| n * (n + 1.0) * (2.0 * n + 1.0) / 6.0;
+    squares(height) - squares(height - width)
+}

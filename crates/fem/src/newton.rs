@@ -1,0 +1,248 @@
+//! Newton's method with a line search on the total potential.
+
+use crate::body::Evaluation;
+use crate::controls::Controls;
+use crate::error::InvertedAt;
+use crate::linear::{Factor, SymmetricMatrix};
+use crate::request::{Progress, Request};
+use crate::solid::Solid;
+use crate::state::SolveReport;
+use crate::tangent::Tangents;
+use std::sync::Arc;
+
+/// One equilibrium to be found: controls and load are held, the displacement is not.
+pub(crate) struct Newton<'a> {
+    pub solid: &'a Solid,
+    pub controls: &'a Controls,
+    pub load: f64,
+    /// For the report alone: where on the path this is.
+    pub path: f64,
+    pub request: &'a Request<'a>,
+}
+
+/// Why it stopped short.
+pub(crate) enum Stop {
+    Inverted(InvertedAt),
+    Slow { residual: f64 },
+    Linear(String),
+    Cancelled,
+}
+
+impl From<InvertedAt> for Stop {
+    fn from(at: InvertedAt) -> Self {
+        Stop::Inverted(at)
+    }
+}
+
+/// Where an iteration stands.
+struct Here<'a> {
+    u: &'a [f64],
+    now: &'a Evaluation,
+    residual: &'a [f64],
+    /// What the rounding of the potential is measured against.
+    scale: f64,
+}
+
+/// Sufficient decrease wanted of a step, as a share of what the slope promises.
+const ARMIJO: f64 = 1e-4;
+/// Below this relative residual a step that does not halve it has met the limit of double precision.
+const ROUNDING: f64 = 1e-10;
+/// A full step shorter than this share of the body's size is below what double precision resolves.
+const RESOLUTION: f64 = 1e-12;
+
+impl Newton<'_> {
+    /// From u to equilibrium. The factor that served last is left in `factor`.
+    pub fn solve(
+        &self,
+        mut u: Vec<f64>,
+        factor: &mut Option<Arc<Factor>>,
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, Stop> {
+        let mut tangents = Tangents::new(self.solid, self.request.parallel);
+        let mut now = self.evaluate(&u)?;
+        let mut jump = self.jump(&u);
+        let mut before = f64::INFINITY;
+        for _ in 0..self.request.max_newton {
+            if self.request.cancelled() {
+                return Err(Stop::Cancelled);
+            }
+            let (residual, relative) = self.residual(&now);
+            self.record(&now, &u, relative, report);
+            let stagnates = relative <= ROUNDING && relative > 0.5 * before;
+            if jump.is_none() && (relative <= self.request.accuracy || stagnates) {
+                return Ok(u);
+            }
+            before = relative;
+            let mut matrix = self.tangent(&u)?;
+            let rhs = self.right_hand_side(&matrix, &residual, jump.as_deref());
+            let scale = self.energy_scale(&matrix, &u, &now);
+            tangents.eliminate(&mut matrix);
+            let (mut step, stable) = tangents.solve(&matrix, &rhs, factor, report).map_err(Stop::Linear)?;
+            report.newton += 1;
+            let here = Here { u: &u, now: &now, residual: &residual, scale };
+            let (length, next) = if let Some(jump) = jump.take() {
+                self.prescribe(&mut step, &jump);
+                self.jump_step(&here, &step)?
+            } else if stable {
+                self.energy_search(&here, &step)?
+            } else if let Some(found) = self.residual_search(&here, &step)? {
+                found
+            } else {
+                step = tangents.solve_shifted(matrix, &rhs, factor, report).map_err(Stop::Linear)?;
+                self.energy_search(&here, &step)?
+            };
+            let tiny = stable && largest(&step) <= RESOLUTION * self.solid.mesh().diagonal();
+            u = moved(&u, &step, length);
+            now = next;
+            self.tell(length, &now, &u, report);
+            if tiny && length == 1.0 {
+                let (_, relative) = self.residual(&now);
+                self.record(&now, &u, relative, report);
+                return Ok(u);
+            }
+        }
+        Err(Stop::Slow { residual: self.residual(&now).1 })
+    }
+
+    fn evaluate(&self, u: &[f64]) -> Result<Evaluation, InvertedAt> {
+        self.solid.body().evaluate(u, self.controls, true, self.request.parallel)
+    }
+
+    fn tangent(&self, u: &[f64]) -> Result<SymmetricMatrix, InvertedAt> {
+        let mut matrix = self.solid.discretization().matrix();
+        self.solid.body().evaluate_tangent(u, self.controls, &mut matrix, self.request.parallel)?;
+        Ok(matrix)
+    }
+
+    /// What the prescribed components still have to move; `None` when they are in place.
+    fn jump(&self, u: &[f64]) -> Option<Vec<f64>> {
+        let supports = self.solid.supports();
+        let wanted = supports.fixed().iter().zip(supports.values()).zip(u);
+        let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { self.load * v - u } else { 0.0 }).collect();
+        jump.iter().any(|&d| d != 0.0).then_some(jump)
+    }
+
+    /// Free residual, and its norm relative to the norm of the absolute element and dead forces.
+    fn residual(&self, now: &Evaluation) -> (Vec<f64>, f64) {
+        let dead = self.solid.dead_load();
+        let mut residual: Vec<f64> = now.force.iter().zip(dead).map(|(f, d)| f - self.load * d).collect();
+        self.solid.supports().clear(&mut residual);
+        let scale = now.force_scale.iter().zip(dead).map(|(s, d)| (s + (self.load * d).abs()).powi(2)).sum::<f64>();
+        let norm = norm(&residual);
+        (residual, if norm == 0.0 { 0.0 } else { norm / scale.sqrt() })
+    }
+
+    /// Energies are small differences of large terms, the smaller the nearer to rest: W vanishes there, while what it is
+    /// the difference of is of the size of `F : dP/dF : F`, or `x . K x` with the current positions x.
+    fn energy_scale(&self, matrix: &SymmetricMatrix, u: &[f64], now: &Evaluation) -> f64 {
+        let dim = self.solid.discretization().dim();
+        let reference = self.solid.mesh().points().iter().flat_map(|x| &x[..dim]);
+        let x: Vec<f64> = reference.zip(u).map(|(x, u)| x + u).collect();
+        let mut stretched = vec![0.0; x.len()];
+        matrix.multiply(&x, &mut stretched);
+        let work: f64 = self.solid.dead_load().iter().zip(u).map(|(d, u)| (d * u).abs()).sum();
+        let terms: f64 = x.iter().zip(&stretched).map(|(x, f)| x * f).sum();
+        now.energy_scale + terms.abs() + self.load.abs() * work
+    }
+
+    fn right_hand_side(&self, matrix: &SymmetricMatrix, residual: &[f64], jump: Option<&[f64]>) -> Vec<f64> {
+        let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
+        if let Some(jump) = jump {
+            let mut pulled = vec![0.0; jump.len()];
+            matrix.multiply(jump, &mut pulled);
+            rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
+            self.solid.supports().clear(&mut rhs);
+        }
+        rhs
+    }
+
+    fn prescribe(&self, step: &mut [f64], jump: &[f64]) {
+        for ((s, &d), &fixed) in step.iter_mut().zip(jump).zip(self.solid.supports().fixed()) {
+            if fixed {
+                *s = d;
+            }
+        }
+    }
+
+    /// The prescribed components move at once or not at all.
+    fn jump_step(&self, here: &Here, step: &[f64]) -> Result<(f64, Evaluation), Stop> {
+        if self.longest(here, step)? < 1.0 {
+            return Err(Stop::Slow { residual: self.residual(here.now).1 });
+        }
+        Ok((1.0, self.evaluate(&moved(here.u, step, 1.0))?))
+    }
+
+    fn longest(&self, here: &Here, step: &[f64]) -> Result<f64, InvertedAt> {
+        self.solid.body().max_step(here.u, step, self.request.parallel)
+    }
+
+    /// The longest of a few step lengths that lowers the potential enough and inverts nothing.
+    fn energy_search(&self, here: &Here, step: &[f64]) -> Result<(f64, Evaluation), Stop> {
+        let slope: f64 = here.residual.iter().zip(step).map(|(r, s)| r * s).sum();
+        let start = self.potential(here.now, here.u);
+        let noise = 64.0 * f64::EPSILON * here.scale;
+        let mut length = self.longest(here, step)?;
+        for _ in 0..30 {
+            let trial = moved(here.u, step, length);
+            let Ok(next) = self.evaluate(&trial) else {
+                length *= 0.5;
+                continue;
+            };
+            let change = self.potential(&next, &trial) - start;
+            if change <= ARMIJO * length * slope + noise {
+                return Ok((length, next));
+            }
+            // the vertex of the parabola through the start, its slope and this value
+            let vertex = -slope * length * length / (2.0 * (change - slope * length));
+            length = if vertex.is_finite() { vertex.clamp(0.1 * length, 0.5 * length) } else { 0.5 * length };
+        }
+        Err(Stop::Slow { residual: self.residual(here.now).1 })
+    }
+
+    /// Where the tangent has negative eigenvalues an equilibrium nearby may be a saddle of the potential: the branch is
+    /// followed as long as the residual falls, and the state's inertia tells what was found.
+    fn residual_search(&self, here: &Here, step: &[f64]) -> Result<Option<(f64, Evaluation)>, Stop> {
+        let before = norm(here.residual);
+        let mut length = self.longest(here, step)?;
+        for _ in 0..4 {
+            if let Ok(next) = self.evaluate(&moved(here.u, step, length))
+                && norm(&self.residual(&next).0) <= (1.0 - 0.1 * length) * before
+            {
+                return Ok(Some((length, next)));
+            }
+            length *= 0.5;
+        }
+        Ok(None)
+    }
+
+    fn potential(&self, at: &Evaluation, u: &[f64]) -> f64 {
+        let work: f64 = self.solid.dead_load().iter().zip(u).map(|(d, u)| d * u).sum();
+        at.energy - self.load * work
+    }
+
+    fn record(&self, now: &Evaluation, u: &[f64], relative: f64, report: &mut SolveReport) {
+        report.residual = relative;
+        report.min_j = now.min_j;
+        report.energy = self.potential(now, u);
+    }
+
+    fn tell(&self, step: f64, now: &Evaluation, u: &[f64], report: &SolveReport) {
+        if let Some(watch) = self.request.watch {
+            let (_, residual) = self.residual(now);
+            let energy = self.potential(now, u);
+            watch(&Progress { load: self.path, newton: report.newton, residual, step, energy });
+        }
+    }
+}
+
+fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {
+    u.iter().zip(step).map(|(u, s)| u + length * s).collect()
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+fn largest(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |m, v| m.max(v.abs()))
+}

@@ -1,0 +1,238 @@
+//! [`Solid`]: a body with its materials, actuations, supports and dead loads.
+
+use crate::body::{Attached, Body};
+use crate::controls::Controls;
+use crate::discretization::Discretization;
+use crate::error::FemError;
+use crate::sampling::Sampling;
+use crate::supports::Supports;
+use nastic_energy::{Actuation, EnergyTerm};
+use nastic_mesh::{Facet, Mesh};
+use nastic_tensor::Vec3;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// A body that can be solved: find u with `u = u_D` on the supports such that
+/// `int P(F(u), m) : grad v dX = int b . v dX + int t . v dA` for all admissible v.
+///
+/// Built by chaining; each call says what it could not find. Cheap to clone: the mesh side is shared.
+///
+/// ```
+/// use nastic_fem::Solid;
+/// use nastic_energy::{FiberTension, MooneyRivlin};
+/// use nastic_mesh::{CellKind, box_mesh};
+/// use nastic_tensor::Vec3;
+///
+/// let body = Solid::new(box_mesh([1.0, 0.2, 0.2], [5, 1, 1], CellKind::Hex8)?)?
+///     .material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?
+///     .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
+///     .clamp("x-")?;
+/// let rest = body.solve(&body.controls(), &Default::default())?;
+/// assert!(rest.state.u.iter().all(|u| u.abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Solid {
+    body: Body,
+    supports: Supports,
+    dead_load: Vec<f64>,
+}
+
+impl Solid {
+    /// A body without materials on the mesh.
+    ///
+    /// # Errors
+    /// [`FemError::InvertedReference`].
+    pub fn new(mesh: impl Into<Arc<Mesh>>) -> Result<Self, FemError> {
+        Ok(Self::on(Discretization::new(mesh.into())?))
+    }
+
+    /// A body without materials on a discretisation shared with others.
+    pub fn on(disc: Arc<Discretization>) -> Self {
+        let supports = Supports::new(disc.mesh());
+        let dead_load = vec![0.0; disc.dofs()];
+        Solid { body: Body::new(disc), supports, dead_load }
+    }
+
+    /// Adds a passive energy on a region. Several on one region add up.
+    ///
+    /// # Errors
+    /// The region's name is unknown, or a field of the law has the wrong length.
+    pub fn material(self, region: &str, term: impl EnergyTerm + 'static) -> Result<Self, FemError> {
+        self.material_dyn(region, Arc::new(term))
+    }
+
+    /// [`material`](Self::material) for a law chosen at run time.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn material_dyn(mut self, region: &str, term: Arc<dyn EnergyTerm>) -> Result<Self, FemError> {
+        let cells = self.mesh().region(region)?.to_vec();
+        self.body.add_term(&cells, term)?;
+        Ok(self)
+    }
+
+    /// Attaches an actuation to a region under a name.
+    ///
+    /// # Errors
+    /// The region's name is unknown, the actuation's name is taken, or a field of the law has the wrong length.
+    pub fn actuate(self, region: &str, name: &str, law: impl Actuation + 'static) -> Result<Self, FemError> {
+        self.actuate_dyn(region, name, Arc::new(law))
+    }
+
+    /// [`actuate`](Self::actuate) for a law chosen at run time.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn actuate_dyn(mut self, region: &str, name: &str, law: Arc<dyn Actuation>) -> Result<Self, FemError> {
+        if self.body.actuations().iter().any(|a| a.name == name) {
+            let what = format!("there are two actuations named \"{name}\"; rename one");
+            return Err(FemError::Meaningless { what });
+        }
+        let cells = self.mesh().region(region)?.to_vec();
+        self.body.add_actuation(Attached { name: name.to_owned(), law, cells })?;
+        Ok(self)
+    }
+
+    /// Fixes all components on a surface or node set.
+    ///
+    /// # Errors
+    /// The name is unknown, or an earlier support prescribes another value.
+    pub fn clamp(self, surface: &str) -> Result<Self, FemError> {
+        self.displace(surface, [Some(0.0); 3])
+    }
+
+    /// Prescribes some displacement components (`None` stays free) on a surface or node set.
+    ///
+    /// # Errors
+    /// As [`clamp`](Self::clamp); a component the dimension lacks is refused.
+    pub fn displace(mut self, surface: &str, values: [Option<f64>; 3]) -> Result<Self, FemError> {
+        let nodes = self.nodes_of(surface)?;
+        self.supports.prescribe(surface, &nodes, values)?;
+        Ok(self)
+    }
+
+    /// Prescribes displacement components node by node: `value` takes a node's number and reference position. The
+    /// reactions are reported under `name`.
+    ///
+    /// # Errors
+    /// As [`displace`](Self::displace).
+    pub fn displace_nodes(
+        mut self,
+        name: &str,
+        nodes: &[u32],
+        value: impl Fn(u32, [f64; 3]) -> [Option<f64>; 3],
+    ) -> Result<Self, FemError> {
+        let mesh = self.mesh().clone();
+        for &node in nodes {
+            let point = mesh.points().get(node as usize).ok_or_else(|| FemError::Meaningless {
+                what: format!("support \"{name}\" names node {node}; there are {}", mesh.points().len()),
+            })?;
+            self.supports.prescribe(name, &[node], value(node, *point))?;
+        }
+        Ok(self)
+    }
+
+    /// Adds a dead traction (force per reference area) on a surface.
+    ///
+    /// # Errors
+    /// The name is unknown, or a component is not finite.
+    pub fn traction(mut self, surface: &str, traction: Vec3) -> Result<Self, FemError> {
+        let facets: Vec<Facet> = self.mesh().surface(surface)?.to_vec();
+        let sampling = Sampling::of_facets(self.mesh(), &facets, |kind| kind.rule().clone());
+        self.add_dead_load(&format!("traction on \"{surface}\""), &sampling, traction)?;
+        Ok(self)
+    }
+
+    /// Adds a dead body force (force per reference volume) on a region.
+    ///
+    /// # Errors
+    /// The name is unknown, or a component is not finite.
+    pub fn body_force(mut self, region: &str, force: Vec3) -> Result<Self, FemError> {
+        let cells = self.mesh().region(region)?.to_vec();
+        let sampling = Sampling::of_cells(self.mesh(), cells, |kind| kind.rule().clone())?;
+        self.add_dead_load(&format!("body force on \"{region}\""), &sampling, force)?;
+        Ok(self)
+    }
+
+    fn add_dead_load(&mut self, what: &str, sampling: &Sampling, density: Vec3) -> Result<(), FemError> {
+        crate::controls::check_finite(what, density.as_slice())?;
+        let dim = self.mesh().dim();
+        if dim == 2 && density.z != 0.0 {
+            return Err(FemError::Meaningless { what: format!("{what} has a z component on a plane-strain body") });
+        }
+        let weighted: Vec<f64> =
+            sampling.weights().iter().flat_map(|w| (0..dim).map(move |i| w * density[i])).collect();
+        sampling.spread(&weighted, dim, &mut self.dead_load);
+        Ok(())
+    }
+
+    /// Adds a nodal dead load, flat (`dim` per node).
+    ///
+    /// # Errors
+    /// Wrong length or a value that is not finite.
+    pub fn nodal_force(mut self, force: &[f64]) -> Result<Self, FemError> {
+        if force.len() != self.dead_load.len() {
+            let (found, expected) = (force.len(), self.dead_load.len());
+            return Err(FemError::Length { what: "nodal force".to_owned(), found, expected });
+        }
+        crate::controls::check_finite("nodal force", force)?;
+        for (total, f) in self.dead_load.iter_mut().zip(force) {
+            *total += f;
+        }
+        Ok(self)
+    }
+
+    /// The nodes of a surface or, failing that, of a node set.
+    ///
+    /// # Errors
+    /// The name is neither.
+    pub fn nodes_of(&self, name: &str) -> Result<Vec<u32>, FemError> {
+        let mesh = self.mesh();
+        if mesh.surfaces().contains_key(name) || !mesh.node_sets().contains_key(name) {
+            let facets = mesh.surface(name)?;
+            let nodes: BTreeSet<u32> = facets.iter().flat_map(|&f| mesh.facet_nodes(f).1).collect();
+            return Ok(nodes.into_iter().collect());
+        }
+        Ok(mesh.node_set(name)?.to_vec())
+    }
+
+    /// Checks that the problem is complete: every cell has a material, no rigid motion is left free.
+    ///
+    /// # Errors
+    /// [`FemError::NoMaterial`], [`FemError::RigidMotion`].
+    pub fn check(&self) -> Result<(), FemError> {
+        self.body.check_complete()?;
+        self.supports.check(self.mesh())
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        self.discretization().mesh()
+    }
+
+    /// The discretisation, to be shared with other solids.
+    pub fn discretization(&self) -> &Arc<Discretization> {
+        self.body.discretization()
+    }
+
+    /// Materials and actuations.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Supports.
+    pub fn supports(&self) -> &Supports {
+        &self.supports
+    }
+
+    /// Dead loads at load 1, flat.
+    pub fn dead_load(&self) -> &[f64] {
+        &self.dead_load
+    }
+
+    /// Controls of this body, all zero.
+    pub fn controls(&self) -> Controls {
+        self.body.controls()
+    }
+}

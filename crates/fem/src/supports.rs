@@ -1,0 +1,213 @@
+//! [`Supports`]: prescribed displacement components, and whether they hold the body still.
+
+use crate::error::FemError;
+use nalgebra::DMatrix;
+use nastic_mesh::Mesh;
+use std::collections::BTreeSet;
+
+/// The names of displacement components.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Prescribed displacement components (Dirichlet), by unknown.
+#[derive(Debug, Clone)]
+pub struct Supports {
+    dim: usize,
+    fixed: Vec<bool>,
+    value: Vec<f64>,
+    /// Supported unknowns by the name of the surface or node set, for reactions.
+    groups: Vec<(String, Vec<u32>)>,
+}
+
+impl Supports {
+    pub(crate) fn new(mesh: &Mesh) -> Self {
+        let dofs = mesh.points().len() * mesh.dim();
+        Supports { dim: mesh.dim(), fixed: vec![false; dofs], value: vec![0.0; dofs], groups: vec![] }
+    }
+
+    /// Prescribes components (`None` stays free) at the nodes.
+    pub(crate) fn prescribe(&mut self, name: &str, nodes: &[u32], values: [Option<f64>; 3]) -> Result<(), FemError> {
+        if let Some(c) = (self.dim..3).find(|&c| values[c].is_some_and(|v| v != 0.0)) {
+            let what =
+                format!("support on \"{name}\" moves component {} of a plane-strain body; leave it out", AXES[c]);
+            return Err(FemError::Meaningless { what });
+        }
+        let mut new = Vec::new();
+        for &node in nodes {
+            for (c, value) in values.iter().enumerate().take(self.dim) {
+                let Some(value) = *value else { continue };
+                if !value.is_finite() {
+                    let what = format!("displacement prescribed on \"{name}\"");
+                    return Err(FemError::NotFinite { what, index: c, value });
+                }
+                let dof = node as usize * self.dim + c;
+                if self.fixed[dof] && self.value[dof] != value {
+                    return Err(FemError::SupportConflict {
+                        support: name.to_owned(),
+                        node: node as usize,
+                        component: AXES[c],
+                        old: self.value[dof],
+                        new: value,
+                    });
+                }
+                self.fixed[dof] = true;
+                self.value[dof] = value;
+                new.push(dof as u32);
+            }
+        }
+        match self.groups.iter_mut().find(|(known, _)| known == name) {
+            Some((_, group)) => group.extend(new),
+            None => self.groups.push((name.to_owned(), new)),
+        }
+        Ok(())
+    }
+
+    /// Whether each unknown is prescribed.
+    pub fn fixed(&self) -> &[bool] {
+        &self.fixed
+    }
+
+    /// The prescribed value of each unknown at load 1 (0 where free).
+    pub fn values(&self) -> &[f64] {
+        &self.value
+    }
+
+    /// Sets the entries of prescribed unknowns to zero.
+    pub fn clear(&self, vector: &mut [f64]) {
+        for (v, &fixed) in vector.iter_mut().zip(&self.fixed) {
+            if fixed {
+                *v = 0.0;
+            }
+        }
+    }
+
+    /// Sum over each support's nodes of an internal-force vector: the reactions, by support.
+    pub fn reactions(&self, force: &[f64]) -> Vec<(String, [f64; 3])> {
+        let sum = |dofs: &[u32]| {
+            let mut total = [0.0; 3];
+            // a component that two supports of one name prescribe counts once
+            let dofs: BTreeSet<u32> = dofs.iter().copied().collect();
+            for dof in dofs {
+                total[dof as usize % self.dim] += force[dof as usize];
+            }
+            total
+        };
+        self.groups.iter().map(|(name, dofs)| (name.clone(), sum(dofs))).collect()
+    }
+
+    /// Whether the supports exclude every rigid motion of every connected part of the body (small rotations about the
+    /// part's centre; rank of the motions restricted to the prescribed components).
+    pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), FemError> {
+        let parts = connected_parts(mesh);
+        for (p, nodes) in parts.iter().enumerate() {
+            let modes = self.free_motions(mesh, nodes);
+            if let Some((count, example)) = modes {
+                let what = match parts.len() {
+                    1 => "the body".to_owned(),
+                    n => format!("connected part {} of {n} (it has node {})", p + 1, nodes[0]),
+                };
+                return Err(FemError::RigidMotion { free: count, what, example });
+            }
+        }
+        Ok(())
+    }
+
+    /// How many rigid motions of these nodes stay free, and one of them in words.
+    fn free_motions(&self, mesh: &Mesh, nodes: &[u32]) -> Option<(usize, String)> {
+        let (centre, radius) = extent(mesh, nodes);
+        let modes = if self.dim == 2 { 3 } else { 6 };
+        let mut gram = DMatrix::<f64>::zeros(modes, modes);
+        for &node in nodes {
+            let x = mesh.points()[node as usize];
+            let r: Vec<f64> = (0..3).map(|k| (x[k] - centre[k]) / radius).collect();
+            for c in (0..self.dim).filter(|c| self.fixed[node as usize * self.dim + c]) {
+                let row = motion_component(self.dim, c, &r);
+                for i in 0..modes {
+                    for k in 0..modes {
+                        gram[(i, k)] += row[i] * row[k];
+                    }
+                }
+            }
+        }
+        let eigen = gram.symmetric_eigen();
+        let largest = eigen.eigenvalues.max();
+        let free: Vec<usize> = (0..modes).filter(|&k| eigen.eigenvalues[k] <= 1e-9 * largest.max(1e-300)).collect();
+        let names = match self.dim {
+            2 => vec!["shift along x", "shift along y", "rotation in the plane"],
+            _ => vec![
+                "shift along x",
+                "shift along y",
+                "shift along z",
+                "rotation about x",
+                "rotation about y",
+                "rotation about z",
+            ],
+        };
+        let example = free.first().map(|&k| {
+            let mode = eigen.eigenvectors.column(k);
+            names[mode.icamax()].to_owned()
+        });
+        example.map(|example| (free.len(), example))
+    }
+}
+
+/// The c-th component of every rigid motion at relative position r: shifts, then rotations.
+fn motion_component(dim: usize, c: usize, r: &[f64]) -> Vec<f64> {
+    let mut row = vec![0.0; if dim == 2 { 3 } else { 6 }];
+    row[c] = 1.0;
+    if dim == 2 {
+        row[2] = if c == 0 { -r[1] } else { r[0] };
+    } else {
+        // e_k x r, component c
+        for k in 0..3 {
+            row[3 + k] = match (3 + c - k) % 3 {
+                1 => -r[(k + 2) % 3],
+                2 => r[(k + 1) % 3],
+                _ => 0.0,
+            };
+        }
+    }
+    row
+}
+
+fn extent(mesh: &Mesh, nodes: &[u32]) -> ([f64; 3], f64) {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &node in nodes {
+        for (k, x) in mesh.points()[node as usize].iter().enumerate() {
+            low[k] = low[k].min(*x);
+            high[k] = high[k].max(*x);
+        }
+    }
+    let centre = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
+    let radius = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt() / 2.0;
+    (centre, radius.max(f64::MIN_POSITIVE))
+}
+
+/// Node sets of the parts of the mesh that hang together.
+fn connected_parts(mesh: &Mesh) -> Vec<Vec<u32>> {
+    let n = mesh.points().len();
+    let mut root: Vec<u32> = (0..n as u32).collect();
+    fn find(root: &mut [u32], mut a: u32) -> u32 {
+        while root[a as usize] != a {
+            root[a as usize] = root[root[a as usize] as usize];
+            a = root[a as usize];
+        }
+        a
+    }
+    for block in mesh.blocks() {
+        for cell in block.nodes.chunks_exact(block.kind.nodes()) {
+            let first = find(&mut root, cell[0]);
+            for &node in &cell[1..] {
+                let other = find(&mut root, node);
+                let (low, high) = (first.min(other), first.max(other));
+                let low = find(&mut root, low);
+                root[high as usize] = low;
+            }
+        }
+    }
+    let mut parts: std::collections::BTreeMap<u32, Vec<u32>> = std::collections::BTreeMap::new();
+    for node in 0..n as u32 {
+        let top = find(&mut root, node);
+        parts.entry(top).or_default().push(node);
+    }
+    parts.into_values().collect()
+}

@@ -1,0 +1,220 @@
+//! Linear systems with tangents: the factor at hand as preconditioner while that is cheaper than a new one.
+
+use crate::linear::{CgReport, Factor, FactorError, Pivots, SymmetricMatrix, conjugate_gradient, refine};
+use crate::solid::Solid;
+use crate::state::SolveReport;
+use std::sync::Arc;
+
+/// Residual wanted of a Newton step found with a kept factor: the step is corrected by the next one anyway.
+const STEP_TOLERANCE: f64 = 1e-4;
+/// Back substitutions that cost as much as factorising, per flop of the factorisation and entry of the factor: a
+/// back substitution is bound by memory, a factorisation by arithmetic (measured: 1/27 of it at 95k unknowns in 3D).
+const FLOPS_PER_ENTRY: f64 = 75.0;
+
+/// Solves the tangent systems of one Newton run and decides, from counts alone, when to factorise.
+pub(crate) struct Tangents<'a> {
+    solid: &'a Solid,
+    parallel: bool,
+    /// Whether the kept factor served well last time.
+    serves: bool,
+}
+
+impl<'a> Tangents<'a> {
+    pub fn new(solid: &'a Solid, parallel: bool) -> Self {
+        Tangents { solid, parallel, serves: true }
+    }
+
+    /// The Newton step of a tangent whose supports are eliminated, and whether the tangent is positive definite.
+    pub fn solve(
+        &mut self,
+        matrix: &SymmetricMatrix,
+        rhs: &[f64],
+        factor: &mut Option<Arc<Factor>>,
+        report: &mut SolveReport,
+    ) -> Result<(Vec<f64>, bool), String> {
+        if let Some(kept) = factor.as_deref().filter(|f| self.serves && f.pivots() == Pivots::Positive) {
+            let (step, cg) = precondition(matrix, kept, rhs, STEP_TOLERANCE, self.worth());
+            report.back_substitutions += cg.iterations;
+            self.serves = 2 * cg.iterations <= self.worth();
+            if cg.converged() {
+                report.reused += 1;
+                return Ok((step, true));
+            }
+        }
+        self.serves = true;
+        match self.factorize(matrix, factor, report) {
+            Ok(()) => Ok((self.back_substitute(rhs, factor, report), true)),
+            Err(FactorError::NotPositive { .. }) => {
+                self.refactorize(matrix, Pivots::AnySign, factor, report).map_err(|e| e.to_string())?;
+                let step = self.back_substitute(rhs, factor, report);
+                // of no use as a preconditioner
+                *factor = None;
+                Ok((step, false))
+            }
+            Err(other) => Err(other.to_string()),
+        }
+    }
+
+    /// Solves with the tangent as it stands until the relative residual is below `tolerance`, for several right-hand
+    /// sides; the tangent may be indefinite.
+    pub fn solve_exactly(
+        &mut self,
+        mut matrix: SymmetricMatrix,
+        rhs: &[&[f64]],
+        tolerance: f64,
+        factor: &mut Option<Arc<Factor>>,
+        report: &mut SolveReport,
+    ) -> Result<Vec<Vec<f64>>, String> {
+        self.eliminate(&mut matrix);
+        let mut solutions = Vec::with_capacity(rhs.len());
+        for b in rhs {
+            solutions.push(self.solve_one_exactly(&matrix, b, tolerance, factor, report)?);
+        }
+        Ok(solutions)
+    }
+
+    fn solve_one_exactly(
+        &mut self,
+        matrix: &SymmetricMatrix,
+        b: &[f64],
+        tolerance: f64,
+        factor: &mut Option<Arc<Factor>>,
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, String> {
+        if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
+            let (x, cg) = precondition(matrix, kept, b, tolerance, self.worth());
+            report.back_substitutions += cg.iterations;
+            if cg.converged() {
+                return Ok(x);
+            }
+        }
+        match self.factorize(matrix, factor, report) {
+            Err(FactorError::NotPositive { .. }) => self.refactorize(matrix, Pivots::AnySign, factor, report),
+            done => done,
+        }
+        .map_err(|e| e.to_string())?;
+        let mut x = self.back_substitute(b, factor, report);
+        let Some(fresh) = factor.as_deref() else { return Err("no factor".to_owned()) };
+        let refined = refine(&|v, out| matrix.multiply(v, out), fresh, b, &mut x, tolerance, 10);
+        report.back_substitutions += refined.iterations;
+        // Refinement stalls where double precision ends; a thousandfold tolerance is still an answer, more is not.
+        if refined.converged() || refined.residual <= 1e3 * tolerance {
+            return Ok(x);
+        }
+        Err(format!(
+            "relative residual {:.1e} where {tolerance:.1e} is wanted: the tangent is numerically singular \
+             (a bifurcation, or a body held too loosely)",
+            refined.residual
+        ))
+    }
+
+    /// Number of negative eigenvalues of a tangent.
+    pub fn negative_pivots(&mut self, mut matrix: SymmetricMatrix) -> Result<usize, FactorError> {
+        self.eliminate(&mut matrix);
+        let symbolic = self.solid.discretization().symbolic();
+        match symbolic.factorize(&matrix, Pivots::Positive, self.parallel) {
+            Err(FactorError::NotPositive { .. }) => {
+                Ok(symbolic.factorize(&matrix, Pivots::AnySign, self.parallel)?.negative_pivots())
+            }
+            done => done.map(|_| 0),
+        }
+    }
+
+    /// Rows and columns of supported unknowns become those of a multiple of the identity.
+    pub fn eliminate(&self, matrix: &mut SymmetricMatrix) {
+        let diagonal = matrix.diagonal().iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+        let diagonal = if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 1.0 };
+        matrix.eliminate(self.solid.supports().fixed(), diagonal);
+    }
+
+    /// Iterations with a kept factor that are worth it instead of a factorisation.
+    fn worth(&self) -> usize {
+        let symbolic = self.solid.discretization().symbolic();
+        let ratio = symbolic.flops() / (FLOPS_PER_ENTRY * (symbolic.nonzeros() as f64).max(1.0));
+        (0.7 * ratio).clamp(3.0, 40.0) as usize
+    }
+
+    fn factorize(
+        &self,
+        matrix: &SymmetricMatrix,
+        factor: &mut Option<Arc<Factor>>,
+        report: &mut SolveReport,
+    ) -> Result<(), FactorError> {
+        self.refactorize(matrix, Pivots::Positive, factor, report)
+    }
+
+    /// A new factor in the memory of the old one where nobody else holds that.
+    fn refactorize(
+        &self,
+        matrix: &SymmetricMatrix,
+        pivots: Pivots,
+        factor: &mut Option<Arc<Factor>>,
+        report: &mut SolveReport,
+    ) -> Result<(), FactorError> {
+        report.factorisations += 1;
+        let fresh = match factor.take().map(Arc::try_unwrap) {
+            Some(Ok(mut own)) => own.refactorize(matrix, pivots, self.parallel).map(|()| own)?,
+            _ => self.solid.discretization().symbolic().factorize(matrix, pivots, self.parallel)?,
+        };
+        *factor = Some(Arc::new(fresh));
+        Ok(())
+    }
+
+    fn back_substitute(&self, rhs: &[f64], factor: &Option<Arc<Factor>>, report: &mut SolveReport) -> Vec<f64> {
+        let mut x = rhs.to_vec();
+        if let Some(factor) = factor {
+            factor.solve(&mut x, 1);
+            report.back_substitutions += 1;
+        }
+        x
+    }
+
+    /// A downhill step where the tangent is not positive definite: the diagonal is raised until it is.
+    pub fn solve_shifted(
+        &self,
+        mut matrix: SymmetricMatrix,
+        rhs: &[f64],
+        factor: &mut Option<Arc<Factor>>,
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, String> {
+        report.shifted += 1;
+        let diagonal = matrix.diagonal();
+        let scale = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len() as f64;
+        let mut shift = 1e-4 * scale;
+        while shift <= 1e3 * scale {
+            add_to_diagonal(&mut matrix, shift);
+            match self.factorize(&matrix, factor, report) {
+                Ok(()) => {
+                    let step = self.back_substitute(rhs, factor, report);
+                    // of no use as a preconditioner: it belongs to another matrix
+                    *factor = None;
+                    return Ok(step);
+                }
+                Err(FactorError::NotPositive { .. }) => shift *= 8.0,
+                Err(other) => return Err(other.to_string()),
+            }
+        }
+        Err("the tangent stays indefinite under any shift".to_owned())
+    }
+}
+
+fn add_to_diagonal(matrix: &mut SymmetricMatrix, shift: f64) {
+    let pattern = matrix.pattern().clone();
+    for dof in 0..pattern.dofs() {
+        if let Some(at) = pattern.value_index(dof, dof) {
+            matrix.values[at] += shift;
+        }
+    }
+}
+
+fn precondition(
+    matrix: &SymmetricMatrix,
+    factor: &Factor,
+    b: &[f64],
+    tolerance: f64,
+    most: usize,
+) -> (Vec<f64>, CgReport) {
+    let mut x = vec![0.0; b.len()];
+    let report = conjugate_gradient(&|v, out| matrix.multiply(v, out), factor, b, &mut x, tolerance, most);
+    (x, report)
+}

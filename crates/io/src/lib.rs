@@ -1,0 +1,47 @@
+//! Gmsh and VTU in; VTU, PVD and pictures out.
+//!
+//! ```no_run
+//! let mesh = nastic_io::read_gmsh("meshes/cantilever.msh")?;
+//! for note in mesh.notes() {
+//!     eprintln!("{}: {note}", mesh.name()); // what was mended
+//! }
+//! # Ok::<(), nastic_io::ReadError>(())
+//! ```
+
+mod atomic;
+mod error;
+mod gmsh;
+pub mod picture;
+mod pvd;
+mod vtu;
+
+use std::path::Path;
+
+use nastic_mesh::Mesh;
+
+pub use atomic::write_atomically;
+pub use error::{At, ReadError, WriteError};
+pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
+pub use pvd::write_pvd;
+pub use vtu::{Entity, FileArray, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled, write_vtu};
+
+/// Reads a mesh from a `.msh` (Gmsh) or `.vtu` (VTK) file, all lengths multiplied by `scale`.
+///
+/// # Errors
+///
+/// [`ReadError`]; [`ReadError::Extension`] for any other name.
+pub fn read_mesh(path: impl AsRef<Path>, scale: f64) -> Result<Mesh, ReadError> {
+    let path = path.as_ref();
+    match path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("msh") => read_gmsh_scaled(path, scale),
+        Some("vtu") => read_vtu_scaled(path, scale),
+        _ => Err(ReadError::Extension { file: path.to_owned() }),
+    }
+}
+
+fn check_scale(file: &Path, scale: f64) -> Result<(), ReadError> {
+    if scale > 0.0 && scale.is_finite() {
+        return Ok(());
+    }
+    Err(ReadError::Scale { file: file.to_owned(), scale })
+}

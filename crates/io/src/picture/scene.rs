@@ -1,0 +1,224 @@
+//! Bodies, projected into the picture.
+
+use super::camera::Camera;
+use super::colour::{Colour, ColourMap};
+use super::tessellation::{Surface, SurfaceEdge, SurfacePoint};
+use super::vector::{V3, dot};
+use super::{Look, Picture};
+
+/// A corner of a flat piece, in the picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    /// Pixels to the right, pixels down, pixels towards the eye.
+    pub at: V3,
+    /// Unit normal as (right, up, towards the eye).
+    pub normal: V3,
+    pub value: f64,
+}
+
+/// A line on a body.
+#[derive(Clone, Debug)]
+pub(super) struct Stroke {
+    pub points: Vec<V3>,
+    pub colour: Colour,
+    pub opacity: f32,
+    /// Width in pixels.
+    pub width: f64,
+    /// Pixels it lies in front of its surface, so that this does not swallow it.
+    pub lift: f64,
+}
+
+/// How a shape is filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Fill {
+    None,
+    Opaque(Colour),
+    Mapped,
+    Glass(Colour),
+}
+
+/// A body in the picture.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    pub fill: Fill,
+    /// Triangles and quadrangles.
+    pub pieces: Vec<Vec<Corner>>,
+    pub strokes: Vec<Stroke>,
+    /// Added to depths, so that coincident surfaces of two bodies do not flicker.
+    pub forward: f64,
+}
+
+/// Where and what the colour bar shows.
+#[derive(Clone, Debug)]
+pub(super) struct Bar {
+    pub name: String,
+    pub unit: String,
+    pub map: ColourMap,
+}
+
+/// Everything that is drawn with depth, and what the frame needs to know.
+#[derive(Clone, Debug)]
+pub(super) struct Scene {
+    pub camera: Camera,
+    pub shapes: Vec<Shape>,
+    pub bar: Option<Bar>,
+    /// Whether everything lies in the plane: no shading, no third axis.
+    pub plane: bool,
+    /// Pixels per unit of length.
+    pub scale: f64,
+    /// Pixels of the point whose camera coordinates are zero.
+    origin: [f64; 2],
+}
+
+/// Pieces along each side of a second-order face.
+const FINENESS: usize = 4;
+
+impl Scene {
+    pub fn new(picture: &Picture) -> Result<Self, String> {
+        check(picture)?;
+        let all: Vec<V3> = picture.bodies.iter().flat_map(|body| body.positions.iter().copied()).collect();
+        let plane = picture.bodies.iter().all(|body| body.mesh.dim() == 2) && all.iter().all(|p| p[2] == 0.0);
+        let camera = Camera::new(picture.view, plane, &all)?;
+        let bar = bar(picture);
+        let (scale, origin) = fit(picture, &camera, &all, bar.is_some())?;
+        let mut scene = Self { camera, shapes: Vec::new(), bar, plane, scale, origin };
+        let extent = f64::from(picture.width.max(picture.height));
+        for (index, body) in picture.bodies.iter().enumerate() {
+            let surface = Surface::of(body, FINENESS);
+            let nearer = match body.look {
+                Look::Glass(_) => 0.0,
+                Look::Solid(_) | Look::Field(_) => 4e-3,
+                Look::Wire(_) => 6e-3,
+            };
+            let forward = extent * (nearer + 2e-4 * index as f64);
+            scene.shapes.push(scene.shape(
+                &body.look,
+                body.lines,
+                &surface,
+                forward,
+                f64::from(picture.height) / 1000.0,
+            ));
+        }
+        Ok(scene)
+    }
+
+    /// A point in the picture.
+    pub fn place(&self, p: V3) -> V3 {
+        let [right, up, near] = self.camera.see(p);
+        [self.origin[0] + self.scale * right, self.origin[1] - self.scale * up, self.scale * near]
+    }
+
+    fn shape(&self, look: &Look, lines: bool, surface: &Surface, forward: f64, thickness: f64) -> Shape {
+        let fill = match look {
+            Look::Solid(colour) => Fill::Opaque(*colour),
+            Look::Field(_) => Fill::Mapped,
+            Look::Glass(colour) => Fill::Glass(*colour),
+            Look::Wire(_) => Fill::None,
+        };
+        let corner = |point: &SurfacePoint| Corner {
+            at: self.place(point.at),
+            normal: self.camera.see(point.normal),
+            value: point.value,
+        };
+        let pieces = surface.pieces.iter().map(|piece| piece.iter().map(corner).collect());
+        let pieces = if fill == Fill::None { Vec::new() } else { pieces.collect() };
+        let strokes = surface.edges.iter().filter_map(|edge| self.stroke(look, lines, edge, thickness)).collect();
+        Shape { fill, pieces, strokes, forward }
+    }
+
+    fn stroke(&self, look: &Look, lines: bool, edge: &SurfaceEdge, thickness: f64) -> Option<Stroke> {
+        let marked = self.is_outline(edge);
+        let hidden = !self.plane && edge.normals.iter().all(|normal| dot(*normal, self.camera.eye) <= 0.0);
+        let (colour, opacity, width) = match look {
+            // Seen through the body, lines of the far side only confuse.
+            Look::Wire(_) | Look::Glass(_) if hidden => return None,
+            Look::Solid(_) | Look::Field(_) if marked => (Colour::INK, 0.85, 1.8),
+            Look::Solid(_) | Look::Field(_) if lines => (Colour::INK, 0.32, 1.0),
+            Look::Glass(colour) if marked => (darker(*colour), 0.8, 1.6),
+            Look::Wire(colour) if marked => (*colour, 1.0, 2.2),
+            Look::Wire(colour) => (*colour, 0.45, 1.0),
+            _ => return None,
+        };
+        let points = edge.points.iter().map(|p| self.place(*p)).collect();
+        // Outlines of glass also show on an opaque body just in front of it: often the two nearly coincide.
+        let lift = if matches!(look, Look::Glass(_)) { 16.0 * thickness } else { 1.5 };
+        Some(Stroke { points, colour, opacity, width: width * thickness.max(0.6), lift })
+    }
+
+    /// A crease of the body, the end of a sheet, or the border between what faces the eye and what does not.
+    fn is_outline(&self, edge: &SurfaceEdge) -> bool {
+        const CREASE: f64 = 0.78;
+        let [a, b] = edge.normals[..] else { return true };
+        dot(a, b) < CREASE || (dot(a, self.camera.eye) > 0.0) != (dot(b, self.camera.eye) > 0.0)
+    }
+}
+
+fn darker(colour: Colour) -> Colour {
+    Colour(colour.0.map(|byte| (f64::from(byte) * 0.68) as u8))
+}
+
+fn check(picture: &Picture) -> Result<(), String> {
+    if picture.bodies.is_empty() {
+        return Err("the picture has no bodies".to_owned());
+    }
+    for body in &picture.bodies {
+        let (nodes, cells) = (body.mesh.points().len(), body.mesh.cells());
+        let fits = |what: &str, found: usize, wanted: usize| {
+            if found == wanted {
+                return Ok(());
+            }
+            Err(format!("body \"{}\" has {found} {what} where {wanted} are needed", body.label))
+        };
+        fits("positions", body.positions.len(), nodes)?;
+        if let Look::Field(field) = &body.look {
+            let nodal = matches!(field.values, super::Values::Nodes(_));
+            fits("values", field.values().len(), if nodal { nodes } else { cells })?;
+        }
+        if let Some(arrows) = &body.arrows {
+            fits("arrows", arrows.vectors.len(), cells)?;
+        }
+        if let Some(node) = body.positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(format!("body \"{}\" has a position that is not finite, at node {node}", body.label));
+        }
+    }
+    Ok(())
+}
+
+/// One bar for all fields: the first one's name, everyone's range unless one is given.
+fn bar(picture: &Picture) -> Option<Bar> {
+    let fields = || {
+        picture.bodies.iter().filter_map(|body| if let Look::Field(field) = &body.look { Some(field) } else { None })
+    };
+    let first = fields().next()?;
+    let given = fields().find_map(|field| field.range);
+    let values = fields().flat_map(|field| field.values().iter().copied()).filter(|value| value.is_finite());
+    let found = values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = given.unwrap_or(found);
+    let (low, high) = if low <= high && low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 0.0) };
+    Some(Bar { name: first.name.clone(), unit: first.unit.clone(), map: ColourMap::over(low, high) })
+}
+
+/// Room for title, legend and colour bar, in pixels: left, right, top, bottom.
+fn margins(picture: &Picture, bar: bool) -> [f64; 4] {
+    let unit = f64::from(picture.height) / 1000.0;
+    [90.0 * unit, if bar { 250.0 * unit } else { 90.0 * unit }, 120.0 * unit, 150.0 * unit]
+}
+
+/// Pixels per length, and the pixel of camera coordinates zero, so that everything is inside the margins.
+fn fit(picture: &Picture, camera: &Camera, positions: &[V3], bar: bool) -> Result<(f64, [f64; 2]), String> {
+    let seen = positions.iter().map(|p| camera.see(*p));
+    let none = ([f64::MAX; 2], [f64::MIN; 2]);
+    let (low, high) = seen.fold(none, |(low, high), p| {
+        (std::array::from_fn(|k| f64::min(low[k], p[k])), std::array::from_fn(|k| f64::max(high[k], p[k])))
+    });
+    let [left, right, top, bottom] = margins(picture, bar);
+    let room = [f64::from(picture.width) - left - right, f64::from(picture.height) - top - bottom];
+    let size = [high[0] - low[0], high[1] - low[1]];
+    let scale = (room[0] / size[0]).min(room[1] / size[1]);
+    if !scale.is_finite() || scale <= 0.0 {
+        return Err("the bodies have no extent that could be drawn".to_owned());
+    }
+    let middle = [left + 0.5 * room[0], top + 0.5 * room[1]];
+    let origin = [middle[0] - scale * 0.5 * (low[0] + high[0]), middle[1] + scale * 0.5 * (low[1] + high[1])];
+    Ok((scale, origin))
+}

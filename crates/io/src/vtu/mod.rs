@@ -1,0 +1,15 @@
+//! VTK's XML unstructured grids, `.vtu`.
+//!
+//! Format: <https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html>. Read: text, base64 and raw bytes,
+//! inline and appended, plain and zlib, either byte order, one piece. Written: base64, inline, zlib.
+
+mod array;
+mod base64;
+mod groups;
+mod read;
+mod write;
+mod xml;
+
+pub use read::{Entity, FileArray, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled};
+pub use write::write_vtu;
+pub(crate) use xml::escape;

@@ -1,0 +1,236 @@
+//! The catalogue of reference elements: one file each, one table row per kind.
+
+mod hex20;
+mod hex27;
+mod hex8;
+mod line2;
+mod line3;
+mod product;
+mod quad4;
+mod quad8;
+mod quad9;
+mod serendipity;
+mod simplex;
+mod tet10;
+mod tet4;
+mod tri3;
+mod tri6;
+
+use crate::quadrature::Rule;
+use std::sync::OnceLock;
+
+/// A kind of cell. Lines, quadrilaterals and hexahedra live on [-1,1]^d, triangles and tetrahedra on the unit simplex.
+///
+/// Nodes stand in VTK's order: corners, then midside nodes in the order of [`CellKind::edges`], then face centres
+/// (x-, x+, y-, y+, z-, z+ for `Hex27`), then the centre.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Hash)]
+pub enum CellKind {
+    /// Straight line, 2 nodes.
+    Line2,
+    /// Quadratic line, 3 nodes.
+    Line3,
+    /// Linear triangle.
+    Tri3,
+    /// Quadratic triangle.
+    Tri6,
+    /// Bilinear quadrilateral.
+    Quad4,
+    /// Serendipity quadrilateral.
+    Quad8,
+    /// Biquadratic quadrilateral.
+    Quad9,
+    /// Linear tetrahedron.
+    Tet4,
+    /// Quadratic tetrahedron.
+    Tet10,
+    /// Trilinear hexahedron.
+    Hex8,
+    /// Serendipity hexahedron.
+    Hex20,
+    /// Triquadratic hexahedron.
+    Hex27,
+}
+
+/// A face of a cell: its kind, and its nodes as indices into the cell's.
+pub type Face = (CellKind, &'static [usize]);
+
+/// One row of the catalogue.
+struct Element {
+    name: &'static str,
+    dim: usize,
+    order: usize,
+    vtk: u8,
+    corner_kind: CellKind,
+    nodes: &'static [[f64; 3]],
+    edges: &'static [[usize; 2]],
+    faces: &'static [Face],
+    mirror: &'static [usize],
+    shapes: fn(&[f64; 3], &mut [f64]),
+    gradients: fn(&[f64; 3], &mut [[f64; 3]]),
+    default_rule: fn() -> Rule,
+}
+
+impl CellKind {
+    /// Every kind, in the order of the enumeration.
+    pub const ALL: [CellKind; 12] = [
+        CellKind::Line2,
+        CellKind::Line3,
+        CellKind::Tri3,
+        CellKind::Tri6,
+        CellKind::Quad4,
+        CellKind::Quad8,
+        CellKind::Quad9,
+        CellKind::Tet4,
+        CellKind::Tet10,
+        CellKind::Hex8,
+        CellKind::Hex20,
+        CellKind::Hex27,
+    ];
+
+    fn element(self) -> &'static Element {
+        match self {
+            CellKind::Line2 => &line2::ELEMENT,
+            CellKind::Line3 => &line3::ELEMENT,
+            CellKind::Tri3 => &tri3::ELEMENT,
+            CellKind::Tri6 => &tri6::ELEMENT,
+            CellKind::Quad4 => &quad4::ELEMENT,
+            CellKind::Quad8 => &quad8::ELEMENT,
+            CellKind::Quad9 => &quad9::ELEMENT,
+            CellKind::Tet4 => &tet4::ELEMENT,
+            CellKind::Tet10 => &tet10::ELEMENT,
+            CellKind::Hex8 => &hex8::ELEMENT,
+            CellKind::Hex20 => &hex20::ELEMENT,
+            CellKind::Hex27 => &hex27::ELEMENT,
+        }
+    }
+
+    /// The name in case files: `hex8`, `tet10`, ...
+    pub fn name(self) -> &'static str {
+        self.element().name
+    }
+
+    /// The kind of that name, if there is one.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Number of nodes.
+    pub fn nodes(self) -> usize {
+        self.element().nodes.len()
+    }
+
+    /// Dimension of the reference domain: 1, 2 or 3.
+    pub fn dim(self) -> usize {
+        self.element().dim
+    }
+
+    /// Degree of the complete polynomials the shapes span: 1 or 2.
+    pub fn order(self) -> usize {
+        self.element().order
+    }
+
+    /// VTK's number of the cell type.
+    pub fn vtk(self) -> u8 {
+        self.element().vtk
+    }
+
+    /// The kind of that VTK number, if nastic knows it.
+    pub fn from_vtk(vtk: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.vtk() == vtk)
+    }
+
+    /// Number of corners; they come first among the nodes.
+    pub fn corners(self) -> usize {
+        self.corner_kind().nodes()
+    }
+
+    /// The first-order kind on the same corners.
+    pub fn corner_kind(self) -> CellKind {
+        self.element().corner_kind
+    }
+
+    /// Whether the reference domain is the unit simplex.
+    pub fn is_simplex(self) -> bool {
+        matches!(self.corner_kind(), CellKind::Tri3 | CellKind::Tet4)
+    }
+
+    /// Reference coordinates of the nodes; unused components are 0.
+    pub fn reference_nodes(self) -> &'static [[f64; 3]] {
+        self.element().nodes
+    }
+
+    /// Centroid of the reference domain.
+    pub fn centre(self) -> [f64; 3] {
+        match self.corner_kind() {
+            CellKind::Tri3 => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+            CellKind::Tet4 => [0.25; 3],
+            _ => [0.0; 3],
+        }
+    }
+
+    /// Measure of the reference domain.
+    pub fn reference_measure(self) -> f64 {
+        match self.corner_kind() {
+            CellKind::Tri3 => 0.5,
+            CellKind::Tet4 => 1.0 / 6.0,
+            _ => f64::from(1u32 << self.dim()),
+        }
+    }
+
+    /// Corner pairs. For second-order kinds, node `corners() + k` is the middle of edge k.
+    pub fn edges(self) -> &'static [[usize; 2]] {
+        self.element().edges
+    }
+
+    /// Faces with outward orientation: seen from outside, the corners of a surface face run counterclockwise; the
+    /// edges of a plane cell run counterclockwise round it, so that (t_y, -t_x) points outwards. Lines have none.
+    pub fn faces(self) -> &'static [Face] {
+        self.element().faces
+    }
+
+    /// The permutation of nodes that reverses the orientation: `new[k] = old[mirror[k]]`.
+    pub fn mirror(self) -> &'static [usize] {
+        self.element().mirror
+    }
+
+    /// Shape functions N_a(xi) into `out`, one per node.
+    pub fn shapes(self, xi: &[f64; 3], out: &mut [f64]) {
+        debug_assert_eq!(out.len(), self.nodes());
+        (self.element().shapes)(xi, out);
+    }
+
+    /// Gradients dN_a/dxi_k into `out[a][k]`; components beyond `dim()` are 0.
+    pub fn gradients(self, xi: &[f64; 3], out: &mut [[f64; 3]]) {
+        debug_assert_eq!(out.len(), self.nodes());
+        (self.element().gradients)(xi, out);
+    }
+
+    /// The default body rule: integrates the tangent of an affine cell properly. Gauss with order + 1 points per
+    /// direction on lines, quadrilaterals and hexahedra; on simplices one point for the linear, degree 4 for the
+    /// quadratic kinds.
+    pub fn rule(self) -> &'static Rule {
+        static RULES: [OnceLock<Rule>; CellKind::ALL.len()] = [const { OnceLock::new() }; CellKind::ALL.len()];
+        RULES[self as usize].get_or_init(self.element().default_rule)
+    }
+
+    /// A rule with positive weights and inner points that is exact for polynomials of that total degree (in each
+    /// variable, on lines, quadrilaterals and hexahedra).
+    pub fn rule_of_degree(self, degree: usize) -> Rule {
+        match self.corner_kind() {
+            CellKind::Tri3 => Rule::triangle(degree),
+            CellKind::Tet4 => Rule::tetrahedron(degree),
+            _ => Rule::tensor(self.dim(), degree / 2 + 1),
+        }
+    }
+
+    /// The rule with n Gauss points per direction; on simplices the one of degree 2n - 1. At least one point is taken.
+    pub fn rule_of_points(self, n: usize) -> Rule {
+        self.rule_of_degree(2 * n.max(1) - 1)
+    }
+}
+
+impl std::fmt::Display for CellKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}

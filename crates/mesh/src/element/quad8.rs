@@ -1,0 +1,38 @@
+//! Serendipity quadrilateral: corners, then the middles of 01, 12, 23, 30.
+
+use super::quad4::EDGES;
+use super::{CellKind, Element, Face, serendipity};
+use crate::quadrature::Rule;
+
+pub(super) static ELEMENT: Element = Element {
+    name: "quad8",
+    dim: 2,
+    order: 2,
+    vtk: 23,
+    corner_kind: CellKind::Quad4,
+    nodes: NODES,
+    edges: EDGES,
+    faces: FACES,
+    mirror: &[0, 3, 2, 1, 7, 6, 5, 4],
+    shapes: |xi, out| serendipity::shapes::<2>(NODES, xi, out),
+    gradients: |xi, out| serendipity::gradients::<2>(NODES, xi, out),
+    default_rule: || Rule::tensor(2, 3),
+};
+
+const NODES: &[[f64; 3]] = &[
+    [-1.0, -1.0, 0.0],
+    [1.0, -1.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [-1.0, 1.0, 0.0],
+    [0.0, -1.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [-1.0, 0.0, 0.0],
+];
+
+const FACES: &[Face] = &[
+    (CellKind::Line3, &[0, 1, 4]),
+    (CellKind::Line3, &[1, 2, 5]),
+    (CellKind::Line3, &[2, 3, 6]),
+    (CellKind::Line3, &[3, 0, 7]),
+];

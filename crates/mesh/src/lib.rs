@@ -1,0 +1,41 @@
+//! Reference elements, nodes, cells, named regions and surfaces, generators, quality, spatial search and exact distances.
+//!
+//! Coordinates are always `[x, y, z]`; a plane mesh has z = 0 everywhere. Nodes of a cell stand in VTK's order for its
+//! kind. A [`Mesh`] is immutable and has passed every check: readers and generators make a [`RawMesh`] and hand it to
+//! [`Mesh::build`].
+//!
+//! ```
+//! use nastic_mesh::{CellKind, box_mesh};
+//!
+//! let mesh = box_mesh([1.0, 0.2, 0.2], [10, 2, 2], CellKind::Hex27)?;
+//! assert_eq!((mesh.points().len(), mesh.cells()), (525, 40));
+//! assert_eq!(mesh.surface("x-")?.len(), 4);
+//! # Ok::<(), nastic_mesh::MeshError>(())
+//! ```
+
+mod build;
+pub mod element;
+mod error;
+mod generate;
+mod geometry;
+mod measure;
+mod mesh;
+mod moved;
+mod names;
+mod pieces;
+pub mod quadrature;
+mod quality;
+mod snapshot;
+pub mod spatial;
+mod tabulated;
+
+pub use build::{RawBlock, RawMesh};
+pub use element::CellKind;
+pub use error::{Fault, MeshError};
+pub use generate::{box_mesh, rectangle};
+pub use measure::Measures;
+pub use mesh::{Cell, CellBlock, Facet, Mesh};
+pub use quadrature::Rule;
+pub use quality::{CellQuality, Quality};
+pub use snapshot::{NamedArray, Snapshot};
+pub use spatial::{Hausdorff, Shape, SpatialError, hausdorff, hausdorff_within};

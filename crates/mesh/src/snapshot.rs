@@ -1,0 +1,104 @@
+//! A mesh with named fields on it: what is written to files and drawn.
+
+use crate::{Mesh, MeshError};
+use std::sync::Arc;
+
+/// A field with a name: `components` numbers per node or cell, entity after entity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedArray {
+    /// What the field is called in files.
+    pub name: String,
+    /// Numbers per entity: 1 scalar, 3 vector, 9 tensor (row-major).
+    pub components: usize,
+    /// `components * entities` numbers.
+    pub values: Vec<f64>,
+}
+
+impl NamedArray {
+    /// The numbers of one node or cell.
+    ///
+    /// # Panics
+    /// If there is no such entity, as slices do.
+    pub fn at(&self, entity: usize) -> &[f64] {
+        &self.values[entity * self.components..][..self.components]
+    }
+
+    /// Number of nodes or cells it covers.
+    pub fn entities(&self) -> usize {
+        self.values.len().checked_div(self.components).unwrap_or(0)
+    }
+}
+
+/// A mesh with nodal and cell-wise fields, in the order of its nodes and cells.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// The mesh, in its reference position.
+    pub mesh: Arc<Mesh>,
+    /// Fields on nodes. "displacement" (3 components) moves the shape in viewers.
+    pub point_data: Vec<NamedArray>,
+    /// Fields on cells.
+    pub cell_data: Vec<NamedArray>,
+}
+
+impl Snapshot {
+    /// A mesh without fields.
+    pub fn new(mesh: impl Into<Arc<Mesh>>) -> Snapshot {
+        Snapshot { mesh: mesh.into(), point_data: Vec::new(), cell_data: Vec::new() }
+    }
+
+    /// Adds a nodal field; one of the same name is replaced.
+    ///
+    /// # Errors
+    /// [`MeshError::ArrayLength`] unless there are `components` values per node.
+    pub fn with_points(mut self, name: &str, components: usize, values: Vec<f64>) -> Result<Snapshot, MeshError> {
+        let array = array(name, components, values, self.mesh.points().len())?;
+        put(&mut self.point_data, array);
+        Ok(self)
+    }
+
+    /// Adds a cell-wise field; one of the same name is replaced.
+    ///
+    /// # Errors
+    /// [`MeshError::ArrayLength`] unless there are `components` values per cell.
+    pub fn with_cells(mut self, name: &str, components: usize, values: Vec<f64>) -> Result<Snapshot, MeshError> {
+        let array = array(name, components, values, self.mesh.cells())?;
+        put(&mut self.cell_data, array);
+        Ok(self)
+    }
+
+    /// The nodal field of that name.
+    pub fn point_array(&self, name: &str) -> Option<&NamedArray> {
+        self.point_data.iter().find(|array| array.name == name)
+    }
+
+    /// The cell-wise field of that name.
+    pub fn cell_array(&self, name: &str) -> Option<&NamedArray> {
+        self.cell_data.iter().find(|array| array.name == name)
+    }
+
+    /// Node positions moved by the field "displacement", if there is one of two or three components.
+    pub fn positions(&self) -> Vec<[f64; 3]> {
+        let mut positions = self.mesh.points().to_vec();
+        if let Some(u) = self.point_array("displacement").filter(|u| matches!(u.components, 2 | 3)) {
+            for (x, u) in positions.iter_mut().zip(u.values.chunks_exact(u.components)) {
+                x.iter_mut().zip(u).for_each(|(x, u)| *x += u);
+            }
+        }
+        positions
+    }
+}
+
+fn array(name: &str, components: usize, values: Vec<f64>, entities: usize) -> Result<NamedArray, MeshError> {
+    let (name, found, expected) = (name.to_owned(), values.len(), components * entities);
+    if components == 0 || found != expected {
+        return Err(MeshError::ArrayLength { name, found, expected, entities, components });
+    }
+    Ok(NamedArray { name, components, values })
+}
+
+fn put(arrays: &mut Vec<NamedArray>, array: NamedArray) {
+    match arrays.iter_mut().find(|old| old.name == array.name) {
+        Some(old) => *old = array,
+        None => arrays.push(array),
+    }
+}

@@ -1,0 +1,202 @@
+use std::collections::BTreeMap;
+
+use super::boundary::Boundary;
+use super::cell::Cells;
+use super::form::Conversion;
+use super::tree::Aabb;
+use super::{SpatialError, V};
+use crate::{CellKind, Mesh};
+
+/// Facets are cut until they sag no more than this fraction of the diagonal.
+const FLATNESS: f64 = 1e-4;
+
+/// A solid to search: the cells of a mesh, or of one region, at given positions, with an index over cells and boundary
+/// faces.
+///
+/// Curved cells and faces are taken as they are. Cells may overlap (a body pressed into itself is the union of its
+/// cells); positions that turn cells inside out give an answer too, but then the boundary faces need not bound the
+/// cells and no error bound holds.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    dim: usize,
+    pub(super) cells: Cells,
+    pub(super) boundary: Boundary,
+    /// Mesh nodes at the corners of each cell's parameter domain.
+    pub(super) corners: Vec<[u32; 8]>,
+    nodes: usize,
+}
+
+/// Where to look first: neighbouring questions have neighbouring answers.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Hint {
+    part: Option<u32>,
+    facet: Option<u32>,
+}
+
+/// The nearest point of a solid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foot {
+    pub point: V,
+    pub distance: f64,
+}
+
+impl Shape {
+    /// The solid made of all cells, or of the cells of `region`, at these positions (one per mesh node, m).
+    ///
+    /// # Errors
+    /// A position count that is not the node count, a position that is not finite, an unknown or empty region.
+    pub fn new(mesh: &Mesh, positions: &[[f64; 3]], region: Option<&str>) -> Result<Self, SpatialError> {
+        check(mesh, positions)?;
+        let cells: Vec<u32> = match region {
+            Some(name) => mesh.region(name)?.to_vec(),
+            None => (0..mesh.cells() as u32).collect(),
+        };
+        if cells.is_empty() {
+            return Err(SpatialError::Empty {
+                mesh: mesh.name().into(),
+                region: region.unwrap_or("(all cells)").into(),
+            });
+        }
+        let mut conversions = BTreeMap::new();
+        let mut shape = Self {
+            dim: mesh.dim(),
+            cells: Cells::default(),
+            boundary: Boundary::new(mesh.dim() == 2),
+            corners: Vec::with_capacity(cells.len()),
+            nodes: positions.len(),
+        };
+        let gather = |nodes: &mut dyn Iterator<Item = u32>| -> Vec<V> {
+            nodes.map(|n| V::from(positions[n as usize])).collect()
+        };
+        for &id in &cells {
+            let cell = mesh.cell(id as usize);
+            let conversion = conversion(&mut conversions, cell.kind);
+            shape.cells.push(conversion, &gather(&mut cell.nodes.iter().copied()));
+            let mut corners = [u32::MAX; 8];
+            for (corner, &local) in corners.iter_mut().zip(&conversion.corners) {
+                *corner = cell.nodes[local];
+            }
+            shape.corners.push(corners);
+        }
+        shape.cells.finish();
+        let flatness = FLATNESS * shape.cells.bounds().diagonal();
+        for (id, face) in exterior(mesh, &cells) {
+            let cell = mesh.cell(id as usize);
+            let (kind, locals) = cell.kind.faces()[face];
+            let nodes = gather(&mut locals.iter().map(|&l| cell.nodes[l]));
+            shape.boundary.push(conversion(&mut conversions, kind), &nodes, flatness);
+        }
+        shape.boundary.finish();
+        Ok(shape)
+    }
+
+    /// Space dimension: 2 or 3.
+    pub fn dim(&self) -> usize {
+        self.dim
+    }
+
+    /// Lower and upper corner of an axis-aligned box that holds the solid (a little larger than the smallest, where
+    /// cells are curved).
+    pub fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+        let Aabb { lo, hi } = self.cells.bounds();
+        (lo.into(), hi.into())
+    }
+
+    /// Diagonal of [`bounds`](Self::bounds).
+    pub fn diagonal(&self) -> f64 {
+        self.cells.bounds().diagonal()
+    }
+
+    /// Is the point in the solid? Its boundary belongs to it, up to 1e-9 of a cell.
+    pub fn contains(&self, p: [f64; 3]) -> bool {
+        self.cells.find(&V::from(p), None).is_some()
+    }
+
+    /// The nearest point of the solid and its distance: the point itself and 0 inside.
+    pub fn nearest(&self, p: [f64; 3]) -> ([f64; 3], f64) {
+        let foot = self.foot(&V::from(p), &mut Hint::default());
+        (foot.point.into(), foot.distance)
+    }
+
+    /// The nearest point of the solid's boundary and its distance, for points inside as well.
+    pub fn nearest_boundary(&self, p: [f64; 3]) -> ([f64; 3], f64) {
+        let foot = self.outer_foot(&V::from(p), &mut Hint::default());
+        (foot.point.into(), foot.distance)
+    }
+
+    /// Distance to the solid, 0 inside.
+    pub fn distance(&self, p: [f64; 3]) -> f64 {
+        self.nearest(p).1
+    }
+
+    pub(super) fn foot(&self, p: &V, hint: &mut Hint) -> Foot {
+        if let Some(part) = self.cells.find(p, hint.part) {
+            hint.part = Some(part);
+            return Foot { point: *p, distance: 0.0 };
+        }
+        self.outer_foot(p, hint)
+    }
+
+    fn outer_foot(&self, p: &V, hint: &mut Hint) -> Foot {
+        match self.boundary.nearest(p, hint.facet) {
+            Some(near) => {
+                hint.facet = Some(near.facet);
+                Foot { point: near.point, distance: near.squared.sqrt() }
+            }
+            // No finite distance: p is NaN or beyond the range of squares.
+            None => Foot { point: *p, distance: f64::INFINITY },
+        }
+    }
+
+    /// Feet on this solid of the corner nodes of the cells of another one, by node.
+    pub(super) fn feet_of_corners(&self, of: &Self) -> Vec<Option<(V, Foot)>> {
+        let mut feet = vec![None; of.nodes];
+        let mut hint = Hint::default();
+        for (cell, corners) in of.corners.iter().enumerate() {
+            let patch = of.cells.patch(cell);
+            for (i, &node) in corners.iter().enumerate().take(patch.form.corners()) {
+                if let Some(slot @ None) = feet.get_mut(node as usize) {
+                    let x = patch.value(&patch.form.corner(i));
+                    *slot = Some((x, self.foot(&x, &mut hint)));
+                }
+            }
+        }
+        feet
+    }
+}
+
+fn check(mesh: &Mesh, positions: &[[f64; 3]]) -> Result<(), SpatialError> {
+    let nodes = mesh.points().len();
+    if positions.len() != nodes {
+        return Err(SpatialError::Positions { mesh: mesh.name().into(), nodes, found: positions.len() });
+    }
+    match positions.iter().position(|x| x.iter().any(|v| !v.is_finite())) {
+        Some(node) => Err(SpatialError::NotFinite { mesh: mesh.name().into(), node, position: positions[node] }),
+        None => Ok(()),
+    }
+}
+
+fn conversion(known: &mut BTreeMap<CellKind, Conversion>, kind: CellKind) -> &Conversion {
+    known.entry(kind).or_insert_with(|| Conversion::of(kind))
+}
+
+/// Faces (cell, face) that belong to one of these cells only, in the order of the cells.
+fn exterior(mesh: &Mesh, cells: &[u32]) -> Vec<(u32, usize)> {
+    let mut faces = Vec::new();
+    for &id in cells {
+        let cell = mesh.cell(id as usize);
+        for (face, (kind, locals)) in cell.kind.faces().iter().enumerate() {
+            let mut key = [u32::MAX; 4];
+            for (k, &local) in key.iter_mut().zip(&locals[..kind.corners()]) {
+                *k = cell.nodes[local];
+            }
+            key.sort_unstable();
+            faces.push((key, id, face));
+        }
+    }
+    faces.sort_unstable();
+    let mut alone: Vec<(u32, usize)> =
+        faces.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| (same[0].1, same[0].2)).collect();
+    alone.sort_unstable();
+    alone
+}

@@ -1,0 +1,100 @@
+//! The ball per point: |m_p| <= radius at every point p.
+
+use super::{Admissible, Face, Outside, SetError, check_radius, length};
+use crate::vector::{add, dot};
+
+/// Vectors of `dim` components, one per point and stored point by point, each no longer than a given radius: an applied
+/// field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ball {
+    dim: usize,
+    radius: f64,
+}
+
+impl Ball {
+    /// A vector this close to the radius (relatively) is on the boundary.
+    const BOUNDARY: f64 = 1e-13;
+
+    /// Vectors of `dim` (1, 2 or 3) components no longer than `radius`.
+    ///
+    /// # Errors
+    /// Another dimension, or a radius that is not positive.
+    pub fn new(dim: usize, radius: f64) -> Result<Self, SetError> {
+        check_radius(dim, radius)?;
+        Ok(Self { dim, radius })
+    }
+
+    /// Shortens one vector to the radius, never past it by rounding.
+    fn shorten(&self, v: &mut [f64]) {
+        let size = length(v);
+        if size > self.radius {
+            v.iter_mut().for_each(|x| *x *= self.radius / size);
+            while length(v) > self.radius {
+                v.iter_mut().for_each(|x| *x *= 1.0 - f64::EPSILON);
+            }
+        }
+    }
+}
+
+impl Admissible for Ball {
+    fn check(&self, m: &[f64]) -> Result<(), Outside> {
+        let ragged = !m.len().is_multiple_of(self.dim);
+        for (p, v) in m.chunks(self.dim).enumerate() {
+            let value = length(v);
+            let inside = value <= self.radius;
+            if ragged || !inside {
+                let allowed = format!("vectors of {} components no longer than {:e}", self.dim, self.radius);
+                return Err(Outside { index: p * self.dim, value, allowed });
+            }
+        }
+        Ok(())
+    }
+
+    fn project(&self, m: &mut [f64]) {
+        m.chunks_mut(self.dim).for_each(|v| self.shorten(v));
+    }
+
+    fn restrict(&self, m: &[f64], d: &mut [f64]) {
+        for (m, d) in m.chunks(self.dim).zip(d.chunks_mut(self.dim)) {
+            d.iter_mut().zip(m).for_each(|(d, m)| *d += m);
+            self.shorten(d);
+            d.iter_mut().zip(m).for_each(|(d, m)| *d -= m);
+        }
+    }
+
+    fn tangent(&self, _m: &[f64], _v: &mut [f64]) {}
+
+    fn retract(&self, m: &[f64], d: &[f64], t: f64, out: &mut [f64]) {
+        for (out, (m, d)) in out.iter_mut().zip(m.iter().zip(d)) {
+            *out = m + t * d;
+        }
+        self.project(out);
+    }
+
+    fn face(&self, m: &[f64], d: &[f64], derivative: &[f64]) -> Face {
+        let mut face = Face::free(m.len());
+        for at in (0..m.len()).step_by(self.dim) {
+            let block = at..at + self.dim;
+            let x: Vec<f64> = block.clone().map(|i| m[i] + d[i]).collect();
+            let outward = -dot(&derivative[block], &x);
+            if length(&x) >= self.radius * (1.0 - Self::BOUNDARY) && outward > 0.0 {
+                face.bar(at, &x, true);
+            }
+        }
+        face
+    }
+
+    fn inward(&self, m: &[f64], d: &mut [f64]) {
+        for (m, d) in m.chunks(self.dim).zip(d.chunks_mut(self.dim)) {
+            // A chord of the ball is admissible all along.
+            if length(&add(m, d)) > self.radius {
+                d.iter_mut().for_each(|d| *d = -*d);
+            }
+        }
+        self.restrict(m, d);
+    }
+
+    fn extent(&self, m: &[f64]) -> Vec<f64> {
+        vec![2.0 * self.radius; m.len()]
+    }
+}

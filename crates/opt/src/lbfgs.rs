@@ -1,0 +1,217 @@
+//! Limited-memory quasi-Newton method within an admissible set.
+
+use crate::inner_product::InnerProduct;
+use crate::method::{Here, Memory, Method, Secant};
+use crate::model::{Curvature, Steepest, minimise};
+use crate::optimizer::{Optimizer, Options};
+use crate::vector::{axpy, dot, scale};
+use std::collections::VecDeque;
+
+/// Limited-memory BFGS in the control's inner product. Each iteration minimises the quasi-Newton model over the local
+/// model of the set (active bounds fixed, the free components by conjugate gradients preconditioned with the two-loop
+/// recursion), then searches along that segment by backtracking. Derivatives are taken of accepted points alone; a pair
+/// without positive curvature is left out and the next step is made longer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lbfgs {
+    /// When to stop, and what to ask of evaluations.
+    pub options: Options,
+    /// Number of pairs kept.
+    pub memory: usize,
+}
+
+impl Default for Lbfgs {
+    fn default() -> Self {
+        Self { options: Options::default(), memory: 20 }
+    }
+}
+
+impl Optimizer for Lbfgs {
+    fn name(&self) -> &'static str {
+        "lbfgs"
+    }
+
+    fn options(&self) -> &Options {
+        &self.options
+    }
+
+    fn method(&self) -> Box<dyn Method> {
+        let keep = self.memory.max(1);
+        Box::new(QuasiNewton { keep, theta: 0.0, pairs: VecDeque::new(), skipped: 0, direction: Vec::new() })
+    }
+}
+
+#[derive(Clone, Debug)]
+struct QuasiNewton {
+    keep: usize,
+    /// B begins as theta G.
+    theta: f64,
+    /// Oldest first.
+    pairs: VecDeque<Secant>,
+    /// Iterations in a row without a usable pair.
+    skipped: usize,
+    direction: Vec<f64>,
+}
+
+impl QuasiNewton {
+    /// By how much theta falls where the cost does not curve upward.
+    const RELAX: f64 = 0.25;
+    /// Pairs left out in a row before the memory is given up.
+    const PATIENCE: usize = 2;
+
+    fn steepest(&self, here: &Here<'_>) -> Vec<f64> {
+        let curvature = Steepest { metric: here.metric, step: 1.0 / self.theta };
+        minimise(here.set, here.metric, here.m, here.derivative, &curvature)
+    }
+
+    /// Pairs in the tangent space of a new control; those that lose their curvature on the way are dropped.
+    fn carry(&mut self, from: &Here<'_>, to: &Here<'_>) {
+        for pair in &mut self.pairs {
+            let before = pair.s.clone();
+            to.set.transport(from.m, to.m, &mut pair.s);
+            to.set.transport(from.m, to.m, &mut pair.y);
+            if pair.s != before {
+                pair.ss = to.metric.inner(&pair.s, &pair.s);
+                pair.yy = dot(&to.metric.riesz(&pair.y), &pair.y);
+            }
+            pair.sy = dot(&pair.s, &pair.y);
+        }
+        self.pairs.retain(Secant::is_convex);
+    }
+}
+
+impl Method for QuasiNewton {
+    fn restart(&mut self, step: f64, _cost: f64) {
+        self.theta = 1.0 / step;
+        self.pairs.clear();
+        self.skipped = 0;
+    }
+
+    fn prepare(&mut self, here: &Here<'_>) {
+        if !self.pairs.is_empty() {
+            let hessian = Bfgs::new(here.metric, self.theta, &self.pairs);
+            self.direction = minimise(here.set, here.metric, here.m, here.derivative, &hessian);
+            if dot(&self.direction, here.derivative) < 0.0 {
+                return;
+            }
+            self.pairs.clear();
+        }
+        self.direction = self.steepest(here);
+    }
+
+    fn trial(&self, here: &Here<'_>, fraction: f64) -> Vec<f64> {
+        let mut out = here.m.to_vec();
+        here.set.retract(here.m, &self.direction, fraction, &mut out);
+        out
+    }
+
+    fn step(&self, fraction: f64) -> f64 {
+        fraction
+    }
+
+    fn accepted(&mut self, from: &Here<'_>, to: &Here<'_>, fraction: f64, _trials: usize) {
+        self.carry(from, to);
+        let secant = Secant::between(from, to);
+        if secant.is_convex() {
+            self.theta = secant.yy / secant.sy;
+            self.skipped = 0;
+            self.pairs.push_back(secant);
+            if self.pairs.len() > self.keep {
+                self.pairs.pop_front();
+            }
+            return;
+        }
+        self.skipped += 1;
+        if self.pairs.is_empty() {
+            self.theta *= Self::RELAX / fraction;
+        } else if self.skipped >= Self::PATIENCE {
+            // The step just taken, four times as long, is where the next gradient step begins.
+            self.pairs.clear();
+            let gradient = to.metric.dual_norm(to.derivative);
+            self.theta = Self::RELAX * gradient / secant.ss.sqrt();
+        }
+    }
+
+    fn recover(&mut self) -> bool {
+        let had = !self.pairs.is_empty();
+        self.pairs.clear();
+        had
+    }
+
+    fn save(&self) -> Memory {
+        let vectors = self.pairs.iter().flat_map(|pair| [pair.s.clone(), pair.y.clone()]).collect();
+        let mut numbers = vec![self.theta, self.skipped as f64];
+        numbers.extend(self.pairs.iter().flat_map(|pair| [pair.ss, pair.sy, pair.yy]));
+        Memory { numbers, vectors }
+    }
+
+    fn load(&mut self, memory: &Memory) -> bool {
+        let [theta, skipped, products @ ..] = &memory.numbers[..] else { return false };
+        let pairs = products.len() / 3;
+        let fits = products.len() == 3 * pairs && memory.vectors.len() == 2 * pairs && *theta > 0.0;
+        if !fits {
+            return false;
+        }
+        self.theta = *theta;
+        self.skipped = *skipped as usize;
+        let pairs = memory.vectors.chunks(2).zip(products.chunks(3));
+        let secant =
+            |(v, p): (&[Vec<f64>], &[f64])| Secant { s: v[0].clone(), y: v[1].clone(), ss: p[0], sy: p[1], yy: p[2] };
+        self.pairs = pairs.map(secant).collect();
+        true
+    }
+}
+
+/// The BFGS matrix of some pairs, as a sum (for B v) and by the two-loop recursion (for B^-1 d):
+/// B = theta G + sum_i ( y_i y_i^T / s_i.y_i - b_i b_i^T / s_i.b_i ), b_i = B_i s_i.
+struct Bfgs<'a> {
+    metric: &'a dyn InnerProduct,
+    theta: f64,
+    pairs: &'a VecDeque<Secant>,
+    /// b_i and s_i . b_i.
+    images: Vec<(Vec<f64>, f64)>,
+}
+
+impl<'a> Bfgs<'a> {
+    fn new(metric: &'a dyn InnerProduct, theta: f64, pairs: &'a VecDeque<Secant>) -> Self {
+        let mut bfgs = Self { metric, theta, pairs, images: Vec::with_capacity(pairs.len()) };
+        for pair in pairs {
+            let image = bfgs.apply(&pair.s);
+            let product = dot(&pair.s, &image);
+            bfgs.images.push((image, product));
+        }
+        bfgs
+    }
+}
+
+impl Curvature for Bfgs<'_> {
+    fn apply(&self, v: &[f64]) -> Vec<f64> {
+        let mut out = self.metric.apply(v);
+        scale(self.theta, &mut out);
+        for (pair, (image, product)) in self.pairs.iter().zip(&self.images) {
+            axpy(dot(&pair.y, v) / pair.sy, &pair.y, &mut out);
+            axpy(-dot(image, v) / product, image, &mut out);
+        }
+        out
+    }
+
+    fn solve(&self, d: &[f64]) -> Vec<f64> {
+        let mut d = d.to_vec();
+        let mut alphas = Vec::with_capacity(self.pairs.len());
+        for pair in self.pairs.iter().rev() {
+            let alpha = dot(&pair.s, &d) / pair.sy;
+            axpy(-alpha, &pair.y, &mut d);
+            alphas.push(alpha);
+        }
+        let mut out = self.metric.riesz(&d);
+        scale(1.0 / self.theta, &mut out);
+        for (pair, alpha) in self.pairs.iter().zip(alphas.iter().rev()) {
+            let beta = dot(&pair.y, &out) / pair.sy;
+            axpy(alpha - beta, &pair.s, &mut out);
+        }
+        out
+    }
+
+    fn size(&self) -> f64 {
+        self.theta
+    }
+}

@@ -1,0 +1,87 @@
+//! Objectives, admissible sets, optimisers and the Taylor test. Knows no mesh and no physics.
+//!
+//! A problem is an [`Objective`] (a cost of a control vector m, with its derivative), a set ([`Admissible`]: box, sphere
+//! per point, ball per point, products) and an [`InnerProduct`] that turns derivatives into gradients. An [`Optimizer`]
+//! begins a [`Run`], which is stepped, watched ([`Observer`]), stopped, saved and resumed.
+//!
+//! What every run keeps to:
+//! * nothing is evaluated outside the set; a failed evaluation shortens the step;
+//! * derivatives are asked for at accepted points alone; the accepted point travels on as [`Request::near`];
+//! * it ends with a [`Stop`] that says why;
+//! * no default depends on the unit system: a problem in other units takes the same steps;
+//! * the same input gives the same bits, also after [`Run::save`] and [`Run::load`].
+//!
+//! ```
+//! use nastic_opt::{Bounds, Diagonal, Failed, InnerProduct, Lbfgs, Objective, Optimizer, Problem, Request};
+//!
+//! /// j(m) = sum_i w_i ((m_i - i)^2 + 1) over cells of measure w_i.
+//! struct Distance(Diagonal);
+//!
+//! impl Objective for Distance {
+//!     type Point = Vec<f64>;
+//!     fn evaluate(&self, m: &[f64], _: &Request<Vec<f64>>) -> Result<Vec<f64>, Failed> {
+//!         Ok(m.to_vec())
+//!     }
+//!     fn value(&self, m: &Vec<f64>) -> f64 {
+//!         let e: Vec<f64> = m.iter().enumerate().map(|(i, m)| m - i as f64).collect();
+//!         self.0.inner(&e, &e) + 1.0
+//!     }
+//!     fn derivative(&self, m: &Vec<f64>) -> Result<Vec<f64>, Failed> {
+//!         let e: Vec<f64> = m.iter().enumerate().map(|(i, m)| 2.0 * (m - i as f64)).collect();
+//!         Ok(self.0.apply(&e))
+//!     }
+//!     fn restage(&self, _: usize, m: &Vec<f64>) -> Result<Vec<f64>, Failed> {
+//!         Ok(m.clone())
+//!     }
+//! }
+//!
+//! impl Problem for Distance {
+//!     fn inner_product(&self) -> &dyn InnerProduct {
+//!         &self.0
+//!     }
+//! }
+//!
+//! let problem = Distance(Diagonal::new(vec![0.1, 0.2, 0.3])?);
+//! let best = Lbfgs::default().within(Bounds::new(-1.0, 1.5)?).minimize(&problem, 0.0)?;
+//! assert!(best.stop.is_converged());
+//! assert!((best.m[1] - 1.0).abs() < 1e-3 && best.m[2] == 1.5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod admissible;
+mod bytes;
+mod conjugate_gradient;
+mod inner_product;
+mod lbfgs;
+mod line_search;
+mod method;
+mod model;
+mod objective;
+mod observer;
+mod optimizer;
+mod projected_gradient;
+mod random;
+mod run;
+mod search;
+mod spectral;
+mod state;
+mod stop;
+mod taylor;
+mod vector;
+
+pub use admissible::{Admissible, Ball, Bounds, Face, Limit, Optimality, Outside, Product, SetError, Sphere};
+pub use bytes::StateError;
+pub use inner_product::{Diagonal, Euclidean, InnerProduct, InnerProductError};
+pub use lbfgs::Lbfgs;
+pub use line_search::LineSearch;
+pub use method::{Here, Memory, Method, Secant};
+pub use objective::{DEFAULT_ACCURACY, Failed, Objective, Report, Request};
+pub use observer::{Observer, Reason, Trial};
+pub use optimizer::{CATALOGUE, Entry, Optimizer, Options, Problem, Start, Within, by_name};
+pub use projected_gradient::ProjectedGradient;
+pub use random::Random;
+pub use run::{Best, Outcome, Run, RunError};
+pub use spectral::Spectral;
+pub use state::{Counts, Progress, RunState, SavedPoint, StageEnd};
+pub use stop::{Stall, Stop};
+pub use taylor::{Row, Taylor, TaylorDirection, TaylorError, TaylorReport, Verdict};

@@ -1,0 +1,38 @@
+//! Armijo's test and the choice of a shorter step.
+
+/// Backtracking: a trial is accepted when j(m(t)) <= reference + armijo * dj.(m(t) - m); otherwise the step is shortened
+/// to the minimiser of the parabola through what is known, within limits. A failed evaluation shortens it by a fixed
+/// factor. All of it is dimensionless.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineSearch {
+    /// Share of the predicted decrease that must be had.
+    pub armijo: f64,
+    /// Factor after an evaluation that failed.
+    pub after_failure: f64,
+    /// Smallest factor after a trial without enough decrease.
+    pub shortest: f64,
+    /// Largest factor after a trial without enough decrease.
+    pub longest: f64,
+    /// Trials per iteration.
+    pub max_trials: usize,
+}
+
+impl Default for LineSearch {
+    fn default() -> Self {
+        Self { armijo: 1e-4, after_failure: 0.3, shortest: 0.1, longest: 0.5, max_trials: 25 }
+    }
+}
+
+impl LineSearch {
+    /// Whether a cost is low enough; `predicted` is dj.(m(t) - m), `slack` what rounding may add.
+    pub fn accepts(&self, reference: f64, predicted: f64, slack: f64, cost: f64) -> bool {
+        cost <= reference + self.armijo * predicted + slack
+    }
+
+    /// Factor by which to shorten a step that changed the cost from `from` to `to` where `predicted` was expected.
+    pub fn shorten(&self, from: f64, predicted: f64, to: f64) -> f64 {
+        let curvature = to - from - predicted;
+        let factor = if curvature > 0.0 { -0.5 * predicted / curvature } else { self.longest };
+        factor.clamp(self.shortest, self.longest)
+    }
+}

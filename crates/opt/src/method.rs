@@ -1,0 +1,106 @@
+//! What makes one optimiser different from another: where to try next.
+
+use crate::admissible::Admissible;
+use crate::inner_product::InnerProduct;
+use crate::vector::dot;
+use std::fmt::Debug;
+
+/// An accepted control with what is known there.
+#[derive(Clone, Copy, Debug)]
+pub struct Here<'a> {
+    /// The admissible set.
+    pub set: &'a dyn Admissible,
+    /// The inner product of the control space.
+    pub metric: &'a dyn InnerProduct,
+    /// The control.
+    pub m: &'a [f64],
+    /// The cost there.
+    pub cost: f64,
+    /// Its derivative there (dual), tangential part.
+    pub derivative: &'a [f64],
+}
+
+/// The change of derivative between two controls in the tangent space of the second: what secant methods learn from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Secant {
+    /// The step s.
+    pub s: Vec<f64>,
+    /// The change of derivative y (dual).
+    pub y: Vec<f64>,
+    /// (s, s).
+    pub ss: f64,
+    /// s . y.
+    pub sy: f64,
+    /// Squared dual norm of y.
+    pub yy: f64,
+}
+
+impl Secant {
+    /// Smallest cosine between s and the Riesz image of y that still counts as positive curvature.
+    const COSINE: f64 = 1e-9;
+
+    /// From one control to another.
+    pub fn between(from: &Here<'_>, to: &Here<'_>) -> Self {
+        let mut s: Vec<f64> = to.m.iter().zip(from.m).map(|(a, b)| a - b).collect();
+        to.set.tangent(to.m, &mut s);
+        let mut carried = from.derivative.to_vec();
+        to.set.transport(from.m, to.m, &mut carried);
+        let y: Vec<f64> = to.derivative.iter().zip(&carried).map(|(a, b)| a - b).collect();
+        let (ss, sy, yy) = (to.metric.inner(&s, &s), dot(&s, &y), dot(&to.metric.riesz(&y), &y));
+        Self { s, y, ss, sy, yy }
+    }
+
+    /// Whether the cost curves upward along s, beyond rounding.
+    pub fn is_convex(&self) -> bool {
+        self.sy > 0.0 && self.sy * self.sy > Self::COSINE * Self::COSINE * self.ss * self.yy
+    }
+}
+
+/// A method's memory as plain numbers: what a checkpoint keeps of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Memory {
+    /// Scalars, in an order the method knows.
+    pub numbers: Vec<f64>,
+    /// Vectors, in an order the method knows.
+    pub vectors: Vec<Vec<f64>>,
+}
+
+/// The strategy of an optimiser, driven by [`Run`](crate::Run): `restart` once per stage, then for every iteration
+/// `prepare`, some calls of `trial` with falling fractions, and `accepted`.
+pub trait Method: Debug + Send {
+    /// Begins a stage: forget what belongs to another cost; `step` is a sensible length t of a first step -t gradient.
+    fn restart(&mut self, step: f64, cost: f64);
+
+    /// Chooses a direction (or a length) at a control.
+    fn prepare(&mut self, here: &Here<'_>);
+
+    /// The trial control at a fraction (1 first) of the chosen step: admissible.
+    fn trial(&self, here: &Here<'_>, fraction: f64) -> Vec<f64>;
+
+    /// The step length to report for a fraction.
+    fn step(&self, fraction: f64) -> f64;
+
+    /// The cost that a trial is compared with; more than the present one in a non-monotone method.
+    fn reference(&self, cost: f64) -> f64 {
+        cost
+    }
+
+    /// What rounding may add to a cost without its being refused.
+    fn slack(&self, cost: f64) -> f64 {
+        10.0 * f64::EPSILON * cost.abs()
+    }
+
+    /// Learns from an accepted step, found at the `trials`-th trial.
+    fn accepted(&mut self, from: &Here<'_>, to: &Here<'_>, fraction: f64, trials: usize);
+
+    /// After a search that found nothing: whether there is another direction to try from the same control.
+    fn recover(&mut self) -> bool {
+        false
+    }
+
+    /// The memory, for a checkpoint.
+    fn save(&self) -> Memory;
+
+    /// Takes up a saved memory; false if it is not one of this method.
+    fn load(&mut self, memory: &Memory) -> bool;
+}

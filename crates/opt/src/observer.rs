@@ -1,0 +1,90 @@
+//! Watching a run, trial by trial.
+
+use crate::objective::Report;
+use std::fmt;
+
+/// What became of a trial.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reason {
+    /// The start of the run.
+    Start,
+    /// The accepted control, valued by the next stage.
+    Stage,
+    /// Accepted by Armijo's test.
+    Armijo,
+    /// The cost did not fall enough.
+    NoDecrease {
+        /// The cost that had to be reached.
+        wanted: f64,
+    },
+    /// The evaluation failed.
+    Failed(String),
+    /// The cost fell but its derivative could not be had.
+    DerivativeFailed(String),
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start => write!(f, "start"),
+            Self::Stage => write!(f, "stage"),
+            Self::Armijo => write!(f, "armijo"),
+            Self::NoDecrease { wanted } => write!(f, "no decrease: wanted {wanted:.6e}"),
+            Self::Failed(why) => write!(f, "failed: {why}"),
+            Self::DerivativeFailed(why) => write!(f, "failed: derivative: {why}"),
+        }
+    }
+}
+
+/// One trial: everything a history line needs.
+#[derive(Debug)]
+pub struct Trial<'a, P> {
+    /// Number of the trial, 0 for the start.
+    pub trial: usize,
+    /// Iterations done before it (the accepted trial of the first iteration says 1).
+    pub iteration: usize,
+    /// Continuation stage.
+    pub stage: usize,
+    /// Whether it became the present point.
+    pub accepted: bool,
+    /// Why, or why not.
+    pub reason: Reason,
+    /// Its cost; none if the evaluation failed.
+    pub cost: Option<f64>,
+    /// Norm of the projected gradient in the metric at the present point: this one if accepted, else the one before.
+    pub gradient_norm: f64,
+    /// The same relative to the first of the stage.
+    pub relative_gradient: f64,
+    /// Step length as the method counts it.
+    pub step: f64,
+    /// Length of the move in the metric's norm.
+    pub length: f64,
+    /// Active bounds at the present point.
+    pub active: usize,
+    /// The same as a share of the control components.
+    pub active_share: f64,
+    /// What the objective reports of this trial; empty if the evaluation failed.
+    pub report: Report,
+    /// The trial control.
+    pub m: &'a [f64],
+    /// The evaluated trial.
+    pub point: Option<&'a P>,
+    /// The derivative there (dual, tangential part), of accepted trials.
+    pub derivative: Option<&'a [f64]>,
+}
+
+/// Told of every trial. Any `FnMut(&Trial<P>)` is one; `()` looks away.
+pub trait Observer<P> {
+    /// Called once per trial, accepted or not, in order.
+    fn trial(&mut self, trial: &Trial<'_, P>);
+}
+
+impl<P> Observer<P> for () {
+    fn trial(&mut self, _trial: &Trial<'_, P>) {}
+}
+
+impl<P, F: FnMut(&Trial<'_, P>)> Observer<P> for F {
+    fn trial(&mut self, trial: &Trial<'_, P>) {
+        self(trial);
+    }
+}

@@ -1,0 +1,164 @@
+//! Optimisers by name, their common options, and the short way to use one.
+
+use crate::admissible::Admissible;
+use crate::inner_product::InnerProduct;
+use crate::lbfgs::Lbfgs;
+use crate::line_search::LineSearch;
+use crate::method::Method;
+use crate::objective::{DEFAULT_ACCURACY, Objective};
+use crate::projected_gradient::ProjectedGradient;
+use crate::run::{Best, Run, RunError};
+use crate::spectral::Spectral;
+
+/// What all optimisers share. Every default is dimensionless: none depends on the unit system.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// The last stage has converged when the projected gradient's norm in the metric, relative to the stage's first, is
+    /// no larger.
+    pub tolerance: f64,
+    /// The same for the stages before the last; `tolerance` if that is larger.
+    pub coarse_tolerance: f64,
+    /// Iterations of the whole run. Stage s of S may use at most its share, (what is left)/(S - s); what a stage does
+    /// not use goes to those after it.
+    pub max_iterations: usize,
+    /// Length of the first step of a run, as a share of the set's extent (both in the metric's norm); it is not longer
+    /// than the step |j|/|gradient|^2, at which a linear model of the cost reaches zero.
+    pub first_move: f64,
+    /// A stage stagnates when over `window` iterations the cost falls by less than `stagnation` times its fall since the
+    /// stage began, and the projected gradient finds no new minimum.
+    pub stagnation: f64,
+    /// See `stagnation`.
+    pub window: usize,
+    /// Relative accuracy asked of state solves.
+    pub accuracy: f64,
+    /// How steps are accepted and shortened.
+    pub line_search: LineSearch,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-4,
+            coarse_tolerance: 1e-2,
+            max_iterations: 100,
+            first_move: 0.1,
+            stagnation: 1e-5,
+            window: 10,
+            accuracy: DEFAULT_ACCURACY,
+            line_search: LineSearch::default(),
+        }
+    }
+}
+
+/// An optimiser: a method with its options. `run.step()` by `run.step()`, or `minimize` in one go.
+pub trait Optimizer {
+    /// The name in case files.
+    fn name(&self) -> &'static str;
+
+    /// When to stop, and what to ask of evaluations.
+    fn options(&self) -> &Options;
+
+    /// The strategy, with an empty memory.
+    fn method(&self) -> Box<dyn Method>;
+
+    /// Begins a run at `start`, which is evaluated.
+    ///
+    /// # Errors
+    /// A start that is not admissible or cannot be evaluated, or sizes that do not agree.
+    fn start<'a, O: Objective>(
+        &self,
+        objective: &'a O,
+        set: &'a dyn Admissible,
+        metric: &'a dyn InnerProduct,
+        start: &[f64],
+    ) -> Result<Run<'a, O>, RunError>
+    where
+        Self: Sized,
+    {
+        Run::start(self, objective, set, metric, start)
+    }
+
+    /// This optimiser within a set, to be given a problem and a start.
+    fn within<S: Admissible>(self, set: S) -> Within<Self, S>
+    where
+        Self: Sized,
+    {
+        Within { optimizer: self, set }
+    }
+}
+
+/// An objective that knows the inner product of its control space.
+pub trait Problem: Objective {
+    /// The inner product; its length is the number of controls.
+    fn inner_product(&self) -> &dyn InnerProduct;
+}
+
+/// A start: one number for every component, or one for each.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Start {
+    /// The same everywhere.
+    Uniform(f64),
+    /// One per component.
+    Each(Vec<f64>),
+}
+
+impl From<f64> for Start {
+    fn from(value: f64) -> Self {
+        Self::Uniform(value)
+    }
+}
+
+impl From<Vec<f64>> for Start {
+    fn from(values: Vec<f64>) -> Self {
+        Self::Each(values)
+    }
+}
+
+impl From<&[f64]> for Start {
+    fn from(values: &[f64]) -> Self {
+        Self::Each(values.to_vec())
+    }
+}
+
+/// An optimiser and the set it stays in.
+#[derive(Clone, Debug)]
+pub struct Within<M, S> {
+    optimizer: M,
+    set: S,
+}
+
+impl<M: Optimizer, S: Admissible> Within<M, S> {
+    /// Minimises from a start, with nobody watching.
+    ///
+    /// # Errors
+    /// As [`Optimizer::start`].
+    pub fn minimize<P: Problem>(&self, problem: &P, start: impl Into<Start>) -> Result<Best<P::Point>, RunError> {
+        let metric = problem.inner_product();
+        let start = match start.into() {
+            Start::Uniform(value) => vec![value; metric.len()],
+            Start::Each(values) => values,
+        };
+        Ok(Run::start(&self.optimizer, problem, &self.set, metric, &start)?.minimize(&mut ()))
+    }
+}
+
+/// A row of the catalogue: a name of case files and how to build what it names.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// The name in case files.
+    pub name: &'static str,
+    /// The optimiser with these options and defaults for the rest.
+    pub build: fn(Options) -> Box<dyn Optimizer>,
+}
+
+/// Every optimiser of this crate.
+pub const CATALOGUE: &[Entry] = &[
+    Entry { name: "projected_gradient", build: |options| Box::new(ProjectedGradient { options }) },
+    Entry { name: "spectral", build: |options| Box::new(Spectral { options, ..Spectral::default() }) },
+    Entry { name: "lbfgs", build: |options| Box::new(Lbfgs { options, ..Lbfgs::default() }) },
+];
+
+/// The optimiser of that name.
+pub fn by_name(name: &str, options: Options) -> Option<Box<dyn Optimizer>> {
+    CATALOGUE.iter().find(|entry| entry.name == name).map(|entry| (entry.build)(options))
+}

@@ -1,0 +1,125 @@
+//! Where a stage of a run begins and ends.
+
+use super::{Outcome, Run, RunError};
+use crate::objective::{Failed, Objective};
+use crate::observer::{Observer, Reason};
+use crate::optimizer::Options;
+use crate::state::{Progress, StageEnd};
+use crate::stop::{Stall, Stop};
+use crate::vector::sub;
+
+/// Flat steps in a row before a stage is given up.
+const FLAT: usize = 3;
+
+impl<O: Objective> Run<'_, O> {
+    pub(super) fn is_last_stage(&self) -> bool {
+        self.progress.stage + 1 >= self.setting.objective.stages()
+    }
+
+    /// Whether the present stage is to end before another iteration.
+    pub(super) fn stage_over(&self) -> Option<Stop> {
+        let Options { tolerance, coarse_tolerance, max_iterations, window, stagnation, .. } = self.setting.options;
+        let Progress { counts, stage, stage_began, costs, gradients, flat, .. } = &self.progress;
+        let tolerance = if self.is_last_stage() { tolerance } else { tolerance.max(coarse_tolerance) };
+        let (gradient_norm, first) = (self.current.gradient_norm, gradients[0]);
+        if gradient_norm <= tolerance * first {
+            return Some(Stop::Converged { gradient_norm, first, tolerance });
+        }
+        let relative_gradient = self.progress.relative(gradient_norm);
+        if *flat >= FLAT {
+            let (cost, predicted) = (self.current.cost, 10.0 * f64::EPSILON * self.current.cost.abs());
+            return Some(Stop::Stalled(Stall::Flat { cost, predicted, relative_gradient }));
+        }
+        let done = counts.iterations - stage_began;
+        let left = self.setting.objective.stages().saturating_sub(*stage).max(1);
+        if done >= max_iterations.saturating_sub(*stage_began).div_ceil(left) {
+            return Some(Stop::MaxIterations { iterations: counts.iterations, relative_gradient });
+        }
+        if done > window {
+            let (decrease, total) = (costs[done - window] - costs[done], costs[0] - costs[done]);
+            let least = |part: &[f64]| part.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+            let (old, new) = gradients.split_at(done + 1 - window);
+            if window > 0 && decrease <= stagnation * total && least(new) >= least(old) {
+                return Some(Stop::Stalled(Stall::Stagnation { window, decrease, total, relative_gradient }));
+            }
+        }
+        None
+    }
+
+    /// A non-monotone run may meet the tolerance at a point that is clearly worse than one it has seen: then it goes on
+    /// from that one.
+    pub(super) fn turned_back(&mut self, stop: &Stop) -> bool {
+        let Some(best) = &self.best else { return false };
+        let fall = self.progress.costs[0] - best.cost;
+        if !stop.is_converged() || self.current.cost - best.cost <= 1e-6 * fall {
+            return false;
+        }
+        self.take_best();
+        match self.first_step(None) {
+            Some(step) => self.method.restart(step, self.current.cost),
+            None => return false,
+        }
+        true
+    }
+
+    pub(super) fn end_stage(&mut self, stop: Stop, observer: &mut dyn Observer<O::Point>) -> Outcome {
+        self.settle(&stop);
+        let Progress { counts, stage, stage_began, .. } = &self.progress;
+        let (stage, iterations) = (*stage, counts.iterations - stage_began);
+        self.progress.ends.push(StageEnd { stage, iterations, converged: stop.is_converged(), why: stop.to_string() });
+        if self.is_last_stage() {
+            self.ended = Some(stop.clone());
+            return Outcome::Stopped(stop);
+        }
+        match self.enter(stage + 1) {
+            Ok(()) => {
+                observer.trial(&self.setting.tell_accepted(&self.progress, &self.current, Reason::Stage, 0.0, 0.0));
+                Outcome::Staged(stage + 1)
+            }
+            Err(failed) => {
+                let stop = Stop::Stalled(Stall::Stage { stage: stage + 1, why: failed.why });
+                self.ended = Some(stop.clone());
+                Outcome::Stopped(stop)
+            }
+        }
+    }
+
+    /// The same control and state under the next stage's value; nothing changes if that fails.
+    fn enter(&mut self, stage: usize) -> Result<(), Failed> {
+        let point = self.setting.objective.restage(stage, &self.current.point)?;
+        let cost = self.setting.finite_cost(&point)?;
+        let next = self.setting.differentiate(self.current.m.clone(), point, cost).map_err(|(_, failed)| failed)?;
+        let travel = self.setting.metric.norm(&sub(&self.current.m, &self.progress.stage_start));
+        self.current = next;
+        self.progress.stage = stage;
+        self.progress.counts.trials += 1;
+        self.progress.counts.derivatives += 1;
+        self.begin_stage(Some(travel).filter(|travel| *travel > 0.0)).map_err(|error| Failed::new(error.to_string()))
+    }
+
+    pub(super) fn begin_stage(&mut self, travel: Option<f64>) -> Result<(), RunError> {
+        let step = self.first_step(travel).ok_or(RunError::NoScale)?;
+        self.method.restart(step, self.current.cost);
+        self.progress.stage_began = self.progress.counts.iterations;
+        self.progress.stage_start.clone_from(&self.current.m);
+        self.progress.costs = vec![self.current.cost];
+        self.progress.gradients = vec![self.current.gradient_norm];
+        self.progress.flat = 0;
+        Ok(())
+    }
+
+    /// The length t of a first step -t gradient: the shortest of what the set's extent, a linear model of a cost that
+    /// is not negative, and the way made in the previous stage suggest.
+    fn first_step(&self, travel: Option<f64>) -> Option<f64> {
+        let gradient = self.current.gradient_norm;
+        if gradient == 0.0 {
+            return Some(1.0);
+        }
+        let share = self.setting.options.first_move;
+        let extent = self.setting.metric.norm(&self.setting.set.extent(&self.current.m));
+        let linear = self.current.cost.abs() / gradient;
+        let lengths = [share * extent, linear, travel.map_or(0.0, |travel| share * travel)];
+        let usable = lengths.into_iter().filter(|length| *length > 0.0 && length.is_finite());
+        usable.reduce(f64::min).map(|length| length / gradient)
+    }
+}

@@ -1,0 +1,273 @@
+//! One iteration: trials along a method's path until one is accepted.
+
+use crate::admissible::Admissible;
+use crate::inner_product::InnerProduct;
+use crate::method::{Here, Method};
+use crate::objective::{Failed, Objective, Report, Request};
+use crate::observer::{Observer, Reason, Trial};
+use crate::optimizer::Options;
+use crate::state::Progress;
+use crate::stop::{Stall, Stop};
+use crate::vector::{dot, sub};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What stays the same throughout a run.
+#[derive(Debug)]
+pub(crate) struct Setting<'a, O> {
+    pub objective: &'a O,
+    pub set: &'a dyn Admissible,
+    pub metric: &'a dyn InnerProduct,
+    pub options: Options,
+    pub cancel: Option<Arc<AtomicBool>>,
+}
+
+/// An accepted point.
+#[derive(Clone, Debug)]
+pub(crate) struct Iterate<P> {
+    pub m: Vec<f64>,
+    pub point: P,
+    pub cost: f64,
+    pub derivative: Vec<f64>,
+    pub gradient_norm: f64,
+    pub active: usize,
+}
+
+/// An accepted trial and how it was found.
+pub(crate) struct Found<P> {
+    pub next: Iterate<P>,
+    pub fraction: f64,
+    pub trials: usize,
+    pub predicted: f64,
+}
+
+impl<O: Objective> Setting<'_, O> {
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// The point and its cost, which must be a number.
+    pub fn evaluate(&self, m: &[f64], near: Option<&O::Point>, stage: usize) -> Result<(O::Point, f64), Failed> {
+        let how = Request { near, accuracy: self.options.accuracy, stage };
+        let point = self.objective.evaluate(m, &how)?;
+        let cost = self.finite_cost(&point)?;
+        Ok((point, cost))
+    }
+
+    pub fn finite_cost(&self, point: &O::Point) -> Result<f64, Failed> {
+        let cost = self.objective.value(point);
+        if cost.is_finite() { Ok(cost) } else { Err(Failed::new(format!("the cost is {cost}"))) }
+    }
+
+    /// Takes the derivative at an evaluated trial, which makes it an iterate.
+    pub fn differentiate(
+        &self,
+        m: Vec<f64>,
+        point: O::Point,
+        cost: f64,
+    ) -> Result<Iterate<O::Point>, (O::Point, Failed)> {
+        let mut derivative = match self.objective.derivative(&point) {
+            Ok(derivative) => derivative,
+            Err(failed) => return Err((point, failed)),
+        };
+        if derivative.len() != m.len() {
+            let why = format!("{} components for {} controls", derivative.len(), m.len());
+            return Err((point, Failed::new(why)));
+        }
+        if let Some(i) = derivative.iter().position(|d| !d.is_finite()) {
+            let why = format!("component {i} is {}", derivative[i]);
+            return Err((point, Failed::new(why)));
+        }
+        self.set.tangent(&m, &mut derivative);
+        let optimality = self.set.optimality(self.metric, &m, &derivative);
+        Ok(Iterate { m, point, cost, derivative, gradient_norm: optimality.norm, active: optimality.active })
+    }
+
+    pub fn here<'s>(&'s self, at: &'s Iterate<O::Point>) -> Here<'s> {
+        Here { set: self.set, metric: self.metric, m: &at.m, cost: at.cost, derivative: &at.derivative }
+    }
+
+    /// Finds the next point from `at`, telling the observer of every trial.
+    pub fn search(
+        &self,
+        method: &mut dyn Method,
+        at: &Iterate<O::Point>,
+        progress: &mut Progress,
+        observer: &mut dyn Observer<O::Point>,
+    ) -> Result<Found<O::Point>, Stop> {
+        let mut line = Line { fraction: 1.0, trials: 0, failed: 0, shortest: f64::INFINITY, last: "none".into() };
+        loop {
+            method.prepare(&self.here(at));
+            line.fraction = 1.0;
+            match self.search_line(method, at, progress, observer, &mut line)? {
+                Ok(found) => return Ok(found),
+                Err(_) if method.recover() => {}
+                Err(predicted) => return Err(self.stalled(at, progress, &line, predicted)),
+            }
+        }
+    }
+
+    /// Backtracks from a prepared direction. The inner error is what the whole step promised.
+    fn search_line(
+        &self,
+        method: &dyn Method,
+        at: &Iterate<O::Point>,
+        progress: &mut Progress,
+        observer: &mut dyn Observer<O::Point>,
+        line: &mut Line,
+    ) -> Result<Result<Found<O::Point>, f64>, Stop> {
+        let rules = &self.options.line_search;
+        let here = self.here(at);
+        let invisible = 0.25 * f64::EPSILON * at.cost.abs();
+        let mut promised = None;
+        let mut tried: Option<Vec<f64>> = None;
+        let limit = line.trials + rules.max_trials;
+        while line.trials < limit {
+            if self.is_cancelled() {
+                return Err(Stop::Cancelled);
+            }
+            let m = method.trial(&here, line.fraction);
+            let predicted = dot(&at.derivative, &sub(&m, &at.m));
+            let whole = *promised.get_or_insert(predicted);
+            let first_look = whole == predicted;
+            if m == at.m || (!first_look && predicted.abs() <= invisible) || line.fraction < 1e-30 {
+                break;
+            }
+            // A shorter step that the set bends back to the same control is no new trial.
+            let again = tried.as_ref() == Some(&m);
+            if again || predicted >= 0.0 || self.set.check(&m).is_err() {
+                line.fraction *= rules.longest;
+                continue;
+            }
+            let length = self.metric.norm(&sub(&m, &at.m));
+            line.trials += 1;
+            tried = Some(m.clone());
+            line.shortest = line.shortest.min(length);
+            progress.counts.trials += 1;
+            let step = method.step(line.fraction);
+
+            let (point, cost) = match self.evaluate(&m, Some(&at.point), progress.stage) {
+                Ok(evaluated) => evaluated,
+                Err(failed) => {
+                    let reason = Reason::Failed(failed.why);
+                    line.reject(&reason, true, rules.after_failure);
+                    progress.counts.failed += 1;
+                    observer.trial(&self.tell(
+                        progress,
+                        at,
+                        Told { m: &m, point: None, cost: None, reason, step, length },
+                    ));
+                    continue;
+                }
+            };
+            let reference = method.reference(at.cost);
+            // Rounding is forgiven where the whole step promises little more than that, not where backtracking led there.
+            let slack = Some(method.slack(at.cost)).filter(|slack| whole.abs() <= 100.0 * slack).unwrap_or(0.0);
+            if !rules.accepts(reference, predicted, slack, cost) {
+                let reason = Reason::NoDecrease { wanted: reference + rules.armijo * predicted };
+                line.reject(&reason, false, rules.shorten(at.cost, predicted, cost));
+                observer.trial(&self.tell(
+                    progress,
+                    at,
+                    Told { m: &m, point: Some(&point), cost: Some(cost), reason, step, length },
+                ));
+                continue;
+            }
+            progress.counts.derivatives += 1;
+            match self.differentiate(m.clone(), point, cost) {
+                Ok(next) => {
+                    let accepted = self.tell_accepted(progress, &next, Reason::Armijo, step, length);
+                    observer.trial(&accepted);
+                    let (fraction, trials) = (line.fraction, line.trials);
+                    return Ok(Ok(Found { next, fraction, trials, predicted }));
+                }
+                Err((point, failed)) => {
+                    let reason = Reason::DerivativeFailed(failed.why);
+                    line.reject(&reason, true, rules.after_failure);
+                    progress.counts.failed += 1;
+                    observer.trial(&self.tell(
+                        progress,
+                        at,
+                        Told { m: &m, point: Some(&point), cost: Some(cost), reason, step, length },
+                    ));
+                }
+            }
+        }
+        Ok(Err(promised.unwrap_or(0.0)))
+    }
+
+    fn stalled(&self, at: &Iterate<O::Point>, progress: &Progress, line: &Line, predicted: f64) -> Stop {
+        let relative_gradient = progress.relative(at.gradient_norm);
+        let flat = predicted.abs() <= 10.0 * f64::EPSILON * at.cost.abs();
+        Stop::Stalled(if flat || line.trials == 0 {
+            Stall::Flat { cost: at.cost, predicted, relative_gradient }
+        } else {
+            let (trials, failed, shortest, last) = (line.trials, line.failed, line.shortest, line.last.clone());
+            Stall::LineSearch { trials, failed, shortest, last, relative_gradient }
+        })
+    }
+
+    /// A history line of a trial that was not accepted from `at`.
+    fn tell<'t>(&self, progress: &Progress, at: &Iterate<O::Point>, told: Told<'t, O::Point>) -> Trial<'t, O::Point> {
+        Trial {
+            trial: progress.counts.trials,
+            iteration: progress.counts.iterations,
+            stage: progress.stage,
+            accepted: false,
+            reason: told.reason,
+            cost: told.cost,
+            gradient_norm: at.gradient_norm,
+            relative_gradient: progress.relative(at.gradient_norm),
+            step: told.step,
+            length: told.length,
+            active: at.active,
+            active_share: at.active as f64 / at.m.len() as f64,
+            report: told.point.map_or_else(Report::default, |point| self.objective.report(point)),
+            m: told.m,
+            point: told.point,
+            derivative: None,
+        }
+    }
+
+    /// A history line of an accepted point.
+    pub fn tell_accepted<'t>(
+        &self,
+        progress: &Progress,
+        next: &'t Iterate<O::Point>,
+        reason: Reason,
+        step: f64,
+        length: f64,
+    ) -> Trial<'t, O::Point> {
+        let iteration = progress.counts.iterations + usize::from(reason == Reason::Armijo);
+        let told = Told { m: &next.m, point: Some(&next.point), cost: Some(next.cost), reason, step, length };
+        let derivative = Some(next.derivative.as_slice());
+        Trial { accepted: true, iteration, derivative, ..self.tell(progress, next, told) }
+    }
+}
+
+/// The changing parts of a history line.
+struct Told<'t, P> {
+    m: &'t [f64],
+    point: Option<&'t P>,
+    cost: Option<f64>,
+    reason: Reason,
+    step: f64,
+    length: f64,
+}
+
+/// Where a line search stands.
+struct Line {
+    fraction: f64,
+    trials: usize,
+    failed: usize,
+    shortest: f64,
+    last: String,
+}
+
+impl Line {
+    fn reject(&mut self, reason: &Reason, failed: bool, factor: f64) {
+        self.last = reason.to_string();
+        self.failed += usize::from(failed);
+        self.fraction *= factor;
+    }
+}

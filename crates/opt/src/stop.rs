@@ -1,0 +1,122 @@
+//! Why a run, or a stage of it, ended.
+
+use std::fmt;
+
+/// Why it ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stop {
+    /// The projected gradient is small enough.
+    Converged {
+        /// Its norm in the metric.
+        gradient_norm: f64,
+        /// That of the stage's first point.
+        first: f64,
+        /// The tolerance on their ratio.
+        tolerance: f64,
+    },
+    /// No further decrease is to be had.
+    Stalled(Stall),
+    /// The iterations are used up.
+    MaxIterations {
+        /// How many were done.
+        iterations: usize,
+        /// The projected gradient's norm relative to the stage's first.
+        relative_gradient: f64,
+    },
+    /// Somebody asked to stop.
+    Cancelled,
+}
+
+/// How a run stalled.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stall {
+    /// Changes of the cost are below its rounding.
+    Flat {
+        /// The cost.
+        cost: f64,
+        /// The change that a step of this iteration promised.
+        predicted: f64,
+        /// The projected gradient's norm relative to the stage's first.
+        relative_gradient: f64,
+    },
+    /// No trial of a line search was good enough.
+    LineSearch {
+        /// Trials made in this iteration.
+        trials: usize,
+        /// How many of them could not be evaluated.
+        failed: usize,
+        /// The shortest move tried, in the metric's norm.
+        shortest: f64,
+        /// What became of the last.
+        last: String,
+        /// The projected gradient's norm relative to the stage's first.
+        relative_gradient: f64,
+    },
+    /// The cost creeps.
+    Stagnation {
+        /// Over how many iterations.
+        window: usize,
+        /// How much it fell in them.
+        decrease: f64,
+        /// How much it fell since the stage began.
+        total: f64,
+        /// The projected gradient's norm relative to the stage's first.
+        relative_gradient: f64,
+    },
+    /// The next stage has no value at this point.
+    Stage {
+        /// Which stage.
+        stage: usize,
+        /// What the objective said.
+        why: String,
+    },
+}
+
+impl Stop {
+    /// Whether the run's own test was met.
+    pub fn is_converged(&self) -> bool {
+        matches!(self, Self::Converged { .. })
+    }
+}
+
+impl fmt::Display for Stop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Converged { gradient_norm, first, tolerance } => write!(
+                f,
+                "converged: projected gradient {gradient_norm:.3e}, {:.1e} of the first (tolerance {tolerance:.1e})",
+                if *first > 0.0 { gradient_norm / first } else { 0.0 }
+            ),
+            Self::Stalled(stall) => write!(f, "stalled: {stall}"),
+            Self::MaxIterations { iterations, relative_gradient } => write!(
+                f,
+                "stopped after {iterations} iterations: projected gradient {relative_gradient:.1e} of the first"
+            ),
+            Self::Cancelled => write!(f, "cancelled"),
+        }
+    }
+}
+
+impl fmt::Display for Stall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Flat { cost, predicted, relative_gradient } => write!(
+                f,
+                "a step promises {predicted:.1e}, below the rounding of the cost {cost:.6e}; \
+                 projected gradient {relative_gradient:.1e} of the first"
+            ),
+            Self::LineSearch { trials, failed, shortest, last, relative_gradient } => write!(
+                f,
+                "no decrease in {trials} trials ({failed} failed) down to a move of {shortest:.1e}; last: {last}; \
+                 projected gradient {relative_gradient:.1e} of the first (a derivative that is wrong, or a cost \
+                 evaluated too coarsely? try the gradient check, or a finer accuracy)"
+            ),
+            Self::Stagnation { window, decrease, total, relative_gradient } => write!(
+                f,
+                "the cost fell by {decrease:.1e} in {window} iterations, of {total:.1e} in all; \
+                 projected gradient {relative_gradient:.1e} of the first"
+            ),
+            Self::Stage { stage, why } => write!(f, "stage {stage} cannot begin here: {why}"),
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! The Taylor test: does the derivative belong to the cost?
+
+mod report;
+
+pub use report::{Row, TaylorDirection, TaylorReport, Verdict};
+
+use crate::admissible::{Admissible, Outside};
+use crate::objective::{Failed, Objective, Request};
+use crate::random::Random;
+use crate::vector::{dot, max_abs};
+use std::ops::Range;
+use thiserror::Error;
+
+/// The Taylor test at a control m: along admissible curves m(t) with m'(0) = d (inward at a bound, retracted on a
+/// sphere), for t over eight decades, the remainders
+///
+/// r0(t) = |j(m(t)) - j(m)| and r1(t) = |j(m(t)) - j(m) - t dj.d|
+///
+/// fall as t and t^2 if dj is the derivative. Orders are fitted to the smallest steps whose r1 stands clear of the noise
+/// of j, which is estimated from the scatter of j(m(t)) at the smallest steps, without use of the derivative.
+/// Remainders at round-off are not judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Taylor {
+    /// Number of random directions.
+    pub directions: usize,
+    /// Seed of the first; the others follow.
+    pub seed: u64,
+    /// Length of d, as a share of the set's extent, component by component (of the largest |m_i| where the set has no
+    /// extent).
+    pub length: f64,
+    /// Size of a control where neither the set nor m tells it.
+    pub size: Option<f64>,
+    /// Only these components vary (a control block); all if none are given.
+    pub components: Option<Range<usize>>,
+    /// Relative accuracy asked of state solves.
+    pub accuracy: f64,
+    /// The continuation stage whose cost is tested.
+    pub stage: usize,
+    /// Smallest order of r1 that passes.
+    pub order: f64,
+}
+
+impl Default for Taylor {
+    fn default() -> Self {
+        Self {
+            directions: 3,
+            seed: 1,
+            length: 0.1,
+            size: None,
+            components: None,
+            accuracy: 1e-12,
+            stage: 0,
+            order: 1.95,
+        }
+    }
+}
+
+/// Why a Taylor test could not be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum TaylorError {
+    /// The control is not admissible.
+    #[error("no Taylor test at a control that is not admissible: {0}")]
+    Outside(#[from] Outside),
+    /// No cost or no derivative at the control.
+    #[error("no Taylor test where the cost or its derivative fails: {0}")]
+    Base(#[from] Failed),
+    /// A direction came out zero or without a scale.
+    #[error("no direction to vary the control along: the set has no extent here and the control is zero; give a size")]
+    NoDirection,
+    /// Components beyond the end of the control.
+    #[error("components {start}..{end} of a control that has {len}")]
+    Components {
+        /// First component.
+        start: usize,
+        /// End of the range.
+        end: usize,
+        /// Components there are.
+        len: usize,
+    },
+}
+
+impl Taylor {
+    /// Steps per decade.
+    const PER_DECADE: usize = 2;
+    /// Decades of step sizes.
+    const DECADES: usize = 8;
+    /// Rows an order is fitted to, at least.
+    const FEWEST: usize = 3;
+    /// Rows an order is fitted to, at most.
+    const MOST: usize = 5;
+    /// A remainder this many times the noise is clear of it.
+    const CLEAR: f64 = 30.0;
+
+    /// Tests the derivative of `objective` at an admissible control.
+    ///
+    /// # Errors
+    /// A control that is not admissible or cannot be evaluated, or that nothing tells how to vary.
+    pub fn test<O: Objective>(
+        &self,
+        objective: &O,
+        set: &dyn Admissible,
+        m: &[f64],
+    ) -> Result<TaylorReport, TaylorError> {
+        set.check(m)?;
+        let how = Request { near: None, accuracy: self.accuracy, stage: self.stage };
+        let point = objective.evaluate(m, &how)?;
+        let derivative = objective.derivative(&point)?;
+        let cost = objective.value(&point);
+        let base = Base { objective, set, m, point, derivative, cost };
+        let directions = (0..self.directions as u64).map(|k| self.along(&base, self.seed.wrapping_add(k)));
+        Ok(TaylorReport { cost, directions: directions.collect::<Result<_, _>>()? })
+    }
+
+    fn along<O: Objective>(&self, base: &Base<'_, O>, seed: u64) -> Result<TaylorDirection, TaylorError> {
+        let direction = self.direction(base.set, base.m, seed)?;
+        let slope = dot(&base.derivative, &direction);
+        let how = Request { near: Some(&base.point), accuracy: self.accuracy, stage: self.stage };
+        let mut m = base.m.to_vec();
+        let mut rows = Vec::with_capacity(Self::PER_DECADE * Self::DECADES + 1);
+        for k in 0..=Self::PER_DECADE * Self::DECADES {
+            let t = 10f64.powf(-(k as f64) / Self::PER_DECADE as f64);
+            base.set.retract(base.m, &direction, t, &mut m);
+            let evaluated = base.objective.evaluate(&m, &how).ok();
+            let cost = evaluated.map(|point| base.objective.value(&point)).filter(|cost| cost.is_finite());
+            let change = cost.map_or(f64::NAN, |cost| cost - base.cost);
+            rows.push(Row { t, cost, r0: change.abs(), r1: (change - t * slope).abs(), used: false });
+        }
+        Ok(self.judge(seed, direction, slope, base.cost, rows))
+    }
+
+    /// Random, of the size asked for, admissible.
+    fn direction(&self, set: &dyn Admissible, m: &[f64], seed: u64) -> Result<Vec<f64>, TaylorError> {
+        let components = self.components.clone().unwrap_or(0..m.len());
+        if components.end > m.len() || components.is_empty() {
+            return Err(TaylorError::Components { start: components.start, end: components.end, len: m.len() });
+        }
+        let fallback = self.size.unwrap_or_else(|| max_abs(m));
+        let mut random = Random::new(seed);
+        let mut d: Vec<f64> = set.extent(m);
+        for (i, d) in d.iter_mut().enumerate() {
+            let size = if *d > 0.0 { *d } else { fallback };
+            *d = if components.contains(&i) { self.length * size * random.symmetric() } else { 0.0 };
+        }
+        set.inward(m, &mut d);
+        if max_abs(&d) > 0.0 { Ok(d) } else { Err(TaylorError::NoDirection) }
+    }
+
+    fn judge(&self, seed: u64, direction: Vec<f64>, slope: f64, cost: f64, mut rows: Vec<Row>) -> TaylorDirection {
+        let (scatter, observed) = noise_and_slope(&rows, cost);
+        let noise = scatter.max(2.0 * f64::EPSILON * cost.abs());
+        let clear: Vec<usize> = (0..rows.len()).filter(|k| rows[*k].r1 > Self::CLEAR * noise).collect();
+        let window = &clear[clear.len().saturating_sub(Self::MOST)..];
+        window.iter().for_each(|k| rows[*k].used = true);
+        let enough = window.len() >= Self::FEWEST;
+        let fit = |r: fn(&Row) -> f64| order(window.iter().map(|k| (rows[*k].t, r(&rows[*k]))));
+        let (order0, order1) = if enough { (fit(|row| row.r0), fit(|row| row.r1)) } else { (f64::NAN, f64::NAN) };
+        let linear = clear.is_empty() && rows.iter().any(|row| row.r0 > 1e6 * noise);
+        let verdict = match () {
+            () if linear => Verdict::Linear,
+            () if !enough => Verdict::Undecided,
+            () if order1 >= self.order => Verdict::Right,
+            () => Verdict::Wrong,
+        };
+        TaylorDirection { seed, direction, slope, observed, noise, rows, order0, order1, verdict }
+    }
+}
+
+/// What stays the same along all directions.
+struct Base<'a, O: Objective> {
+    objective: &'a O,
+    set: &'a dyn Admissible,
+    m: &'a [f64],
+    point: O::Point,
+    derivative: Vec<f64>,
+    cost: f64,
+}
+
+/// What the values of j at the smallest steps show without any derivative: its noise, and its slope.
+///
+/// Windows of consecutive steps slide upward from the smallest until j responds there as a smooth function does; the noise
+/// is the largest scatter on the way. (A solver that returns its warm start unchanged answers the smallest steps with no
+/// change at all, which is not the absence of noise.)
+fn noise_and_slope(rows: &[Row], cost: f64) -> (f64, f64) {
+    const STEPS: usize = 6;
+    let values: Vec<(f64, f64)> = rows.iter().rev().filter_map(|row| row.cost.map(|c| (row.t, c - cost))).collect();
+    if values.len() < STEPS {
+        return (f64::INFINITY, f64::NAN);
+    }
+    let mut noise: f64 = 0.0;
+    let mut slope = 0.0;
+    for window in values.windows(STEPS) {
+        let scatter;
+        (scatter, slope) = fit(window);
+        noise = noise.max(scatter);
+        let top = window[STEPS - 1].1.abs();
+        if window.iter().all(|(_, y)| *y != 0.0) && scatter < 0.01 * top {
+            break;
+        }
+    }
+    (noise, slope)
+}
+
+/// Least-squares parabola b t + c t^2: three times the root mean square of its residual, and b.
+fn fit(values: &[(f64, f64)]) -> (f64, f64) {
+    let longest = values.iter().fold(0.0, |most: f64, (t, _)| most.max(*t));
+    let powers = |p: i32| values.iter().map(|(t, _)| (t / longest).powi(p)).sum::<f64>();
+    let moments = |p: i32| values.iter().map(|(t, y)| (t / longest).powi(p) * y).sum::<f64>();
+    let (s2, s3, s4) = (powers(2), powers(3), powers(4));
+    let (y1, y2) = (moments(1), moments(2));
+    let determinant = s2 * s4 - s3 * s3;
+    let b = (y1 * s4 - y2 * s3) / determinant;
+    let c = (y2 * s2 - y1 * s3) / determinant;
+    let residual = |(t, y): &(f64, f64)| y - b * (t / longest) - c * (t / longest).powi(2);
+    let squares: f64 = values.iter().map(|v| residual(v).powi(2)).sum();
+    (3.0 * (squares / (values.len() - 2) as f64).sqrt(), b / longest)
+}
+
+/// Least-squares slope of log r over log t.
+fn order(points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let logs: Vec<(f64, f64)> = points.map(|(t, r)| (t.ln(), r.ln())).collect();
+    let n = logs.len() as f64;
+    let (x, y) = (logs.iter().map(|l| l.0).sum::<f64>() / n, logs.iter().map(|l| l.1).sum::<f64>() / n);
+    let above: f64 = logs.iter().map(|l| (l.0 - x) * (l.1 - y)).sum();
+    let below: f64 = logs.iter().map(|l| (l.0 - x).powi(2)).sum();
+    above / below
+}

@@ -1,0 +1,265 @@
+use crate::Mat3;
+
+/// Fourth-order two-point tensor `A_iJkL`, such as `dP/dF` (unit of stress).
+///
+/// Row-major: entry `9 (3 i + J) + 3 k + L` is `A_iJkL`, so row `3 i + J` holds `dP_iJ / dF`.
+/// The `add_*` methods accumulate, because energies do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tangent(pub [f64; 81]);
+
+/// Pairs of rows `(i, k)` and the third row `m` with `eps_ikm = 1`.
+const CYCLIC: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
+
+type Rows = [[f64; 3]; 3];
+
+impl Default for Tangent {
+    fn default() -> Self {
+        Self::zero()
+    }
+}
+
+impl Tangent {
+    /// The zero tensor.
+    #[inline]
+    pub const fn zero() -> Self {
+        Self([0.0; 81])
+    }
+
+    /// The tensor of a linear map `B -> A : B`, from its nine columns.
+    pub fn from_map(map: impl Fn(&Mat3) -> Mat3) -> Self {
+        let mut out = Self::zero();
+        for k in 0..3 {
+            for l in 0..3 {
+                let mut unit = Mat3::zeros();
+                unit[(k, l)] = 1.0;
+                let image = map(&unit);
+                for i in 0..3 {
+                    for j in 0..3 {
+                        out.0[index(i, j, k, l)] = image[(i, j)];
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Entry `A_iJkL`.
+    #[inline]
+    pub fn get(&self, i: usize, j: usize, k: usize, l: usize) -> f64 {
+        self.0[index(i, j, k, l)]
+    }
+
+    /// `A : B`, that is `A_iJkL B_kL`.
+    pub fn apply(&self, b: &Mat3) -> Mat3 {
+        let b = flat(b);
+        let row = |r: usize| (0..9).map(|c| self.0[9 * r + c] * b[c]).sum::<f64>();
+        Mat3::new(row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7), row(8))
+    }
+
+    /// The transpose `A_kLiJ`.
+    pub fn transposed(&self) -> Self {
+        let mut out = Self::zero();
+        for r in 0..9 {
+            for c in 0..9 {
+                out.0[9 * r + c] = self.0[9 * c + r];
+            }
+        }
+        out
+    }
+
+    /// `+ other`.
+    #[inline]
+    pub fn add(&mut self, other: &Tangent) {
+        for (a, b) in self.0.iter_mut().zip(&other.0) {
+            *a += b;
+        }
+    }
+
+    /// `+ s delta_ik delta_JL`.
+    #[inline]
+    pub fn add_identity(&mut self, s: f64) {
+        for d in 0..9 {
+            self.0[10 * d] += s;
+        }
+    }
+
+    /// `+ delta_ik M_JL`: a quadratic form of every spatial row of `F` alike, as in `F M : F`.
+    #[inline]
+    pub fn add_metric(&mut self, m: &Mat3) {
+        let m = rows(m);
+        for i in 0..3 {
+            self.add_block(i, i, &m);
+        }
+    }
+
+    /// `+ s delta_ik a_J a_L`, the second derivative of `s |F a|^2 / 2`.
+    #[inline]
+    pub fn add_fiber(&mut self, a: &crate::Vec3, s: f64) {
+        self.add_metric(&(a * (a * s).transpose()));
+    }
+
+    /// `+ s A_iJ B_kL`.
+    #[inline]
+    pub fn add_outer(&mut self, a: &Mat3, b: &Mat3, s: f64) {
+        let (a, b) = (flat(a), flat(b));
+        for (row, a) in self.0.chunks_exact_mut(9).zip(a) {
+            let a = s * a;
+            for (t, b) in row.iter_mut().zip(b) {
+                *t += a * b;
+            }
+        }
+    }
+
+    /// `+ s (A_iJ B_kL + B_iJ A_kL)`.
+    #[inline]
+    pub fn add_outer_symmetric(&mut self, a: &Mat3, b: &Mat3, s: f64) {
+        let (a, b) = (flat(a), flat(b));
+        for (r, row) in self.0.chunks_exact_mut(9).enumerate() {
+            let (sa, sb) = (s * a[r], s * b[r]);
+            for ((t, a), b) in row.iter_mut().zip(a).zip(b) {
+                *t += sa * b + sb * a;
+            }
+        }
+    }
+
+    /// `+ s X(A)`, the linear map `B -> s A x B`: `X(A)_iJkL = eps_ikm eps_JLN A_mN`.
+    #[inline]
+    pub fn add_cross(&mut self, a: &Mat3, s: f64) {
+        let a = rows(a);
+        for (i, k, m) in CYCLIC {
+            let block = spin(&a[m].map(|x| s * x));
+            self.add_block(i, k, &block);
+            self.subtract_block(k, i, &block);
+        }
+    }
+
+    /// `+ s X(F) X(F)`, the linear map `B -> s F x (F x B)`: the second derivative of `s |H|^2 / 2` at fixed `dH`.
+    ///
+    /// With `r_i` the rows of `F`, block `(i, k)` is `r_i r_k - (r_i . r_k) I`, and block `(i, i)` is the sum of
+    /// `|r_m|^2 I - r_m r_m` over the two other rows.
+    #[inline]
+    pub fn add_cross_squared(&mut self, f: &Mat3, s: f64) {
+        let r = rows(f);
+        for (i, k, m) in CYCLIC {
+            let mut own = dyad(&r[m], &r[m], -s);
+            let mut mixed = dyad(&r[i], &r[k], s);
+            let (square, product) = (s * dot(&r[m], &r[m]), s * dot(&r[i], &r[k]));
+            for d in 0..3 {
+                own[d][d] += square;
+                mixed[d][d] -= product;
+            }
+            self.add_block(i, i, &own);
+            self.add_block(k, k, &own);
+            self.add_block(i, k, &mixed);
+            self.add_block(k, i, &transposed(&mixed));
+        }
+    }
+
+    /// `+ X(F) [delta_ik M_JL] X(F)` for symmetric `M`: the second derivative of `H M : H / 2` at fixed `dH`.
+    #[inline]
+    pub fn add_cross_metric(&mut self, f: &Mat3, metric: &Mat3) {
+        let r = rows(f);
+        let metric = rows(metric);
+        for (i, k, m) in CYCLIC {
+            // X_ik = eps_ikm S(r_m), hence block (i, i) -= S(r_m) M S(r_m), and block (i, k) += S(r_k) M S(r_i).
+            let own = between_spins(&r[m], &metric, &r[m]);
+            self.subtract_block(i, i, &own);
+            self.subtract_block(k, k, &own);
+            let mixed = between_spins(&r[k], &metric, &r[i]);
+            self.add_block(i, k, &mixed);
+            self.add_block(k, i, &transposed(&mixed));
+        }
+    }
+
+    /// `+ X(F) D X(F)`: curvature `D = W_HH` by the cofactor, seen by `F`.
+    pub fn add_cross_both(&mut self, f: &Mat3, d: &Tangent) {
+        let right = d.times_cross(f);
+        // X is symmetric: X (D X) = ((D X)^T X)^T.
+        self.add(&right.transposed().times_cross(f).transposed());
+    }
+
+    /// `+ D X(F) + X(F) D^T`: mixed curvature `D = W_FH`, seen by `F`.
+    pub fn add_cross_mixed(&mut self, f: &Mat3, d: &Tangent) {
+        let right = d.times_cross(f);
+        self.add(&right);
+        self.add(&right.transposed());
+    }
+
+    /// `A X(F)`: row `iJ` of the product is `F x A_iJ`.
+    pub fn times_cross(&self, f: &Mat3) -> Self {
+        let mut out = Self::zero();
+        for r in 0..9 {
+            let row = Mat3::from_row_slice(&self.0[9 * r..9 * r + 9]);
+            out.0[9 * r..9 * r + 9].copy_from_slice(&flat(&crate::cross(f, &row)));
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn add_block(&mut self, i: usize, k: usize, block: &Rows) {
+        for (j, row) in block.iter().enumerate() {
+            for (l, b) in row.iter().enumerate() {
+                self.0[index(i, j, k, l)] += b;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn subtract_block(&mut self, i: usize, k: usize, block: &Rows) {
+        for (j, row) in block.iter().enumerate() {
+            for (l, b) in row.iter().enumerate() {
+                self.0[index(i, j, k, l)] -= b;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+const fn index(i: usize, j: usize, k: usize, l: usize) -> usize {
+    9 * (3 * i + j) + 3 * k + l
+}
+
+#[inline(always)]
+fn rows(m: &Mat3) -> Rows {
+    [[m[(0, 0)], m[(0, 1)], m[(0, 2)]], [m[(1, 0)], m[(1, 1)], m[(1, 2)]], [m[(2, 0)], m[(2, 1)], m[(2, 2)]]]
+}
+
+#[inline(always)]
+fn flat(m: &Mat3) -> [f64; 9] {
+    let [a, b, c] = rows(m);
+    [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]
+}
+
+#[inline(always)]
+fn transposed(m: &Rows) -> Rows {
+    [[m[0][0], m[1][0], m[2][0]], [m[0][1], m[1][1], m[2][1]], [m[0][2], m[1][2], m[2][2]]]
+}
+
+/// `S(r)_JL = eps_JLN r_N`, so that `S(r) v = v x r`.
+#[inline(always)]
+fn spin(r: &[f64; 3]) -> Rows {
+    [[0.0, r[2], -r[1]], [-r[2], 0.0, r[0]], [r[1], -r[0], 0.0]]
+}
+
+#[inline(always)]
+fn dyad(a: &[f64; 3], b: &[f64; 3], s: f64) -> Rows {
+    a.map(|a| b.map(|b| s * a * b))
+}
+
+#[inline(always)]
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn vector_cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// `S(a) M S(b)` for symmetric `M`.
+#[inline(always)]
+fn between_spins(a: &[f64; 3], m: &Rows, b: &[f64; 3]) -> Rows {
+    // Columns of S(a) M are m_L x a (m_L a row of M, by symmetry); rows v of the product become -(v x b).
+    let left = transposed(&[vector_cross(&m[0], a), vector_cross(&m[1], a), vector_cross(&m[2], a)]);
+    left.map(|v| vector_cross(b, &v))
+}

@@ -1,0 +1,56 @@
+//! nastic: optimal control of actuated hyperelastic soft bodies.
+//!
+//! Given a soft body, what it is made of and how it can be actuated, find the actuation that bends it into the shape you
+//! want, and prove that the answer is right. The body obeys a polyconvex energy and is solved by finite elements at finite
+//! strain; fibre tension, turgor or hard magnets drive it; a cost says how far it is from the wish; the adjoint gives the
+//! gradient; a projected method moves the controls within their bounds.
+//!
+//! ```
+//! use nastic::prelude::*;
+//!
+//! let body = Solid::new(box_mesh([1.0, 0.2, 0.2], [5, 1, 2], CellKind::Hex8)?)?
+//!     .material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?
+//!     .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
+//!     .clamp("x-")?;
+//! let lifted = Target::position(|x| [0.98 * x[0], x[1], x[2] + 0.1]);
+//! let problem = Reduced::new(body).cost(Tracking::surface("x+", lifted))?;
+//! let best = Lbfgs::default().within(Bounds::new(-3e5, 1.9e5)?).minimize(&problem, 0.0)?;
+//! assert!(best.cost < 1e-2 * problem.at(&vec![0.0; 10], None, 0)?.cost());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`tensor`] | 3x3 kinematics, the tensor cross product |
+//! | [`energy`] | passive laws and actuations, contract checks for your own |
+//! | [`mesh`] | elements, meshes, quality, exact distances |
+//! | [`io`] | Gmsh and VTU in; VTU, PVD and pictures out |
+//! | [`fem`] | bodies, equilibria, adjoints |
+//! | [`opt`] | admissible sets, optimisers, the Taylor test |
+//! | [`control`] | control fields, costs, reduced problems |
+//! | [`case`] | case files and what the command line does with them |
+
+pub use nastic_case as case;
+pub use nastic_control as control;
+pub use nastic_energy as energy;
+pub use nastic_fem as fem;
+pub use nastic_io as io;
+pub use nastic_mesh as mesh;
+pub use nastic_opt as opt;
+pub use nastic_tensor as tensor;
+
+/// What most programs need.
+pub mod prelude {
+    pub use crate::control::{
+        ControlNorm, ControlSmoothness, Cost, Evaluated, Metric, Phi, Reduced, SmoothedHausdorff, Space, Target,
+        Tracking,
+    };
+    pub use crate::energy::{
+        Actuation, ConvexDensity, EnergyTerm, FiberTension, Field, MooneyRivlin, NeoHooke, NeoHookeIsochoric,
+        TransverseMooneyRivlin, Turgor,
+    };
+    pub use crate::fem::{Solid, State};
+    pub use crate::mesh::{CellKind, Mesh, Snapshot, box_mesh, rectangle};
+    pub use crate::opt::{Bounds, Lbfgs, Objective, Optimizer, Problem, ProjectedGradient, Spectral, Taylor};
+    pub use crate::tensor::{Mat3, Vec3};
+}

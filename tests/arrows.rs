@@ -1,0 +1,62 @@
+//! The arrows between our crates are those of ARCHITECTURE.md, read from the manifests.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// Who may depend on whom; `nastic` is the facade.
+const ALLOWED: &[(&str, &[&str])] = &[
+    ("tensor", &[]),
+    ("energy", &["tensor"]),
+    ("mesh", &[]),
+    ("io", &["mesh"]),
+    ("fem", &["tensor", "energy", "mesh"]),
+    ("opt", &[]),
+    ("control", &["tensor", "energy", "mesh", "fem", "opt"]),
+    ("case", &["tensor", "energy", "mesh", "io", "fem", "opt", "control"]),
+    ("cli", &["case"]),
+    ("nastic", &["tensor", "energy", "mesh", "io", "fem", "opt", "control", "case"]),
+];
+
+/// Our crates named in the `[dependencies]` of a manifest; development dependencies may point anywhere.
+fn arrows_of(manifest: &str) -> BTreeSet<String> {
+    let mut section = "";
+    let mut found = BTreeSet::new();
+    for line in manifest.lines().map(str::trim) {
+        if line.starts_with('[') {
+            section = line;
+        } else if section == "[dependencies]" || section == "[build-dependencies]" {
+            let key = line.split(['=', '.', ' ']).next().unwrap_or_default();
+            found.extend(key.strip_prefix("nastic-").map(str::to_owned));
+        }
+    }
+    found
+}
+
+#[test]
+fn crates_depend_only_along_the_arrows() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut manifests: BTreeMap<String, String> = BTreeMap::new();
+    manifests.insert("nastic".into(), std::fs::read_to_string(root.join("Cargo.toml")).unwrap());
+    for entry in std::fs::read_dir(root.join("crates")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        manifests.insert(name, std::fs::read_to_string(path.join("Cargo.toml")).unwrap());
+    }
+    let known: BTreeSet<&str> = ALLOWED.iter().map(|(name, _)| *name).collect();
+    assert_eq!(known, manifests.keys().map(String::as_str).collect(), "a crate came or went: mend the table");
+    for (name, allowed) in ALLOWED {
+        let allowed: BTreeSet<String> = allowed.iter().map(|a| (*a).to_string()).collect();
+        let arrows = arrows_of(&manifests[*name]);
+        let wrong: Vec<_> = arrows.difference(&allowed).collect();
+        assert!(wrong.is_empty(), "nastic-{name} must not depend on {wrong:?}");
+    }
+}
+
+#[test]
+fn the_reader_of_manifests_sees_arrows() {
+    let manifest = "[package]\nname = \"x\"\n[dependencies]\nnastic-fem.workspace = true\nfaer = \"1\"\n\
+                    nastic-opt = { path = \"..\" }\n[dev-dependencies]\nnastic-case = \"1\"\n";
+    assert_eq!(arrows_of(manifest), BTreeSet::from(["fem".to_owned(), "opt".to_owned()]));
+}

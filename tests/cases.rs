@@ -1,0 +1,135 @@
+//! The shipped cases hold what they expect, and mistakes in cases are told with what, where and what to try.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may
+
+use nastic::case::console::Console;
+use nastic::case::run::{Exit, Options, Outcome, RunError, run};
+use nastic::case::schema::Command;
+use std::path::{Path, PathBuf};
+
+fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/cases").join(name)
+}
+
+/// Results of tests go below `target`, each to a directory of its own.
+fn scratch(name: &str) -> PathBuf {
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&directory).unwrap();
+    directory
+}
+
+fn command(command: Command, case: &Path, name: &str, set: &[&str]) -> Result<Outcome, RunError> {
+    let set = set.iter().map(|s| (*s).to_owned()).collect();
+    let options = Options { out: Some(scratch(name)), set, ..Options::default() };
+    run(command, case, &options, &Console::silent())
+}
+
+#[test]
+fn every_shipped_case_is_complete() {
+    let mut cases = 0;
+    for entry in std::fs::read_dir(shipped("")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "json") {
+            let outcome = command(Command::Check, &path, "check", &[]);
+            let outcome = outcome.unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            assert_eq!(outcome.exit, Exit::Done, "{}", path.display());
+            assert_eq!(
+                outcome.result["warnings"].as_array().map(Vec::len),
+                Some(0),
+                "{}: {}",
+                path.display(),
+                outcome.result
+            );
+            cases += 1;
+        }
+    }
+    assert!(cases >= 5);
+}
+
+#[test]
+fn the_reference_case_meets_the_numbers_of_six_codes() {
+    let outcome = command(Command::Solve, &shipped("reference.json"), "reference", &[]).unwrap();
+    assert_eq!((outcome.exit, outcome.missed.len()), (Exit::Done, 0), "{:?}", outcome.missed);
+    let outcome =
+        command(Command::Solve, &shipped("reference.json"), "reference_off", &["materials/0/mu1=101 kPa"]).unwrap();
+    assert_eq!((outcome.exit, outcome.missed.len()), (Exit::ExpectMissed, 3));
+}
+
+#[test]
+fn gradcheck_passes_and_leaves_no_state() {
+    let set = ["mesh/box/cells=[5,1,1]", "mesh/box/element=hex8"];
+    let outcome = command(Command::Gradcheck, &shipped("tip_tracking.json"), "gradcheck", &set).unwrap();
+    assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
+}
+
+#[test]
+fn the_strip_reaches_its_target_within_bounds() {
+    let outcome = command(Command::Optimize, &shipped("strip.json"), "strip", &[]).unwrap();
+    assert!(matches!(outcome.exit, Exit::Done), "{:?} {}", outcome.exit, outcome.result["stop"]);
+    let (first, last) = (&outcome.result["start"]["cost"]["total"], &outcome.result["cost"]["total"]);
+    assert!(last.as_f64().unwrap() < 1e-2 * first.as_f64().unwrap(), "{first} -> {last}");
+    for file in ["start.vtu", "optimum.vtu", "iterations.pvd", "history.jsonl", "result.json", "picture.png"] {
+        assert!(scratch("strip").join(file).exists(), "{file}");
+    }
+}
+
+/// A small case with one thing changed, and what is said of it.
+fn complaint(name: &str, from: &str, to: &str) -> String {
+    const GOOD: &str = r#"{
+      "nastic": 1,
+      "mesh": { "box": { "size": [1.0, 0.2, 0.2], "cells": [4, 1, 1], "element": "hex8" } },
+      "materials": [ { "region": "body", "law": "mooney_rivlin", "mu1": "100 kPa", "mu2": "20 kPa", "mu3": "1 MPa" } ],
+      "supports": [ { "surface": "x-", "fix": ["x", "y", "z"] } ],
+      "actuation": [ { "name": "tension", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0] } ],
+      "controls": [ { "of": "tension", "space": "cell", "start": "0 Pa", "lower": "-100 kPa", "upper": "100 kPa" } ],
+      "costs": [ { "kind": "tracking", "surface": "x+", "target": ["X", "Y", "Z + 0.1 m"] } ]
+    }"#;
+    assert!(GOOD.contains(from), "{from}");
+    let path = scratch("mistakes").join(format!("{name}.json"));
+    std::fs::write(&path, GOOD.replace(from, to)).unwrap();
+    match command(Command::Check, &path, "mistakes", &[]) {
+        Err(error) => {
+            assert_eq!(error.exit(), Exit::BadInput, "{error}");
+            error.to_string()
+        }
+        Ok(outcome) => outcome.result["warnings"].to_string(),
+    }
+}
+
+#[test]
+fn mistakes_are_told_with_what_where_and_what_to_try() {
+    assert_eq!(complaint("good", "\"nastic\": 1", "\"nastic\": 1"), "[]");
+    let generated = r#"{ "box": { "size": [1.0, 0.2, 0.2], "cells": [4, 1, 1], "element": "hex8" } }"#;
+    let hausdorff = r#"{ "kind": "smoothed_hausdorff", "target": "nowhere.msh", "phi": { "exponential": { "length": 0.1 } },
+                         "stages": [ { "alpha": 1, "beta": 4, "gamma": 4 } ] }"#;
+    let tracking = r#"{ "kind": "tracking", "surface": "x+", "target": ["X", "Y", "Z + 0.1 m"] }"#;
+    let cases: [(&str, &str, &str, &[&str]); 10] = [
+        ("missing_mesh", generated, "\"nowhere.msh\"", &["nowhere.msh", "mesh"]),
+        ("missing_target", tracking, hausdorff, &["nowhere.msh", "costs/0"]),
+        (
+            "region",
+            "\"region\": \"body\", \"law\"",
+            "\"region\": \"bdy\", \"law\"",
+            &["\"bdy\" not found", "it has: body"],
+        ),
+        ("surface", "\"surface\": \"x-\"", "\"surface\": \"x_\"", &["\"x_\" not found", "x-"]),
+        ("unit", "\"mu1\": \"100 kPa\"", "\"mu1\": \"100 mm\"", &["materials/0/mu1", "pressure"]),
+        ("bounds", "\"lower\": \"-100 kPa\"", "\"lower\": \"200 kPa\"", &["controls/0", "lower"]),
+        ("fiber", "\"direction\": [1, 0, 0]", "\"direction\": [1, 1, 0]", &["actuation/0/direction", "1.41"]),
+        ("support", "\"fix\": [\"x\", \"y\", \"z\"]", "\"fix\": [\"x\"]", &["rigid motion", "shift along y"]),
+        ("key", "\"supports\"", "\"suports\"", &["suports", "supports"]),
+        ("zero", "\"size\": [1.0, 0.2, 0.2]", "\"size\": [1.0, 0.0, 0.2]", &["mesh", "0"]),
+    ];
+    for (name, from, to, parts) in cases {
+        let said = complaint(name, from, to);
+        for part in parts {
+            assert!(said.contains(part), "{name}: no \"{part}\" in: {said}");
+        }
+    }
+}
+
+#[test]
+fn a_body_in_millimetres_is_warned_about_with_its_size() {
+    let said = complaint("millimetres", "\"size\": [1.0, 0.2, 0.2]", "\"size\": [1000, 200, 200]");
+    assert!(said.contains("1000") && said.contains("scale"), "{said}");
+}

@@ -1,0 +1,65 @@
+//! The example programs run, and say what their heads promise.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The compiled example: `cargo test` builds them beside this test.
+fn example(name: &str) -> PathBuf {
+    let test = std::env::current_exe().unwrap();
+    test.parent().and_then(Path::parent).unwrap().join("examples").join(name)
+}
+
+/// Its standard output; from the project's root, where the meshes are.
+fn run(name: &str, args: &[&str]) -> String {
+    let program = example(name);
+    let output = Command::new(&program).args(args).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+    let output = output.unwrap_or_else(|e| panic!("{}: {e}; run the whole `cargo test`", program.display()));
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The number that follows `before`.
+fn number_after(text: &str, before: &str) -> f64 {
+    let rest = &text[text.rfind(before).unwrap_or_else(|| panic!("no \"{before}\" in:\n{text}")) + before.len()..];
+    let end = rest.find(|c: char| !(c.is_ascii_digit() || ".e+-".contains(c))).unwrap_or(rest.len());
+    rest[..end].parse().unwrap()
+}
+
+#[test]
+fn a_known_control_is_found_again() {
+    let said = run("known_control", &[]);
+    assert!(said.contains("converged"), "{said}");
+    let (first, last) = (number_after(&said, "distance "), number_after(&said, "m -> "));
+    assert!(first > 0.4 && last < 0.01 && last < first / 30.0, "{said}");
+}
+
+#[test]
+fn the_arc_is_approached() {
+    let said = run("fiber_cantilever", &[]);
+    let (first, last) = (number_after(&said, "distance "), number_after(&said, "m -> "));
+    assert!(last < first / 5.0, "{said}");
+    for file in ["start.vtu", "optimum.vtu", "target.vtu", "picture.png"] {
+        assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("out/fiber_cantilever").join(file).exists(), "{file}");
+    }
+}
+
+#[test]
+fn tip_tracking_falls_by_four_decades_in_twenty_iterations() {
+    let said = run("tip_tracking", &["lbfgs", "4", "20"]);
+    assert!(number_after(&said, "\ncost ") < 1.47e-7, "{said}");
+}
+
+#[test]
+fn the_shortest_program_converges() {
+    let said = run("shortest", &[]);
+    assert!(said.contains("cost"), "{said}");
+}
+
+#[test]
+fn a_law_of_ones_own_passes_the_contract_and_is_driven() {
+    let said = run("own_energy", &[]);
+    assert!(said.contains("verdict: right"), "{said}");
+    assert!(number_after(&said, "tracking cost ") < 1e-6, "{said}");
+}
