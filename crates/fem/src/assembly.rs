@@ -205,7 +205,13 @@ impl Job<'_> {
 
 /// Adds an element matrix in component blocks (see [`CellKernel`]) to the node blocks of the global one (see
 /// [`Pattern::scatter_map`](crate::linear::Pattern::scatter_map) for the codes).
-fn scatter_matrix<const D: usize>(map: &[u32], nodes: usize, width: usize, matrix: &[f64], values: &mut [f64]) {
+pub(crate) fn scatter_matrix<const D: usize>(
+    map: &[u32],
+    nodes: usize,
+    width: usize,
+    matrix: &[f64],
+    values: &mut [f64],
+) {
     let (columns, _) = values.as_chunks_mut::<D>();
     let entry = |a: usize, r: usize, b: usize, c: usize| match r <= c {
         true => matrix[(block_index(r, c, D) * nodes + a) * width + b],
@@ -227,11 +233,11 @@ fn scatter_matrix<const D: usize>(map: &[u32], nodes: usize, width: usize, matri
 }
 
 /// Working memory of one task.
-struct Scratch {
-    g: Vec<f64>,
-    rows: Vec<f64>,
+pub(crate) struct Scratch {
+    pub g: Vec<f64>,
+    pub rows: Vec<f64>,
     gradients: Vec<Mat3>,
-    kinematics: Vec<Kinematics>,
+    pub kinematics: Vec<Kinematics>,
     energy: Vec<f64>,
     stress: Vec<Mat3>,
     tangent: Vec<Tangent>,
@@ -239,7 +245,7 @@ struct Scratch {
 }
 
 impl Scratch {
-    fn new(part: &Part, dim: usize) -> Self {
+    pub fn new(part: &Part, dim: usize) -> Self {
         let points = part.table.points;
         Scratch {
             g: vec![0.0; part.table.gradients.len()],
@@ -268,7 +274,7 @@ impl Scratch {
     }
 
     /// Shape gradients and kinematics of the c-th cell displaced by u.
-    fn move_to(
+    pub fn move_to(
         &mut self,
         part: &Part,
         kernel: &dyn CellKernel,
@@ -333,7 +339,7 @@ pub(crate) fn max_step(body: &Body, u: &[f64], du: &[f64], parallel: bool) -> Re
 
 /// The condition of [`max_step`] at one point, to a factor of two: the Bernstein coefficients of the cubic
 /// `det(F + t G) - det F / 10` on `[0, s]` are positive.
-fn volume_step(at: &Kinematics, g: &Mat3) -> f64 {
+pub(crate) fn volume_step(at: &Kinematics, g: &Mat3) -> f64 {
     let constant = 0.9 * at.j();
     let linear = at.h().dot(g);
     let quadratic = at.f().dot(&nastic_tensor::cofactor(g));

@@ -5,7 +5,7 @@ use crate::linear::{Graph, Ordering, Pattern, Symbolic, SymmetricMatrix};
 use crate::sampling::{Part, Sampling};
 use nastic_mesh::Mesh;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A mesh with its quadrature points, numbering, sparsity pattern and symbolic factorisation.
 ///
@@ -16,6 +16,8 @@ pub struct Discretization {
     body: Sampling,
     pattern: Arc<Pattern>,
     symbolic: Arc<Symbolic>,
+    /// That of one unknown per node, made when first asked for.
+    scalar: OnceLock<Arc<Symbolic>>,
     /// Per part of the body's sampling: the scatter map of every cell, one after the other.
     scatter: Vec<Vec<u32>>,
 }
@@ -41,7 +43,7 @@ impl Discretization {
             Ok(maps)
         };
         let scatter = body.parts.iter().map(of_part).collect::<Result<_, FemError>>()?;
-        Ok(Arc::new(Discretization { mesh, body, pattern, symbolic, scatter }))
+        Ok(Arc::new(Discretization { mesh, body, pattern, symbolic, scalar: OnceLock::new(), scatter }))
     }
 
     /// The mesh.
@@ -93,6 +95,16 @@ impl Discretization {
     /// The symbolic factorisation of the tangent.
     pub fn symbolic(&self) -> &Arc<Symbolic> {
         &self.symbolic
+    }
+
+    /// The symbolic factorisation of scalar fields, in the same order of nodes.
+    pub(crate) fn scalar_symbolic(&self) -> Result<Arc<Symbolic>, crate::linear::StructureError> {
+        if let Some(known) = self.scalar.get() {
+            return Ok(known.clone());
+        }
+        let pattern = Arc::new(self.pattern.with_dim(1));
+        let new = Arc::new(Symbolic::new(&pattern)?);
+        Ok(self.scalar.get_or_init(|| new).clone())
     }
 
     /// A zero matrix of the tangent's pattern.

@@ -6,6 +6,7 @@
 
 mod adjoint;
 mod assembly;
+mod bend;
 mod body;
 mod continuation;
 mod controls;

@@ -1,5 +1,6 @@
 //! Newton's method with a line search on the total potential.
 
+use crate::bend::{self, Fit};
 use crate::body::Evaluation;
 use crate::controls::Controls;
 use crate::error::InvertedAt;
@@ -43,6 +44,11 @@ struct Here<'a> {
     scale: f64,
 }
 
+/// A displacement with what was found there.
+type Next = (Vec<f64>, Evaluation);
+
+/// Steps that leave less than this share of the smallest J are too long.
+const COLLAPSE: f64 = 0.09;
 /// Sufficient decrease wanted of a step, as a share of what the slope promises.
 const ARMIJO: f64 = 1e-4;
 /// Below this relative residual a step that does not halve it has met the limit of double precision.
@@ -62,6 +68,7 @@ impl Newton<'_> {
         let mut now = self.evaluate(&u)?;
         let mut jump = self.jump(&u);
         let mut before = f64::INFINITY;
+        let mut fit = None;
         for _ in 0..self.request.max_newton {
             if self.request.cancelled() {
                 return Err(Stop::Cancelled);
@@ -84,16 +91,15 @@ impl Newton<'_> {
                 self.prescribe(&mut step, &jump);
                 self.jump_step(&here, &step)?
             } else if stable {
-                self.energy_search(&here, &step)?
+                self.downhill(&here, &step, &mut fit)?
             } else if let Some(found) = self.residual_search(&here, &step)? {
                 found
             } else {
                 step = tangents.solve_shifted(matrix, &rhs, factor, report).map_err(Stop::Linear)?;
-                self.energy_search(&here, &step)?
+                self.downhill(&here, &step, &mut fit)?
             };
             let tiny = stable && largest(&step) <= RESOLUTION * self.solid.mesh().diagonal();
-            u = moved(&u, &step, length);
-            now = next;
+            (u, now) = next;
             self.tell(length, &now, &u, report);
             if tiny && length == 1.0 {
                 let (_, relative) = self.residual(&now);
@@ -165,32 +171,64 @@ impl Newton<'_> {
     }
 
     /// The prescribed components move at once or not at all.
-    fn jump_step(&self, here: &Here, step: &[f64]) -> Result<(f64, Evaluation), Stop> {
+    fn jump_step(&self, here: &Here, step: &[f64]) -> Result<(f64, Next), Stop> {
         if self.longest(here, step)? < 1.0 {
             return Err(Stop::Slow { residual: self.residual(here.now).1 });
         }
-        Ok((1.0, self.evaluate(&moved(here.u, step, 1.0))?))
+        let u = moved(here.u, step, 1.0);
+        let next = self.evaluate(&u)?;
+        Ok((1.0, (u, next)))
     }
 
     fn longest(&self, here: &Here, step: &[f64]) -> Result<f64, InvertedAt> {
         self.solid.body().max_step(here.u, step, self.request.parallel)
     }
 
-    /// The longest of a few step lengths that lowers the potential enough and inverts nothing.
-    fn energy_search(&self, here: &Here, step: &[f64]) -> Result<(f64, Evaluation), Stop> {
+    /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
+    fn downhill(&self, here: &Here, step: &[f64], fit: &mut Option<Fit>) -> Result<(f64, Next), Stop> {
+        let parallel = self.request.parallel;
+        if let Some(longest) = bend::reach(self.solid.body(), here.u, step, parallel) {
+            if fit.is_none() {
+                *fit = Fit::new(self.solid, parallel);
+            }
+            if let Some(fit) = fit {
+                let curve = |s: f64| {
+                    let bent = fit.correction(self.solid, here.u, step, s, parallel);
+                    moved(&moved(here.u, step, s), &bent, 1.0)
+                };
+                let found = self.energy_search(here, step, &curve, longest);
+                if !matches!(found, Err(Stop::Slow { .. })) {
+                    return found;
+                }
+            }
+        }
+        let longest = self.longest(here, step)?;
+        self.energy_search(here, step, &|s| moved(here.u, step, s), longest)
+    }
+
+    /// The longest of a few step lengths along a path that starts in the direction of `step` which lowers the potential
+    /// enough and inverts nothing.
+    fn energy_search(
+        &self,
+        here: &Here,
+        step: &[f64],
+        path: &dyn Fn(f64) -> Vec<f64>,
+        longest: f64,
+    ) -> Result<(f64, Next), Stop> {
         let slope: f64 = here.residual.iter().zip(step).map(|(r, s)| r * s).sum();
         let start = self.potential(here.now, here.u);
         let noise = 64.0 * f64::EPSILON * here.scale;
-        let mut length = self.longest(here, step)?;
+        let mut length = longest;
         for _ in 0..30 {
-            let trial = moved(here.u, step, length);
-            let Ok(next) = self.evaluate(&trial) else {
+            let trial = path(length);
+            let sound = self.evaluate(&trial).ok().filter(|next| next.min_j >= COLLAPSE * here.now.min_j);
+            let Some(next) = sound else {
                 length *= 0.5;
                 continue;
             };
             let change = self.potential(&next, &trial) - start;
             if change <= ARMIJO * length * slope + noise {
-                return Ok((length, next));
+                return Ok((length, (trial, next)));
             }
             // the vertex of the parabola through the start, its slope and this value
             let vertex = -slope * length * length / (2.0 * (change - slope * length));
@@ -201,14 +239,15 @@ impl Newton<'_> {
 
     /// Where the tangent has negative eigenvalues an equilibrium nearby may be a saddle of the potential: the branch is
     /// followed as long as the residual falls, and the state's inertia tells what was found.
-    fn residual_search(&self, here: &Here, step: &[f64]) -> Result<Option<(f64, Evaluation)>, Stop> {
+    fn residual_search(&self, here: &Here, step: &[f64]) -> Result<Option<(f64, Next)>, Stop> {
         let before = norm(here.residual);
         let mut length = self.longest(here, step)?;
         for _ in 0..4 {
-            if let Ok(next) = self.evaluate(&moved(here.u, step, length))
+            let trial = moved(here.u, step, length);
+            if let Ok(next) = self.evaluate(&trial)
                 && norm(&self.residual(&next).0) <= (1.0 - 0.1 * length) * before
             {
-                return Ok(Some((length, next)));
+                return Ok(Some((length, (trial, next))));
             }
             length *= 0.5;
         }

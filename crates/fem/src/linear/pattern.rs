@@ -60,6 +60,12 @@ impl Pattern {
         Ok(Self { dim, ordering, starts, rows })
     }
 
+    /// The same nodes in the same order, with another number of dofs each.
+    #[must_use]
+    pub fn with_dim(&self, dim: usize) -> Self {
+        Self { dim, ..self.clone() }
+    }
+
     /// Dofs per node.
     pub fn dim(&self) -> usize {
         self.dim

@@ -1,0 +1,81 @@
+//! One equilibrium of the fibre cantilever and one gradient there, part by part, as a line of JSON.
+//!
+//! `cargo bench --bench forward -- element=hex27 n=6 repeat=3 threads=2`: the bar [0,1] x [0,0.2]^2 with 5n x n x n
+//! cells (hex8: n = 12 is 30,927 unknowns, 18 is 98,553, 30 is 435,333; hex27 has as many at half of n), Mooney-Rivlin
+//! (1e5, 2e4, 1e6) Pa, tension -1.5e5 Z/0.2 Pa at the points, all at once. Times are medians, in seconds.
+
+#![allow(clippy::print_stdout)] // programs talk, libraries do not
+
+#[path = "common/mod.rs"]
+mod common;
+
+use common::{Arguments, cantilever, median, peak_memory};
+use nastic::fem::Request;
+use nastic::fem::linear::Pivots;
+use nastic::prelude::*;
+use std::time::Instant;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments = Arguments::read()?;
+    let kind = arguments.element("element", CellKind::Hex8)?;
+    let across = arguments.number("n", 12)?;
+    let repeat = arguments.number("repeat", 3)?;
+    arguments.use_threads()?;
+
+    let began = Instant::now();
+    let body = cantilever(kind, across)?;
+    let controls = common::tension(&body)?;
+    let setup = began.elapsed().as_secs_f64();
+
+    let disc = body.discretization().clone();
+    let solved = body.solve(&controls, &Request::default())?;
+    let forward = median(repeat, || body.solve(&controls, &Request::default()).map(drop))?;
+    let state = &solved.state;
+
+    let mut tangent = disc.matrix();
+    let assembly = median(repeat, || {
+        tangent.values.fill(0.0);
+        body.body().evaluate_tangent(&state.u, &controls, &mut tangent, true).map(drop)
+    })?;
+    let force = median(repeat, || body.body().evaluate(&state.u, &controls, true, true).map(drop))?;
+    let diagonal = tangent.diagonal().iter().copied().fold(0.0, f64::max);
+    tangent.eliminate(body.supports().fixed(), diagonal);
+    let mut factor = disc.symbolic().factorize(&tangent, Pivots::Positive, true)?;
+    let factorisation = median(repeat, || factor.refactorize(&tangent, Pivots::Positive, true))?;
+    let mut x = vec![1.0; disc.dofs()];
+    let substitution = median(repeat, || {
+        factor.solve(&mut x, 1);
+        x.fill(1.0);
+        Ok::<(), std::convert::Infallible>(())
+    })?;
+
+    let wish: Vec<f64> = (0..disc.dofs()).map(|i| f64::from(i as u32 % 7) - 3.0).collect();
+    let how = Request { factor: solved.factor.clone(), ..Request::default() };
+    let gradient = median(repeat, || {
+        let adjoint = body.adjoint(state, &[&wish], &how)?;
+        body.body().pull_back(&state.u, &controls, &adjoint.lambda[0]).map_err(Box::<dyn std::error::Error>::from)?;
+        Ok::<(), Box<dyn std::error::Error>>(())
+    })?;
+
+    let tip =
+        body.mesh().points().iter().position(|x| (x[0] - 1.0).abs() + (x[1] - 0.2).abs() + (x[2] - 0.2).abs() < 1e-9);
+    let tip = tip.map(|node| state.u[3 * node..3 * node + 3].to_vec()).unwrap_or_default();
+    let r = &state.report;
+    println!(
+        "{{\"peer\": \"nastic\", \"element\": \"{}\", \"n\": {across}, \"ndof\": {}, \"threads\": {}, \"setup_s\": {setup:.4}, \
+         \"forward_s\": {forward:.4}, \"newton\": {}, \"factorisations\": {}, \"reused\": {}, \"back_substitutions\": {}, \
+         \"tangent_s\": {assembly:.4}, \"force_s\": {force:.4}, \"factor_s\": {factorisation:.4}, \"solve_s\": {substitution:.4}, \
+         \"gradient_s\": {gradient:.4}, \"factor_mb\": {:.1}, \"factor_gflop\": {:.3}, \"rss_mb\": {:.1}, \"tip_corner\": {tip:?}}}",
+        kind.name(),
+        disc.dofs(),
+        common::threads(),
+        r.newton,
+        r.factorisations,
+        r.reused,
+        r.back_substitutions,
+        disc.symbolic().nonzeros() as f64 * 8e-6,
+        disc.symbolic().flops() * 1e-9,
+        peak_memory(),
+    );
+    Ok(())
+}
