@@ -46,6 +46,7 @@ impl Solid {
         let matrix = self.tangent(state, how.parallel)?;
         let (mut factor, mut report) = (how.factor.clone(), SolveReport::default());
         let lambda = Tangents::new(self, how.parallel)
+            .standing_at(&state.u)
             .solve_exactly(matrix, &columns, TOLERANCE, &mut factor, &mut report)
             .map_err(|why| StateError::Linear { why })?;
         Ok(Adjoint { lambda, factor, report })

@@ -13,6 +13,7 @@ mod controls;
 mod discretization;
 mod error;
 mod fields;
+mod frame;
 mod kernel;
 pub mod linear;
 mod newton;

@@ -1,15 +1,17 @@
 //! Linear systems with tangents: the factor at hand as preconditioner while that is cheaper than a new one.
 
-use crate::linear::{CgReport, Factor, FactorError, Pivots, SymmetricMatrix, conjugate_gradient, refine};
+use crate::frame;
+use crate::linear::{
+    CgEnd, CgReport, Factor, FactorError, Pivots, Rotations, SymmetricMatrix, Turned, conjugate_gradient, refine,
+};
 use crate::solid::Solid;
 use crate::state::SolveReport;
+use std::cell::OnceCell;
 use std::sync::Arc;
 
-/// Residual wanted of a Newton step found with a kept factor: the step is corrected by the next one anyway.
-const STEP_TOLERANCE: f64 = 1e-4;
 /// Back substitutions that cost as much as factorising, per flop of the factorisation and entry of the factor: a
 /// back substitution is bound by memory, a factorisation by arithmetic (measured: 1/27 of it at 95k unknowns in 3D).
-const FLOPS_PER_ENTRY: f64 = 75.0;
+const FLOPS_PER_ENTRY: f64 = 60.0;
 
 /// Solves the tangent systems of one Newton run and decides, from counts alone, when to factorise.
 pub(crate) struct Tangents<'a> {
@@ -17,41 +19,68 @@ pub(crate) struct Tangents<'a> {
     parallel: bool,
     /// Whether the kept factor served well last time.
     serves: bool,
+    /// Displacement at which the tangents are taken, and how far the body has turned there, once somebody asked.
+    u: Vec<f64>,
+    rotations: OnceCell<Arc<Rotations>>,
 }
 
 impl<'a> Tangents<'a> {
     pub fn new(solid: &'a Solid, parallel: bool) -> Self {
-        Tangents { solid, parallel, serves: true }
+        Tangents { solid, parallel, serves: true, u: Vec::new(), rotations: OnceCell::new() }
     }
 
-    /// The Newton step of a tangent whose supports are eliminated, and whether the tangent is positive definite.
+    /// Says at which displacement the tangents to come are taken.
+    pub fn stand_at(&mut self, u: &[f64]) {
+        self.u = u.to_vec();
+        self.rotations = OnceCell::new();
+    }
+
+    /// [`stand_at`](Self::stand_at), chained.
+    pub fn standing_at(mut self, u: &[f64]) -> Self {
+        self.stand_at(u);
+        self
+    }
+
+    fn rotations(&self) -> &Arc<Rotations> {
+        self.rotations.get_or_init(|| Arc::new(frame::rotations(self.solid.body(), &self.u, self.parallel)))
+    }
+
+    /// The Newton step of a tangent whose supports are eliminated, to a relative residual of `tolerance`, and whether the
+    /// tangent is positive definite.
     pub fn solve(
         &mut self,
         matrix: &SymmetricMatrix,
         rhs: &[f64],
+        tolerance: f64,
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, bool), String> {
+        let mut indefinite = false;
         if let Some(kept) = factor.as_deref().filter(|f| self.serves && f.pivots() == Pivots::Positive) {
-            let (step, cg) = precondition(matrix, kept, rhs, STEP_TOLERANCE, self.worth());
+            let (step, cg) = self.precondition(matrix, kept, rhs, tolerance);
             report.back_substitutions += cg.iterations;
-            self.serves = 2 * cg.iterations <= self.worth();
+            self.serves = 4 * cg.iterations <= 3 * self.worth();
             if cg.converged() {
                 report.reused += 1;
                 return Ok((step, true));
             }
+            indefinite = matches!(cg.end, CgEnd::NegativeCurvature { .. });
         }
         self.serves = true;
-        match self.factorize(matrix, factor, report) {
-            Ok(()) => Ok((self.back_substitute(rhs, factor, report), true)),
-            Err(FactorError::NotPositive { .. }) => {
+        let factorized = match indefinite {
+            true => None,
+            false => Some(self.factorize(matrix, factor, report)),
+        };
+        match factorized {
+            Some(Ok(())) => Ok((self.back_substitute(rhs, factor, report), true)),
+            None | Some(Err(FactorError::NotPositive { .. })) => {
                 self.refactorize(matrix, Pivots::AnySign, factor, report).map_err(|e| e.to_string())?;
                 let step = self.back_substitute(rhs, factor, report);
                 // of no use as a preconditioner
                 *factor = None;
                 Ok((step, false))
             }
-            Err(other) => Err(other.to_string()),
+            Some(Err(other)) => Err(other.to_string()),
         }
     }
 
@@ -82,7 +111,7 @@ impl<'a> Tangents<'a> {
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, String> {
         if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
-            let (x, cg) = precondition(matrix, kept, b, tolerance, self.worth());
+            let (x, cg) = self.precondition(matrix, kept, b, tolerance);
             report.back_substitutions += cg.iterations;
             if cg.converged() {
                 return Ok(x);
@@ -127,11 +156,26 @@ impl<'a> Tangents<'a> {
         matrix.eliminate(self.solid.supports().fixed(), diagonal);
     }
 
+    /// As far as conjugate gradients with a kept factor come in as many iterations as are worth it.
+    fn precondition(
+        &self,
+        matrix: &SymmetricMatrix,
+        factor: &Factor,
+        b: &[f64],
+        tolerance: f64,
+    ) -> (Vec<f64>, CgReport) {
+        let mut x = vec![0.0; b.len()];
+        let turned = Turned::new(factor, self.rotations(), self.solid.supports().fixed());
+        let apply = |v: &[f64], out: &mut [f64]| matrix.multiply(v, out);
+        let report = conjugate_gradient(&apply, &turned, b, &mut x, tolerance, self.worth());
+        (x, report)
+    }
+
     /// Iterations with a kept factor that are worth it instead of a factorisation.
     fn worth(&self) -> usize {
         let symbolic = self.solid.discretization().symbolic();
         let ratio = symbolic.flops() / (FLOPS_PER_ENTRY * (symbolic.nonzeros() as f64).max(1.0));
-        (0.7 * ratio).clamp(3.0, 40.0) as usize
+        ratio.clamp(3.0, 40.0) as usize
     }
 
     fn factorize(
@@ -152,10 +196,11 @@ impl<'a> Tangents<'a> {
         report: &mut SolveReport,
     ) -> Result<(), FactorError> {
         report.factorisations += 1;
-        let fresh = match factor.take().map(Arc::try_unwrap) {
+        let mut fresh = match factor.take().map(Arc::try_unwrap) {
             Some(Ok(mut own)) => own.refactorize(matrix, pivots, self.parallel).map(|()| own)?,
             _ => self.solid.discretization().symbolic().factorize(matrix, pivots, self.parallel)?,
         };
+        fresh.stand_in(self.rotations().clone());
         *factor = Some(Arc::new(fresh));
         Ok(())
     }
@@ -205,16 +250,4 @@ fn add_to_diagonal(matrix: &mut SymmetricMatrix, shift: f64) {
             matrix.values[at] += shift;
         }
     }
-}
-
-fn precondition(
-    matrix: &SymmetricMatrix,
-    factor: &Factor,
-    b: &[f64],
-    tolerance: f64,
-    most: usize,
-) -> (Vec<f64>, CgReport) {
-    let mut x = vec![0.0; b.len()];
-    let report = conjugate_gradient(&|v, out| matrix.multiply(v, out), factor, b, &mut x, tolerance, most);
-    (x, report)
 }

@@ -8,6 +8,7 @@ use super::bunch_kaufman::{Blocks, Pivot};
 use super::error::FactorError;
 use super::matrix::SymmetricMatrix;
 use super::numeric::{self, Breakdown, Panel};
+use super::rotations::Rotations;
 use super::solve;
 use super::symbolic::Symbolic;
 
@@ -33,6 +34,7 @@ pub struct Factor {
     /// Bunch-Kaufman only, else empty.
     subdiagonal: Vec<f64>,
     order: Vec<u32>,
+    rotations: Option<Arc<Rotations>>,
 }
 
 impl Factor {
@@ -45,6 +47,7 @@ impl Factor {
             values: vec![0.0; symbolic.panel_values()],
             subdiagonal: Vec::new(),
             order: Vec::new(),
+            rotations: None,
         }
     }
 
@@ -58,6 +61,7 @@ impl Factor {
             return Err(FactorError::ForeignPattern);
         }
         self.usable = false;
+        self.rotations = None;
         self.pivots = pivots;
         self.parallel = parallel;
         matrix.check_finite()?;
@@ -67,6 +71,16 @@ impl Factor {
         numeric::factorize(&symbolic, &matrix.values, self.panels(), parallel).map_err(|b| self.explain(b))?;
         self.usable = true;
         Ok(())
+    }
+
+    /// Notes how far the configuration is turned that the matrix belongs to, for [`Turned`](super::Turned).
+    pub fn stand_in(&mut self, rotations: Arc<Rotations>) {
+        self.rotations = Some(rotations);
+    }
+
+    /// The rotations it was told of since it was made.
+    pub fn rotations(&self) -> Option<&Rotations> {
+        self.rotations.as_deref()
     }
 
     fn panels(&mut self) -> Vec<Panel<'_>> {

@@ -1,6 +1,18 @@
-//! Iterations that use a factor of a nearby matrix: conjugate gradients and iterative refinement.
+//! Conjugate gradients with a preconditioner (a factor of a nearby matrix, multigrid), and iterative refinement.
 
 use super::factor::Factor;
+
+/// An approximate inverse, symmetric and positive definite: `vector = M^-1 vector`.
+pub trait Preconditioner {
+    /// Overwrites the vector, dofs by mesh node.
+    fn apply(&self, vector: &mut [f64]);
+}
+
+impl Preconditioner for Factor {
+    fn apply(&self, vector: &mut [f64]) {
+        self.solve(vector, 1);
+    }
+}
 
 /// Why conjugate gradients stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +57,7 @@ impl CgReport {
 /// Hestenes, Stiefel, J. Res. NBS 49 (1952).
 pub fn conjugate_gradient(
     apply: &dyn Fn(&[f64], &mut [f64]),
-    preconditioner: &Factor,
+    preconditioner: &dyn Preconditioner,
     b: &[f64],
     x: &mut [f64],
     tolerance: f64,
@@ -75,7 +87,7 @@ pub fn conjugate_gradient(
             break CgEnd::Exhausted;
         }
         let mut z = r.clone();
-        preconditioner.solve(&mut z, 1);
+        preconditioner.apply(&mut z);
         iterations += 1;
         let rz = dot(&r, &z);
         if rz.is_nan() {
