@@ -32,6 +32,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let forward = median(repeat, || body.solve(&controls, &Request::default()).map(drop))?;
     let state = &solved.state;
 
+    let wish: Vec<f64> = (0..disc.dofs()).map(|i| f64::from(i as u32 % 7) - 3.0).collect();
+    let how = Request { factor: solved.factor.clone(), ..Request::default() };
+    let mut substitutions = 0;
+    let gradient = median(repeat, || {
+        let adjoint = body.adjoint(state, &[&wish], &how)?;
+        substitutions = adjoint.report.back_substitutions;
+        body.body().pull_back(&state.u, &controls, &adjoint.lambda[0]).map_err(Box::<dyn std::error::Error>::from)?;
+        Ok::<(), Box<dyn std::error::Error>>(())
+    })?;
+    let memory = peak_memory();
+
     let mut tangent = disc.matrix();
     let assembly = median(repeat, || {
         tangent.values.fill(0.0);
@@ -49,14 +60,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Ok::<(), std::convert::Infallible>(())
     })?;
 
-    let wish: Vec<f64> = (0..disc.dofs()).map(|i| f64::from(i as u32 % 7) - 3.0).collect();
-    let how = Request { factor: solved.factor.clone(), ..Request::default() };
-    let gradient = median(repeat, || {
-        let adjoint = body.adjoint(state, &[&wish], &how)?;
-        body.body().pull_back(&state.u, &controls, &adjoint.lambda[0]).map_err(Box::<dyn std::error::Error>::from)?;
-        Ok::<(), Box<dyn std::error::Error>>(())
-    })?;
-
     let tip =
         body.mesh().points().iter().position(|x| (x[0] - 1.0).abs() + (x[1] - 0.2).abs() + (x[2] - 0.2).abs() < 1e-9);
     let tip = tip.map(|node| state.u[3 * node..3 * node + 3].to_vec()).unwrap_or_default();
@@ -65,7 +68,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{{\"peer\": \"nastic\", \"element\": \"{}\", \"n\": {across}, \"ndof\": {}, \"threads\": {}, \"setup_s\": {setup:.4}, \
          \"forward_s\": {forward:.4}, \"newton\": {}, \"factorisations\": {}, \"reused\": {}, \"back_substitutions\": {}, \
          \"tangent_s\": {assembly:.4}, \"force_s\": {force:.4}, \"factor_s\": {factorisation:.4}, \"solve_s\": {substitution:.4}, \
-         \"gradient_s\": {gradient:.4}, \"factor_mb\": {:.1}, \"factor_gflop\": {:.3}, \"rss_mb\": {:.1}, \"tip_corner\": {tip:?}}}",
+         \"gradient_s\": {gradient:.4}, \"gradient_substitutions\": {substitutions}, \"factor_mb\": {:.1}, \"factor_gflop\": {:.3}, \"rss_mb\": {:.1}, \"tip_corner\": {tip:?}}}",
         kind.name(),
         disc.dofs(),
         common::threads(),
@@ -75,7 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         r.back_substitutions,
         disc.symbolic().nonzeros() as f64 * 8e-6,
         disc.symbolic().flops() * 1e-9,
-        peak_memory(),
+        memory,
     );
     Ok(())
 }

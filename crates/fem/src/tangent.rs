@@ -17,8 +17,9 @@ const FLOPS_PER_ENTRY: f64 = 60.0;
 pub(crate) struct Tangents<'a> {
     solid: &'a Solid,
     parallel: bool,
-    /// Whether the kept factor served well last time.
-    serves: bool,
+    /// Iterations with the kept factor so far: when they have cost as much as a factorisation, one is due. Whatever
+    /// comes, that is at most twice the least possible work, and the last factor is one from near the end.
+    spent: usize,
     /// Displacement at which the tangents are taken, and how far the body has turned there, once somebody asked.
     u: Vec<f64>,
     rotations: OnceCell<Arc<Rotations>>,
@@ -26,7 +27,7 @@ pub(crate) struct Tangents<'a> {
 
 impl<'a> Tangents<'a> {
     pub fn new(solid: &'a Solid, parallel: bool) -> Self {
-        Tangents { solid, parallel, serves: true, u: Vec::new(), rotations: OnceCell::new() }
+        Tangents { solid, parallel, spent: 0, u: Vec::new(), rotations: OnceCell::new() }
     }
 
     /// Says at which displacement the tangents to come are taken.
@@ -56,17 +57,17 @@ impl<'a> Tangents<'a> {
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, bool), String> {
         let mut indefinite = false;
-        if let Some(kept) = factor.as_deref().filter(|f| self.serves && f.pivots() == Pivots::Positive) {
+        if let Some(kept) = factor.as_deref().filter(|f| self.spent < self.worth() && f.pivots() == Pivots::Positive) {
             let (step, cg) = self.precondition(matrix, kept, rhs, tolerance);
             report.back_substitutions += cg.iterations;
-            self.serves = 4 * cg.iterations <= 3 * self.worth();
+            self.spent += cg.iterations;
             if cg.converged() {
                 report.reused += 1;
                 return Ok((step, true));
             }
             indefinite = matches!(cg.end, CgEnd::NegativeCurvature { .. });
         }
-        self.serves = true;
+        self.spent = 0;
         let factorized = match indefinite {
             true => None,
             false => Some(self.factorize(matrix, factor, report)),
