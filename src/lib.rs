@@ -42,15 +42,17 @@ pub use nastic_tensor as tensor;
 /// What most programs need.
 pub mod prelude {
     pub use crate::control::{
-        ControlNorm, ControlSmoothness, Cost, Evaluated, Metric, Phi, Reduced, SmoothedHausdorff, Space, Target,
-        Tracking,
+        ControlNorm, ControlSmoothness, Cost, Ensemble, Evaluated, LoadCase, Metric, Phi, Reduced, SmoothedHausdorff,
+        Space, Target, Tracking,
     };
     pub use crate::energy::{
-        Actuation, ConvexDensity, EnergyTerm, FiberTension, Field, MooneyRivlin, NeoHooke, NeoHookeIsochoric,
-        TransverseMooneyRivlin, Turgor,
+        Actuation, ConvexDensity, EnergyTerm, FiberTension, Field, Magnet, MagnetIsochoric, MagnetRotation,
+        MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRivlin, Turgor,
     };
     pub use crate::fem::{Solid, State};
     pub use crate::mesh::{CellKind, Mesh, Snapshot, box_mesh, rectangle};
-    pub use crate::opt::{Bounds, Lbfgs, Objective, Optimizer, Problem, ProjectedGradient, Spectral, Taylor};
+    pub use crate::opt::{
+        Ball, Bounds, Lbfgs, Objective, Optimizer, Problem, Product, ProjectedGradient, Spectral, Sphere, Taylor,
+    };
     pub use crate::tensor::{Mat3, Vec3};
 }

@@ -21,6 +21,8 @@ pub struct ControlBlock {
     pub first: usize,
     /// Unit kind of the values ("Pa", "T").
     pub unit: &'static str,
+    /// Length that the vectors have at every point, where it is fixed; see [`Layout::fix_length`].
+    pub length: Option<f64>,
 }
 
 impl ControlBlock {
@@ -37,6 +39,31 @@ impl ControlBlock {
     /// Its part of the vector.
     pub fn of<'m>(&self, m: &'m [f64]) -> &'m [f64] {
         &m[self.first..self.first + self.len()]
+    }
+
+    /// Gives a vector at a point the length it must have, if there is one.
+    pub(crate) fn scale(&self, v: &mut [f64]) {
+        let size = norm(v);
+        if let Some(length) = self.length.filter(|_| size > 0.0) {
+            v.iter_mut().for_each(|v| *v *= length / size);
+        }
+    }
+
+    /// Takes derivatives by the vectors at the points, `[points][stride]`, to those by the vectors before scaling.
+    fn unscale(&self, m: &[f64], stride: usize, by_point: &mut [f64]) {
+        let Some(length) = self.length else { return };
+        let n = self.components;
+        let mut before = vec![0.0; n * self.map.points()];
+        for c in 0..n {
+            self.map.to_points(self.of(m), n, c, n, c, &mut before);
+        }
+        for (v, at) in before.chunks_exact(n).zip(by_point.chunks_exact_mut(stride)) {
+            let (size, d) = (norm(v), &mut at[self.slot..self.slot + n]);
+            if size > 0.0 {
+                let along = v.iter().zip(d.iter()).map(|(v, d)| v * d).sum::<f64>() / (size * size);
+                d.iter_mut().zip(v).for_each(|(d, v)| *d = (*d - along * v) * length / size);
+            }
+        }
     }
 }
 
@@ -67,10 +94,30 @@ impl Layout {
         }
         let attached = &solid.body().actuations()[actuation];
         let map = ControlMap::new(solid.discretization(), &attached.cells, space)?;
-        let block = ControlBlock { name: of.to_owned(), actuation, slot, components, map, first: self.len, unit };
+        let block =
+            ControlBlock { name: of.to_owned(), actuation, slot, components, map, first: self.len, unit, length: None };
         self.len += block.len();
         self.blocks.push(block);
         Ok(&self.blocks[self.blocks.len() - 1])
+    }
+
+    /// Gives the vectors `v` of a field the same length at every point: `length v/|v|`, with the derivative
+    /// `length/|v| (I - v (x) v/|v|^2)`. Linear interpolation between nodes on a sphere falls short of it, so a nodal
+    /// field of unit vectors needs this; elsewhere it changes rounding alone. Where `v = 0` it stays zero.
+    ///
+    /// # Errors
+    /// An unknown name, a scalar field, a length that is not positive.
+    pub fn fix_length(&mut self, of: &str, length: f64) -> Result<(), ControlError> {
+        let known = self.block(of)?;
+        let (first, components) = (known.first, known.components);
+        if components == 1 || !(length.is_finite() && length > 0.0) {
+            let what = format!("\"{of}\" cannot have the length {length}: vectors and a positive length are needed");
+            return Err(ControlError::Cost { what });
+        }
+        for block in self.blocks.iter_mut().filter(|block| block.first == first) {
+            block.length = Some(length);
+        }
+        Ok(())
     }
 
     /// The control fields.
@@ -117,19 +164,23 @@ impl Layout {
             for c in 0..block.components {
                 block.map.to_points(block.of(m), block.components, c, stride, block.slot + c, out);
             }
+            for at in out.chunks_exact_mut(stride) {
+                block.scale(&mut at[block.slot..block.slot + block.components]);
+            }
         }
         Ok(controls)
     }
 
-    /// The transpose: derivative by control vector from the derivative by values at the points.
-    pub fn pull_back(&self, by_point: &Controls) -> Vec<f64> {
+    /// The transpose of the derivative at m: derivative by control vector from the derivative by values at the points.
+    pub fn pull_back(&self, m: &[f64], by_point: &Controls) -> Vec<f64> {
         let mut out = vec![0.0; self.len];
         for block in &self.blocks {
             let stride = by_point.slots(block.actuation);
-            let values = by_point.values(block.actuation);
+            let mut values = by_point.values(block.actuation).to_vec();
+            block.unscale(m, stride, &mut values);
             let part = &mut out[block.first..block.first + block.len()];
             for c in 0..block.components {
-                block.map.from_points(values, stride, block.slot + c, block.components, c, part);
+                block.map.from_points(&values, stride, block.slot + c, block.components, c, part);
             }
         }
         out
@@ -141,6 +192,10 @@ impl Layout {
             false => Err(ControlError::Length { found: m.len(), expected: self.len }),
         }
     }
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 /// Actuation, first slot, number of components and unit of a control's name.

@@ -111,6 +111,16 @@ impl Reduced {
         Ok(self)
     }
 
+    /// Gives the vectors of a control field one length at every point, also between the nodes: a magnetisation. To be
+    /// minimised over a [`Sphere`](nastic_opt::Sphere) of that radius.
+    ///
+    /// # Errors
+    /// As [`Layout::fix_length`].
+    pub fn of_length(mut self, control: &str, length: f64) -> Result<Self, ControlError> {
+        self.layout.fix_length(control, length)?;
+        Ok(self)
+    }
+
     /// Fixes a slot of an actuation that is not controlled, from one value per quadrature point.
     ///
     /// # Errors
@@ -270,7 +280,7 @@ impl Reduced {
         let adjoint = self.solid.adjoint(&point.state, &[&rhs], &how)?;
         let lambda = adjoint.lambda.into_iter().next().unwrap_or_default();
         let by_point = self.solid.body().pull_back(&point.state.u, &point.state.controls, &lambda)?;
-        for (d, through_state) in derivative.iter_mut().zip(self.layout.pull_back(&by_point)) {
+        for (d, through_state) in derivative.iter_mut().zip(self.layout.pull_back(&point.m, &by_point)) {
             *d += through_state;
         }
         if term.is_none() {

@@ -4,7 +4,7 @@ use crate::error::ControlError;
 use crate::layout::ControlBlock;
 use crate::map::Space;
 use crate::reduced::{Evaluated, Reduced};
-use nastic_fem::CellFields;
+use nastic_fem::{CellFields, Controls};
 use nastic_mesh::{Mesh, Snapshot};
 use nastic_opt::Problem;
 
@@ -15,7 +15,8 @@ impl Reduced {
     /// `gradient_NAME` (where a derivative is given; the Riesz image in the problem's product). Cell data, averages over
     /// the reference volume: every control and gradient, `J`, `P` and `cauchy_stress` (row by row), `energy` (stored by the
     /// passive material), `fiber`, `direction_NAME` of each actuation that has one, `region` (index of the first region
-    /// in alphabetical order, -1 for none). Components are always three for vectors and nine for tensors.
+    /// in alphabetical order, -1 for none), `B_r` and `B_a` where there are magnets. Components are always three for
+    /// vectors and nine for tensors.
     ///
     /// # Errors
     /// A derivative of the wrong length, a body turned inside out.
@@ -31,6 +32,7 @@ impl Reduced {
             self.layout().check(derivative)?;
             shot = self.add_field(shot, "gradient_", &self.inner_product().riesz(derivative))?;
         }
+        shot = self.add_magnets(shot, &point.state.controls)?;
         add_cell_fields(shot, self.solid().cell_fields(&point.state)?)?
             .with_cells("region", 1, region_numbers(mesh))
             .map_err(Into::into)
@@ -47,9 +49,32 @@ impl Reduced {
             for c in 0..components {
                 block.map.to_points(block.of(m), components, c, wide, c, &mut at_points);
             }
+            if prefix.is_empty() {
+                at_points.chunks_exact_mut(wide).for_each(|v| block.scale(&mut v[..components]));
+            }
             shot = shot.with_cells(&name, wide, disc.cell_average(&at_points, wide))?;
             if block.map.space() == Space::Node {
                 shot = shot.with_points(&name, wide, at_nodes(disc.mesh(), block, block.of(m), wide))?;
+            }
+        }
+        Ok(shot)
+    }
+
+    /// Remanence and applied field of all magnets together, whether controlled or fixed: the means of each cell.
+    fn add_magnets(&self, mut shot: Snapshot, controls: &Controls) -> Result<Snapshot, ControlError> {
+        let disc = self.solid().discretization();
+        for (name, slot) in [("B_r", "remanence.x"), ("B_a", "field.x")] {
+            let mut total: Option<Vec<f64>> = None;
+            for (k, attached) in self.solid().body().actuations().iter().enumerate() {
+                let slots = attached.law.slots();
+                let Some(first) = slots.iter().position(|s| s.name == slot) else { continue };
+                let means = disc.cell_average(controls.values(k), slots.len());
+                let own = means.chunks_exact(slots.len()).flat_map(|at| &at[first..first + 3]);
+                let sum = total.get_or_insert_with(|| vec![0.0; 3 * self.solid().mesh().cells()]);
+                sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            }
+            if let Some(values) = total {
+                shot = shot.with_cells(name, 3, values)?;
             }
         }
         Ok(shot)

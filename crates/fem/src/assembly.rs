@@ -32,6 +32,8 @@ struct CellResult {
     energy_scale: f64,
     min_j: f64,
     rows: Vec<f64>,
+    /// Absolute forces of the passive terms and of the actuations, each by itself.
+    scale: Vec<f64>,
     matrix: Vec<f64>,
     inverted: Option<InvertedAt>,
 }
@@ -102,6 +104,7 @@ impl Job<'_> {
             energy_scale: 0.0,
             min_j: f64::INFINITY,
             rows: vec![0.0; rows],
+            scale: vec![0.0; rows],
             matrix: vec![0.0; matrix],
             inverted: None,
         };
@@ -142,6 +145,7 @@ impl Job<'_> {
         for &t in &composition.terms {
             self.body.terms[t].respond(&at, Slots::none(), want, &mut out);
         }
+        out.stress = &mut scratch.driving;
         for &k in &composition.actuations {
             self.body.actuations[k].law.respond(&at, slots(self.controls, k, first, points), want, &mut out);
         }
@@ -150,11 +154,19 @@ impl Job<'_> {
         result.energy_scale = weights.iter().zip(&scratch.energy).map(|(w, e)| w * e.abs()).sum();
         result.min_j = scratch.kinematics.iter().map(Kinematics::j).fold(f64::INFINITY, f64::min);
         if want.stress {
-            for (stress, &w) in scratch.stress.iter_mut().zip(weights) {
-                *stress *= w;
+            for ((stress, driving), &w) in scratch.stress.iter_mut().zip(&mut scratch.driving).zip(weights) {
+                *driving *= w;
+                *stress = *stress * w + *driving;
             }
             result.rows.fill(0.0);
             self.kernel.force(&scratch.g, &scratch.stress, &mut result.rows);
+            result.scale.fill(0.0);
+            if !composition.actuations.is_empty() {
+                self.kernel.force(&scratch.g, &scratch.driving, &mut result.scale);
+            }
+            for (scale, total) in result.scale.iter_mut().zip(&result.rows) {
+                *scale = scale.abs() + (total - *scale).abs();
+            }
         }
         if want.tangent {
             for (tangent, &w) in scratch.tangent.iter_mut().zip(weights) {
@@ -187,7 +199,7 @@ impl Job<'_> {
                 scatter_rows(&result.rows, nodes, dim, width, &mut total.force);
                 for (a, &node) in nodes.iter().enumerate() {
                     for i in 0..dim {
-                        total.force_scale[node as usize * dim + i] += result.rows[i * width + a].abs();
+                        total.force_scale[node as usize * dim + i] += result.scale[i * width + a];
                     }
                 }
             }
@@ -240,6 +252,8 @@ pub(crate) struct Scratch {
     pub kinematics: Vec<Kinematics>,
     energy: Vec<f64>,
     stress: Vec<Mat3>,
+    /// Stress of the actuations alone.
+    driving: Vec<Mat3>,
     tangent: Vec<Tangent>,
     work: Vec<f64>,
 }
@@ -254,6 +268,7 @@ impl Scratch {
             kinematics: Vec::with_capacity(points),
             energy: Vec::new(),
             stress: Vec::new(),
+            driving: Vec::new(),
             tangent: Vec::new(),
             work: Vec::new(),
         }
@@ -264,8 +279,10 @@ impl Scratch {
         self.energy.clear();
         self.energy.resize(points, 0.0);
         if want.stress {
-            self.stress.clear();
-            self.stress.resize(points, Mat3::zeros());
+            for stress in [&mut self.stress, &mut self.driving] {
+                stress.clear();
+                stress.resize(points, Mat3::zeros());
+            }
         }
         if want.tangent {
             self.tangent.clear();

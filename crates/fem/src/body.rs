@@ -48,7 +48,8 @@ pub struct Evaluation {
     pub energy_scale: f64,
     /// Internal force, flat; empty unless asked for.
     pub force: Vec<f64>,
-    /// Sum over cells of absolute internal forces, flat: what a residual's smallness is measured against.
+    /// Sum over cells of absolute internal forces, those of the passive laws and of the actuations each by itself (in a free
+    /// body they cancel), flat: what a residual's smallness is measured against.
     pub force_scale: Vec<f64>,
     /// Smallest J.
     pub min_j: f64,

@@ -13,7 +13,7 @@ pub struct Request<'a> {
     pub near: Option<&'a State>,
     /// A factor of a tangent near the expected ones; used as preconditioner while that is cheaper than a new one.
     pub factor: Option<Arc<Factor>>,
-    /// Residual wanted, relative to the norm of the summed absolute element forces.
+    /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads.
     pub accuracy: f64,
     /// Newton iterations allowed per load step.
     pub max_newton: usize,

@@ -32,7 +32,7 @@ pub struct SolveReport {
     pub load_steps: usize,
     /// Load steps that were abandoned and shortened.
     pub cuts: usize,
-    /// Norm of the residual relative to the norm of the summed absolute element forces.
+    /// Norm of the residual relative to the norm of the summed absolute element forces of laws, actuations and loads.
     pub residual: f64,
     /// Smallest J at a quadrature point.
     pub min_j: f64,

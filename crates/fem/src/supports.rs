@@ -195,12 +195,9 @@ fn connected_parts(mesh: &Mesh) -> Vec<Vec<u32>> {
     }
     for block in mesh.blocks() {
         for cell in block.nodes.chunks_exact(block.kind.nodes()) {
-            let first = find(&mut root, cell[0]);
             for &node in &cell[1..] {
-                let other = find(&mut root, node);
-                let (low, high) = (first.min(other), first.max(other));
-                let low = find(&mut root, low);
-                root[high as usize] = low;
+                let (a, b) = (find(&mut root, cell[0]), find(&mut root, node));
+                root[a.max(b) as usize] = a.min(b);
             }
         }
     }

@@ -23,11 +23,17 @@ pub(crate) struct Tangents<'a> {
     /// Displacement at which the tangents are taken, and how far the body has turned there, once somebody asked.
     u: Vec<f64>,
     rotations: OnceCell<Arc<Rotations>>,
+    /// The shift that made the last indefinite tangent definite, as a share of the mean diagonal.
+    shift: f64,
 }
+
+/// Least shift tried, as a share of the mean diagonal: slender bodies bend with eigenvalues as small as this, and a larger
+/// shift than needed shortens every step.
+const LEAST_SHIFT: f64 = 1e-8;
 
 impl<'a> Tangents<'a> {
     pub fn new(solid: &'a Solid, parallel: bool) -> Self {
-        Tangents { solid, parallel, spent: 0, u: Vec::new(), rotations: OnceCell::new() }
+        Tangents { solid, parallel, spent: 0, shift: LEAST_SHIFT, u: Vec::new(), rotations: OnceCell::new() }
     }
 
     /// Says at which displacement the tangents to come are taken.
@@ -217,7 +223,7 @@ impl<'a> Tangents<'a> {
 
     /// A downhill step where the tangent is not positive definite: the diagonal is raised until it is.
     pub fn solve_shifted(
-        &self,
+        &mut self,
         mut matrix: SymmetricMatrix,
         rhs: &[f64],
         factor: &mut Option<Arc<Factor>>,
@@ -226,11 +232,13 @@ impl<'a> Tangents<'a> {
         report.shifted += 1;
         let diagonal = matrix.diagonal();
         let scale = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len() as f64;
-        let mut shift = 1e-4 * scale;
-        while shift <= 1e3 * scale {
-            add_to_diagonal(&mut matrix, shift);
+        let (mut shift, mut added) = ((self.shift / 64.0).max(LEAST_SHIFT), 0.0);
+        while shift <= 1e3 {
+            add_to_diagonal(&mut matrix, (shift - added) * scale);
+            added = shift;
             match self.factorize(&matrix, factor, report) {
                 Ok(()) => {
+                    self.shift = shift;
                     let step = self.back_substitute(rhs, factor, report);
                     // of no use as a preconditioner: it belongs to another matrix
                     *factor = None;

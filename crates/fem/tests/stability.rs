@@ -4,7 +4,7 @@ mod common;
 
 use common::block::STRICT;
 use common::{Outcome, regular};
-use nastic_energy::{Magnet, NeoHooke};
+use nastic_energy::NeoHooke;
 use nastic_fem::{Request, Solid, State};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
@@ -67,51 +67,5 @@ fn a_disturbed_column_falls_to_a_stable_state() -> Outcome {
     assert_eq!(solid.negative_pivots(&state)?, 0);
     assert!(common::largest(&state.u) > 0.3);
     assert!(state.report.energy < straight.report.energy);
-    Ok(())
-}
-
-/// A magnetised plane strip of unit length and height h: `B_r` along it, `B_a` at an angle, `mu0 = 1`;
-/// `beta = 12 B_r B_a (L/h)^2 / E`. `cells` over the height.
-fn strip(h: f64, cells: usize, beta: f64, field: Vec3) -> Outcome<(Solid, State)> {
-    let solid = Solid::new(regular(CellKind::Quad9, [1.0, h, 0.0], [(cells as f64 / h) as usize, cells, 1])?)?
-        .material("body", law()?)?
-        .actuate("body", "magnet", Magnet::with_permeability(1.0)?)?
-        .clamp("x-")?;
-    let mut controls = solid.controls();
-    let strength = beta * h * h / 12.0;
-    for slot in controls.values_mut(0).chunks_exact_mut(6) {
-        slot[0] = 1.0;
-        slot[3..].copy_from_slice((field * strength).as_slice());
-    }
-    let state = solid.solve(&controls, &STRICT)?.state;
-    Ok((solid, state))
-}
-
-/// Hard-magnetic cantilever in a field across it: converged values of second-order elements at `h/L` = 0.1 and 0.05,
-/// which approach the elastica (0.671059, 0.669964) as `(h/L)^2` (docs/verification.md).
-#[test]
-fn a_magnetised_strip_bends_like_the_elastica() -> Outcome {
-    for (h, x, y) in [(0.1, 0.66879, 0.67687), (0.05, 0.67047, 0.67172)] {
-        let (solid, state) = strip(h, 6, 4.0, Vec3::y())?;
-        let node = common::node_at(solid.mesh(), [1.0, 0.5 * h, 0.0]).ok_or("no node on the mid-line")?;
-        let found = [1.0 + state.u[2 * node], state.u[2 * node + 1]];
-        assert!(
-            (found[0] - x).abs() < 1e-5 && (found[1] - y).abs() < 1e-5,
-            "h/L = {h}: tip of the mid-line at {found:?}"
-        );
-    }
-    Ok(())
-}
-
-/// A field against the magnetisation buckles the strip at `beta = (pi/2)^2`, a little earlier for thick ones:
-/// 2.46548, 2.46693 at `h/L` = 0.1, 0.05 (docs/verification.md).
-#[test]
-fn a_field_against_the_magnetisation_buckles_the_strip() -> Outcome {
-    for (h, critical) in [(0.1, 2.46548), (0.05, 2.46693)] {
-        for (shift, expected) in [(-5e-5, 0), (5e-5, 1)] {
-            let (solid, state) = strip(h, 2, critical + shift, -Vec3::x())?;
-            assert_eq!(solid.negative_pivots(&state)?, expected, "h/L = {h}, beta = {critical} + {shift:e}");
-        }
-    }
     Ok(())
 }

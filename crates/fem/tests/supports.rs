@@ -261,3 +261,32 @@ fn controls_are_checked_before_a_solve() -> Outcome {
     assert!(matches!(error, StateError::Problem(FemError::Meaningless { .. })), "{error}");
     Ok(())
 }
+
+/// Cells hang together whatever the order of their nodes.
+#[test]
+fn one_body_is_one_part_however_its_nodes_are_numbered() -> Outcome {
+    let ordered = regular(CellKind::Hex8, [3.0, 3.0, 1.0], [3, 3, 1])?;
+    let count = ordered.points().len();
+    for seed in 0..20 {
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|&a, &b| common::noise(seed * count + a).total_cmp(&common::noise(seed * count + b)));
+        let mut raw = RawMesh::new("scrambled");
+        raw.points = order.iter().map(|&node| ordered.points()[node]).collect();
+        let mut number = vec![0; count];
+        order.iter().enumerate().for_each(|(new, &old)| number[old] = new as u32);
+        for cell in ordered.blocks()[0].iter() {
+            let nodes: Vec<u32> = cell.iter().map(|&node| number[node as usize]).collect();
+            raw.push(CellKind::Hex8, &nodes, &[1]);
+        }
+        raw.name_group(3, 1, "body");
+        raw.name_group(2, 2, "held");
+        for &facet in ordered.surface("x-")? {
+            let (kind, nodes) = ordered.facet_nodes(facet);
+            let nodes: Vec<u32> = nodes.iter().map(|&node| number[node as usize]).collect();
+            raw.push(kind, &nodes, &[2]);
+        }
+        let solid = body(Mesh::build(raw)?)?;
+        assert_eq!(free(&solid.clamp("held")?), (0, String::new(), String::new()), "seed {seed}");
+    }
+    Ok(())
+}

@@ -3,6 +3,7 @@
 use super::{Cost, IntoCost, Partials, Sight, check_weight};
 use crate::error::ControlError;
 use nastic_fem::{Sampling, Solid};
+use nastic_mesh::Mesh;
 use std::fmt;
 use std::sync::Arc;
 
@@ -48,6 +49,25 @@ impl Target {
     /// The wanted position as a function of the reference position.
     pub fn position(at: impl Fn([f64; 3]) -> [f64; 3] + Send + Sync + 'static) -> Self {
         Target::Position(Arc::new(at))
+    }
+
+    /// Where the displacement `u` (flat, `dim` per node) of another mesh of the same body takes the point. Points outside
+    /// that mesh have no position, which is an error when the target is bound.
+    ///
+    /// # Errors
+    /// A displacement of the wrong length.
+    pub fn moved(mesh: impl Into<Arc<Mesh>>, u: Vec<f64>) -> Result<Self, ControlError> {
+        let mesh = mesh.into();
+        let (dim, expected) = (mesh.dim(), mesh.dim() * mesh.points().len());
+        if u.len() != expected {
+            let what = format!("the target's displacement has {} entries where its mesh needs {expected}", u.len());
+            return Err(ControlError::Cost { what });
+        }
+        Ok(Target::position(move |x| {
+            let Some(at) = mesh.locate(x) else { return [f64::NAN; 3] };
+            let u = at.interpolate(&u, dim);
+            [x[0] + u[0], x[1] + u[1], x[2] + u[2]]
+        }))
     }
 }
 
@@ -133,7 +153,10 @@ impl Look {
             }
         };
         if let Some(bad) = out.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
-            let what = format!("tracking target is not finite at its point {bad} ({:?}); check the formula", out[bad]);
+            let what = format!(
+                "tracking target is not finite at its point {bad} ({:?}); check the formula, or whether the target's mesh covers the body",
+                out[bad]
+            );
             return Err(ControlError::Cost { what });
         }
         Ok(out)

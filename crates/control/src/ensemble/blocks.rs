@@ -62,6 +62,7 @@ fn difference(a: &ControlBlock, b: &ControlBlock) -> Option<&'static str> {
         () if a.map.space() != b.map.space() => Some("space"),
         () if a.components != b.components => Some("number of components"),
         () if a.unit != b.unit => Some("unit"),
+        () if a.length != b.length => Some("length of its vectors"),
         () if a.map.entities() != b.map.entities() => Some("cells or nodes"),
         () => None,
     }

@@ -1,6 +1,7 @@
 //! The sphere per point: |m_p| = radius at every point p.
 
 use super::{Admissible, Face, Outside, SetError, check_radius, length};
+use crate::random::Random;
 
 /// Vectors of `dim` components, one per point and stored point by point, each of the same given length: a magnetisation.
 /// The retraction is (m + t d) radius/|m + t d|, the transport the projection onto the new tangent plane.
@@ -21,6 +22,22 @@ impl Sphere {
     pub fn new(dim: usize, radius: f64) -> Result<Self, SetError> {
         check_radius(dim, radius)?;
         Ok(Self { dim, radius })
+    }
+
+    /// Vectors at `points` points in directions drawn independently and evenly from a seed: a start where nothing is
+    /// known. The same on every machine.
+    pub fn random(&self, points: usize, seed: u64) -> Vec<f64> {
+        let mut random = Random::new(seed);
+        let mut out = Vec::with_capacity(points * self.dim);
+        while out.len() < points * self.dim {
+            // Evenly in the ball, hence evenly in direction.
+            let mut v: Vec<f64> = (0..self.dim).map(|_| random.symmetric()).collect();
+            if (0.1..=1.0).contains(&length(&v)) {
+                self.normalise(&mut v);
+                out.extend(v);
+            }
+        }
+        out
     }
 
     /// Scales one vector to the sphere; one without a direction gets the first axis.

@@ -1,0 +1,86 @@
+//! [`Mesh::locate`]: the cell that holds a point of the reference body.
+
+use crate::{CellKind, Mesh};
+use nalgebra::{Matrix3, Vector3};
+
+/// A point of a mesh: the cell that holds it, and the values of that cell's shape functions there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Located {
+    /// The cell.
+    pub cell: usize,
+    /// Its nodes, each with the value of its shape function.
+    pub weights: Vec<(u32, f64)>,
+}
+
+impl Located {
+    /// The value there of a nodal field, flat with `components` (at most three) per node; what is missing is zero.
+    pub fn interpolate(&self, nodal: &[f64], components: usize) -> [f64; 3] {
+        let mut out = [0.0; 3];
+        for &(node, weight) in &self.weights {
+            let values = nodal.iter().skip(node as usize * components).take(components);
+            out.iter_mut().zip(values).for_each(|(out, value)| *out += weight * value);
+        }
+        out
+    }
+}
+
+/// Points this near to a cell, as a share of its size, belong to it.
+const EDGE: f64 = 1e-9;
+
+impl Mesh {
+    /// The first cell that holds the point (to 1e-9 of its size), and its shape functions there; `None` outside the
+    /// body. Looks at every cell: meant for hundreds of points, not for millions.
+    pub fn locate(&self, point: [f64; 3]) -> Option<Located> {
+        (0..self.cells()).find_map(|id| {
+            let cell = self.cell(id);
+            let positions = self.gather(self.points(), cell.nodes);
+            let xi = invert(cell.kind, &positions, point)?;
+            let mut shapes = vec![0.0; cell.kind.nodes()];
+            cell.kind.shapes(&xi, &mut shapes);
+            Some(Located { cell: id, weights: cell.nodes.iter().copied().zip(shapes).collect() })
+        })
+    }
+}
+
+/// The parameters of a point in a cell, by Newton's method; `None` outside.
+fn invert(kind: CellKind, positions: &[[f64; 3]], point: [f64; 3]) -> Option<[f64; 3]> {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for x in positions {
+        for k in 0..3 {
+            (low[k], high[k]) = (low[k].min(x[k]), high[k].max(x[k]));
+        }
+    }
+    let size = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
+    // A curved cell bulges beyond its nodes, by less than a quarter of its size.
+    if (0..3).any(|k| point[k] < low[k] - 0.25 * size || point[k] > high[k] + 0.25 * size) {
+        return None;
+    }
+    let gap = |xi: &[f64; 3]| Vector3::from(point) - Vector3::from(kind.map(positions, xi));
+    let mut xi = kind.centre();
+    for _ in 0..50 {
+        let tangents = kind.tangents(positions, &xi);
+        let mut map = Matrix3::from_fn(|i, k| tangents[k][i]);
+        for k in kind.dim()..3 {
+            map[(k, k)] = 1.0;
+        }
+        let step = map.try_inverse()? * gap(&xi);
+        (0..kind.dim()).for_each(|k| xi[k] += step[k]);
+        if xi.iter().any(|x| !x.is_finite() || x.abs() > 10.0) {
+            return None;
+        }
+        if (0..kind.dim()).all(|k| step[k].abs() <= 1e-14) {
+            break;
+        }
+    }
+    (gap(&xi).norm() <= EDGE * size && in_domain(kind, &xi)).then_some(xi)
+}
+
+fn in_domain(kind: CellKind, xi: &[f64; 3]) -> bool {
+    let xi = &xi[..kind.dim()];
+    if kind.is_simplex() {
+        xi.iter().all(|x| *x >= -EDGE) && xi.iter().sum::<f64>() <= 1.0 + EDGE
+    } else {
+        xi.iter().all(|x| x.abs() <= 1.0 + EDGE)
+    }
+}

@@ -1,0 +1,127 @@
+//! A hard-magnetic T: one magnetisation is designed, cell by cell, that takes the T to its target in a uniform field, or to
+//! two targets in two fields. Both targets are made by a magnetisation and fields of ours on another mesh, so that they
+//! can be reached; the problem has many local minima, so four starts are run and all of them listed.
+//!
+//! `cargo run --release --example t_magnet` writes VTU files and pictures to `out/t_magnet`. As cases:
+//! `examples/cases/t_magnet.json`, `examples/cases/t_two_loads.json`.
+
+#![allow(clippy::print_stdout)] // programs talk, libraries do not
+
+use nastic::control::risk::Mean;
+use nastic::fem::Discretization;
+use nastic::io::picture::{Body, Colour, Look, Picture, View};
+use nastic::opt::Options;
+use nastic::prelude::*;
+use std::sync::Arc;
+
+type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
+
+const REMANENCE: f64 = 0.1; // T, everywhere
+const FIELD: f64 = 20e-3; // T, at most
+const FIELDS: [[f64; 3]; 2] = [[0.0, 4e-3, 16e-3], [6e-3, -12e-3, 0.0]];
+
+fn body(disc: Arc<Discretization>) -> Outcome<Solid> {
+    Ok(Solid::on(disc)
+        .material("body", MooneyRivlin::new(5e4, 5e4, 2e5)?)?
+        .actuate("body", "magnet", Magnet::new())?
+        .clamp("clamp")?)
+}
+
+/// The magnetisation that makes the targets: along the stem, turning outwards along the arms.
+fn known(x: &[f64; 3]) -> [f64; 3] {
+    let angle = 2.4 * x[1];
+    [REMANENCE * angle.cos(), REMANENCE * angle.sin(), 0.0]
+}
+
+/// The surface that is tracked, and where it goes in a field under the known magnetisation, on a mesh of tetrahedra.
+fn target(field: [f64; 3]) -> Outcome<Tracking> {
+    let maker = body(Discretization::new(nastic::io::read_gmsh("meshes/t_tet.msh")?.into())?)?;
+    let mut controls = maker.controls();
+    let at = maker.discretization().body().positions(maker.mesh(), None);
+    for (slots, x) in controls.values_mut(0).chunks_exact_mut(6).zip(&at) {
+        slots.copy_from_slice(&[known(x), field].concat());
+    }
+    let state = maker.solve(&controls, &Default::default())?.state;
+    Ok(Tracking::surface("top", Target::moved(maker.mesh().clone(), state.u.to_vec())?))
+}
+
+fn problem(disc: &Arc<Discretization>, field: [f64; 3]) -> Outcome<Reduced> {
+    Ok(Reduced::new(body(disc.clone())?)
+        .control("magnet.remanence", Space::Cell)?
+        .control("magnet.field", Space::Uniform)?
+        .cost(target(field)?)?)
+}
+
+/// The state with its magnetisation as arrows, beside the start as glass.
+fn draw(file: &str, title: &str, shot: &Snapshot) -> Outcome {
+    let arrows = shot.cell_array("B_r").map(|a| a.values.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect());
+    Picture::new(title)
+        .body(Body::new("at rest", shot.mesh.clone()).look(Look::Glass(Colour::GREY)))
+        .body(
+            Body::of("in the field", shot)
+                .look(Look::Solid(Colour::BLUE))
+                .arrows(Colour::RED, arrows.unwrap_or_default()),
+        )
+        .view(View::From([0.6, -1.0, 0.6]))
+        .write(format!("out/t_magnet/{file}.png"))?;
+    Ok(nastic::io::write_vtu(format!("out/t_magnet/{file}.vtu"), shot)?)
+}
+
+fn main() -> Outcome {
+    let disc = Discretization::new(nastic::io::read_gmsh("meshes/t.msh")?.into())?;
+    let cells = disc.mesh().cells();
+    let sphere = Sphere::new(3, REMANENCE)?;
+    let along = [REMANENCE, 0.0, 0.0].repeat(cells);
+    let starts = [along, sphere.random(cells, 1), sphere.random(cells, 2), sphere.random(cells, 3)];
+    let optimizer =
+        Lbfgs { options: Options { tolerance: 1e-4, max_iterations: 300, ..Options::default() }, ..Lbfgs::default() };
+    let upward = [0.0, 0.0, 0.5 * FIELD];
+
+    let one = problem(&disc, FIELDS[0])?;
+    let set = Product::new().block(3 * cells, sphere.clone()).block(3, Ball::new(3, FIELD)?);
+    let search = optimizer.clone().within(set);
+    let mut least = f64::INFINITY;
+    for (k, start) in starts.iter().enumerate() {
+        let start = [start.as_slice(), &upward].concat();
+        let first = one.at(&start, None, 0)?;
+        let best = search.minimize(&one, start)?;
+        println!(
+            "one target, start {k}: cost {:.3e} -> {:.3e}, {} iterations, {}",
+            first.cost(),
+            best.cost,
+            best.counts.iterations,
+            best.stop
+        );
+        if best.cost < least {
+            least = best.cost;
+            draw("start", "T, start", &one.snapshot(&first, None)?)?;
+            draw("optimum", "T, one target", &one.snapshot(&best.point, Some(&best.derivative))?)?;
+        }
+    }
+
+    let case = |name: &str, field| Outcome::Ok(LoadCase::new(name, 1.0, problem(&disc, field)?).own("magnet.field"));
+    let two = Ensemble::new(Mean).load_cases(vec![case("lifted", FIELDS[0])?, case("swayed", FIELDS[1])?]).build()?;
+    let set = Product::new().block(3 * cells, sphere).block(3, Ball::new(3, FIELD)?).block(3, Ball::new(3, FIELD)?);
+    let search = optimizer.within(set);
+    let mut least = f64::INFINITY;
+    for (k, start) in starts.iter().enumerate() {
+        let start = [start.as_slice(), &upward, &[0.0, -0.5 * FIELD, 0.0]].concat();
+        let first = two.try_evaluate(&start, &Default::default())?;
+        let best = search.minimize(&two, start)?;
+        for (case, (from, to)) in two.parts().iter().zip(first.parts.iter().zip(&best.point.parts)) {
+            println!("two targets, start {k}, {}: cost {:.3e} -> {:.3e}", case.name(), from.cost(), to.cost());
+        }
+        println!("    {} iterations, {}", best.counts.iterations, best.stop);
+        if best.cost < least {
+            least = best.cost;
+            for (case, at) in two.parts().iter().zip(&best.point.parts) {
+                draw(
+                    &format!("two_{}", case.name()),
+                    &format!("T, two targets: {}", case.name()),
+                    &case.problem().snapshot(at, None)?,
+                )?;
+            }
+        }
+    }
+    Ok(())
+}
