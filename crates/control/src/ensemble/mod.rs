@@ -35,6 +35,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// threads. Members built on one [`Discretization`](nastic_fem::Discretization) share mesh and symbolic analysis.
 /// A member without an equilibrium is a failed trial that names it.
 ///
+/// **Memory.** A point keeps its members' states and at most one factor per member (see
+/// [`EnsemblePoint::factor_bytes`]; `factor_bytes` in reports). While an optimiser judges a trial, that has its own
+/// beside those of the present point. [`EnsembleBuilder::keep_factors`] does without.
+///
 /// Source: docs/model.md section 6; survey, section 4.2.3.
 ///
 /// ```
@@ -84,6 +88,13 @@ pub struct EnsemblePoint {
     pub costs: Vec<f64>,
     /// R of these.
     pub risk: f64,
+}
+
+impl EnsemblePoint {
+    /// Memory of the factors kept for the next solve, in bytes: at most one per member.
+    pub fn factor_bytes(&self) -> usize {
+        self.parts.iter().map(Evaluated::factor_bytes).sum()
+    }
 }
 
 /// A member that has been evaluated: what an [`EnsembleBuilder::watched_by`] is told.

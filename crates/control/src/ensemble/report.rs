@@ -39,7 +39,8 @@ impl Ensemble {
     }
 
     /// `risk/NAME` and `risk/NAME/exact`, `risk/deviation`; `terms/NAME`, expected; `scenarios/NAME/cost`, and
-    /// `scenarios/NAME/LOAD_CASE/terms/TERM` for every member; work summed over members, the smallest J.
+    /// `scenarios/NAME/LOAD_CASE/terms/TERM` for every member; work summed over members, the smallest J, the
+    /// memory of the factors kept (`factor_bytes`).
     pub(super) fn report_of(&self, point: &EnsemblePoint) -> Report {
         let mut entries = Vec::new();
         for risk in self.risks(point) {
@@ -80,7 +81,7 @@ impl Ensemble {
     }
 }
 
-fn work_entries(point: &EnsemblePoint) -> [(String, f64); 4] {
+fn work_entries(point: &EnsemblePoint) -> [(String, f64); 5] {
     let mut work = SolveReport::default();
     let mut min_j = f64::INFINITY;
     for part in &point.parts {
@@ -92,5 +93,6 @@ fn work_entries(point: &EnsemblePoint) -> [(String, f64); 4] {
         ("factorisations".into(), work.factorisations as f64),
         ("back_substitutions".into(), work.back_substitutions as f64),
         ("min_J".into(), min_j),
+        ("factor_bytes".into(), point.factor_bytes() as f64),
     ]
 }
