@@ -52,6 +52,27 @@ fn tip_tracking_falls_by_four_decades_in_twenty_iterations() {
 }
 
 #[test]
+fn a_stem_lifts_itself_by_turgor() {
+    let said = run("turgor_stem", &[]);
+    assert!(said.contains("converged"), "{said}");
+    let (first, last) = (number_after(&said, "tracked part "), number_after(&said, "mm -> "));
+    assert!(first > 15.0 && last < first / 20.0, "{said}");
+}
+
+/// Eight scenarios; the sampling error of so few draws is large, so what is certain is asked: the rule's own costs.
+#[test]
+fn a_robust_control_is_better_on_average_where_it_was_found() {
+    let said = run("robust_turgor", &["2", "4"]);
+    let rule = said.split("on the 8 nodes").nth(1).and_then(|rest| rest.split("draws").next()).unwrap();
+    let row = rule.lines().find(|line| line.starts_with("mean")).unwrap();
+    let means: Vec<f64> = row.split_whitespace().skip(1).map(|word| word.parse().unwrap()).collect();
+    assert!(means[1] < 0.95 * means[0], "{said}");
+    for file in ["mean_shape_deterministic.vtu", "mean_shape_robust.vtu", "mean_material_robust.vtu", "costs.csv"] {
+        assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("out/robust_turgor").join(file).exists(), "{file}");
+    }
+}
+
+#[test]
 fn the_shortest_program_converges() {
     let said = run("shortest", &[]);
     assert!(said.contains("cost"), "{said}");

@@ -8,6 +8,7 @@ pub mod cost;
 mod ensemble;
 mod error;
 mod inner_product;
+mod kept_factor;
 mod layout;
 mod map;
 mod reduced;

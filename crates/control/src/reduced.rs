@@ -3,9 +3,9 @@
 use crate::cost::{Cost, IntoCost, Partials, Sight};
 use crate::error::ControlError;
 use crate::inner_product::{Metric, inner_product};
+use crate::kept_factor::KeptFactor;
 use crate::layout::Layout;
 use crate::map::Space;
-use nastic_fem::linear::Factor;
 use nastic_fem::{Request as StateRequest, Solid, SolveReport, Solved, State};
 use nastic_opt::{Failed, InnerProduct, Objective, Problem, Report, Request};
 use std::sync::atomic::AtomicBool;
@@ -26,6 +26,8 @@ pub struct Reduced {
     kind: Metric,
     /// Compute on all threads; `false` for a member of an ensemble.
     parallel: bool,
+    /// Whether points keep a factor for the next solve.
+    keep_factors: bool,
     /// Whether the control fields are as wanted, even if there are none.
     settled: bool,
     cancel: Option<Arc<AtomicBool>>,
@@ -44,15 +46,15 @@ pub struct Evaluated {
     pub stage: usize,
     /// Work of this evaluation, and later of its adjoint.
     pub work: SolveReport,
-    factor: Option<Arc<Factor>>,
+    /// The newest factor at hand, and no older one.
+    factor: KeptFactor,
     adjoint: OnceLock<AdjointPart>,
 }
 
-/// What the derivative leaves behind: for output, and a fresh factor for the next solve.
+/// What the derivative leaves behind for output; its factor takes the place of the evaluation's.
 #[derive(Debug, Clone)]
 struct AdjointPart {
     lambda: Vec<f64>,
-    factor: Option<Arc<Factor>>,
     work: SolveReport,
 }
 
@@ -79,9 +81,16 @@ impl Evaluated {
         work
     }
 
-    /// The newest factor at hand.
-    fn factor(&self) -> Option<Arc<Factor>> {
-        self.adjoint.get().and_then(|a| a.factor.clone()).or_else(|| self.factor.clone())
+    /// Memory of the factor kept for the next solve, in bytes: one factor at most, shared with the point this one was
+    /// started from as long as it served.
+    pub fn factor_bytes(&self) -> usize {
+        self.factor.bytes()
+    }
+
+    /// Lets go of its factor, which is large: for points that are kept to be looked at.
+    pub fn without_factors(mut self) -> Self {
+        self.factor = KeptFactor::default();
+        self
     }
 }
 
@@ -96,6 +105,7 @@ impl Reduced {
             metric: OnceLock::new(),
             kind: Metric::L2,
             parallel: true,
+            keep_factors: true,
             settled: false,
             cancel: None,
         }
@@ -167,6 +177,14 @@ impl Reduced {
         self
     }
 
+    /// Whether evaluated points keep a factor of their tangent for the next solve (they do, unless told otherwise).
+    /// Without, a solve begins with a factorisation of its own and a point is little more than its state: for the many
+    /// points of a sample that are evaluated once.
+    pub fn keep_factors(mut self, keep: bool) -> Self {
+        self.keep_factors = keep;
+        self
+    }
+
     fn control_everything(mut self) -> Result<Self, ControlError> {
         let names: Vec<String> = self.solid.body().actuations().iter().map(|a| a.name.clone()).collect();
         for name in names {
@@ -229,7 +247,7 @@ impl Reduced {
         let controls = self.layout.to_points(m)?;
         let how = StateRequest {
             near: near.map(|point| &point.state),
-            factor: near.and_then(Evaluated::factor),
+            factor: near.and_then(|point| point.factor.get()),
             parallel: self.parallel,
             accuracy,
             cancel: self.cancel.as_deref(),
@@ -238,6 +256,7 @@ impl Reduced {
         let Solved { state, factor } = self.solid.solve(&controls, &how)?;
         let terms = self.terms(&state, m, stage)?;
         let work = state.report;
+        let factor = KeptFactor::new(factor.filter(|_| self.keep_factors));
         Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor, adjoint: OnceLock::new() })
     }
 
@@ -248,6 +267,17 @@ impl Reduced {
 
     fn sight<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> Sight<'a> {
         Sight { solid: &self.solid, layout: &self.layout, u: &state.u, m, stage }
+    }
+
+    /// [`Objective::restage`] with the typed error.
+    ///
+    /// # Errors
+    /// A cost that is not defined there.
+    pub fn try_restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
+        let terms = self.terms(&point.state, &point.m, stage)?;
+        let (m, state, factor) = (point.m.clone(), point.state.clone(), point.factor.clone());
+        let work = SolveReport::default();
+        Ok(Evaluated { m, state, terms, stage, work, factor, adjoint: OnceLock::new() })
     }
 
     /// Partial derivatives of the cost (all terms, or one of them).
@@ -276,7 +306,7 @@ impl Reduced {
             return Ok(derivative);
         }
         let rhs: Vec<f64> = partials.u.iter().map(|d| -d).collect();
-        let how = StateRequest { factor: point.factor(), parallel: self.parallel, ..StateRequest::default() };
+        let how = StateRequest { factor: point.factor.get(), parallel: self.parallel, ..StateRequest::default() };
         let adjoint = self.solid.adjoint(&point.state, &[&rhs], &how)?;
         let lambda = adjoint.lambda.into_iter().next().unwrap_or_default();
         let by_point = self.solid.body().pull_back(&point.state.u, &point.state.controls, &lambda)?;
@@ -284,7 +314,10 @@ impl Reduced {
             *d += through_state;
         }
         if term.is_none() {
-            let _ = point.adjoint.set(AdjointPart { lambda, factor: adjoint.factor, work: adjoint.report });
+            if let Some(newer) = adjoint.factor.filter(|_| self.keep_factors) {
+                point.factor.replace(newer);
+            }
+            let _ = point.adjoint.set(AdjointPart { lambda, work: adjoint.report });
         }
         Ok(derivative)
     }
@@ -333,10 +366,7 @@ impl Objective for Reduced {
     }
 
     fn restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, Failed> {
-        let terms = self.terms(&point.state, &point.m, stage).map_err(|e| Failed::new(e.to_string()))?;
-        let (m, state, factor) = (point.m.clone(), point.state.clone(), point.factor());
-        let work = SolveReport::default();
-        Ok(Evaluated { m, state, terms, stage, work, factor, adjoint: OnceLock::new() })
+        self.try_restage(stage, point).map_err(|e| Failed::new(e.to_string()))
     }
 
     fn report(&self, point: &Evaluated) -> Report {
@@ -349,6 +379,7 @@ impl Objective for Reduced {
         entries.push(("factorisations".into(), work.factorisations as f64));
         entries.push(("back_substitutions".into(), work.back_substitutions as f64));
         entries.push(("min_J".into(), point.state.report.min_j));
+        entries.push(("factor_bytes".into(), point.factor_bytes() as f64));
         Report(entries)
     }
 }

@@ -243,6 +243,43 @@ fn reports_every_risk_and_every_member() -> Outcome {
     Ok(())
 }
 
+/// One factor per member is kept, whatever was evaluated and differentiated; none where none is wanted, with the same
+/// costs.
+#[test]
+fn at_most_one_factor_per_member_is_kept_and_reported() -> Outcome {
+    let disc = mesh()?;
+    let one = disc.symbolic().factorize(&identity(&disc), nastic_fem::linear::Pivots::Positive, false)?.bytes();
+    assert!(one >= 8 * disc.dofs());
+    let costs = |keep: bool| -> Outcome<Vec<f64>> {
+        let mut all = Ensemble::new(Mean).keep_factors(keep);
+        for (i, p) in PROBABILITIES.iter().enumerate() {
+            all = all.scenario(&format!("s{i}"), *p, member(&disc, 0.7 + 0.1 * i as f64)?);
+        }
+        let all = all.build()?;
+        let m = start(all.len());
+        let mut point = all.evaluate(&m, &Request::default())?;
+        for round in 0..3 {
+            all.derivative(&point)?;
+            let expected = if keep { 8 * one } else { 0 };
+            assert_eq!(point.factor_bytes(), expected, "round {round}");
+            assert_eq!(all.report(&point).get("factor_bytes"), Some(expected as f64));
+            let moved: Vec<f64> = point.m.iter().map(|m| 1.3 * m).collect();
+            point = all.evaluate(&moved, &Request { near: Some(&point), ..Request::default() })?;
+        }
+        Ok(point.costs)
+    };
+    for (kept, alone) in costs(true)?.iter().zip(&costs(false)?) {
+        assert!((kept / alone - 1.0).abs() < 1e-6, "{kept:e} and {alone:e}");
+    }
+    Ok(())
+}
+
+fn identity(disc: &Discretization) -> nastic_fem::linear::SymmetricMatrix {
+    let mut matrix = disc.matrix();
+    matrix.eliminate(&vec![true; disc.dofs()], 1.0);
+    matrix
+}
+
 /// The bound of the tension is that of the softest law.
 #[test]
 fn bounds_take_the_smallest_over_scenarios() -> Outcome {

@@ -1,7 +1,8 @@
 //! The contract of every risk measure, and the values of each against closed forms.
 
 use nastic_control::risk::{
-    CATALOGUE, Cvar, Mean, MeanDeviation, Risk, RiskError, WorstCase, by_name, conditional_value_at_risk, deviation,
+    CATALOGUE, Cvar, Estimate, Mean, MeanDeviation, Risk, RiskError, WorstCase, by_name, conditional_value_at_risk,
+    deviation,
 };
 
 const P: [f64; 8] = [0.05, 0.2, 0.1, 0.15, 0.08, 0.22, 0.12, 0.08];
@@ -130,4 +131,29 @@ fn bad_parameters_and_probabilities_are_refused() {
     assert!(MeanDeviation { lambda: -1.0 }.check(&P).is_err());
     let unknown = by_name("cvr").unwrap_err().to_string();
     assert!(unknown.contains("cvr") && unknown.contains("worst_case"), "{unknown}");
+}
+
+/// By hand, and against samples of a known law: the error is that of the means of many samples.
+#[test]
+fn estimates_know_their_sampling_error() {
+    let four = Estimate::of(&[1.0, 2.0, 4.0, 5.0]).unwrap_or(Estimate { mean: f64::NAN, error: f64::NAN });
+    close(four.mean, 3.0, 1e-15, "mean");
+    close(four.error, (10.0f64 / 12.0).sqrt(), 1e-15, "error");
+    let mut random = nastic_opt::Random::new(3);
+    let (samples, n) = (2000, 25);
+    let (mut within, mut square, mut claimed) = (0, 0.0, 0.0);
+    for _ in 0..samples {
+        let a: Vec<f64> = (0..n).map(|_| random.unit()).collect();
+        // b follows a up to a little: in pairs, the difference of the means is known far better than either.
+        let b: Vec<f64> = a.iter().map(|x| x - 0.1 + 0.02 * random.symmetric()).collect();
+        let alone = Estimate::of(&a).unwrap_or(four);
+        within += usize::from((alone.mean - 0.5).abs() < 2.0 * alone.error);
+        square += (alone.mean - 0.5).powi(2) / samples as f64;
+        claimed += alone.error.powi(2) / samples as f64;
+        let pair = Estimate::paired(&a, &b).unwrap_or(four);
+        assert!((pair.mean - 0.1).abs() < 6.0 * pair.error && pair.error < 0.1 * alone.error, "{pair:?}");
+    }
+    assert!((0.92..0.97).contains(&(within as f64 / samples as f64)), "{within} of {samples}");
+    close(square, claimed, 0.1, "variance of the mean");
+    assert!(Estimate::of(&[1.0]).is_none() && Estimate::paired(&[1.0, 2.0], &[1.0]).is_none());
 }

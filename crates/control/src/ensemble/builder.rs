@@ -18,6 +18,7 @@ pub struct EnsembleBuilder {
     scenarios: Vec<(String, f64, Vec<LoadCase>)>,
     watch: Watch,
     cancel: Option<Arc<AtomicBool>>,
+    keep_factors: bool,
 }
 
 /// Name of the one scenario of a problem that has load cases alone.
@@ -25,7 +26,7 @@ const ALONE: &str = "";
 
 impl EnsembleBuilder {
     pub(super) fn new(risk: Box<dyn Risk>) -> Self {
-        EnsembleBuilder { risk, scenarios: vec![], watch: Watch(None), cancel: None }
+        EnsembleBuilder { risk, scenarios: vec![], watch: Watch(None), cancel: None, keep_factors: true }
     }
 
     /// Adds a scenario of one problem.
@@ -56,6 +57,13 @@ impl EnsembleBuilder {
         self
     }
 
+    /// Whether points keep a factor per member for the next solve near them (they do, unless told otherwise). Without,
+    /// memory does not grow by factors, and every solve makes its own: for samples that are evaluated once.
+    pub fn keep_factors(mut self, keep: bool) -> Self {
+        self.keep_factors = keep;
+        self
+    }
+
     /// Checks all members and joins their controls.
     ///
     /// # Errors
@@ -75,7 +83,7 @@ impl EnsembleBuilder {
                     case: case.name,
                     scenario,
                     weight: case.weight,
-                    problem: prepared(case.problem, alone, self.cancel.as_ref()),
+                    problem: prepared(case.problem, alone, self.cancel.as_ref(), self.keep_factors),
                     blocks: vec![],
                 };
                 enter(&mut blocks, &parts, &mut part, fields)?;
@@ -129,8 +137,9 @@ impl EnsembleBuilder {
 }
 
 /// Members run side by side, each on one thread; a single one may have them all.
-fn prepared(problem: Reduced, alone: bool, cancel: Option<&Arc<AtomicBool>>) -> Reduced {
+fn prepared(problem: Reduced, alone: bool, cancel: Option<&Arc<AtomicBool>>, keep_factors: bool) -> Reduced {
     let problem = if alone { problem } else { problem.sequential() };
+    let problem = if keep_factors { problem } else { problem.keep_factors(false) };
     match cancel {
         Some(flag) => problem.cancelled_by(flag.clone()),
         None => problem,

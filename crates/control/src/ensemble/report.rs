@@ -20,7 +20,12 @@ impl Ensemble {
     /// Every measure of the catalogue that is defined for these probabilities, whichever is optimised: the optimised
     /// one with its parameters, the others with their defaults.
     pub fn risks(&self, point: &EnsemblePoint) -> Vec<Measured> {
-        let (p, j) = (&self.probabilities, &point.costs);
+        self.risks_of(&point.costs)
+    }
+
+    /// The same of given costs, one per scenario.
+    pub fn risks_of(&self, costs: &[f64]) -> Vec<Measured> {
+        let (p, j) = (&self.probabilities, costs);
         let measured =
             |risk: &dyn Risk| Measured { name: risk.name(), value: risk.value(p, j), exact: risk.exact(p, j) };
         let mut all: Vec<Measured> = Vec::new();
@@ -39,7 +44,8 @@ impl Ensemble {
     }
 
     /// `risk/NAME` and `risk/NAME/exact`, `risk/deviation`; `terms/NAME`, expected; `scenarios/NAME/cost`, and
-    /// `scenarios/NAME/LOAD_CASE/terms/TERM` for every member; work summed over members, the smallest J.
+    /// `scenarios/NAME/LOAD_CASE/terms/TERM` for every member; work summed over members, the smallest J, the
+    /// memory of the factors kept (`factor_bytes`).
     pub(super) fn report_of(&self, point: &EnsemblePoint) -> Report {
         let mut entries = Vec::new();
         for risk in self.risks(point) {
@@ -49,7 +55,8 @@ impl Ensemble {
             }
         }
         entries.push(("risk/deviation".into(), deviation(&self.probabilities, &point.costs)));
-        entries.extend(self.expected_terms(point));
+        let terms = self.expected_terms(point.parts.iter().map(|at| at.terms.as_slice()));
+        entries.extend(terms.into_iter().map(|(name, value)| (format!("terms/{name}"), value)));
         for (name, cost) in self.names.iter().zip(&point.costs).filter(|(name, _)| !name.is_empty()) {
             entries.push((format!("scenarios/{name}/cost"), *cost));
         }
@@ -63,13 +70,12 @@ impl Ensemble {
         Report(entries)
     }
 
-    /// `sum_s p_s sum_l w_l` of every term, by name.
-    fn expected_terms(&self, point: &EnsemblePoint) -> Vec<(String, f64)> {
+    /// `sum_s p_s sum_l w_l` of every term, by name; `terms` has those of every member.
+    pub fn expected_terms<'t>(&self, terms: impl IntoIterator<Item = &'t [f64]>) -> Vec<(String, f64)> {
         let mut sums: Vec<(String, f64)> = Vec::new();
-        for (part, at) in self.parts.iter().zip(&point.parts) {
+        for (part, terms) in self.parts.iter().zip(terms) {
             let weight = self.probabilities[part.scenario] * part.weight;
-            for (term, value) in part.problem.term_names().into_iter().zip(&at.terms) {
-                let name = format!("terms/{term}");
+            for (name, value) in part.problem.term_names().into_iter().zip(terms) {
                 match sums.iter_mut().find(|(known, _)| *known == name) {
                     Some((_, sum)) => *sum += weight * value,
                     None => sums.push((name, weight * value)),
@@ -80,7 +86,7 @@ impl Ensemble {
     }
 }
 
-fn work_entries(point: &EnsemblePoint) -> [(String, f64); 4] {
+fn work_entries(point: &EnsemblePoint) -> [(String, f64); 5] {
     let mut work = SolveReport::default();
     let mut min_j = f64::INFINITY;
     for part in &point.parts {
@@ -92,5 +98,6 @@ fn work_entries(point: &EnsemblePoint) -> [(String, f64); 4] {
         ("factorisations".into(), work.factorisations as f64),
         ("back_substitutions".into(), work.back_substitutions as f64),
         ("min_J".into(), min_j),
+        ("factor_bytes".into(), point.factor_bytes() as f64),
     ]
 }

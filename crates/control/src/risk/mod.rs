@@ -10,11 +10,13 @@
 //! a unit.
 
 mod cvar;
+mod estimate;
 mod mean;
 mod standard;
 mod worst_case;
 
 pub use cvar::{Cvar, conditional_value_at_risk};
+pub use estimate::Estimate;
 pub use mean::{Mean, MeanDeviation};
 pub use worst_case::WorstCase;
 

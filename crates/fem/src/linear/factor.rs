@@ -121,6 +121,13 @@ impl Factor {
         self.pivots
     }
 
+    /// Memory of its numbers, in bytes; the symbolic factorisation is shared and not counted.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.values.as_slice())
+            + size_of_val(self.subdiagonal.as_slice())
+            + size_of_val(self.order.as_slice())
+    }
+
     /// Whether the last factorisation succeeded.
     pub fn is_usable(&self) -> bool {
         self.usable
