@@ -58,7 +58,7 @@ impl Newton<'_> {
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
-        let mut tangents = Tangents::new(self.solid, self.request.parallel);
+        let mut tangents = Tangents::new(self.solid, self.request);
         let mut now = self.evaluate(&u)?;
         let mut jump = self.jump(&u);
         let mut before = f64::INFINITY;
@@ -77,6 +77,7 @@ impl Newton<'_> {
             let rhs = self.right_hand_side(&matrix, &residual, jump.as_deref());
             let scale = self.energy_scale(&matrix, &u, &now);
             tangents.eliminate(&mut matrix);
+            tangents.stand_at(&u);
             let (mut step, stable) = tangents.solve(&matrix, &rhs, factor, report).map_err(Stop::Linear)?;
             report.newton += 1;
             let here = Here { u: &u, now: &now, residual: &residual, scale };

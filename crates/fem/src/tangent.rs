@@ -1,7 +1,10 @@
 //! Linear systems with tangents: the factor at hand as preconditioner while that is cheaper than a new one.
 
+use crate::levels::{Levels, Outcome};
 use crate::linear::{CgReport, Factor, FactorError, Pivots, SymmetricMatrix, conjugate_gradient, refine};
+use crate::request::Request;
 use crate::solid::Solid;
+use crate::solver::{self, Solver};
 use crate::state::SolveReport;
 use std::sync::Arc;
 
@@ -17,11 +20,28 @@ pub(crate) struct Tangents<'a> {
     parallel: bool,
     /// Whether the kept factor served well last time.
     serves: bool,
+    /// There on a body that is solved by multigrid.
+    levels: Option<Levels<'a>>,
 }
 
 impl<'a> Tangents<'a> {
-    pub fn new(solid: &'a Solid, parallel: bool) -> Self {
-        Tangents { solid, parallel, serves: true }
+    pub fn new(solid: &'a Solid, how: &Request) -> Self {
+        let solver = how.solver.unwrap_or_else(|| solid.discretization().solver());
+        let levels = (solver == Solver::Multigrid).then(|| Levels::new(solid, how.parallel));
+        Tangents { solid, parallel: how.parallel, serves: true, levels }
+    }
+
+    /// Says at which displacement the tangents to come are taken.
+    pub fn stand_at(&mut self, u: &[f64]) {
+        if let Some(levels) = &mut self.levels {
+            levels.stand_at(u);
+        }
+    }
+
+    /// [`stand_at`](Self::stand_at), chained.
+    pub fn standing_at(mut self, u: &[f64]) -> Self {
+        self.stand_at(u);
+        self
     }
 
     /// The Newton step of a tangent whose supports are eliminated, and whether the tangent is positive definite.
@@ -32,6 +52,18 @@ impl<'a> Tangents<'a> {
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, bool), String> {
+        if let Some(levels) = &mut self.levels {
+            report.solver = Solver::Multigrid;
+            match levels.step(matrix, rhs, report).map_err(|e| e.to_string())? {
+                Outcome::Solved(step) => return Ok((step, true)),
+                Outcome::Indefinite(Some(step)) => return Ok((step, false)),
+                Outcome::Indefinite(None) => {
+                    return Ok((self.solve_shifted(matrix.clone(), rhs, factor, report)?, false));
+                }
+                Outcome::Failed(why) => self.fall_back(why)?,
+            }
+        }
+        report.solver = Solver::Direct;
         if let Some(kept) = factor.as_deref().filter(|f| self.serves && f.pivots() == Pivots::Positive) {
             let (step, cg) = precondition(matrix, kept, rhs, STEP_TOLERANCE, self.worth());
             report.back_substitutions += cg.iterations;
@@ -66,6 +98,7 @@ impl<'a> Tangents<'a> {
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, String> {
         self.eliminate(&mut matrix);
+        report.solver = if self.levels.is_some() { Solver::Multigrid } else { Solver::Direct };
         let mut solutions = Vec::with_capacity(rhs.len());
         for b in rhs {
             solutions.push(self.solve_one_exactly(&matrix, b, tolerance, factor, report)?);
@@ -81,6 +114,14 @@ impl<'a> Tangents<'a> {
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, String> {
+        if let Some(levels) = &mut self.levels {
+            match levels.solve(matrix, b, tolerance, report).map_err(|e| e.to_string())? {
+                Outcome::Solved(x) => return Ok(x),
+                Outcome::Indefinite(_) => self.fall_back("the tangent is not positive definite".to_owned())?,
+                Outcome::Failed(why) => self.fall_back(why)?,
+            }
+            report.solver = Solver::Direct;
+        }
         if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
             let (x, cg) = precondition(matrix, kept, b, tolerance, self.worth());
             report.back_substitutions += cg.iterations;
@@ -109,8 +150,13 @@ impl<'a> Tangents<'a> {
     }
 
     /// Number of negative eigenvalues of a tangent.
-    pub fn negative_pivots(&mut self, mut matrix: SymmetricMatrix) -> Result<usize, FactorError> {
+    pub fn negative_pivots(mut self, mut matrix: SymmetricMatrix) -> Result<usize, FactorError> {
         self.eliminate(&mut matrix);
+        if let Some(levels) = &mut self.levels
+            && levels.definite(&matrix)? == Some(true)
+        {
+            return Ok(0);
+        }
         let symbolic = self.solid.discretization().symbolic();
         match symbolic.factorize(&matrix, Pivots::Positive, self.parallel) {
             Err(FactorError::NotPositive { .. }) => {
@@ -118,6 +164,17 @@ impl<'a> Tangents<'a> {
             }
             done => done.map(|_| 0),
         }
+    }
+
+    /// From multigrid to a factor, where that fits: for good, whatever made multigrid fail stays true nearby.
+    fn fall_back(&mut self, why: String) -> Result<(), String> {
+        let symbolic = self.solid.discretization().symbolic();
+        if !solver::fits(symbolic) {
+            let gib = symbolic.factor_bytes() as f64 / f64::from(1 << 30);
+            return Err(format!("{why}, and a factor of the tangent takes {gib:.0} GiB; try a coarser mesh"));
+        }
+        self.levels = None;
+        Ok(())
     }
 
     /// Rows and columns of supported unknowns become those of a multiple of the identity.
@@ -171,7 +228,7 @@ impl<'a> Tangents<'a> {
 
     /// A downhill step where the tangent is not positive definite: the diagonal is raised until it is.
     pub fn solve_shifted(
-        &self,
+        &mut self,
         mut matrix: SymmetricMatrix,
         rhs: &[f64],
         factor: &mut Option<Arc<Factor>>,
@@ -183,6 +240,20 @@ impl<'a> Tangents<'a> {
         let mut shift = 1e-4 * scale;
         while shift <= 1e3 * scale {
             add_to_diagonal(&mut matrix, shift);
+            if let Some(levels) = &mut self.levels {
+                levels.forget();
+                match levels.step(&matrix, rhs, report).map_err(|e| e.to_string())? {
+                    Outcome::Solved(step) => {
+                        levels.forget();
+                        return Ok(step);
+                    }
+                    Outcome::Indefinite(_) => {
+                        shift *= 8.0;
+                        continue;
+                    }
+                    Outcome::Failed(why) => self.fall_back(why)?,
+                }
+            }
             match self.factorize(&matrix, factor, report) {
                 Ok(()) => {
                     let step = self.back_substitute(rhs, factor, report);
