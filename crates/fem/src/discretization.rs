@@ -1,8 +1,9 @@
 //! [`Discretization`]: everything about a mesh that materials, loads and supports do not change.
 
 use crate::error::FemError;
-use crate::linear::{Graph, Ordering, Pattern, Symbolic, SymmetricMatrix};
+use crate::linear::{Corners, Graph, Ordering, Pattern, Symbolic, SymmetricMatrix};
 use crate::sampling::{Part, Sampling};
+use crate::solver::Solver;
 use nastic_mesh::Mesh;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
@@ -20,6 +21,7 @@ pub struct Discretization {
     scalar: OnceLock<Arc<Symbolic>>,
     /// Per part of the body's sampling: the scatter map of every cell, one after the other.
     scatter: Vec<Vec<u32>>,
+    corners: OnceLock<Option<Corners>>,
 }
 
 impl Discretization {
@@ -43,7 +45,8 @@ impl Discretization {
             Ok(maps)
         };
         let scatter = body.parts.iter().map(of_part).collect::<Result<_, FemError>>()?;
-        Ok(Arc::new(Discretization { mesh, body, pattern, symbolic, scalar: OnceLock::new(), scatter }))
+        let (scalar, corners) = (OnceLock::new(), OnceLock::new());
+        Ok(Arc::new(Discretization { mesh, body, pattern, symbolic, scalar, scatter, corners }))
     }
 
     /// The mesh.
@@ -107,6 +110,23 @@ impl Discretization {
         Ok(self.scalar.get_or_init(|| new).clone())
     }
 
+    /// The solver that a solve on this mesh takes unless it is told which, see [`Solver::cheaper`].
+    pub fn solver(&self) -> Solver {
+        Solver::cheaper(&self.pattern, &self.symbolic)
+    }
+
+    /// How second-order cells contain first-order ones; nothing on a mesh of first-order cells. Made when first asked for.
+    pub fn corners(&self) -> Option<&Corners> {
+        let make = || {
+            let shapes: Vec<Vec<f64>> = self.body.parts.iter().map(corner_shapes).collect();
+            let elements = self.body.parts.iter().zip(&shapes).flat_map(|(part, shapes)| {
+                (0..part.cells.len()).map(move |c| (part.nodes_of(c), part.kind.corners(), shapes.as_slice()))
+            });
+            Corners::new(self.mesh.points().len(), elements)
+        };
+        self.corners.get_or_init(make).as_ref()
+    }
+
     /// A zero matrix of the tangent's pattern.
     pub fn matrix(&self) -> SymmetricMatrix {
         SymmetricMatrix::zeros(self.pattern.clone())
@@ -116,6 +136,16 @@ impl Discretization {
     pub(crate) fn scatter(&self, part: usize) -> &[u32] {
         &self.scatter[part]
     }
+}
+
+/// The shapes of the first-order kind at the nodes of a kind, `[node][corner]`.
+fn corner_shapes(part: &Part) -> Vec<f64> {
+    let corners = part.kind.corners();
+    let mut shapes = vec![0.0; part.kind.nodes() * corners];
+    for (xi, row) in part.kind.reference_nodes().iter().zip(shapes.chunks_exact_mut(corners)) {
+        part.kind.corner_kind().shapes(xi, row);
+    }
+    shapes
 }
 
 impl fmt::Debug for Discretization {

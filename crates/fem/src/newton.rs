@@ -64,7 +64,7 @@ impl Newton<'_> {
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
-        let mut tangents = Tangents::new(self.solid, self.request.parallel);
+        let mut tangents = Tangents::new(self.solid, self.request);
         let mut now = self.evaluate(&u)?;
         let mut jump = self.jump(&u);
         let mut before = f64::INFINITY;
@@ -277,9 +277,9 @@ impl Newton<'_> {
 }
 
 /// Relative residual wanted of a Newton step: as small as the residual itself, for that keeps convergence quadratic, and no
-/// smaller than the end asks for. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
+/// smaller than a thousandth of what the end asks for. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
 fn forcing(relative: f64, accuracy: f64) -> f64 {
-    relative.clamp(1e-10, 1e-2).max(0.1 * accuracy / relative)
+    relative.clamp(1e-10, 1e-2).max(1e-3 * accuracy / relative)
 }
 
 fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {

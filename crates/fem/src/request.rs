@@ -1,6 +1,7 @@
 //! [`Request`]: how a state is to be solved for.
 
 use crate::linear::Factor;
+use crate::solver::Solver;
 use crate::state::State;
 use std::fmt;
 use std::sync::Arc;
@@ -13,6 +14,8 @@ pub struct Request<'a> {
     pub near: Option<&'a State>,
     /// A factor of a tangent near the expected ones; used as preconditioner while that is cheaper than a new one.
     pub factor: Option<Arc<Factor>>,
+    /// By what tangent systems are solved. Default: what [`Solver::cheaper`] expects to be cheaper.
+    pub solver: Option<Solver>,
     /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads.
     pub accuracy: f64,
     /// Newton iterations allowed per load step.
@@ -42,7 +45,16 @@ pub struct Progress {
 
 impl Default for Request<'_> {
     fn default() -> Self {
-        Request { near: None, factor: None, accuracy: 1e-10, max_newton: 60, parallel: true, cancel: None, watch: None }
+        Request {
+            near: None,
+            factor: None,
+            solver: None,
+            accuracy: 1e-11,
+            max_newton: 60,
+            parallel: true,
+            cancel: None,
+            watch: None,
+        }
     }
 }
 
@@ -62,6 +74,7 @@ impl fmt::Debug for Request<'_> {
         f.debug_struct("Request")
             .field("near", &self.near.is_some())
             .field("factor", &self.factor.is_some())
+            .field("solver", &self.solver)
             .field("accuracy", &self.accuracy)
             .field("max_newton", &self.max_newton)
             .field("parallel", &self.parallel)

@@ -2,6 +2,7 @@
 
 use crate::controls::Controls;
 use crate::linear::Factor;
+use crate::solver::Solver;
 use std::sync::Arc;
 
 /// A converged equilibrium. It holds no factor: that is handed along beside it, see [`Solved`].
@@ -20,14 +21,20 @@ pub struct State {
 /// What a solve took and how good its answer is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SolveReport {
+    /// By what the last tangent system was solved.
+    pub solver: Solver,
     /// Newton iterations, those of abandoned load steps included.
     pub newton: usize,
     /// Numeric factorisations.
     pub factorisations: usize,
-    /// Newton steps that were found with a factor kept from earlier, as preconditioner.
+    /// Newton steps that were found with a factor or a multigrid hierarchy kept from earlier, as preconditioner.
     pub reused: usize,
     /// Back substitutions, each conjugate-gradient iteration counting one.
     pub back_substitutions: usize,
+    /// Multigrid hierarchies built.
+    pub hierarchies: usize,
+    /// Multigrid cycles, one per conjugate-gradient iteration.
+    pub cycles: usize,
     /// Load steps that led to the answer.
     pub load_steps: usize,
     /// Load steps that were abandoned and shortened.
@@ -49,6 +56,8 @@ impl SolveReport {
         self.factorisations += other.factorisations;
         self.reused += other.reused;
         self.back_substitutions += other.back_substitutions;
+        self.hierarchies += other.hierarchies;
+        self.cycles += other.cycles;
         self.cuts += other.cuts;
         self.shifted += other.shifted;
     }

@@ -1,10 +1,13 @@
 //! Linear systems with tangents: the factor at hand as preconditioner while that is cheaper than a new one.
 
 use crate::frame;
+use crate::levels::{Levels, Outcome};
 use crate::linear::{
     CgEnd, CgReport, Factor, FactorError, Pivots, Rotations, SymmetricMatrix, Turned, conjugate_gradient, refine,
 };
+use crate::request::Request;
 use crate::solid::Solid;
+use crate::solver::{self, Solver};
 use crate::state::SolveReport;
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -25,6 +28,8 @@ pub(crate) struct Tangents<'a> {
     rotations: OnceCell<Arc<Rotations>>,
     /// The shift that made the last indefinite tangent definite, as a share of the mean diagonal.
     shift: f64,
+    /// There on a body that is solved by multigrid.
+    levels: Option<Levels<'a>>,
 }
 
 /// Least shift tried, as a share of the mean diagonal: slender bodies bend with eigenvalues as small as this, and a larger
@@ -32,14 +37,20 @@ pub(crate) struct Tangents<'a> {
 const LEAST_SHIFT: f64 = 1e-8;
 
 impl<'a> Tangents<'a> {
-    pub fn new(solid: &'a Solid, parallel: bool) -> Self {
-        Tangents { solid, parallel, spent: 0, shift: LEAST_SHIFT, u: Vec::new(), rotations: OnceCell::new() }
+    pub fn new(solid: &'a Solid, how: &Request) -> Self {
+        let solver = how.solver.unwrap_or_else(|| solid.discretization().solver());
+        let levels = (solver == Solver::Multigrid).then(|| Levels::new(solid, how.parallel));
+        let (u, rotations) = (Vec::new(), OnceCell::new());
+        Tangents { solid, parallel: how.parallel, spent: 0, u, rotations, shift: LEAST_SHIFT, levels }
     }
 
     /// Says at which displacement the tangents to come are taken.
     pub fn stand_at(&mut self, u: &[f64]) {
         self.u = u.to_vec();
         self.rotations = OnceCell::new();
+        if let Some(levels) = &mut self.levels {
+            levels.stand_at(u);
+        }
     }
 
     /// [`stand_at`](Self::stand_at), chained.
@@ -62,6 +73,18 @@ impl<'a> Tangents<'a> {
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, bool), String> {
+        if let Some(levels) = &mut self.levels {
+            report.solver = Solver::Multigrid;
+            match levels.step(matrix, rhs, report).map_err(|e| e.to_string())? {
+                Outcome::Solved(step) => return Ok((step, true)),
+                Outcome::Indefinite(Some(step)) => return Ok((step, false)),
+                Outcome::Indefinite(None) => {
+                    return Ok((self.solve_shifted(matrix.clone(), rhs, factor, report)?, false));
+                }
+                Outcome::Failed(why) => self.fall_back(why)?,
+            }
+        }
+        report.solver = Solver::Direct;
         let mut indefinite = false;
         if let Some(kept) = factor.as_deref().filter(|f| self.spent < self.worth() && f.pivots() == Pivots::Positive) {
             let (step, cg) = self.precondition(matrix, kept, rhs, tolerance);
@@ -102,6 +125,7 @@ impl<'a> Tangents<'a> {
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, String> {
         self.eliminate(&mut matrix);
+        report.solver = if self.levels.is_some() { Solver::Multigrid } else { Solver::Direct };
         let mut solutions = Vec::with_capacity(rhs.len());
         for b in rhs {
             solutions.push(self.solve_one_exactly(&matrix, b, tolerance, factor, report)?);
@@ -117,6 +141,14 @@ impl<'a> Tangents<'a> {
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, String> {
+        if let Some(levels) = &mut self.levels {
+            match levels.solve(matrix, b, tolerance, report).map_err(|e| e.to_string())? {
+                Outcome::Solved(x) => return Ok(x),
+                Outcome::Indefinite(_) => self.fall_back("the tangent is not positive definite".to_owned())?,
+                Outcome::Failed(why) => self.fall_back(why)?,
+            }
+            report.solver = Solver::Direct;
+        }
         if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
             let (x, cg) = self.precondition(matrix, kept, b, tolerance);
             report.back_substitutions += cg.iterations;
@@ -145,8 +177,13 @@ impl<'a> Tangents<'a> {
     }
 
     /// Number of negative eigenvalues of a tangent.
-    pub fn negative_pivots(&mut self, mut matrix: SymmetricMatrix) -> Result<usize, FactorError> {
+    pub fn negative_pivots(mut self, mut matrix: SymmetricMatrix) -> Result<usize, FactorError> {
         self.eliminate(&mut matrix);
+        if let Some(levels) = &mut self.levels
+            && levels.definite(&matrix)? == Some(true)
+        {
+            return Ok(0);
+        }
         let symbolic = self.solid.discretization().symbolic();
         match symbolic.factorize(&matrix, Pivots::Positive, self.parallel) {
             Err(FactorError::NotPositive { .. }) => {
@@ -154,6 +191,17 @@ impl<'a> Tangents<'a> {
             }
             done => done.map(|_| 0),
         }
+    }
+
+    /// From multigrid to a factor, where that fits: for good, whatever made multigrid fail stays true nearby.
+    fn fall_back(&mut self, why: String) -> Result<(), String> {
+        let symbolic = self.solid.discretization().symbolic();
+        if !solver::fits(symbolic) {
+            let gib = symbolic.factor_bytes() as f64 / f64::from(1 << 30);
+            return Err(format!("{why}, and a factor of the tangent takes {gib:.0} GiB; try a coarser mesh"));
+        }
+        self.levels = None;
+        Ok(())
     }
 
     /// Rows and columns of supported unknowns become those of a multiple of the identity.
@@ -236,6 +284,21 @@ impl<'a> Tangents<'a> {
         while shift <= 1e3 {
             add_to_diagonal(&mut matrix, (shift - added) * scale);
             added = shift;
+            if let Some(levels) = &mut self.levels {
+                levels.forget();
+                match levels.step(&matrix, rhs, report).map_err(|e| e.to_string())? {
+                    Outcome::Solved(step) => {
+                        levels.forget();
+                        self.shift = shift;
+                        return Ok(step);
+                    }
+                    Outcome::Indefinite(_) => {
+                        shift *= 8.0;
+                        continue;
+                    }
+                    Outcome::Failed(why) => self.fall_back(why)?,
+                }
+            }
             match self.factorize(&matrix, factor, report) {
                 Ok(()) => {
                     self.shift = shift;

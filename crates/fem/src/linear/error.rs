@@ -83,6 +83,9 @@ pub enum FactorError {
         /// Component there.
         component: usize,
     },
+    /// A level of multigrid, or the arrays handed to it, cannot be used.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
     /// Matrix and symbolic factorisation belong to different patterns.
     #[error("the matrix belongs to another pattern than the symbolic factorisation")]
     ForeignPattern,

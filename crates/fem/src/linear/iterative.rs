@@ -21,6 +21,8 @@ pub enum CgEnd {
     Converged,
     /// The allowed number of iterations is used up.
     Exhausted,
+    /// The residual itself no longer falls, whatever its recurrence says: double precision ends here.
+    Stagnated,
     /// `curvature = p^T A p / p^T p <= 0` along a search direction: the operator is not positive definite.
     NegativeCurvature {
         /// The Rayleigh quotient found.
@@ -37,7 +39,7 @@ pub enum CgEnd {
 pub struct CgReport {
     /// Why it stopped.
     pub end: CgEnd,
-    /// Applications of the preconditioner (back substitutions).
+    /// Applications of the preconditioner (back substitutions where it is a factor).
     pub iterations: usize,
     /// `|b - A x| / |b|`, Euclidean, recomputed at the end and not carried along.
     pub residual: f64,
@@ -50,10 +52,10 @@ impl CgReport {
     }
 }
 
-/// Solves `A x = b` by conjugate gradients preconditioned with a factor, from the given `x` (which may be zero).
+/// Solves `A x = b` by preconditioned conjugate gradients, from the given `x` (which may be zero).
 ///
 /// `apply(v, out)` sets `out = A v` for a symmetric `A`. Stops at `|b - A x| <= tolerance |b|` or after
-/// `max_iterations` back substitutions; `x` is always the best iterate so far by construction of the method.
+/// `max_iterations` applications of the preconditioner; `x` is always the best iterate so far by construction of the method.
 /// Hestenes, Stiefel, J. Res. NBS 49 (1952).
 pub fn conjugate_gradient(
     apply: &dyn Fn(&[f64], &mut [f64]),
@@ -68,7 +70,7 @@ pub fn conjugate_gradient(
     let mut r = vec![0.0; n];
     residual(apply, b, x, &mut r);
     let (mut p, mut ap) = (vec![0.0; n], vec![0.0; n]);
-    let mut rz_before = 0.0;
+    let (mut asked, mut rz_before) = (f64::INFINITY, 0.0);
     let mut iterations = 0;
     let end = loop {
         let size = norm(&r);
@@ -78,10 +80,14 @@ pub fn conjugate_gradient(
         if size <= target {
             // The recurrence drifts from the truth: ask once more.
             residual(apply, b, x, &mut r);
-            if norm(&r) <= target {
+            let true_size = norm(&r);
+            if true_size <= target {
                 break CgEnd::Converged;
             }
-            rz_before = 0.0;
+            if true_size > 0.5 * asked {
+                break CgEnd::Stagnated;
+            }
+            (asked, rz_before) = (true_size, 0.0);
         }
         if iterations == max_iterations {
             break CgEnd::Exhausted;

@@ -57,7 +57,7 @@ impl Symbolic {
     /// Analyses a pattern.
     ///
     /// # Errors
-    /// [`StructureError::TooLarge`] when the factor would have more than 2^31 entries (17 GB).
+    /// None at present: what a factor would take is counted and nothing of it allocated.
     pub fn new(pattern: &Arc<Pattern>) -> Result<Self, StructureError> {
         let mut symbolic = Self {
             pattern: Arc::clone(pattern),
@@ -72,7 +72,7 @@ impl Symbolic {
             workspace: Mutex::new(Vec::new()),
         };
         symbolic.find_rows();
-        symbolic.lay_out_panels()?;
+        symbolic.lay_out_panels();
         symbolic.locate_rows_in_parents();
         symbolic.cut_tasks();
         Ok(symbolic)
@@ -111,8 +111,7 @@ impl Symbolic {
         }
     }
 
-    fn lay_out_panels(&mut self) -> Result<(), StructureError> {
-        let dim = self.pattern.dim();
+    fn lay_out_panels(&mut self) {
         for f in 0..self.fronts.len() {
             let (width, height) = (self.width(f) as u64, self.height(f) as u64);
             let first = self.panel_values;
@@ -121,11 +120,6 @@ impl Symbolic {
             self.nonzeros += width * height - width * width.saturating_sub(1) / 2;
             self.flops += front_flops(width as f64, height as f64);
         }
-        let limit = (i32::MAX as usize).max(dim);
-        if self.panel_values > limit {
-            return Err(StructureError::TooLarge { what: "entries of the factor", count: self.panel_values as u64 });
-        }
-        Ok(())
     }
 
     fn locate_rows_in_parents(&mut self) {
@@ -184,13 +178,17 @@ impl Symbolic {
     /// `parallel` uses all threads of the current rayon pool; the bits of the result do not depend on it.
     ///
     /// # Errors
-    /// [`FactorError`].
+    /// [`FactorError`]; [`StructureError::TooLarge`] in it when the factor would have more than 2^31 entries (17 GB).
     pub fn factorize(
         self: &Arc<Self>,
         matrix: &SymmetricMatrix,
         pivots: Pivots,
         parallel: bool,
     ) -> Result<Factor, FactorError> {
+        if self.panel_values > i32::MAX as usize {
+            let count = self.panel_values as u64;
+            return Err(StructureError::TooLarge { what: "entries of the factor", count }.into());
+        }
         let mut factor = Factor::empty(self);
         factor.refactorize(matrix, pivots, parallel)?;
         Ok(factor)

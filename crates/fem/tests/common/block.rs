@@ -9,8 +9,16 @@ use nastic_tensor::Vec3;
 use std::sync::Arc;
 
 /// Converged to the last digits.
-pub const STRICT: Request =
-    Request { near: None, factor: None, accuracy: 1e-13, max_newton: 60, parallel: true, cancel: None, watch: None };
+pub const STRICT: Request = Request {
+    near: None,
+    factor: None,
+    solver: None,
+    accuracy: 1e-13,
+    max_newton: 60,
+    parallel: true,
+    cancel: None,
+    watch: None,
+};
 
 /// The unit block of distorted cells, held at three corners (two, in the plane) so that it neither shifts nor turns
 /// and is free otherwise: `F_21 = F_31 = F_32 = 0`.

@@ -1,0 +1,51 @@
+//! One value and derivative of a robust problem of several scenarios, as a line of JSON.
+//!
+//! `cargo bench --bench scenarios -- count=8 n=6 threads=2`: the bar of `benches/forward.rs` with hex8, its tension
+//! uniform per cell and its shear modulus from 80 % to 120 %. Compare count=1 threads=1 with count=8 threads=2.
+
+#![allow(clippy::print_stdout)] // programs talk, libraries do not
+
+mod common;
+
+use common::{Arguments, median, peak_memory, threads};
+use nastic::control::risk::Mean;
+use nastic::fem::Discretization;
+use nastic::opt::{Objective, Request};
+use nastic::prelude::*;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments = Arguments::read()?;
+    let (count, across) = (arguments.number("count", 8)?, arguments.number("n", 6)?);
+    let repeat = arguments.number("repeat", 3)?;
+    arguments.use_threads()?;
+
+    let mesh = Discretization::new(box_mesh([1.0, 0.2, 0.2], [5 * across, across, across], CellKind::Hex8)?.into())?;
+    let lifted = Target::position(|x| [0.95 * x[0], x[1], x[2] + 0.2]);
+    let mut robust = Ensemble::new(Mean);
+    for k in 0..count {
+        let share = if count == 1 { 1.0 } else { 0.8 + 0.4 * k as f64 / (count - 1) as f64 };
+        let body = Solid::on(mesh.clone())
+            .material("body", MooneyRivlin::new(share * 1e5, share * 2e4, 1e6)?)?
+            .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
+            .clamp("x-")?;
+        let problem =
+            Reduced::new(body).control("tension", Space::Cell)?.cost(Tracking::surface("x+", lifted.clone()))?;
+        robust = robust.scenario(&format!("{k}"), 1.0 / count as f64, problem);
+    }
+    let robust = robust.build()?;
+    let centres = mesh.mesh().points().len();
+    let control: Vec<f64> =
+        (0..mesh.mesh().cells()).map(|c| -1e5 * ((c / (5 * across)) % across) as f64 / across as f64).collect();
+    let seconds = median(repeat, || {
+        let point = robust.evaluate(&control, &Request::default()).map_err(|e| format!("{e:?}"))?;
+        robust.derivative(&point).map(drop).map_err(|e| format!("{e:?}"))
+    })?;
+    println!(
+        "{{\"peer\": \"nastic\", \"scenarios\": {count}, \"ndof\": {}, \"threads\": {}, \"value_and_derivative_s\": {seconds:.4}, \
+         \"rss_mb\": {:.1}}}",
+        3 * centres,
+        threads(),
+        peak_memory(),
+    );
+    Ok(())
+}

@@ -1,0 +1,279 @@
+//! Multigrid: as a preconditioner of tangents, and in whole solves beside the factor.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+
+use common::block::STRICT;
+use common::{Outcome, distance, largest, noise, regular};
+use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
+use nastic_fem::linear::{
+    CgEnd, CgReport, FactorError, Geometry, Multigrid, Pivots, Preconditioner, SymmetricMatrix, conjugate_gradient,
+};
+use nastic_fem::{Controls, Request, Solid, Solver, State, StateError};
+use nastic_mesh::CellKind;
+use nastic_tensor::Vec3;
+
+const MULTIGRID: Request = Request { solver: Some(Solver::Multigrid), ..STRICT };
+
+/// The fibre cantilever: `length x 0.2 x 0.2`, clamped at x = 0.
+fn cantilever(kind: CellKind, length: f64, cells: [usize; 3], mu3: f64) -> Outcome<Solid> {
+    Ok(Solid::new(regular(kind, [length, 0.2, 0.2], cells)?)?
+        .material("body", MooneyRivlin::new(1e5, 2e4, mu3)?)?
+        .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
+        .clamp("x-")?)
+}
+
+/// Tension that grows across the section and bends the body.
+fn bending(solid: &Solid) -> Controls {
+    let mut controls = solid.controls();
+    let last = solid.mesh().dim() - 1;
+    let at = solid.discretization().body().positions(solid.mesh(), None);
+    controls.values_mut(0).iter_mut().zip(&at).for_each(|(m, x)| *m = -1.5e5 * x[last] / 0.2);
+    controls
+}
+
+/// A tangent with its supports eliminated, and where it was taken.
+struct System {
+    solid: Solid,
+    matrix: SymmetricMatrix,
+    points: Vec<[f64; 3]>,
+}
+
+impl System {
+    fn new(solid: Solid, state: &State) -> Outcome<Self> {
+        let mut matrix = solid.discretization().matrix();
+        solid.body().evaluate_tangent(&state.u, &state.controls, &mut matrix, true)?;
+        let diagonal = largest(&matrix.diagonal());
+        matrix.eliminate(solid.supports().fixed(), diagonal);
+        let dim = solid.mesh().dim();
+        let moved = |(x, u): (&[f64; 3], &[f64])| [0, 1, 2].map(|k| x[k] + u.get(k).unwrap_or(&0.0));
+        let points = solid.mesh().points().iter().zip(state.u.chunks(dim)).map(moved).collect();
+        Ok(System { solid, matrix, points })
+    }
+
+    fn at_rest(solid: Solid) -> Outcome<Self> {
+        let rest = solid.rest();
+        Self::new(solid, &rest)
+    }
+
+    fn bent(solid: Solid) -> Outcome<Self> {
+        let state = solid.solve(&bending(&solid), &Request::default())?.state;
+        Self::new(solid, &state)
+    }
+
+    fn multigrid(&self, parallel: bool) -> Result<Multigrid, FactorError> {
+        let corners = self.solid.discretization().corners();
+        let fixed = self.solid.supports().fixed();
+        Multigrid::new(&self.matrix, &Geometry { points: &self.points, fixed, corners }, parallel)
+    }
+
+    fn vector(&self, seed: usize) -> Vec<f64> {
+        let mut vector: Vec<f64> = (0..self.matrix.pattern().dofs()).map(|dof| noise(dof + 7919 * seed)).collect();
+        self.solid.supports().clear(&mut vector);
+        vector
+    }
+
+    fn solve(&self, b: &[f64], tolerance: f64) -> Outcome<(Vec<f64>, CgReport)> {
+        let mut x = vec![0.0; b.len()];
+        let multiply = |v: &[f64], out: &mut [f64]| self.matrix.multiply(v, out);
+        let report = conjugate_gradient(&multiply, &self.multigrid(true)?, b, &mut x, tolerance, 600);
+        Ok((x, report))
+    }
+
+    /// Cycles to a residual of 1e-8.
+    fn cycles(&self) -> Outcome<usize> {
+        let (_, report) = self.solve(&self.vector(1), 1e-8)?;
+        assert!(report.converged(), "{report:?}");
+        Ok(report.iterations)
+    }
+}
+
+/// Meshes of one body, each twice as fine as the one before or nearly so.
+fn meshes(kind: CellKind) -> &'static [[usize; 3]] {
+    match kind.order() {
+        1 => &[[10, 2, 2], [20, 4, 4], [30, 6, 6]],
+        _ => &[[5, 1, 1], [10, 2, 2]],
+    }
+}
+
+#[test]
+fn cycles_hardly_grow_with_the_mesh() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27, CellKind::Tet10, CellKind::Tet4] {
+        for bent in [false, true] {
+            let mut cycles = Vec::new();
+            for &cells in meshes(kind) {
+                let solid = cantilever(kind, 1.0, cells, 1e6)?;
+                let system = if bent { System::bent(solid)? } else { System::at_rest(solid)? };
+                cycles.push(system.cycles()?);
+            }
+            println!("{kind}, bent {bent}: {cycles:?}");
+            let (first, last) = (cycles[0], cycles[cycles.len() - 1]);
+            assert!(last <= 26 && last <= first + 10, "{kind}, bent: {bent}: {cycles:?}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn slender_and_nearly_incompressible_bodies_cost_more_cycles() -> Outcome {
+    // aspect 50 with cubes for cells, and with cells five times as long as wide
+    for (cells, most) in [([100, 2, 2], 25), ([50, 5, 5], 60)] {
+        let cycles = System::at_rest(cantilever(CellKind::Hex8, 10.0, cells, 1e6)?)?.cycles()?;
+        println!("slender {cells:?}: {cycles}");
+        assert!(cycles <= most, "{cells:?}: {cycles}");
+    }
+    // Poisson's ratio 0.494 and 0.4994
+    for (mu3, most) in [(1e7, 60), (1e8, 190)] {
+        for kind in [CellKind::Hex8, CellKind::Hex27] {
+            let cycles = System::at_rest(cantilever(kind, 1.0, meshes(kind)[1], mu3)?)?.cycles()?;
+            println!("mu3 {mu3:e} {kind}: {cycles}");
+            assert!(cycles <= most, "{kind}, mu3 = {mu3:e}: {cycles}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn the_solution_is_that_of_the_factor() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Tet10, CellKind::Quad9] {
+        let system = System::bent(cantilever(kind, 1.0, meshes(kind)[1], 1e6)?)?;
+        let b = system.vector(2);
+        let (x, report) = system.solve(&b, 1e-13)?;
+        assert!(report.converged() || report.end == CgEnd::Stagnated, "{kind}: {report:?}");
+        let mut exact = b;
+        system
+            .solid
+            .discretization()
+            .symbolic()
+            .factorize(&system.matrix, Pivots::Positive, false)?
+            .solve(&mut exact, 1);
+        assert!(distance(&x, &exact) <= 1e-10 * largest(&exact), "{kind}: {:e}", distance(&x, &exact));
+    }
+    Ok(())
+}
+
+#[test]
+fn the_preconditioner_is_symmetric_and_positive() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tri6] {
+        let system = System::bent(cantilever(kind, 1.0, meshes(kind)[1], 1e6)?)?;
+        let multigrid = system.multigrid(false)?;
+        assert!(multigrid.sizes().len() > 1, "{kind}: {:?}", multigrid.sizes());
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for seed in 0..4 {
+            let (x, y) = (system.vector(seed), system.vector(seed + 10));
+            let (mut bx, mut by) = (x.clone(), y.clone());
+            multigrid.apply(&mut bx);
+            multigrid.apply(&mut by);
+            let size = (dot(&x, &bx) * dot(&y, &by)).sqrt();
+            assert!(dot(&x, &bx) > 0.0 && dot(&y, &by) > 0.0, "{kind}");
+            assert!((dot(&y, &bx) - dot(&x, &by)).abs() < 1e-10 * size, "{kind}: {:e}", dot(&y, &bx) - dot(&x, &by));
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn one_thread_and_two_give_the_same_bits() -> Outcome {
+    let system = System::bent(cantilever(CellKind::Hex8, 1.0, [30, 6, 6], 1e6)?)?;
+    let apply = |multigrid: Multigrid| {
+        let mut x = system.vector(3);
+        multigrid.apply(&mut x);
+        x
+    };
+    let alone = apply(system.multigrid(false)?);
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        let together = pool.install(|| system.multigrid(true).map(apply))?;
+        assert!(alone == together, "{threads} threads");
+    }
+    Ok(())
+}
+
+#[test]
+fn indefinite_matrices_are_told_of() -> Outcome {
+    let mut system = System::at_rest(cantilever(CellKind::Hex8, 1.0, [20, 4, 4], 1e6)?)?;
+    let definite = system.matrix.clone();
+    let node = system.solid.mesh().points().len() - 1;
+    let at = system.matrix.pattern().value_index(3 * node, 3 * node).unwrap_or_default();
+    system.matrix.values[at] = -1.0;
+    assert!(matches!(system.multigrid(true), Err(FactorError::NotPositive { node: n, .. }) if n == node));
+    system.matrix.values[at] = f64::NAN;
+    assert!(matches!(system.multigrid(true), Err(FactorError::NotFinite { .. })));
+    // a slightly negative bending mode: found on the last level
+    let rayleigh = {
+        let (x, _) = system_solution(&definite, &system)?;
+        let mut kx = vec![0.0; x.len()];
+        definite.multiply(&x, &mut kx);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        dot(&x, &kx) / dot(&x, &x)
+    };
+    system.matrix = definite;
+    system.matrix.add_to_diagonal(-2.0 * rayleigh);
+    match system.multigrid(true) {
+        Err(FactorError::NotPositive { .. }) => {}
+        Err(other) => panic!("{other}"),
+        Ok(_) => {
+            let (_, report) = system.solve(&system.vector(4), 1e-10)?;
+            assert!(matches!(report.end, CgEnd::NegativeCurvature { .. }), "{report:?}");
+        }
+    }
+    let geometry = Geometry { points: &system.points[1..], fixed: system.solid.supports().fixed(), corners: None };
+    assert!(matches!(Multigrid::new(&system.matrix, &geometry, true), Err(FactorError::Structure(_))));
+    Ok(())
+}
+
+/// The displacement under a load across the body: nearly the softest mode.
+fn system_solution(matrix: &SymmetricMatrix, system: &System) -> Outcome<(Vec<f64>, CgReport)> {
+    let other = System { solid: system.solid.clone(), matrix: matrix.clone(), points: system.points.clone() };
+    let mut b: Vec<f64> = (0..matrix.pattern().dofs()).map(|dof| f64::from(u8::from(dof % 3 == 2))).collect();
+    system.solid.supports().clear(&mut b);
+    other.solve(&b, 1e-8)
+}
+
+#[test]
+fn whole_solves_and_adjoints_agree_with_those_of_the_factor() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tet10, CellKind::Quad8] {
+        let solid = cantilever(kind, 1.0, meshes(kind)[1], 1e6)?;
+        assert_eq!(solid.discretization().solver(), Solver::Direct);
+        let controls = bending(&solid);
+        let direct = solid.solve(&controls, &STRICT)?;
+        let multigrid = solid.solve(&controls, &MULTIGRID)?;
+        let (work, size) = (multigrid.state.report, largest(&direct.state.u));
+        assert_eq!((work.solver, work.factorisations), (Solver::Multigrid, 0), "{kind}");
+        // a step that meets negative curvature counts as neither
+        assert!(work.cycles > work.newton && work.hierarchies + work.reused + 1 >= work.newton, "{kind}: {work:?}");
+        assert!(distance(&direct.state.u, &multigrid.state.u) < 1e-8 * size, "{kind}");
+        let rhs: Vec<f64> = direct.state.u.iter().map(|u| u / size).collect();
+        let by_factor = solid.adjoint(&direct.state, &[&rhs], &STRICT)?.lambda.remove(0);
+        let by_multigrid = solid.adjoint(&direct.state, &[&rhs], &MULTIGRID)?;
+        assert_eq!((by_multigrid.report.solver, by_multigrid.report.factorisations), (Solver::Multigrid, 0));
+        let error = distance(&by_factor, &by_multigrid.lambda[0]) / largest(&by_factor);
+        assert!(error < 1e-8, "{kind}: {error:e}");
+        assert_eq!(solid.negative_pivots_by(&direct.state, &MULTIGRID)?, 0);
+    }
+    Ok(())
+}
+
+/// Where multigrid meets an indefinite tangent a factor takes over, if it fits.
+#[test]
+fn an_unstable_state_falls_back_to_the_factor() -> Outcome {
+    let solid = Solid::new(regular(CellKind::Quad9, [1.0, 0.05, 0.0], [10, 1, 1])?)?
+        .material("body", NeoHooke::new(0.5, 0.0)?)?
+        .clamp("x-")?
+        .traction("x+", Vec3::x() * -1e-3)?;
+    let state = solid.solve(&solid.controls(), &STRICT)?.state;
+    assert_eq!(solid.negative_pivots_by(&state, &MULTIGRID)?, 1);
+    let rhs: Vec<f64> = (0..state.u.len()).map(noise).collect();
+    let by_factor = solid.adjoint(&state, &[&rhs], &STRICT)?.lambda.remove(0);
+    let by_multigrid = solid.adjoint(&state, &[&rhs], &MULTIGRID)?;
+    assert_eq!(by_multigrid.report.solver, Solver::Direct);
+    assert!(distance(&by_factor, &by_multigrid.lambda[0]) < 1e-8 * largest(&by_factor));
+    // from rest the way leads over the bifurcation: an equilibrium or a typed answer, nothing else
+    match solid.solve(&solid.controls(), &MULTIGRID) {
+        Ok(solved) => assert!(solved.state.report.residual <= 1e-10),
+        Err(StateError::NoConvergence { .. } | StateError::Inverted { .. }) => {}
+        Err(other) => panic!("{other}"),
+    }
+    Ok(())
+}
