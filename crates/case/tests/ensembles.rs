@@ -290,7 +290,7 @@ fn rules_make_scenarios_of_random_parameters() {
 fn nodes_that_are_no_material_are_named_or_left_out() {
     let wide = with(&random(), r#""lower": "500 kPa""#, r#""lower": "100 kPa""#);
     let found = problems(&wide);
-    println!("{found}");
+
     assert!(found.contains("scenarios/random: node 0 of 8 (probability 1."), "{found}");
     assert!(found.contains("materials/0/shear = 21") && found.contains("materials/0/bulk = 29"), "{found}");
     assert!(found.contains("mu3 = ") && found.contains(r#""inadmissible": "truncate""#), "{found}");
