@@ -73,6 +73,12 @@ fn the_strip_reaches_its_target_within_bounds() {
     }
 }
 
+#[test]
+fn the_stem_lifts_itself_as_the_case_expects() {
+    let outcome = command(Command::Optimize, &shipped("turgor_stem.json"), "turgor_stem", &[]).unwrap();
+    assert_eq!((outcome.exit, outcome.missed.len()), (Exit::Done, 0), "{:?}", outcome.missed);
+}
+
 /// A small case with one thing changed, and what is said of it.
 fn complaint(name: &str, from: &str, to: &str) -> String {
     const GOOD: &str = r#"{
