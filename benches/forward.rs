@@ -6,7 +6,6 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-#[path = "common/mod.rs"]
 mod common;
 
 use common::{Arguments, cantilever, median, peak_memory};

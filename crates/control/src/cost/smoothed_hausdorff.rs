@@ -24,6 +24,9 @@ use std::sync::Arc;
 /// included. A perfect match costs rho(T, T) > 0 and is in general not stationary, so the true Hausdorff distance and
 /// the self-distance are reported beside rho. Unit: length times the weight's.
 ///
+/// The relative error of every sum A, B is below 1e-11 ([`Method::Auto`], where what that means for the derivative is
+/// stated): far below the differences that line searches and gradient checks look at.
+///
 /// Source: survey, eq. (7); docs/model.md section 5.
 #[derive(Debug, Clone)]
 pub struct SmoothedHausdorff {
@@ -168,8 +171,7 @@ impl BoundHausdorff {
         let positions = self.body.positions(at.solid.mesh(), Some(at.u));
         let fail = |e: super::hausdorff::HausdorffError| ControlError::Cost { what: e.to_string() };
         let cloud = Cloud::new(positions, weights).map_err(fail)?;
-        let evaluation =
-            Evaluation::new(&cloud, &self.cloud, self.smoothing(at.stage), Method::Direct).map_err(fail)?;
+        let evaluation = Evaluation::new(&cloud, &self.cloud, self.smoothing(at.stage), Method::Auto).map_err(fail)?;
         let cofactors = kinematics.iter().map(|k| *k.h()).collect();
         Ok((evaluation, cofactors))
     }
@@ -194,7 +196,7 @@ impl BoundHausdorff {
     /// # Errors
     /// Parameters out of the range of numbers.
     pub fn self_distance(&self, stage: usize) -> Result<f64, ControlError> {
-        let own = Evaluation::new(&self.cloud, &self.cloud, self.smoothing(stage), Method::Direct);
+        let own = Evaluation::new(&self.cloud, &self.cloud, self.smoothing(stage), Method::Auto);
         Ok(own.map_err(|e| ControlError::Cost { what: e.to_string() })?.distance().rho)
     }
 

@@ -1,4 +1,7 @@
 //! Axis-aligned boxes and the distances between them.
+//!
+//! They hold points, and bound distances between points. Grids lie on the boxes of `frame`, which may be turned and reach
+//! beyond these: distances between grids are bounded in `chebyshev`.
 
 /// A box; empty when lo > hi.
 #[derive(Clone, Copy, Debug)]

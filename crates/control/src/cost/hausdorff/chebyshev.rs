@@ -4,18 +4,28 @@
 //! gradient of log2 E, taken out on both sides, leaves a factor that hardly varies however fast E decays. The wave
 //! vectors lie on a lattice, so that many pairs share them.
 //!
-//! With p nodes, interpolating f on [-a, a] errs by at most 4 M rho^(1-p) / (rho - 1) when |f| <= M in the ellipse
-//! with half axes A = a (rho + 1/rho) / 2 and b = a (rho - 1/rho) / 2 (Trefethen, Approximation Theory and
-//! Approximation Practice, thm 8.2). Over the six directions of a pair of boxes these errors E_d f add, each under the
-//! interpolations of other directions. Those amplify by their Lebesgue constants 1 + 2/pi log p, or, because E_d f is
-//! itself analytic in the other directions, by 1 + 4 * 2^(1-p) if M is taken over their ellipses of rho = 2 as well.
+//! Proof that the error over E(X0) times the waves stays within 2^budget, with X = x - y, X0 between the centres. All
+//! x and y below are any of the boxes, not of the points alone, for grid nodes lie anywhere on them.
 //!
-//! M: let X = x - y be on ellipses, m the length of its real part, eta its imaginary part and X0 between the centres.
-//! From |X.X|^2 = (m^2 + eta^2)^2 - 4 |Re X x eta|^2 follows Re r >= sqrt(m^2 - c) with c the lesser of eta^2 and
-//! 2 |Re X x eta|^2 / m^2, and log2 E there exceeds its value at Re X by at most `Kernel::loss`. At real arguments
-//! log2 E is at most its tangent at X0 plus `Kernel::bulge` |X - X0|^2 / 2, and at least the tangent minus
-//! `Kernel::dip` |X - X0|^2 / 2. The smooth kernel is a function of s^2 = r^2 + 1: its lengths here are s, which never
-//! vanish, and c is eta^2.
+//! 1. Directions. With P_d the interpolation in direction d of the up to six of a pair,
+//!    1 - P_1 .. P_n = sum_d P_1 .. P_(d-1) (1 - P_d). The norm of P_e is its Lebesgue constant, at most
+//!    1 + 2/pi log p (Trefethen, Approximation Theory and Approximation Practice, ch. 15): so the error of direction d
+//!    alone, all others real, may be 2^budget / n over the product of the constants of the directions before it.
+//! 2. One direction. With p nodes on [-a, a], f analytic with |f| <= M in the ellipse with half axes
+//!    A = a (rho + 1/rho) / 2 and b = a (rho - 1/rho) / 2, the coefficients of f are at most 2 M rho^(-k), and
+//!    interpolation maps T_k, k >= p, to a T_j or zero: it errs by at most 4 M rho^(1-p) / (rho - 1) (the same, ch. 8).
+//! 3. M. Let m = |Re X| and eta = |Im X|, Im X = eta e along the axis e. From
+//!    |X.X|^2 = (m^2 + eta^2)^2 - 4 |Re X x Im X|^2 and 2 (Re r)^2 = |X.X| + m^2 - eta^2 follows
+//!    (Re r)^2 >= m^2 - c with c the lesser of eta^2 and 2 eta^2 |Re X x e|^2 / m^2. Where c < m^2 therefore Re r > 0,
+//!    E is analytic, and log2 |E| exceeds log2 E(m) by at most `Kernel::loss`. The smooth kernel is a function of
+//!    s^2 = r^2 + 1: its lengths here are s, which never vanish, |s^2| >= m^2 + 1 - eta^2, and c is eta^2.
+//! 4. At real arguments the second derivative of log2 E in any direction is within -`Kernel::dip` and
+//!    `Kernel::bulge`, which bounds log2 E by its tangent at X0. What the waves leave of the tangent is the residue.
+//! 5. m >= n.Re X for every unit vector n: the least of it over a box is its value at the centres less the half widths
+//!    along n, and the same holds on the way from X0 to Re X, the boxes being convex. Two n are tried: along X0 and
+//!    across the gap between the coordinate boxes.
+//! 6. The derivative's function g E (x - y)_d is interpolated on the same grids: |g (x - y)_d| <= `Kernel::pull` in the
+//!    ellipse. Its error is in proportion to `Kernel::slope`, the largest real |g r| of the pair.
 
 use std::f64::consts::PI;
 
@@ -31,9 +41,6 @@ const ELLIPSES: [f64; 11] = [4.0, 2.5, 1.6, 1.0, 0.85, 0.7, 0.55, 0.4, 0.28, 0.1
 
 /// Cosine at the beginning and sine at the end of the arcs of a quarter of an ellipse.
 const ARCS: [[f64; 2]; 3] = [[1.0, 0.5], [0.8660254037844387, 0.8660254037844387], [0.5, 1.0]];
-
-/// b / a, and A / a - 1, of the ellipse of rho = 2.
-const SMALL: [f64; 2] = [0.75, 0.25];
 
 /// Spacing of the wave vectors: they change a wave by sqrt 2 between centre and face of the box.
 const SPACING: f64 = 0.5;
@@ -80,11 +87,11 @@ pub(super) type Grid = (Wave, Orders);
 pub(super) struct FarPair<'a> {
     kernel: &'a Kernel,
     frames: [&'a Frame; 2],
-    /// Distance between the centres, and a lower bound of any between the boxes.
+    /// Distance between the centres.
     apart: f64,
+    /// A lower bound of the distance between the boxes, and per side and axis the cosine of the angle to its normal.
     near: f64,
-    /// Half widths of both boxes along the line between the centres.
-    support: f64,
+    to_normal: [[f64; 3]; 2],
     radii: [f64; 2],
     waves: [Wave; 2],
     /// Per side and axis: cosine of the angle to the line between the centres.
@@ -99,15 +106,18 @@ pub(super) struct FarPair<'a> {
 }
 
 impl<'a> FarPair<'a> {
-    /// `gap`: some lower bound of the distance between the boxes' points.
-    pub fn new(kernel: &'a Kernel, frames: [&'a Frame; 2], gap: f64) -> Option<Self> {
+    /// `gaps`: between the coordinate boxes of the points, per direction.
+    pub fn new(kernel: &'a Kernel, frames: [&'a Frame; 2], gaps: [f64; 3]) -> Option<Self> {
         let x0: [f64; 3] = std::array::from_fn(|i| frames[0].centre[i] - frames[1].centre[i]);
         let apart = norm(x0);
-        let line = x0.map(|x| if apart > 0.0 { x / apart } else { 0.0 });
-        let support = frames[0].support(line) + frames[1].support(line);
-        let near = (apart - support).max(gap);
+        let line = unit(x0);
+        let across = unit(std::array::from_fn(|i| gaps[i].copysign(x0[i])));
+        let from = |n: [f64; 3]| dot(n, x0) - frames[0].support(n) - frames[1].support(n);
+        let (on_line, on_gap) = (from(line), from(across));
+        let (near, normal) = if on_gap > on_line { (on_gap, across) } else { (on_line, line) };
+        let real = near.max(0.0);
         let largest = frames.iter().flat_map(|frame| frame.half).fold(0.0, f64::max);
-        if near.hypot(kernel.softening()) <= CLOSEST * largest {
+        if real.hypot(kernel.softening()) <= CLOSEST * largest {
             return None;
         }
         let cosines = frames.map(|frame| frame.axes.map(|axis| dot(axis, line)));
@@ -123,32 +133,39 @@ impl<'a> FarPair<'a> {
             frames,
             apart,
             near,
-            support,
+            to_normal: frames.map(|frame| frame.axes.map(|axis| dot(axis, normal))),
             radii: frames.map(Frame::radius),
             waves,
             cosines,
             residue,
             all_residue: residue.iter().flatten().sum(),
             centre: kernel.at(apart),
-            slope: kernel.slope(near),
+            slope: kernel.slope(real),
         })
+    }
+
+    /// What the error of the derivative's functions is in proportion to.
+    #[cfg(test)]
+    pub fn slope(&self) -> f64 {
+        self.slope
     }
 
     /// log2 of how far E may fall below its waves between the boxes, and of how far the waves rise above the centre.
     pub fn dip_and_height(&self) -> (f64, f64) {
-        let near = self.near.hypot(self.kernel.softening());
+        let near = self.near.max(0.0).hypot(self.kernel.softening());
         let dip = 0.5 * self.kernel.dip(near) * (self.radii[0] + self.radii[1]).powi(2) + self.all_residue;
         (dip, self.waves[0].height() + self.waves[1].height())
     }
 
-    /// The smallest grid on one side with fewer than `limit` nodes that keeps the error, over E between the centres
-    /// times the waves, within 2^budget in all directions, given what the interpolations of others amplify by.
-    pub fn grid(&self, side: usize, budget: f64, amplified: f64, limit: usize) -> Option<Grid> {
+    /// The smallest grid on one side with fewer than `limit` nodes that keeps its share of an error, over E between the
+    /// centres times the waves, of 2^budget in all directions, under interpolations before it that amplify by
+    /// `amplified`.
+    pub fn grid(&self, side: usize, budget: f64, mut amplified: f64, limit: usize) -> Option<Grid> {
         let directions = self.frames.iter().flat_map(|frame| frame.half).filter(|&a| a > 0.0).count();
-        let budget = budget - (4.0 * amplified * directions as f64).log2();
         let mut orders = [1; 3];
         for d in 0..3 {
-            orders[d] = self.order(side, d, budget)?;
+            orders[d] = self.order(side, d, budget - (4.0 * amplified * directions as f64).log2())?;
+            amplified *= lebesgue_constant(orders[d]);
             if nodes(orders) >= limit {
                 return None;
             }
@@ -162,46 +179,42 @@ impl<'a> FarPair<'a> {
             return Some(1);
         }
         let soft2 = self.kernel.softening().powi(2);
-        let cosine = self.cosines[side][d].abs();
-        // The other directions on their small ellipses: how much nearer, farther, and how far from real.
-        let (radii2, own) = (self.radii[0].powi(2) + self.radii[1].powi(2), cosine * a);
-        let radius = (1.0 + SMALL[1]) * (self.radii[0] + self.radii[1]);
-        let nearest = self.near - SMALL[1] * (self.support - own);
-        let others2 = SMALL[0] * SMALL[0] * (radii2 - a * a).max(0.0);
-        let others = others2.sqrt();
-        // The part of X across the axis is at most this.
+        let cosine = self.cosines[side][d];
+        let to_normal = self.to_normal[side][d].abs();
+        let radius = self.radii[0] + self.radii[1];
+        // The part of Re X across the axis is at most this.
         let across = self.apart * (1.0 - cosine * cosine).max(0.0).sqrt()
-            + (1.0 + SMALL[1]) * ((self.radii[side].powi(2) - a * a).max(0.0).sqrt() + self.radii[1 - side]);
-        let scale = (self.near * self.near + soft2).sqrt();
+            + (self.radii[side].powi(2) - a * a).max(0.0).sqrt()
+            + self.radii[1 - side];
+        let scale = (self.near.max(0.0).powi(2) + soft2).sqrt();
         let mut best = f64::INFINITY;
         for part in ELLIPSES {
             let (b, t) = (part * scale, part * scale / a);
             let longer = (t * t + 1.0).sqrt();
-            // The ellipse in three arcs, each as if its largest extension came with its largest imaginary part.
+            // The ellipse in arcs, each as if its largest extension came with its largest imaginary part.
             let mut rise: f64 = 0.0;
             for [cosine_from, sine_to] in ARCS {
                 let beyond = (a * longer * cosine_from - a).max(0.0);
-                let near = nearest - beyond * cosine;
+                let near = (self.near - beyond * to_normal).max(0.0);
                 let near2 = near * near + soft2;
                 let eta = b * sine_to;
-                let eta2 = eta * eta + others2;
-                let mut c = eta2;
-                if soft2 == 0.0 {
-                    c = c.min(2.0 * (across / near * eta + others).powi(2));
+                let mut c = eta * eta;
+                if soft2 == 0.0 && across < near {
+                    c = c.min(2.0 * (across / near * eta).powi(2));
                 }
-                if near <= 0.0 || near2 <= c {
+                if near2 <= c {
                     rise = f64::INFINITY;
                     break;
                 }
                 let from_centre = radius + beyond;
                 let bulge = 0.5 * self.kernel.bulge(near2.sqrt()) * from_centre * from_centre;
-                let pull = self.kernel.pull(near2, c, eta2) / self.slope;
+                let pull = self.kernel.pull(near2, c, eta * eta) / self.slope;
                 rise = rise.max(self.kernel.loss(near2.sqrt(), c) + bulge + log2_above(pull.max(1.0)));
             }
             if rise == f64::INFINITY {
                 continue;
             }
-            let residue = (1.0 + SMALL[1]) * self.all_residue + (longer - 1.0) * self.residue[side][d];
+            let residue = self.all_residue + (longer - 1.0) * self.residue[side][d];
             let rho = t + longer;
             let needed = 1.0 + (rise + residue + log2_above(1.0 / (rho - 1.0)) - budget) / log2_below(rho);
             if needed > best {
@@ -217,9 +230,10 @@ impl<'a> FarPair<'a> {
     }
 }
 
-/// What the interpolations of a grid amplify an analytic function by.
-pub(super) fn amplification(orders: Orders) -> f64 {
-    orders.iter().map(|&p| lebesgue_constant(p).min(1.0 + 8.0 * (-f64::from(p)).exp2())).product()
+/// A vector's direction; zero for zero.
+fn unit(x: [f64; 3]) -> [f64; 3] {
+    let length = norm(x);
+    x.map(|c| if length > 0.0 { c / length } else { 0.0 })
 }
 
 /// At least log2 x, by at most 0.09, for normal x.

@@ -1,6 +1,24 @@
 //! Which pairs of nodes are summed point by point, which through Chebyshev grids, and which are too small to count.
+//!
+//! Why no sum S at a point, B_q or A_t, errs by more than tol S. Let L <= S be the lower bound of both nodes' sums
+//! (`Floor`), and recall that the weights of the other side add up to one. Every pair of points is in exactly one pair of
+//! nodes of the plan, which is of one of these kinds:
+//!
+//! 1. Left out: E <= tol/2 L for all pairs of points, by the least distance of their boxes.
+//! 2. On grids, measured by the sums: the interpolation errs by at most tol/2 L, being within 2^budget of E between the
+//!    centres times the waves (`chebyshev`), and the waves within their height.
+//! 3. On grids, measured by E: the interpolation errs by at most tol/2 E, for E falls short of its waves by the dip at
+//!    most.
+//! 4. Point by point: exact.
+//!
+//! Kinds 1 and 2 together err by at most sum w tol/2 L <= tol/2 S, kind 3 by sum w tol/2 E <= tol/2 S. A grid's error is
+//! shared out: three quarters for the interpolation, a quarter for the rounding that its Lebesgue constants amplify. The
+//! derivative's functions are E times at most the slope S' of log E, with errors in the same proportion to S' E or S' L;
+//! divided by the sums and summed over the rows this is the bound on `Method`, the other half of it being the error of the
+//! sums themselves.
 
-use super::chebyshev::{FarPair, Grid, Orders, Wave, amplification, lebesgue, nodes};
+use super::bounds::norm;
+use super::chebyshev::{FarPair, Grid, Orders, Wave, lebesgue, nodes};
 use super::frame::{Frame, frames};
 use super::kernel::Kernel;
 use super::side::{Floor, Side};
@@ -189,7 +207,8 @@ impl Planner<'_> {
 
     fn choose(&self, row: u32, column: u32) -> Choice {
         let (here, there) = (&self.rows.boxes[row as usize], &self.columns.boxes[column as usize]);
-        let gap = here.gap(there);
+        let gaps = here.gaps(there);
+        let gap = norm(gaps);
         let highest = self.kernel.at(gap);
         let (low_row, low_column) = (self.row_floor.lower[row as usize], self.column_floor.lower[column as usize]);
         let lowest = low_row.min(low_column);
@@ -203,17 +222,17 @@ impl Planner<'_> {
         let best = if r.is_leaf() && c.is_leaf() { Choice::Sum(near, near_cost) } else { Choice::Split(near_cost) };
         let wide = self.row_floor.wide[row as usize] || self.column_floor.wide[column as usize];
         let Some(far) = self.far.as_ref().filter(|_| !wide) else { return best };
-        match self.far(far, row, column, gap, lowest) {
+        match self.far(far, row, column, gaps, lowest) {
             Some((pair, cost)) if cost < near_cost => Choice::Sum(pair, cost),
             _ => best,
         }
     }
 
     /// The smallest grids that keep the error within the other half of the tolerance.
-    fn far(&self, far: &Far, row: u32, column: u32, gap: f64, lowest: f64) -> Option<(Pair<Grid>, usize)> {
+    fn far(&self, far: &Far, row: u32, column: u32, gaps: [f64; 3], lowest: f64) -> Option<(Pair<Grid>, usize)> {
         let (r, c) = (self.rows.node(row), self.columns.node(column));
         let frames = [&far.row_frames[row as usize], &far.column_frames[column as usize]];
-        let pair = FarPair::new(self.kernel, frames, gap)?;
+        let pair = FarPair::new(self.kernel, frames, gaps)?;
         // Errors are in proportion to the waves. They may be measured by E itself, which falls short of its waves by
         // the dip, or by the least of the sums against the top of the waves, whichever allows more.
         let (dip, height) = pair.dip_and_height();
@@ -221,23 +240,15 @@ impl Planner<'_> {
         // An eighth for rounding, the rest for the interpolations.
         let budget = self.log_tolerance - 1.0 + measure;
         let all_directions = budget - LOG2_4_3;
-        // What grids amplify by is known only afterwards: nearly always this suffices.
-        let mut expected = 2.0;
-        let (row_grid, column_grid) = loop {
-            let row_grid = pair.grid(0, all_directions, expected, r.count as usize);
-            if row_grid.is_none() && !r.is_leaf() {
-                return None;
-            }
-            let column_grid = pair.grid(1, all_directions, expected, c.count as usize);
-            if column_grid.is_none() && (!c.is_leaf() || row_grid.is_none()) {
-                return None;
-            }
-            let amplified: f64 = [row_grid, column_grid].iter().flatten().map(|grid| amplification(grid.1)).product();
-            if amplified <= expected {
-                break (row_grid, column_grid);
-            }
-            expected = amplified;
-        };
+        let row_grid = pair.grid(0, all_directions, 1.0, r.count as usize);
+        if row_grid.is_none() && !r.is_leaf() {
+            return None;
+        }
+        let amplified = row_grid.map_or(1.0, |grid| lebesgue(grid.1));
+        let column_grid = pair.grid(1, all_directions, amplified, c.count as usize);
+        if column_grid.is_none() && (!c.is_leaf() || row_grid.is_none()) {
+            return None;
+        }
         let rounding: f64 = [row_grid, column_grid].iter().flatten().map(|grid| lebesgue(grid.1).log2()).sum();
         if rounding + f64::EPSILON.log2() > budget - 2.0 {
             return None;

@@ -169,6 +169,10 @@ impl LeafFloor {
         let sums = row_sums.chunks_exact(WIDTH).map(|row| row.iter().sum::<f64>());
         let near_sum = sums.fold(f64::INFINITY, f64::min);
         let lower = lowest + (near_sum + others(here, columns, kernel, near.leaf, lowest, near_sum)).log2();
+        // Tiny weights near by may leave the sums far below what larger ones farther off reach.
+        if kernel.at(near.gap) - lower > WIDE {
+            return Self::wide(rows, leaf, columns, kernel, machine);
+        }
         Self { lower, wide: false, scale: vec![lower; count] }
     }
 

@@ -1,4 +1,7 @@
 //! A balanced tree of boxes over a cloud: every leaf is a full tile of points.
+//!
+//! The tree decides speed alone. The error bound holds for any partition, as every pair of points is in exactly one pair
+//! of nodes that is summed or left out: a pair of nodes is taken as it is or replaced by the two halves of one of them.
 
 use rayon::join;
 

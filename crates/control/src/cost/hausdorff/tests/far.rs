@@ -4,7 +4,7 @@ use super::super::pairs::{LogSums, Pairs, PullBack};
 use super::{Cloud, Method, Phi, Stream, cloud};
 
 /// Points on the faces of a bar, bent by `angle`.
-fn skin(seed: u64, n: usize, angle: f64) -> Cloud {
+pub(super) fn skin(seed: u64, n: usize, angle: f64) -> Cloud {
     let mut stream = Stream::new(seed);
     let mut point = || {
         let mut x = stream.point([0.0; 3], [1.0, 0.2, 0.2]);
@@ -17,7 +17,7 @@ fn skin(seed: u64, n: usize, angle: f64) -> Cloud {
     Cloud::new(points, (0..n).map(|_| 0.5 + stream.next()).collect()).unwrap()
 }
 
-fn run(body: &Cloud, target: &Cloud, phi: Phi, alpha: f64, method: Method) -> (Pairs, LogSums, PullBack) {
+pub(super) fn run(body: &Cloud, target: &Cloud, phi: Phi, alpha: f64, method: Method) -> (Pairs, LogSums, PullBack) {
     let pairs = Pairs::new(body, target, phi, alpha, method).unwrap();
     let sums = pairs.log_sums();
     // Seeds of both signs, as no functional of ours has them.
@@ -50,7 +50,7 @@ fn errors(body: &Cloud, target: &Cloud, phi: Phi, alpha: f64, tolerance: f64) ->
 }
 
 /// Points along a curve that winds around the x axis.
-fn strand(seed: u64, n: usize, radius: f64) -> Cloud {
+pub(super) fn strand(seed: u64, n: usize, radius: f64) -> Cloud {
     let mut stream = Stream::new(seed);
     let mut point = |_| {
         let t = stream.next();

@@ -1,5 +1,6 @@
 //! Tests of the smoothed Hausdorff distance.
 
+mod bound;
 mod closed_forms;
 mod derivative;
 mod far;
@@ -7,6 +8,7 @@ mod input;
 mod invariance;
 mod lanes;
 mod reference;
+mod sweep;
 
 use super::{Cloud, Evaluation, Method, Phi, Smoothing};
 
