@@ -2,14 +2,18 @@
 
 use std::fmt;
 use std::io::Write;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
-/// Where lines for people go. Writing never fails: a reader who left (`| head`) does not stop a computation.
+/// Where lines for people go; clones speak to the same place. Writing never fails: a reader who left (`| head`) does not
+/// stop a computation.
+#[derive(Clone)]
 pub struct Console {
-    lines: Mutex<Option<Box<dyn Write + Send>>>,
+    lines: Place,
     /// A terminal on which a passing line may be overwritten.
-    passing: Mutex<Option<Box<dyn Write + Send>>>,
+    passing: Place,
 }
+
+type Place = Arc<Mutex<Option<Box<dyn Write + Send>>>>;
 
 impl fmt::Debug for Console {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -21,18 +25,18 @@ impl Console {
     /// Says nothing.
     #[must_use]
     pub fn silent() -> Self {
-        Self { lines: Mutex::new(None), passing: Mutex::new(None) }
+        Self { lines: Arc::default(), passing: Arc::default() }
     }
 
     /// Says everything to `out`.
     pub fn new(out: impl Write + Send + 'static) -> Self {
-        Self { lines: Mutex::new(Some(Box::new(out))), passing: Mutex::new(None) }
+        Self { lines: Arc::new(Mutex::new(Some(Box::new(out)))), passing: Arc::default() }
     }
 
     /// With a terminal for what passes: the progress of a solve.
     #[must_use]
     pub fn with_passing(mut self, terminal: impl Write + Send + 'static) -> Self {
-        self.passing = Mutex::new(Some(Box::new(terminal)));
+        self.passing = Arc::new(Mutex::new(Some(Box::new(terminal))));
         self
     }
 

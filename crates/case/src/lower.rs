@@ -1,38 +1,51 @@
 //! From a [`Case`] to a [`Problem`]: meshes read, formulas evaluated where they are needed, names looked up.
 //!
-//! Every problem names its path and line; as many as possible are found before giving up.
+//! Every problem names its path and line; as many as possible are found before giving up. A case becomes an
+//! [`Ensemble`] of members, one for every load case of every scenario; a plain case is an ensemble of one.
 
 mod actuation;
 mod array;
+mod body;
 mod context;
 mod control;
 mod cost;
 mod field;
 mod load;
 mod material;
+mod member;
 mod mesh;
 mod named;
 mod optimizer;
 mod probe;
+mod random;
+mod scenario;
 mod sizes;
+mod start;
 mod support;
 mod unsupported;
+mod variant;
 
 pub use control::{Admitted, ControlField};
 pub use cost::TargetShape;
+pub use member::Member;
 pub use probe::LocatedProbe;
+pub(crate) use variant::file_name;
 
 use crate::quantity::Units;
 use crate::schema::Case;
 use crate::syntax::{At, Diagnostic, Diagnostics, Document};
-use context::Context;
-use nastic_control::{ControlError, Layout, Metric, Reduced, Sight};
-use nastic_fem::{Discretization, FemError, Solid, State};
+use context::{Context, Found};
+use member::Label;
+use nastic_control::{Ensemble, EnsembleError, LoadCase, Metric, Reduced};
+use nastic_fem::{Discretization, Solid};
 use nastic_mesh::Mesh;
-use nastic_opt::{Optimizer, Product};
+use nastic_opt::{Objective, Optimizer, Product};
+use scenario::World;
+use serde_json::{Map, Value};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use variant::Variant;
 
 /// A case made ready to compute: what every command works on.
 #[derive(Debug)]
@@ -41,9 +54,9 @@ pub struct Problem {
     pub document: Document,
     /// Its blocks.
     pub case: Case,
-    /// Body, controls and costs.
-    pub reduced: Reduced,
-    /// The control fields, in file order.
+    /// Bodies, controls and costs of all members.
+    pub ensemble: Ensemble,
+    /// The control fields, in the order of the ensemble's blocks: those all share in file order, then those of load cases.
     pub controls: Vec<ControlField>,
     /// Control vector to start from.
     pub start: Vec<f64>,
@@ -51,14 +64,15 @@ pub struct Problem {
     pub set: Product,
     /// Points to report.
     pub probes: Vec<LocatedProbe>,
-    /// Shapes the costs aim at.
-    pub targets: Vec<TargetShape>,
     /// What deserves attention, with its place in the case.
     pub warnings: Vec<Diagnostic>,
     /// What was mended when meshes were read.
     pub notes: Vec<String>,
     /// All files that were read, the case itself left out.
     pub files: Vec<PathBuf>,
+    labels: Vec<Label>,
+    /// What differs in every scenario.
+    differences: Vec<Map<String, Value>>,
 }
 
 impl Problem {
@@ -70,53 +84,24 @@ impl Problem {
         let case = Case::read(&document)?;
         let mut context = Context::new(&document, case.units);
         unsupported::check(&case, &mut context);
-        let body = mesh::body(&case, &mut context);
-        let targets = cost::load_targets(&case, &mut context);
-        let Some(mesh) = body else { return Err(context.into_problems()) };
-        let mesh = Arc::new(mesh);
-        let disc = match Discretization::new(mesh.clone()) {
-            Ok(disc) => disc,
-            Err(error) => {
-                context.complain(&mesh::at(&case), error);
-                return Err(context.into_problems());
-            }
+        let lowered = members(&case, &document, cancel, &mut context);
+        let files = context.files();
+        let Found { problems, warnings, notes } = context.found;
+        let Lowered { ensemble, labels, differences, controls, probes } = match (lowered, problems.is_empty()) {
+            (Some(lowered), true) => lowered,
+            _ => return Err(Diagnostics::new(problems)),
         };
-        let mut solid = Solid::on(disc);
-        material::add(&case, &mut solid, &mut context);
-        actuation::add(&case, &mut solid, &mut context);
-        support::add(&case, &mut solid, &mut context);
-        load::add(&case, &mut solid, &mut context);
-        if context.is_sound() {
-            check_complete(&solid, &mut context);
-        }
-        let probes = probe::locate(&case, &mesh, &mut context);
-        sizes::check(&case, &mesh, &targets, &mut context);
-        let metric = optimizer::metric(&case);
-        let reduced = Reduced::new(solid).metric(metric).no_other_controls().cancelled_by(cancel);
-        let reduced = actuation::fix(&case, reduced, &mut context);
-        let reduced = reduced.and_then(|reduced| control::add(&case, reduced, &mut context));
-        // Bounds and costs look at the body: with one that is not as written they would complain of their own.
-        let (Some(reduced), true) = (reduced, context.is_sound()) else { return Err(context.into_problems()) };
-        let lowered = control::lower(&case, &reduced, &mut context);
-        let with_costs = cost::add(&case, targets, reduced, &mut context);
-        let Some((reduced, targets)) = with_costs else { return Err(context.into_problems()) };
-        if context.is_sound() && !reduced.layout().is_empty() {
-            context.take(&At::root().key("controls"), reduced.check());
-        }
-        cost::warn(&case, &reduced, &mut context);
-        let (Some(lowered), true) = (lowered, context.is_sound()) else { return Err(context.into_problems()) };
-        let Context { warnings, notes, files, .. } = context;
-        let control::Lowered { controls, start, set } = lowered;
-        Ok(Self { case, reduced, controls, start, set, probes, targets, warnings, notes, files, document })
+        let control::Lowered { controls, start, set, .. } = controls;
+        Ok(Self { case, ensemble, controls, start, set, probes, warnings, notes, files, labels, differences, document })
     }
 
-    /// The body.
+    /// The body of the first member.
     #[must_use]
     pub fn solid(&self) -> &Solid {
-        self.reduced.solid()
+        self.member(0).solid()
     }
 
-    /// The mesh.
+    /// The mesh, which all members share.
     #[must_use]
     pub fn mesh(&self) -> &Arc<Mesh> {
         self.solid().mesh()
@@ -128,31 +113,22 @@ impl Problem {
         &self.case.units
     }
 
-    /// The control fields' places in the control vector.
+    /// What differs in a scenario: paths and values.
     #[must_use]
-    pub fn layout(&self) -> &Layout {
-        self.reduced.layout()
+    pub fn differences(&self, scenario: usize) -> &Map<String, Value> {
+        &self.differences[scenario]
     }
 
-    /// What costs may look at in a state.
+    /// Whether anything is to be made small.
     #[must_use]
-    pub fn sight<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> Sight<'a> {
-        Sight { solid: self.solid(), layout: self.layout(), u: &state.u, m, stage }
-    }
-
-    /// The values of all cost terms, weights included.
-    ///
-    /// # Errors
-    /// A cost that is not defined there.
-    pub fn terms(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<f64>, ControlError> {
-        let sight = self.sight(state, m, stage);
-        self.reduced.costs().iter().map(|cost| cost.value(&sight)).collect()
+    pub fn has_costs(&self) -> bool {
+        self.members().any(|member| !member.reduced().costs().is_empty())
     }
 
     /// Number of continuation stages.
     #[must_use]
     pub fn stages(&self) -> usize {
-        self.reduced.costs().iter().map(|cost| cost.stages()).max().unwrap_or(1)
+        self.ensemble.stages()
     }
 
     /// The optimiser of the case.
@@ -175,16 +151,129 @@ impl Problem {
     pub fn complain(&self, key: &str, message: impl Into<String>) -> Diagnostics {
         self.document.complain(&At::root().key(key), message).into()
     }
+
+    /// An error of the ensemble, without the name of a member where there is but one.
+    #[must_use]
+    pub fn explain(&self, error: &EnsembleError) -> String {
+        explain(error, self.is_plain())
+    }
 }
 
-/// Every cell has a material, no rigid motion is left free.
-fn check_complete(solid: &Solid, context: &mut Context<'_>) {
-    if let Err(error) = solid.check() {
-        let block = match &error {
-            FemError::RigidMotion { .. } => "supports",
-            FemError::NoMaterial { .. } => "materials",
-            _ => "mesh",
-        };
-        context.complain(&At::root().key(block), error);
+fn explain(error: &EnsembleError, plain: bool) -> String {
+    match error {
+        EnsembleError::Member { source, .. } if plain => source.to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// What becomes of a case.
+struct Lowered {
+    ensemble: Ensemble,
+    labels: Vec<Label>,
+    differences: Vec<Map<String, Value>>,
+    controls: control::Lowered,
+    probes: Vec<LocatedProbe>,
+}
+
+/// Everything but the case's own words; `None` after a complaint.
+fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &mut Context<'_>) -> Option<Lowered> {
+    let Some(mesh) = mesh::body(case, context) else {
+        // What else is missing is told along with it.
+        cost::load_targets(case, context);
+        return None;
+    };
+    let disc = context.take(&mesh::at(case), Discretization::new(mesh.clone()))?;
+    let probes = probe::locate(case, &mesh, context);
+    let worlds = scenario::worlds(case, document, &disc, context)?;
+    let variants = match variant::all(case, document, &worlds, context) {
+        Ok(variants) => variants,
+        Err(problems) => {
+            context.found.problems.extend(problems.list().iter().cloned());
+            return None;
+        }
+    };
+    let mut contexts: Vec<Context<'_>> = variants.iter().map(|variant| context.variant(&variant.document)).collect();
+    let built = build(case, &variants, &disc, &mut contexts);
+    let found = contexts.into_iter().map(|context| context.found);
+    context.found.absorb(variants.iter().map(|variant| variant.name.clone()).zip(found).collect());
+    let Built { bodies, targets, controls } = built?;
+    if context.is_sound() {
+        start::check(case, &controls.controls, context);
+    }
+    if !context.is_sound() {
+        return None;
+    }
+    let (ensemble, labels) = join(case, &worlds, variants, bodies, targets, cancel, context)?;
+    let differences = worlds.into_iter().map(|world| world.values).collect();
+    Some(Lowered { ensemble, labels, differences, controls, probes })
+}
+
+/// The members before they are joined.
+struct Built {
+    bodies: Vec<Reduced>,
+    targets: Vec<Vec<TargetShape>>,
+    controls: control::Lowered,
+}
+
+/// Bodies, then bounds, then costs: bounds and costs look at the bodies, and those of one that is not as written would
+/// complain of their own.
+fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts: &mut [Context<'_>]) -> Option<Built> {
+    let (mut aims, mut bodies) = (Vec::new(), Vec::new());
+    for (variant, context) in variants.iter().zip(contexts.iter_mut()) {
+        let targets = cost::load_targets(&variant.case, context);
+        bodies.push(body::lower(variant, disc, context));
+        sizes::check(&variant.case, disc.mesh(), &targets, context);
+        aims.push(targets);
+    }
+    let bodies: Vec<Reduced> = bodies.into_iter().collect::<Option<_>>()?;
+    if !contexts.iter().all(|context| context.is_sound()) {
+        return None;
+    }
+    let controls = control::lower(case.controls.len(), variants, &bodies, contexts);
+    let (mut out, mut targets) = (Vec::new(), Vec::new());
+    for (((variant, body), aims), context) in variants.iter().zip(bodies).zip(aims).zip(contexts) {
+        let (body, shapes) = cost::add(&variant.case, aims, body, context)?;
+        cost::warn(&variant.case, &body, context);
+        out.push(body);
+        targets.push(shapes);
+    }
+    Some(Built { bodies: out, targets, controls: controls? })
+}
+
+/// The members side by side.
+fn join(
+    case: &Case,
+    worlds: &[World],
+    variants: Vec<Variant>,
+    bodies: Vec<Reduced>,
+    targets: Vec<Vec<TargetShape>>,
+    cancel: Arc<AtomicBool>,
+    context: &mut Context<'_>,
+) -> Option<(Ensemble, Vec<Label>)> {
+    let plain = worlds.len() == 1 && worlds[0].name.is_none() && case.load_cases.is_empty();
+    let mut cases: Vec<Vec<LoadCase>> = worlds.iter().map(|_| vec![]).collect();
+    let mut labels = Vec::new();
+    for ((variant, body), targets) in variants.into_iter().zip(bodies).zip(targets) {
+        let own = variant.case.controls.iter().skip(case.controls.len());
+        let part = LoadCase::new(&variant.case_name, variant.weight, body);
+        cases[variant.world].push(own.fold(part, |part, control| part.own(&control.of)));
+        let load_case = variant.load_case.map(|_| variant.case_name.clone());
+        let (scenario, Variant { stem, case_stem, case, .. }) = (worlds[variant.world].name.clone(), variant);
+        labels.push(Label { scenario, load_case, stem, case_stem, case, targets });
+    }
+    let mut builder = Ensemble::with_risk(scenario::risk(case)).cancelled_by(cancel);
+    for (world, cases) in worlds.iter().zip(cases) {
+        builder = builder.scenario_of(world.name.as_deref().unwrap_or(""), world.probability, cases);
+    }
+    match builder.build() {
+        Ok(ensemble) => Some((ensemble, labels)),
+        Err(error) => {
+            let at = match &error {
+                EnsembleError::Risk(_) => scenario::risk_at(case),
+                _ => At::root().key("controls"),
+            };
+            context.complain(&at, explain(&error, plain));
+            None
+        }
     }
 }

@@ -4,6 +4,7 @@ pub(crate) mod expectation;
 pub(crate) mod files;
 pub(crate) mod fingerprint;
 pub(crate) mod picture;
+pub(crate) mod shown;
 pub(crate) mod snapshot;
 pub(crate) mod summary;
 

@@ -18,6 +18,7 @@ mod gradcheck;
 mod gradient;
 mod number;
 mod optimize;
+mod roll;
 mod session;
 mod solve;
 mod table;

@@ -163,9 +163,6 @@ fn a_target_of_another_size_is_warned_about() {
 
 #[test]
 fn what_is_not_supported_yet_says_so() {
-    let scenarios = r#""scenarios": [ { "set": { "materials/0/mu1": "90 kPa" } } ], "probes""#;
-    let found = problems(&with(BAR, r#""probes""#, scenarios));
-    assert!(found.contains("scenarios: scenarios are not supported yet"), "{found}");
     let found = problems(&with(BAR, r#""method": "lbfgs""#, r#""method": "newton_cg""#));
     assert!(
         found.ends_with("\"newton_cg\" is not supported yet; take projected_gradient, spectral or lbfgs"),

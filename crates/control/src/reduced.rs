@@ -79,6 +79,15 @@ impl Evaluated {
         work
     }
 
+    /// Lets go of its factors, which are large: for points that are kept to be looked at.
+    pub fn without_factors(mut self) -> Self {
+        self.factor = None;
+        if let Some(adjoint) = self.adjoint.get_mut() {
+            adjoint.factor = None;
+        }
+        self
+    }
+
     /// The newest factor at hand.
     fn factor(&self) -> Option<Arc<Factor>> {
         self.adjoint.get().and_then(|a| a.factor.clone()).or_else(|| self.factor.clone())
@@ -249,6 +258,17 @@ impl Reduced {
         Sight { solid: &self.solid, layout: &self.layout, u: &state.u, m, stage }
     }
 
+    /// [`Objective::restage`] with the typed error.
+    ///
+    /// # Errors
+    /// A cost that is not defined there.
+    pub fn try_restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
+        let terms = self.terms(&point.state, &point.m, stage)?;
+        let (m, state, factor) = (point.m.clone(), point.state.clone(), point.factor());
+        let work = SolveReport::default();
+        Ok(Evaluated { m, state, terms, stage, work, factor, adjoint: OnceLock::new() })
+    }
+
     /// Partial derivatives of the cost (all terms, or one of them).
     ///
     /// # Errors
@@ -332,10 +352,7 @@ impl Objective for Reduced {
     }
 
     fn restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, Failed> {
-        let terms = self.terms(&point.state, &point.m, stage).map_err(|e| Failed::new(e.to_string()))?;
-        let (m, state, factor) = (point.m.clone(), point.state.clone(), point.factor());
-        let work = SolveReport::default();
-        Ok(Evaluated { m, state, terms, stage, work, factor, adjoint: OnceLock::new() })
+        self.try_restage(stage, point).map_err(|e| Failed::new(e.to_string()))
     }
 
     fn report(&self, point: &Evaluated) -> Report {

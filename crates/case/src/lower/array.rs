@@ -35,7 +35,7 @@ pub(super) fn read(
     context: &mut Context<'_>,
 ) -> Option<MeshArray> {
     let path = context.file(&file.file);
-    let snapshot = context.take(&at.key("file"), nastic_io::read_snapshot(&path))?;
+    let snapshot = context.snapshot(&path, &at.key("file"))?;
     if let Err(why) = check_mesh(&snapshot.mesh, mesh, scale(case)) {
         context.complain(&at.key("file"), format!("{} is not on the mesh of this case: {why}", file.file));
         return None;

@@ -1,31 +1,60 @@
 //! What lowering carries along: the document, and everything found on the way.
 
 use crate::quantity::Units;
-use crate::syntax::{At, Diagnostic, Diagnostics, Document};
-use std::path::PathBuf;
+use crate::syntax::{At, Diagnostic, Document};
+use nastic_mesh::{Mesh, Snapshot};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
 
 pub(super) struct Context<'a> {
     pub document: &'a Document,
     pub units: Units,
+    pub found: Found,
+    files: Rc<RefCell<Files>>,
+}
+
+/// What was found out about a case or one of its variants.
+#[derive(Default)]
+pub(super) struct Found {
+    pub problems: Vec<Diagnostic>,
     pub warnings: Vec<Diagnostic>,
     pub notes: Vec<String>,
-    pub files: Vec<PathBuf>,
-    problems: Vec<Diagnostic>,
+}
+
+/// Files are read once, however many variants of the case name them.
+#[derive(Default)]
+struct Files {
+    named: Vec<PathBuf>,
+    meshes: BTreeMap<String, Arc<Mesh>>,
+    snapshots: BTreeMap<PathBuf, Arc<Snapshot>>,
 }
 
 impl<'a> Context<'a> {
     pub fn new(document: &'a Document, units: Units) -> Self {
-        Self { document, units, warnings: vec![], notes: vec![], files: vec![], problems: vec![] }
+        Self { document, units, found: Found::default(), files: Rc::default() }
+    }
+
+    /// The context of a variant of the case: its own findings, the same files.
+    pub fn variant<'b>(&self, document: &'b Document) -> Context<'b> {
+        Context { document, units: self.units, found: Found::default(), files: self.files.clone() }
     }
 
     /// Notes a problem at a path of the case.
     pub fn complain(&mut self, at: &At, message: impl ToString) {
-        self.problems.push(self.document.complain(at, message.to_string()));
+        self.found.problems.push(self.document.complain(at, message.to_string()));
     }
 
     /// Notes what deserves attention but does not stop anything.
     pub fn warn(&mut self, at: &At, message: impl ToString) {
-        self.warnings.push(self.document.complain(at, message.to_string()));
+        self.found.warnings.push(self.document.complain(at, message.to_string()));
+    }
+
+    /// Notes what may be good to know.
+    pub fn note(&mut self, note: String) {
+        self.found.notes.push(note);
     }
 
     /// The value, or a complaint.
@@ -36,17 +65,86 @@ impl<'a> Context<'a> {
     /// The place of a file named in the case, which is noted as read.
     pub fn file(&mut self, name: &str) -> PathBuf {
         let path = self.document.resolve(name);
-        if !self.files.contains(&path) {
-            self.files.push(path.clone());
+        let named = &mut self.files.borrow_mut().named;
+        if !named.contains(&path) {
+            named.push(path.clone());
         }
         path
     }
 
-    pub fn is_sound(&self) -> bool {
-        self.problems.is_empty()
+    /// All files named so far.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.files.borrow().named.clone()
     }
 
-    pub fn into_problems(self) -> Diagnostics {
-        Diagnostics::new(self.problems)
+    /// The mesh known under a key, or the one made now.
+    pub fn mesh(&mut self, key: String, make: impl FnOnce(&mut Self) -> Option<Mesh>) -> Option<Arc<Mesh>> {
+        let known = self.files.borrow().meshes.get(&key).cloned();
+        known.or_else(|| {
+            let mesh = Arc::new(make(self)?);
+            self.files.borrow_mut().meshes.insert(key, mesh.clone());
+            Some(mesh)
+        })
     }
+
+    /// What a VTU file holds.
+    pub fn snapshot(&mut self, path: &Path, at: &At) -> Option<Arc<Snapshot>> {
+        let known = self.files.borrow().snapshots.get(path).cloned();
+        known.or_else(|| {
+            let snapshot = Arc::new(self.take(at, nastic_io::read_snapshot(path))?);
+            self.files.borrow_mut().snapshots.insert(path.to_owned(), snapshot.clone());
+            Some(snapshot)
+        })
+    }
+
+    pub fn is_sound(&self) -> bool {
+        self.found.problems.is_empty()
+    }
+}
+
+impl Found {
+    /// Takes in what was found about variants. What all of them share is told once; what belongs to some alone names
+    /// the first of them.
+    pub fn absorb(&mut self, variants: Vec<(String, Found)>) {
+        let names: Vec<&String> = variants.iter().map(|(name, _)| name).collect();
+        let told = |of: fn(&Found) -> &Vec<Diagnostic>| -> Vec<Diagnostic> {
+            let lists: Vec<&Vec<Diagnostic>> = variants.iter().map(|(_, found)| of(found)).collect();
+            merged(&names, &lists)
+        };
+        self.problems.extend(told(|found| &found.problems));
+        self.warnings.extend(told(|found| &found.warnings));
+        for note in variants.into_iter().flat_map(|(_, found)| found.notes) {
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+    }
+}
+
+fn merged(names: &[&String], lists: &[&Vec<Diagnostic>]) -> Vec<Diagnostic> {
+    let mut out: Vec<Diagnostic> = Vec::new();
+    let mut kinds: Vec<String> = Vec::new();
+    for (name, list) in names.iter().zip(lists) {
+        for one in *list {
+            if lists.iter().all(|list| list.contains(one)) {
+                if !out.contains(one) {
+                    out.push(one.clone());
+                }
+                continue;
+            }
+            // The same with other numbers says nothing new.
+            let kind = kind(one);
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
+                out.push(Diagnostic { message: format!("{name}: {}", one.message), ..one.clone() });
+            }
+        }
+    }
+    out
+}
+
+/// Path and message without numbers.
+fn kind(one: &Diagnostic) -> String {
+    let words = one.message.split(' ').filter(|word| !word.contains(|c: char| c.is_ascii_digit()));
+    format!("{} {}", one.path, words.collect::<Vec<_>>().join(" "))
 }

@@ -3,6 +3,8 @@
 use super::actuation::beyond_limit;
 use super::array::{self, Entity, MeshArray};
 use super::context::Context;
+use super::start;
+use super::variant::Variant;
 use crate::quantity::Dimension;
 use crate::result::snapshot::RESERVED;
 use crate::schema::{Case, Control, Parameter, Space as SpaceBlock, Start, vector_at};
@@ -15,15 +17,19 @@ use nastic_opt::{Admissible, Ball, Bounds, Limit, Outside, Product, Random, Sphe
 pub struct ControlField {
     /// Path of its block in the case.
     pub at: At,
-    /// Its name in results.
+    /// Its name in results; `LOAD_CASE.NAME` for what a load case has alone.
     pub name: String,
+    /// Its name in files: without the load case.
+    pub array: String,
+    /// Index of the load case in the case that has it alone; `None` for what all share.
+    pub load_case: Option<usize>,
     /// Unit of its values, in the case's system.
     pub unit: String,
     /// What its values may be.
     pub admitted: Admitted,
     /// The bounds of every component, where the values are scalars.
     pub bounds: Option<Bounds>,
-    /// The convexity bound of the passive law, for a tension where the law has one.
+    /// The convexity bound of the passive law, for a tension where the law has one: the smallest of all members.
     pub limit: Option<f64>,
 }
 
@@ -69,22 +75,49 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
     Some(reduced)
 }
 
-/// Starts and bounds of all fields.
-pub(super) fn lower(case: &Case, reduced: &Reduced, context: &mut Context<'_>) -> Option<Lowered> {
+/// Starts and bounds of all fields, each once: those that all members share, of which there are `shared`, then those of
+/// load cases.
+pub(super) fn lower(
+    shared: usize,
+    variants: &[Variant],
+    bodies: &[Reduced],
+    contexts: &mut [Context<'_>],
+) -> Option<Lowered> {
     let mut out = Lowered { controls: vec![], start: vec![], set: Product::new() };
+    let mut known: Vec<(Option<usize>, usize)> = vec![];
     let mut whole = true;
-    for (control, block) in case.controls.iter().zip(reduced.layout().blocks()) {
-        let lowering = Lowering { case, reduced, control, block };
-        match lowering.lower(context) {
-            Some((field, start, set)) => {
-                out.controls.push(field);
-                out.start.extend(start);
-                out.set.push(block.len(), set);
+    for ((variant, body), context) in variants.iter().zip(bodies).zip(contexts) {
+        let fields = variant.case.controls.iter().zip(body.layout().blocks()).enumerate();
+        for (k, (control, block)) in fields {
+            let load_case = variant.load_case.filter(|_| k >= shared);
+            if known.contains(&(load_case, k)) {
+                continue;
             }
-            None => whole = false,
+            known.push((load_case, k));
+            let users = variants.iter().zip(bodies).filter(|(user, _)| k < shared || user.load_case == load_case);
+            let limit = limit(users.map(|(_, body)| body), k);
+            let case_name = load_case.map(|_| variant.case_name.as_str());
+            let lowering = Lowering { case: &variant.case, reduced: body, control, block, limit, case_name };
+            match lowering.lower(context) {
+                Some((field, start, set)) => {
+                    out.controls.push(ControlField { load_case, ..field });
+                    out.start.extend(start);
+                    out.set.push(block.len(), set);
+                }
+                None => whole = false,
+            }
         }
     }
     whole.then_some(out)
+}
+
+/// The smallest of the laws' bounds on a tension; bodies number their fields alike.
+fn limit<'b>(bodies: impl Iterator<Item = &'b Reduced>, field: usize) -> Option<f64> {
+    let of = |body: &Reduced| {
+        let block = &body.layout().blocks()[field];
+        (block.components == 1).then(|| body.solid().body().fiber_limit(block.actuation)).flatten()
+    };
+    bodies.filter_map(of).reduce(f64::min)
 }
 
 struct Lowering<'a> {
@@ -92,6 +125,10 @@ struct Lowering<'a> {
     reduced: &'a Reduced,
     control: &'a Control,
     block: &'a ControlBlock,
+    /// The laws' bound on a tension.
+    limit: Option<f64>,
+    /// Name of the load case that has it alone.
+    case_name: Option<&'a str>,
 }
 
 /// What is admitted, in words and as a set.
@@ -103,25 +140,20 @@ struct Allowed {
 
 impl Lowering<'_> {
     fn lower(&self, context: &mut Context<'_>) -> Option<(ControlField, Vec<f64>, Box<dyn Admissible>)> {
-        let limit = self.limit();
+        let limit = self.limit;
         let allowed = self.allowed(limit, context);
         let start = self.start(context);
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
         let start = self.settle(start, set.as_ref(), context)?;
         let unit = crate::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
         let unit = context.units.label(unit);
-        let (at, name) = (self.control.at.clone(), self.control.name().to_owned());
-        if RESERVED.contains(&name.as_str()) || name.starts_with("gradient_") || name.starts_with("direction_") {
+        let (at, array) = (self.control.at.clone(), self.control.name().to_owned());
+        if RESERVED.contains(&array.as_str()) || array.starts_with("gradient_") || array.starts_with("direction_") {
             context
-                .complain(&at, format!("results have an array \"{name}\" already: give the control another \"name\""));
+                .complain(&at, format!("results have an array \"{array}\" already: give the control another \"name\""));
         }
-        Some((ControlField { at, name, unit, admitted, bounds, limit }, start, set))
-    }
-
-    /// The law's bound on a tension.
-    fn limit(&self) -> Option<f64> {
-        let body = self.reduced.solid().body();
-        (self.block.components == 1).then(|| body.fiber_limit(self.block.actuation)).flatten()
+        let name = self.case_name.map_or_else(|| array.clone(), |case| format!("{case}.{array}"));
+        Some((ControlField { at, name, array, load_case: None, unit, admitted, bounds, limit }, start, set))
     }
 
     fn allowed(&self, limit: Option<f64>, context: &mut Context<'_>) -> Option<Allowed> {
@@ -204,6 +236,10 @@ impl Lowering<'_> {
                 context.take(&at, values)?
             }
             Parameter::Array(file) => self.values_of_file(file, &at, context)?,
+            Parameter::Cells(_) => {
+                context.complain(&at, "a bound cannot be random");
+                return None;
+            }
         };
         Some(Some(Limit::Each(values)))
     }
@@ -227,7 +263,12 @@ impl Lowering<'_> {
                     context.complain(&at, "random directions need a length: give \"norm\" or \"max_norm\"");
                     return None;
                 };
-                Some(random(*seed, norm, positions.len(), self.reduced.solid().mesh().dim()))
+                Some(start::on_sphere(
+                    &mut Random::new(*seed),
+                    norm,
+                    positions.len(),
+                    self.reduced.solid().mesh().dim(),
+                ))
             }
         }
     }
@@ -318,19 +359,4 @@ fn greatest(limit: &Limit) -> f64 {
         Limit::Uniform(value) => *value,
         Limit::Each(values) => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
     }
-}
-
-/// Vectors of one length and random directions, uniform on the sphere (in the plane: on the circle).
-fn random(seed: u64, norm: f64, count: usize, dim: usize) -> Vec<f64> {
-    let mut random = Random::new(seed);
-    let mut out = Vec::with_capacity(3 * count);
-    while out.len() < 3 * count {
-        let mut v = [0.0; 3];
-        v.iter_mut().take(dim).for_each(|x| *x = random.symmetric());
-        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if (0.1..=1.0).contains(&length) {
-            out.extend(v.map(|x| x * norm / length));
-        }
-    }
-    out
 }

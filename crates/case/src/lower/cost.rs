@@ -27,6 +27,11 @@ pub struct TargetShape {
 }
 
 impl TargetShape {
+    /// Whether it is the same shape.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.mesh, &other.mesh) && self.cost == other.cost && self.displacement == other.displacement
+    }
+
     /// Whether it says where every node should be: such a shape can be drawn.
     #[must_use]
     pub fn is_whole(&self) -> bool {
@@ -48,7 +53,7 @@ fn load_target(cost: &Block, context: &mut Context<'_>) -> Option<TargetShape> {
         },
         _ => return None,
     };
-    let mesh = Arc::new(super::mesh::load(source, &at, context)?);
+    let mesh = super::mesh::load(source, &at, context)?;
     Some(TargetShape { at: cost.at().clone(), cost: cost.name().to_owned(), mesh, displacement: vec![] })
 }
 

@@ -39,6 +39,9 @@ impl<'a> Points<'a> {
         if let Some(value) = value.constant() {
             return Some(Field::Uniform(value));
         }
+        if let Parameter::Cells(values) = value {
+            return Some(Field::Cell(values.clone()));
+        }
         self.scalars(value, at, context).map(Field::points)
     }
 
@@ -53,6 +56,7 @@ impl<'a> Points<'a> {
                 let array = array::read(file, at, &[1], Entity::Cell, self.case, self.mesh, context)?;
                 self.sample(&array).into_iter().map(|[x, _, _]| x).collect()
             }
+            Parameter::Cells(values) => self.sampling.cells().into_iter().map(|cell| values[cell as usize]).collect(),
         };
         Some(self.fill(values))
     }

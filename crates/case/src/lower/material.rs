@@ -5,8 +5,9 @@ use super::field::Points;
 use super::named::{attempt, key_of};
 use crate::schema::{Case, Input};
 use crate::syntax::At;
+use nastic_energy::EnergyError;
 use nastic_energy::catalogue::Inputs;
-use nastic_fem::Solid;
+use nastic_fem::{Discretization, Solid};
 use std::collections::BTreeMap;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
@@ -32,6 +33,20 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             Err(error) => context.complain(&key_of(&material.at, &error), error),
         }
     }
+}
+
+/// What keeps the parameters of a material from being one: `None` if nothing does, or something else is wrong with it.
+pub(super) fn inadmissible(
+    case: &Case,
+    index: usize,
+    disc: &Discretization,
+    context: &mut Context<'_>,
+) -> Option<EnergyError> {
+    let material = case.materials.get(index)?;
+    let cells = disc.mesh().region(&material.region).ok()?;
+    let points = Points::of_body(case, disc, cells);
+    let inputs = inputs(&material.parameters, &material.at, &points, context)?;
+    material.law.build(&inputs).err()
 }
 
 /// The parameters of a law or actuation, sampled.

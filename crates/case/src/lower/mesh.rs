@@ -4,9 +4,10 @@ use super::context::Context;
 use crate::schema::{BoxMesh, Case, MeshFile, MeshSource};
 use crate::syntax::At;
 use nastic_mesh::{CellKind, Mesh, MeshError, box_mesh, rectangle};
+use std::sync::Arc;
 
 /// The body's mesh.
-pub(super) fn body(case: &Case, context: &mut Context<'_>) -> Option<Mesh> {
+pub(super) fn body(case: &Case, context: &mut Context<'_>) -> Option<Arc<Mesh>> {
     load(&case.mesh, &at(case), context)
 }
 
@@ -18,8 +19,16 @@ pub(super) fn at(case: &Case) -> At {
     }
 }
 
-/// Reads or makes a mesh; what was mended is noted.
-pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Mesh> {
+/// Reads or makes a mesh, once; what was mended is noted.
+pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Arc<Mesh>> {
+    let key = match source {
+        MeshSource::File(file) => format!("{} {}", file.file, file.scale),
+        MeshSource::Box(block) => format!("{:?} {:?} {}", block.size, block.cells, block.element.name()),
+    };
+    context.mesh(key, |context| make(source, at, context))
+}
+
+fn make(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Mesh> {
     let mesh = match source {
         MeshSource::File(file) => read(file, at, context)?,
         MeshSource::Box(block) => {
@@ -27,8 +36,7 @@ pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> O
             context.take(at, mesh)?
         }
     };
-    let notes = mesh.notes().iter().map(|note| format!("{}: {note}", mesh.name()));
-    context.notes.extend(notes);
+    mesh.notes().iter().for_each(|note| context.note(format!("{}: {note}", mesh.name())));
     Some(mesh)
 }
 

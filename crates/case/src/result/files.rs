@@ -38,9 +38,10 @@ impl Directory {
         for entry in entries.flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
-            let number = name.strip_prefix("iteration_").and_then(|rest| rest.strip_suffix(".vtu"));
+            let number = name.rsplit_once("iteration_").and_then(|(_, rest)| rest.strip_suffix(".vtu"));
             let ours = number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
-            if ours || name == "iterations.pvd" || name == "failure.vtu" {
+            let collection = name == "iterations.pvd" || name.ends_with("_iterations.pvd");
+            if ours || collection || name == "failure.vtu" {
                 let _ = std::fs::remove_file(entry.path());
             }
         }

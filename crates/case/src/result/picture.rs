@@ -2,7 +2,7 @@
 
 use super::files::Directory;
 use super::snapshot;
-use crate::lower::Problem;
+use crate::lower::Member;
 use nastic_control::Space;
 use nastic_io::WriteError;
 use nastic_io::picture::{Body, Colour, Field, Look, Picture};
@@ -18,33 +18,33 @@ pub(crate) struct Drawing<'a> {
     pub ghost: Option<(&'a str, &'a Snapshot)>,
 }
 
-/// Writes `picture.png` and `picture.svg`.
-pub(crate) fn write(problem: &Problem, drawing: &Drawing<'_>, to: &Directory) -> Result<(), WriteError> {
+/// Writes `picture.png` and `picture.svg`; their names begin with the member's load case.
+pub(crate) fn write(member: Member<'_>, drawing: &Drawing<'_>, to: &Directory) -> Result<(), WriteError> {
     let mut picture =
-        Picture::new(&drawing.title).subtitle(&drawing.subtitle).length_unit(problem.units().length().symbol);
+        Picture::new(&drawing.title).subtitle(&drawing.subtitle).length_unit(member.problem().units().length().symbol);
     if let Some((label, ghost)) = drawing.ghost {
         picture = picture.body(Body::of(label, ghost).look(Look::Glass(Colour::GREY)));
     }
-    for target in problem.targets.iter().filter(|target| target.is_whole()) {
+    for target in member.targets().iter().filter(|target| target.is_whole()) {
         if let Ok(shape) = snapshot::target(target) {
             picture = picture.body(Body::of("target", &shape).look(Look::Glass(Colour::RED)));
         }
     }
     let (label, body) = drawing.body;
-    picture = picture.body(Body::of(label, body).look(look(problem, body)));
-    picture.write(to.file("picture.png"))?;
-    picture.write(to.file("picture.svg"))
+    picture = picture.body(Body::of(label, body).look(look(member, body)));
+    picture.write(to.file(&member.case_file("picture.png")))?;
+    picture.write(to.file(&member.case_file("picture.svg")))
 }
 
 /// Coloured by the first scalar control, else by J.
-fn look(problem: &Problem, body: &Snapshot) -> Look {
-    for (block, field) in problem.layout().blocks().iter().zip(&problem.controls) {
+fn look(member: Member<'_>, body: &Snapshot) -> Look {
+    for (block, field) in member.fields() {
         if block.components == 1 {
             let array = match block.map.space() {
                 Space::Node => {
-                    body.point_array(&field.name).map(|a| Field::at_nodes(&a.name, &field.unit, a.values.clone()))
+                    body.point_array(&field.array).map(|a| Field::at_nodes(&a.name, &field.unit, a.values.clone()))
                 }
-                _ => body.cell_array(&field.name).map(|a| Field::at_cells(&a.name, &field.unit, a.values.clone())),
+                _ => body.cell_array(&field.array).map(|a| Field::at_cells(&a.name, &field.unit, a.values.clone())),
             };
             if let Some(array) = array {
                 return Look::Field(array);

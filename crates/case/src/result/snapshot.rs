@@ -1,20 +1,20 @@
 //! States as snapshots: everything a viewer may want to see.
 
-use crate::lower::{Problem, TargetShape};
+use crate::lower::{Member, TargetShape};
 use nastic_control::{ControlBlock, Space};
 use nastic_fem::State;
 use nastic_mesh::{Mesh, MeshError, Snapshot};
-use nastic_opt::Problem as _;
 
 /// A state, and what is known of it.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     pub state: &'a State,
+    /// The member's own control vector.
     pub m: &'a [f64],
     /// Adjoint displacement, flat.
     pub adjoint: Option<&'a [f64]>,
-    /// Derivative of the cost by the control vector.
-    pub derivative: Option<&'a [f64]>,
+    /// Gradient of the cost by its control vector.
+    pub gradient: Option<&'a [f64]>,
 }
 
 /// Names of result arrays that no control may take.
@@ -23,27 +23,26 @@ pub(crate) const RESERVED: [&str; 10] =
 
 /// The snapshot of a state: point data displacement, adjoint, nodal controls and their gradients; cell data the other
 /// controls and gradients, J, stresses, energy and directions, averaged over each cell's reference volume.
-pub(crate) fn snapshot(problem: &Problem, view: &View<'_>) -> Result<Snapshot, MeshError> {
-    let (mesh, dim) = (problem.mesh(), problem.mesh().dim());
+pub(crate) fn snapshot(member: Member<'_>, view: &View<'_>) -> Result<Snapshot, MeshError> {
+    let (mesh, dim) = (member.mesh(), member.mesh().dim());
     let mut out = Snapshot::new(mesh.clone()).with_points("displacement", 3, padded(&view.state.u, dim))?;
     if let Some(adjoint) = view.adjoint {
         out = out.with_points("adjoint", 3, padded(adjoint, dim))?;
     }
-    let gradient = view.derivative.map(|derivative| problem.reduced.inner_product().riesz(derivative));
-    for (block, field) in problem.layout().blocks().iter().zip(&problem.controls) {
-        out = with_field(out, problem, block, &field.name, view.m)?;
-        if let Some(gradient) = &gradient {
-            out = with_field(out, problem, block, &format!("gradient_{}", field.name), gradient)?;
+    for (block, field) in member.fields() {
+        out = with_field(out, member, block, &field.array, view.m)?;
+        if let Some(gradient) = view.gradient {
+            out = with_field(out, member, block, &format!("gradient_{}", field.array), gradient)?;
         }
     }
-    out = with_fixed(out, problem, view.state)?;
-    with_state(out, problem, view.state)
+    out = with_fixed(out, member, view.state)?;
+    with_state(out, member, view.state)
 }
 
 /// A control field, or its gradient.
 fn with_field(
     out: Snapshot,
-    problem: &Problem,
+    member: Member<'_>,
     block: &ControlBlock,
     name: &str,
     m: &[f64],
@@ -51,10 +50,10 @@ fn with_field(
     let (n, values) = (block.components, block.of(m));
     match block.map.space() {
         Space::Node => {
-            let cells = &problem.solid().body().actuations()[block.actuation].cells;
-            out.with_points(name, n, nodal(problem.mesh(), cells, block, values))
+            let cells = &member.solid().body().actuations()[block.actuation].cells;
+            out.with_points(name, n, nodal(member.mesh(), cells, block, values))
         }
-        _ => out.with_cells(name, n, by_cell(problem, block, values)),
+        _ => out.with_cells(name, n, by_cell(member, block, values)),
     }
 }
 
@@ -83,10 +82,10 @@ fn nodal(mesh: &Mesh, cells: &[u32], block: &ControlBlock, values: &[f64]) -> Ve
 }
 
 /// A field that is constant in each cell; zero where it does not act.
-fn by_cell(problem: &Problem, block: &ControlBlock, values: &[f64]) -> Vec<f64> {
+fn by_cell(member: Member<'_>, block: &ControlBlock, values: &[f64]) -> Vec<f64> {
     let n = block.components;
-    let mut out = vec![0.0; problem.mesh().cells() * n];
-    for (cell, (first, _)) in problem.solid().discretization().points_of_cells().into_iter().enumerate() {
+    let mut out = vec![0.0; member.mesh().cells() * n];
+    for (cell, (first, _)) in member.solid().discretization().points_of_cells().into_iter().enumerate() {
         if let Some((unknown, _)) = block.map.at_point(first).next() {
             out[cell * n..][..n].copy_from_slice(&values[unknown * n..][..n]);
         }
@@ -95,17 +94,17 @@ fn by_cell(problem: &Problem, block: &ControlBlock, values: &[f64]) -> Vec<f64> 
 }
 
 /// Slots nobody controls, and the fields of magnets.
-fn with_fixed(mut out: Snapshot, problem: &Problem, state: &State) -> Result<Snapshot, MeshError> {
-    let disc = problem.solid().discretization();
-    let cells = problem.mesh().cells();
+fn with_fixed(mut out: Snapshot, member: Member<'_>, state: &State) -> Result<Snapshot, MeshError> {
+    let disc = member.solid().discretization();
+    let cells = member.mesh().cells();
     let (mut remanence, mut field) = (None::<Vec<f64>>, None::<Vec<f64>>);
-    for (k, attached) in problem.solid().body().actuations().iter().enumerate() {
+    for (k, attached) in member.solid().body().actuations().iter().enumerate() {
         let slots = attached.law.slots();
         let means = disc.cell_average(state.controls.values(k), slots.len());
         let columns = |first: usize, n: usize| -> Vec<f64> {
             (0..cells).flat_map(|cell| means[cell * slots.len() + first..][..n].to_vec()).collect()
         };
-        let controlled = problem.layout().blocks().iter().any(|block| block.actuation == k);
+        let controlled = member.layout().blocks().iter().any(|block| block.actuation == k);
         if slots.len() == 1 && !controlled {
             out = out.with_cells(&attached.name, 1, columns(0, 1))?;
         }
@@ -126,8 +125,8 @@ fn with_fixed(mut out: Snapshot, problem: &Problem, state: &State) -> Result<Sna
 }
 
 /// What follows from the state alone; a state with an inverted cell has no such thing.
-fn with_state(mut out: Snapshot, problem: &Problem, state: &State) -> Result<Snapshot, MeshError> {
-    let Ok(fields) = problem.solid().cell_fields(state) else { return Ok(out) };
+fn with_state(mut out: Snapshot, member: Member<'_>, state: &State) -> Result<Snapshot, MeshError> {
+    let Ok(fields) = member.solid().cell_fields(state) else { return Ok(out) };
     out = out.with_cells("J", 1, fields.j)?.with_cells("P", 9, fields.piola)?;
     out = out.with_cells("cauchy_stress", 9, fields.cauchy)?.with_cells("energy", 1, fields.energy)?;
     for (name, direction) in fields.directions {

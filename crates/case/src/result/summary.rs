@@ -1,24 +1,26 @@
 //! The parts of `result.json`.
 
-use crate::lower::{Admitted, ControlField, Problem};
-use nastic_control::{ControlBlock, ControlError, Evaluated};
+use super::shown::Shown;
+use crate::lower::{Admitted, ControlField, Member, Problem};
+use nastic_control::{ControlBlock, ControlError, EnsembleBlock};
 use nastic_fem::{InvertedAt, SolveReport, State};
 use nastic_opt::Problem as _;
 use serde_json::{Map, Value, json};
 
-/// `{ "total": ..., "terms": { NAME: ... } }`
-pub(crate) fn cost(problem: &Problem, terms: &[f64]) -> Value {
-    let names = problem.reduced.term_names();
-    let entries: Map<String, Value> = names.into_iter().zip(terms).map(|(name, value)| (name, json!(value))).collect();
-    json!({ "total": terms.iter().sum::<f64>(), "terms": entries })
+/// `{ "total": ..., "terms": { NAME: ... } }` of a member.
+pub(crate) fn cost(shown: &Shown<'_>) -> Value {
+    let names = shown.member.reduced().term_names();
+    let entries: Map<String, Value> =
+        names.into_iter().zip(&shown.terms).map(|(name, value)| (name, json!(value))).collect();
+    json!({ "total": shown.terms.iter().sum::<f64>(), "terms": entries })
 }
 
 /// `{ "smoothed": ..., "true": ..., "self": ... }` of the first such cost, and of each under its name where there are
 /// several; null without one.
-pub(crate) fn hausdorff(problem: &Problem, state: &State, m: &[f64], stage: usize) -> Result<Value, ControlError> {
-    let sight = problem.sight(state, m, stage);
+pub(crate) fn hausdorff(member: Member<'_>, state: &State, m: &[f64], stage: usize) -> Result<Value, ControlError> {
+    let sight = member.sight(state, m, stage);
     let mut all = Vec::new();
-    for (name, cost) in problem.reduced.term_names().into_iter().zip(problem.reduced.costs()) {
+    for (name, cost) in member.reduced().term_names().into_iter().zip(member.reduced().costs()) {
         let figures = cost.figures(&sight)?;
         let own = figures
             .into_iter()
@@ -39,34 +41,38 @@ pub(crate) fn hausdorff(problem: &Problem, state: &State, m: &[f64], stage: usiz
 /// `{ "euclidean": ..., "metric": ... }`
 pub(crate) fn derivative_norm(problem: &Problem, derivative: &[f64]) -> Value {
     let euclidean = derivative.iter().map(|d| d * d).sum::<f64>().sqrt();
-    json!({ "euclidean": euclidean, "metric": problem.reduced.inner_product().dual_norm(derivative) })
+    json!({ "euclidean": euclidean, "metric": problem.ensemble.inner_product().dual_norm(derivative) })
 }
 
 /// `{ NAME: { "point": [...], "displacement": [...], "position": [...] } }`
-pub(crate) fn probes(problem: &Problem, state: &State) -> Value {
-    let dim = problem.mesh().dim();
+fn probes(member: Member<'_>, state: &State) -> Value {
+    let dim = member.mesh().dim();
     let of = |probe: &crate::lower::LocatedProbe| {
         let u = probe.displacement(&state.u, dim);
         let position: [f64; 3] = std::array::from_fn(|k| probe.point[k] + u[k]);
         (probe.name.clone(), json!({ "point": probe.point, "displacement": u, "position": position }))
     };
-    Value::Object(problem.probes.iter().map(of).collect())
+    Value::Object(member.problem().probes.iter().map(of).collect())
 }
 
 /// `{ NAME: { "unknowns", "min", "max", "active", "active_share" } }`; lengths of vectors where the control is one.
 pub(crate) fn controls(problem: &Problem, m: &[f64]) -> Value {
-    let fields = problem.layout().blocks().iter().zip(&problem.controls);
-    let of = |(block, field): (&ControlBlock, &ControlField)| {
-        let n = block.components;
+    let of = |(block, field): (&EnsembleBlock, &ControlField)| {
+        let n = owner(problem, block).components;
         let size = |v: &[f64]| if n == 1 { v[0] } else { v.iter().map(|x| x * x).sum::<f64>().sqrt() };
         let sizes: Vec<f64> = block.of(m).chunks_exact(n).map(size).collect();
         let (min, max) = sizes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let active = sizes.iter().enumerate().filter(|(i, x)| is_active(*i, **x, field)).count();
         let share = active as f64 / sizes.len().max(1) as f64;
-        let entry = json!({ "unknowns": block.len(), "min": min, "max": max, "active": active, "active_share": share });
+        let entry = json!({ "unknowns": block.len, "min": min, "max": max, "active": active, "active_share": share });
         (field.name.clone(), entry)
     };
-    Value::Object(fields.map(of).collect())
+    Value::Object(problem.ensemble.blocks().iter().zip(&problem.controls).map(of).collect())
+}
+
+/// A control field as the first member that uses it has it.
+pub(crate) fn owner<'p>(problem: &'p Problem, block: &EnsembleBlock) -> &'p ControlBlock {
+    &problem.member(block.owner).layout().blocks()[block.field]
 }
 
 /// Whether a value lies on a bound; on a sphere every vector does, which says nothing.
@@ -82,25 +88,24 @@ fn is_active(unknown: usize, value: f64, field: &ControlField) -> bool {
 }
 
 /// `{ SUPPORT: [x, y, z] }`: the forces the supports exert on the body.
-pub(crate) fn reactions(problem: &Problem, state: &State) -> Result<Value, InvertedAt> {
-    let solid = problem.solid();
+fn reactions(member: Member<'_>, state: &State) -> Result<Value, InvertedAt> {
+    let solid = member.solid();
     let force = solid.body().evaluate(&state.u, &state.controls, true, true)?.force;
     let net: Vec<f64> = force.iter().zip(solid.dead_load()).map(|(f, d)| f - state.load * d).collect();
     let entries = solid.supports().reactions(&net).into_iter().map(|(name, force)| (name, json!(force)));
     Ok(Value::Object(entries.collect()))
 }
 
-/// What a state says of itself: `min_J`, `inertia`, `energy`, reactions, probes, controls.
-pub(crate) fn state(problem: &Problem, state: &State, m: &[f64]) -> Map<String, Value> {
+/// What a state says of itself: `min_J`, `inertia`, `energy`, reactions, probes.
+pub(crate) fn state(member: Member<'_>, state: &State) -> Map<String, Value> {
     let mut out = Map::new();
     out.insert("min_J".into(), json!(state.report.min_j));
     out.insert("residual".into(), json!(state.report.residual));
     out.insert("potential".into(), json!(state.report.energy));
     // A tangent that is singular has no inertia to report.
-    out.insert("inertia".into(), json!(problem.solid().negative_pivots(state).ok()));
-    out.insert("probes".into(), probes(problem, state));
-    out.insert("reactions".into(), reactions(problem, state).unwrap_or(Value::Null));
-    out.insert("controls".into(), controls(problem, m));
+    out.insert("inertia".into(), json!(member.solid().negative_pivots(state).ok()));
+    out.insert("probes".into(), probes(member, state));
+    out.insert("reactions".into(), reactions(member, state).unwrap_or(Value::Null));
     out
 }
 
@@ -114,16 +119,4 @@ pub(crate) fn work(report: &SolveReport) -> Map<String, Value> {
         ("load_steps_cut", report.cuts),
     ];
     entries.into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect()
-}
-
-/// Cost and Hausdorff figures of an evaluated control.
-pub(crate) fn valued(problem: &Problem, point: &Evaluated) -> Result<Map<String, Value>, ControlError> {
-    let mut out = Map::new();
-    out.insert("stage".into(), json!(point.stage));
-    out.insert("cost".into(), cost(problem, &point.terms));
-    let figures = hausdorff(problem, &point.state, &point.m, point.stage)?;
-    if !figures.is_null() {
-        out.insert("hausdorff".into(), figures);
-    }
-    Ok(out)
 }

@@ -16,6 +16,8 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::controls(problem),
         describe::supports(problem),
         describe::costs(problem),
+        describe::load_cases(problem),
+        describe::scenarios(problem),
         describe::optimizer(problem),
         describe::conventions(problem),
     ];

@@ -1,11 +1,16 @@
 //! A problem in words: what `nastic check` prints.
 
+mod members;
+
+pub(super) use members::{load_cases, scenarios};
+
 use super::number::{count, grouped, quantity, scientific, short, vector};
 use crate::expression::dimension_of;
-use crate::lower::{Admitted, ControlField, Problem};
+use crate::lower::{Admitted, ControlField, Problem, TargetShape};
 use crate::quantity::{Dimension, Units};
+use crate::result::summary::owner;
 use crate::schema::{Cost, Fixed, Input, Metric, Parameter, Phi, VectorField};
-use nastic_control::ControlBlock;
+use nastic_control::EnsembleBlock;
 use nastic_energy::catalogue::{self, Takes};
 use nastic_mesh::CellKind;
 use serde_json::{Map, Value, json};
@@ -110,7 +115,7 @@ pub(super) fn actuation(problem: &Problem) -> Vec<Line> {
         let text = format!("{}: {} on {}{values}", actuation.name, actuation.kind.name, actuation.region);
         out.push(line("actuation", text));
         out.push(line("actuation", format!("  {}", actuation.kind.about)));
-        if let Some(limit) = problem.solid().body().fiber_limit(k) {
+        if let Some(limit) = fiber_limit(problem, k) {
             let limit = quantity(limit, Dimension::PRESSURE, units);
             out.push(line("actuation", format!("  the law stays polyconvex up to a tension of {limit}")));
         }
@@ -126,9 +131,11 @@ pub(super) fn actuation(problem: &Problem) -> Vec<Line> {
 }
 
 pub(super) fn controls(problem: &Problem) -> Vec<Line> {
-    let fields = problem.layout().blocks().iter().zip(&problem.controls);
-    let of = |(block, field): (&ControlBlock, &ControlField)| {
-        let values = block.of(&problem.start);
+    let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
+    let of = |(place, field): (&EnsembleBlock, &ControlField)| {
+        let (block, shared) = (owner(problem, place), problem.leads().nth(1).is_some() && field.load_case.is_none());
+        let shared = if shared { ", shared by all load cases" } else { "" };
+        let values = place.of(&problem.start);
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let unit = &field.unit;
         let start = if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) };
@@ -139,7 +146,7 @@ pub(super) fn controls(problem: &Problem) -> Vec<Line> {
         line(
             "controls",
             format!(
-                "{}: by {}, {unknowns}{components}, start {start} {unit}, {admitted}",
+                "{}: by {}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
                 field.name,
                 block.map.space().name()
             ),
@@ -156,6 +163,11 @@ fn admitted(field: &ControlField) -> String {
         Admitted::MaxNorm(most) => format!("no longer than {} {unit}", short(most)),
         Admitted::Any => "unbounded".to_owned(),
     }
+}
+
+/// The smallest bound on a tension of all members.
+fn fiber_limit(problem: &Problem, actuation: usize) -> Option<f64> {
+    problem.members().filter_map(|member| member.solid().body().fiber_limit(actuation)).reduce(f64::min)
 }
 
 pub(super) fn supports(problem: &Problem) -> Vec<Line> {
@@ -188,52 +200,49 @@ pub(super) fn supports(problem: &Problem) -> Vec<Line> {
 }
 
 pub(super) fn costs(problem: &Problem) -> Vec<Line> {
-    let mut out = Vec::new();
-    for cost in &problem.case.costs {
-        let text = match cost {
-            Cost::SmoothedHausdorff(block) => {
-                let stages =
-                    block.stages.iter().map(|s| format!("({}, {}, {})", short(s.alpha), short(s.beta), short(s.gamma)));
-                let stages: Vec<String> = stages.collect();
-                format!("phi {}, (alpha, beta, gamma) = {}", phi(&block.phi), stages.join(" then "))
-            }
-            Cost::Tracking(block) => {
-                let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
-                format!("weight/2 int |x - x_target|^2 on {}", place.map_or("", String::as_str))
-            }
-            Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
-            Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
-        };
-        let (name, kind) = (cost.name(), cost.kind());
-        let name = if name == kind { name.to_owned() } else { format!("{name} ({kind})") };
-        out.push(line("costs", format!("{name}: {text}, weight {}", short(cost.weight()))));
-    }
-    for target in &problem.targets {
-        let unit = problem.units().length().symbol;
-        if target.displacement.is_empty() {
-            let size: Vec<String> = target.mesh.size()[..target.mesh.dim()].iter().map(|s| short(*s)).collect();
-            let text = format!(
-                "{}: {} ({}), size {} {unit}",
-                target.cost,
-                target.mesh.name(),
-                count(target.mesh.cells(), "cell"),
-                size.join(" x ")
-            );
-            out.push(line("targets", text));
-        } else {
-            let n = target.displacement.iter().filter(|(_, matters)| *matters).count();
-            let far = target
-                .displacement
-                .iter()
-                .map(|(u, _)| u.iter().map(|x| x * x).sum::<f64>().sqrt())
-                .fold(0.0, f64::max);
-            out.push(line(
-                "targets",
-                format!("{}: {} to be moved by up to {} {unit}", target.cost, count(n, "node"), short(far)),
-            ));
-        }
+    let mut out: Vec<Line> = problem.case.costs.iter().map(|cost| cost_line("costs", cost)).collect();
+    for target in problem.member(0).targets() {
+        out.push(target_line(problem, target));
     }
     out
+}
+
+/// A term of the cost.
+fn cost_line(head: &'static str, cost: &Cost) -> Line {
+    let text = match cost {
+        Cost::SmoothedHausdorff(block) => {
+            let stages =
+                block.stages.iter().map(|s| format!("({}, {}, {})", short(s.alpha), short(s.beta), short(s.gamma)));
+            let stages: Vec<String> = stages.collect();
+            format!("phi {}, (alpha, beta, gamma) = {}", phi(&block.phi), stages.join(" then "))
+        }
+        Cost::Tracking(block) => {
+            let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
+            format!("weight/2 int |x - x_target|^2 on {}", place.map_or("", String::as_str))
+        }
+        Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
+        Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
+    };
+    let (name, kind) = (cost.name(), cost.kind());
+    let name = if name == kind { name.to_owned() } else { format!("{name} ({kind})") };
+    line(head, format!("{name}: {text}, weight {}", short(cost.weight())))
+}
+
+/// A shape that a term aims at.
+fn target_line(problem: &Problem, target: &TargetShape) -> Line {
+    let unit = problem.units().length().symbol;
+    if target.displacement.is_empty() {
+        let size: Vec<String> = target.mesh.size()[..target.mesh.dim()].iter().map(|s| short(*s)).collect();
+        let cells = count(target.mesh.cells(), "cell");
+        return line(
+            "targets",
+            format!("{}: {} ({cells}), size {} {unit}", target.cost, target.mesh.name(), size.join(" x ")),
+        );
+    }
+    let n = target.displacement.iter().filter(|(_, matters)| *matters).count();
+    let length = |u: &[f64; 3]| u.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let far = target.displacement.iter().map(|(u, _)| length(u)).fold(0.0, f64::max);
+    line("targets", format!("{}: {} to be moved by up to {} {unit}", target.cost, count(n, "node"), short(far)))
 }
 
 fn phi(phi: &Phi) -> String {
@@ -249,7 +258,7 @@ fn phi(phi: &Phi) -> String {
 }
 
 pub(super) fn optimizer(problem: &Problem) -> Vec<Line> {
-    if problem.layout().is_empty() || problem.reduced.costs().is_empty() {
+    if problem.start.is_empty() || !problem.has_costs() {
         return vec![];
     }
     let block = &problem.case.optimizer;
@@ -293,7 +302,8 @@ pub(super) fn conventions(problem: &Problem) -> Vec<Line> {
             ),
         ));
     }
-    if problem.layout().blocks().iter().any(|block| block.map.space() == nastic_control::Space::Node)
+    let mut spaces = problem.ensemble.blocks().iter().map(|block| owner(problem, block).map.space());
+    if spaces.any(|space| space == nastic_control::Space::Node)
         && problem.mesh().blocks().iter().any(|block| block.kind.order() > 1)
     {
         out.push(line(
@@ -301,7 +311,7 @@ pub(super) fn conventions(problem: &Problem) -> Vec<Line> {
             "nodal controls live on corner nodes and are linear between them, so that bounds hold everywhere",
         ));
     }
-    if !problem.layout().is_empty() {
+    if !problem.start.is_empty() {
         out.push(line(
             "conventions",
             "derivative: dj/dm_i; gradient: its Riesz image in the metric; steps go along minus the gradient",
@@ -342,6 +352,7 @@ fn scalar(value: &Parameter, dimension: Dimension, units: &Units) -> String {
             None => format!("\"{}\"", formula.text()),
         },
         Parameter::Array(file) => format!("array {} of {}", file.array, file.file),
+        Parameter::Cells(_) => "by cell".to_owned(),
     }
 }
 
@@ -401,14 +412,14 @@ pub(super) fn json(problem: &Problem) -> Map<String, Value> {
     let actuations = problem.case.actuation.iter().enumerate().map(|(k, a)| {
         let mut entry = law(problem, &a.region, a.kind.name, &a.parameters, a.kind.forms);
         entry["name"] = json!(a.name);
-        entry["fiber_limit"] = json!(problem.solid().body().fiber_limit(k));
+        entry["fiber_limit"] = json!(fiber_limit(problem, k));
         entry
     });
     out.insert("actuation".into(), actuations.collect());
     out.insert("controls".into(), crate::result::summary::controls(problem, &problem.start));
-    for (field, block) in problem.controls.iter().zip(problem.layout().blocks()) {
+    for (field, block) in problem.controls.iter().zip(problem.ensemble.blocks()) {
         if let Some(entry) = out.get_mut("controls").and_then(|controls| controls.get_mut(&field.name)) {
-            entry["space"] = json!(block.map.space().name());
+            entry["space"] = json!(owner(problem, block).map.space().name());
             entry["unit"] = json!(field.unit);
             entry["fiber_limit"] = json!(field.limit);
             if let Admitted::Between { lower, upper } = field.admitted {
@@ -419,6 +430,7 @@ pub(super) fn json(problem: &Problem) -> Map<String, Value> {
     }
     let held = problem.solid().supports().fixed().iter().filter(|fixed| **fixed).count();
     out.insert("held_components".into(), json!(held));
+    out.extend(members::json(problem));
     out
 }
 

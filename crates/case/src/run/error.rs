@@ -52,8 +52,10 @@ pub enum RunError {
     #[error("threads: {0}")]
     Threads(String),
     /// There is no equilibrium, or no cost, where the command needs one.
-    #[error("{error}{}", kept(.file))]
+    #[error("{}{error}{}", prefix(.member), kept(.file))]
     Forward {
+        /// Scenario and load case; empty where there is but one state.
+        member: String,
         /// What failed.
         error: Box<ControlError>,
         /// Where the last good state was written.
@@ -74,6 +76,10 @@ pub enum RunError {
     /// Somebody asked to stop before there was anything to keep.
     #[error("stopped before there was a result")]
     Cancelled,
+}
+
+fn prefix(member: &str) -> String {
+    if member.is_empty() { String::new() } else { format!("{member}: ") }
 }
 
 fn kept(file: &Option<PathBuf>) -> String {

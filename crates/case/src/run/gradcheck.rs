@@ -39,13 +39,13 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
     let began = std::time::Instant::now();
     session.console.pass("solving at the start control");
-    let memo = Memo::new(&session.problem.reduced, &session.problem.start, ACCURACY);
+    let memo = Memo::new(&session.problem.ensemble, &session.problem.start, ACCURACY);
     let memo = memo.map_err(|error| session.forward_failed(error))?;
     let mut tests = Vec::new();
-    let blocks = session.problem.layout().blocks().iter().zip(&session.problem.controls);
+    let blocks = session.problem.ensemble.blocks().iter().zip(&session.problem.controls);
     for (block, field) in blocks {
         session.console.pass(format!("varying {}", field.name));
-        let own = block.first..block.first + block.len();
+        let own = block.first..block.first + block.len;
         let taylor = Taylor {
             directions: DIRECTIONS,
             seed: session.problem.case.optimizer.seed.wrapping_add(1),

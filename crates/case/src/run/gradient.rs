@@ -3,11 +3,14 @@
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
-use super::solve::{ACCURACY, say_cost, say_probes, write_target};
+use super::solve::{ACCURACY, say_cost, say_files, say_members, say_probes, write_collections, write_targets};
+use crate::lower::Problem;
+use crate::result::files::Directory;
+use crate::result::shown::{self, Detail};
 use crate::result::snapshot::{self, View};
 use crate::result::summary;
-use nastic_control::Evaluated;
-use nastic_opt::Request;
+use nastic_control::EnsemblePoint;
+use nastic_opt::{Problem as _, Request};
 use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
@@ -17,10 +20,10 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         let problem = &session.problem;
         // A request asks for the state's accuracy, which is a hundred times the residual's.
         let how = Request { near: None, accuracy: 100.0 * ACCURACY, stage: 0 };
-        problem.reduced.try_evaluate(&problem.start, &how)
+        problem.ensemble.try_evaluate(&problem.start, &how)
     });
     let point = point.map_err(|error| session.forward_failed(error))?;
-    let derivative = session.timed("adjoint", |session| session.problem.reduced.derivative_of(&point, None));
+    let derivative = session.timed("adjoint", |session| session.problem.ensemble.try_derivative(&point));
     let derivative = derivative.map_err(|error| session.forward_failed(error))?;
     session.console.clear();
     report(session, &point, &derivative)?;
@@ -28,16 +31,19 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     Ok(Exit::Done)
 }
 
-fn report(session: &mut Session<'_>, point: &Evaluated, derivative: &[f64]) -> Result<(), RunError> {
-    let valued = summary::valued(&session.problem, point).map_err(|error| session.forward_failed(error))?;
-    session.put_all(valued);
+fn report(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {
+    let shown = shown::of_point(&session.problem, point);
+    let entries = shown::entries(&session.problem, &shown, Detail::Full);
+    let entries = entries.map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(&session.problem, derivative);
-    session.put("derivative_norm", norm);
-    let entries = summary::state(&session.problem, &point.state, &point.m);
+    let controls = summary::controls(&session.problem, &point.m);
+    drop(shown);
     session.put_all(entries);
-    session.put_all(summary::work(&point.total_work()));
+    session.put("derivative_norm", norm);
+    session.put("controls", controls);
     let result = session.result_value();
     say_cost(session, &result);
+    say_members(session, &result);
     let entry =
         |key: &str| result["derivative_norm"][key].as_f64().map_or_else(|| "-".to_owned(), |x| scientific(x, 9));
     session.console.say(format!(
@@ -45,7 +51,7 @@ fn report(session: &mut Session<'_>, point: &Evaluated, derivative: &[f64]) -> R
         entry("euclidean"),
         entry("metric")
     ));
-    for (block, field) in session.problem.layout().blocks().iter().zip(&session.problem.controls) {
+    for (block, field) in session.problem.ensemble.blocks().iter().zip(&session.problem.controls) {
         let own = block.of(derivative);
         let (low, high) = own.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         session.console.say(format!(
@@ -60,17 +66,36 @@ fn report(session: &mut Session<'_>, point: &Evaluated, derivative: &[f64]) -> R
     Ok(())
 }
 
-fn write(session: &mut Session<'_>, point: &Evaluated, derivative: &[f64]) -> Result<(), RunError> {
+fn write(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
-    let blocks = problem.layout().blocks().iter().zip(&problem.controls);
+    let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
     let arrays: Map<String, Value> =
         blocks.map(|(block, field)| (field.name.clone(), json!(block.of(derivative)))).collect();
     out.write_json("derivative.json", &Value::Object(arrays))?;
-    let view = View { state: &point.state, m: &point.m, adjoint: point.adjoint(), derivative: Some(derivative) };
-    out.write_vtu("start.vtu", &snapshot::snapshot(problem, &view)?)?;
-    write_target(session)?;
-    session.put("files", json!(["derivative.json", "start.vtu"]));
-    session.console.say("files       derivative.json, start.vtu, result.json");
+    let mut files = vec!["derivative.json".to_owned()];
+    files.extend(write_states(problem, "start", point, derivative, &out)?);
+    files.extend(write_targets(problem, &out)?);
+    files.extend(write_collections(problem, "start", &out)?);
+    say_files(session, files);
     Ok(())
+}
+
+/// The states of all members, with the gradient.
+pub(super) fn write_states(
+    problem: &Problem,
+    what: &str,
+    point: &EnsemblePoint,
+    derivative: &[f64],
+    out: &Directory,
+) -> Result<Vec<String>, RunError> {
+    let gradient = problem.ensemble.inner_product().riesz(derivative);
+    let mut files = Vec::new();
+    for (member, at) in problem.members().zip(&point.parts) {
+        let gradient = member.local(&gradient);
+        let view = View { state: &at.state, m: &at.m, adjoint: at.adjoint(), gradient: Some(&gradient) };
+        files.push(member.file(&format!("{what}.vtu")));
+        out.write_vtu(&member.file(&format!("{what}.vtu")), &snapshot::snapshot(member, &view)?)?;
+    }
+    Ok(files)
 }

@@ -2,18 +2,28 @@
 
 mod outcome;
 mod recorder;
+mod starts;
 
 use super::certificate::{Certificate, certify};
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
-use super::solve::write_target;
 use super::watched::Watched;
-use crate::result::summary;
-use nastic_control::Evaluated;
+use crate::lower::Problem;
+use nastic_control::{EnsembleError, EnsemblePoint};
+use nastic_fem::SolveReport;
 use nastic_opt::{Best, Optimizer, Outcome, Problem as _, Request, Run, Stop, Verdict};
 use recorder::Recorder;
 use serde_json::json;
+
+/// A run from one start.
+pub(super) struct Ended {
+    /// Where it began, without its factors.
+    start: EnsemblePoint,
+    best: Best<EnsemblePoint>,
+    /// Work of all trials, by member.
+    work: Vec<SolveReport>,
+}
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
@@ -21,10 +31,10 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         out.remove_old_iterations();
     }
     let optimizer = session.problem.optimizer()?;
-    let start = session.timed("solve", |session| evaluate_start(session))?;
-    let derivative = session.timed("adjoint", |session| session.problem.reduced.derivative_of(&start, None));
+    let start = session.timed("solve", |session| evaluate(session, &session.problem.start));
+    let start = start.map_err(|error| session.forward_failed(error))?;
+    let derivative = session.timed("adjoint", |session| session.problem.ensemble.try_derivative(&start));
     let derivative = derivative.map_err(|error| session.forward_failed(error))?;
-    write_target(session)?;
     outcome::write_start(session, &start, &derivative)?;
     let certificate = session.timed("gradient_check", |session| check_gradient(session, &start, &derivative));
     if session.is_cancelled() {
@@ -34,27 +44,32 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     if certificate.verdict == Verdict::Wrong {
         return Ok(Exit::GradientWrong);
     }
-    let best = minimize(session, optimizer.as_ref(), &start)?;
-    outcome::report(session, &start, &best)?;
-    Ok(if best.stop.is_converged() { Exit::Done } else { Exit::NotConverged })
+    let began = std::time::Instant::now();
+    let starts = starts::run(session, optimizer.as_ref(), (start, derivative))?;
+    session.note_time("optimize", began.elapsed().as_secs_f64());
+    outcome::report(session, &starts)?;
+    Ok(if starts.best().best.stop.is_converged() { Exit::Done } else { Exit::NotConverged })
 }
 
-fn evaluate_start(session: &Session<'_>) -> Result<Evaluated, RunError> {
+fn evaluate(session: &Session<'_>, m: &[f64]) -> Result<EnsemblePoint, EnsembleError> {
     session.console.pass("solving at the start control");
-    let problem = &session.problem;
-    let start = problem.reduced.try_evaluate(&problem.start, &Request::default());
+    let start = session.problem.ensemble.try_evaluate(m, &Request::default());
     session.console.clear();
-    start.map_err(|error| session.forward_failed(error))
+    start
 }
 
 /// The short check; what it finds is said and put into the result.
-fn check_gradient(session: &mut Session<'_>, start: &Evaluated, derivative: &[f64]) -> Result<Certificate, RunError> {
+fn check_gradient(
+    session: &mut Session<'_>,
+    start: &EnsemblePoint,
+    derivative: &[f64],
+) -> Result<Certificate, RunError> {
     session.console.pass("checking the gradient");
     let problem = &session.problem;
     let size = super::gradcheck::size(problem);
     let seed = problem.case.optimizer.seed;
     let base = (start.m.as_slice(), start, derivative);
-    let certificate = certify(&problem.reduced, &problem.set, base, size, seed);
+    let certificate = certify(&problem.ensemble, &problem.set, base, size, seed);
     session.console.clear();
     let certificate = match certificate {
         Ok(certificate) => certificate,
@@ -90,34 +105,30 @@ fn check_gradient(session: &mut Session<'_>, start: &Evaluated, derivative: &[f6
     Ok(certificate)
 }
 
-/// Runs the optimiser to its end.
+/// Runs the optimiser to its end, from an evaluated start.
 fn minimize(
-    session: &mut Session<'_>,
+    session: &Session<'_>,
     optimizer: &dyn Optimizer,
-    start: &Evaluated,
-) -> Result<Best<Evaluated>, RunError> {
-    let began = std::time::Instant::now();
+    (start, derivative): (EnsemblePoint, Vec<f64>),
+    recorder: Recorder<'_>,
+) -> Result<Ended, RunError> {
     let problem = &session.problem;
-    let watched = Watched::new(&problem.reduced, start.clone());
-    let metric = problem.reduced.inner_product();
-    let run = Run::start(optimizer, &watched, &problem.set, metric, &problem.start)?;
+    let (kept, m) = (start.clone().without_factors(), start.m.clone());
+    let watched = Watched::new(problem, start, derivative);
+    let run = Run::start(optimizer, &watched, &problem.set, problem.ensemble.inner_product(), &m)?;
     let mut run = run.cancelled_by(session.cancel.clone());
-    let mut recorder = Recorder::new(session, &watched)?;
-    recorder.begin(optimizer.name());
+    let mut recorder = recorder.of(&watched);
     let stop = loop {
-        match run.step(&mut |trial: &nastic_opt::Trial<'_, Evaluated>| recorder.record(trial)) {
+        match run.step(&mut |trial: &nastic_opt::Trial<'_, EnsemblePoint>| recorder.record(trial)) {
             Outcome::Stopped(stop) => break stop,
             Outcome::Iterated | Outcome::Staged(_) => {}
         }
     };
-    let told = recorder.finish()?;
-    let best = run.finish(stop);
-    session.put("newton_iterations", json!(told.newton));
-    session.put("factorisations", json!(told.factorisations));
-    session.put("reused_factorisations", json!(told.reused));
-    session.put("back_substitutions", json!(told.back_substitutions));
-    session.note_time("optimize", began.elapsed().as_secs_f64());
-    Ok(best)
+    let work = recorder.finish()?;
+    let Best { point, m, cost, derivative, gradient_norm, active, stop, counts, stages } = run.finish(stop);
+    let point = point.without_factors();
+    let best = Best { point, m, cost, derivative, gradient_norm, active, stop, counts, stages };
+    Ok(Ended { start: kept, best, work })
 }
 
 /// Why it ended, for people.
@@ -128,11 +139,9 @@ pub(super) fn why(stop: &Stop) -> String {
     }
 }
 
-/// The cost of the start as the last stage values it: what the end can be compared with.
-pub(super) fn revalued(session: &Session<'_>, start: &Evaluated) -> Option<Evaluated> {
-    use nastic_opt::Objective;
-    let last = session.problem.stages() - 1;
-    session.problem.reduced.restage(last, start).ok()
+/// The start as the last stage values it: what the end can be compared with.
+fn revalued(problem: &Problem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
+    problem.ensemble.try_restage(problem.stages() - 1, start).ok()
 }
 
 /// "1.2e-03 -> 4.5e-06, a factor of 267"
@@ -145,12 +154,4 @@ pub(super) fn fall(from: f64, to: f64) -> String {
 /// Three digits.
 fn round(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
-}
-
-/// Distance and cost of a point, for the result.
-pub(super) fn valued(
-    session: &Session<'_>,
-    point: &Evaluated,
-) -> Result<serde_json::Map<String, serde_json::Value>, RunError> {
-    summary::valued(&session.problem, point).map_err(|error| session.forward_failed(error))
 }

@@ -1,15 +1,16 @@
 //! What the commands share: the case at hand, the clock, the place for results.
 
 use super::error::{Exit, RunError};
+use super::roll::Roll;
 use super::{Options, number};
 use crate::console::Console;
-use crate::lower::Problem;
+use crate::lower::{Member, Problem};
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::snapshot::{self, View};
 use crate::schema::Command;
 use crate::syntax::Document;
-use nastic_control::ControlError;
+use nastic_control::{ControlError, EnsembleError};
 use nastic_fem::{State, StateError};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -38,7 +39,10 @@ impl<'c> Session<'c> {
         for option in &options.set {
             document.set(option)?;
         }
-        let problem = Problem::lower(document, options.cancel.clone())?;
+        let mut problem = Problem::lower(document, options.cancel.clone())?;
+        if problem.members().nth(1).is_some() {
+            problem.ensemble.watch(Roll::new(&problem, console).watcher());
+        }
         let out = directory(&command, &problem, path, options);
         let mut session = Self {
             command,
@@ -148,40 +152,61 @@ impl<'c> Session<'c> {
     /// What this command needs and the case lacks.
     pub fn require(&self, controls: bool, costs: bool) -> Result<(), RunError> {
         let command = self.command.name();
-        if controls && self.problem.layout().is_empty() {
+        if controls && self.problem.start.is_empty() {
             let message = format!("\"{command}\" needs controls, and the case has none");
             return Err(self.problem.complain("controls", message).into());
         }
-        if costs && self.problem.reduced.costs().is_empty() {
+        if costs && !self.problem.has_costs() {
             let message = format!("\"{command}\" needs costs, and the case has none");
             return Err(self.problem.complain("costs", message).into());
         }
         Ok(())
     }
 
-    /// The error of a state that was not found; its last good state is kept on disk.
-    pub fn forward_failed(&self, error: ControlError) -> RunError {
+    /// The error of an evaluation that failed; the last good state of the member at fault is kept on disk.
+    pub fn forward_failed(&self, error: EnsembleError) -> RunError {
+        match error {
+            EnsembleError::Member { who, source } => {
+                let at = self.problem.ensemble.parts().iter().position(|part| part.name() == who);
+                self.member_failed((at.unwrap_or(0), *source))
+            }
+            other => {
+                let error = Box::new(ControlError::Cost { what: other.to_string() });
+                RunError::Forward { member: String::new(), error, file: None }
+            }
+        }
+    }
+
+    /// The same, of a member.
+    pub fn member_failed(&self, (index, error): (usize, ControlError)) -> RunError {
         if let ControlError::State(StateError::Cancelled) = error {
             return RunError::Cancelled;
         }
+        let member = self.problem.member(index);
         let last = match &error {
             ControlError::State(StateError::Inverted { last, at, .. }) => Some((last, Some(at.cell))),
             ControlError::State(StateError::NoConvergence { last, .. }) => Some((last, None)),
             _ => None,
         };
-        let file = match last.map(|(last, cell)| self.write_failure(last, cell)) {
+        let file = match last.map(|(last, cell)| self.write_failure(member, last, cell)) {
             Some(Err(error)) => return error,
             Some(Ok(file)) => file,
             None => None,
         };
-        RunError::Forward { error: Box::new(error), file }
+        RunError::Forward { member: member.name(), error: Box::new(error), file }
     }
 
-    fn write_failure(&self, last: &State, cell: Option<usize>) -> Result<Option<PathBuf>, RunError> {
+    fn write_failure(
+        &self,
+        member: Member<'_>,
+        last: &State,
+        cell: Option<usize>,
+    ) -> Result<Option<PathBuf>, RunError> {
         let Some(out) = &self.out else { return Ok(None) };
         // The start control is what was asked for; the state shows how far the body came.
-        let view = View { state: last, m: &self.problem.start, adjoint: None, derivative: None };
-        let mut snapshot = snapshot::snapshot(&self.problem, &view)?;
+        let m = member.local(&self.problem.start);
+        let view = View { state: last, m: &m, adjoint: None, gradient: None };
+        let mut snapshot = snapshot::snapshot(member, &view)?;
         if let Some(cell) = cell {
             let mut failed = vec![0.0; self.problem.mesh().cells()];
             failed[cell] = 1.0;

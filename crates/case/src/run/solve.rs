@@ -3,76 +3,140 @@
 use super::error::{Exit, RunError};
 use super::number::{scientific, short, vector};
 use super::session::Session;
+use crate::lower::{Member, Problem, file_name};
+use crate::result::files::Directory;
 use crate::result::picture::{self, Drawing};
+use crate::result::shown::{self, Detail, MemberError, Shown};
 use crate::result::snapshot::{self, View};
 use crate::result::summary;
-use nastic_control::ControlError;
-use nastic_fem::{Progress, Request, Solved, State};
-use serde_json::{Value, json};
+use nastic_fem::{Progress, Request, SolveReport, State};
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 
 /// Relative residual asked for: as near to exact as it is cheap to be.
 pub(super) const ACCURACY: f64 = 1e-12;
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
-    let solved = session.timed("solve", |session| equilibrium(session));
-    let Solved { state, .. } = solved.map_err(|error| session.forward_failed(error))?;
-    let m = session.problem.start.clone();
-    report(session, &state, &m)?;
-    session.timed("write", |session| write(session, &state, &m))?;
+    let states = session.timed("solve", |session| equilibria(session));
+    let states = states.map_err(|error| session.member_failed(error))?;
+    report(session, &states)?;
+    session.timed("write", |session| write(session, &states))?;
     Ok(Exit::Done)
 }
 
-fn equilibrium(session: &Session<'_>) -> Result<Solved, ControlError> {
+/// The equilibria of all members, side by side; the first that fails, in their order, ends it.
+fn equilibria(session: &Session<'_>) -> Result<Vec<State>, MemberError> {
     let problem = &session.problem;
-    let controls = problem.layout().to_points(&problem.start)?;
-    let watch = |progress: &Progress| {
-        session.console.pass(format!(
-            "solving: load {:.4}, Newton iteration {}, residual {:.1e}",
-            progress.load, progress.newton, progress.residual
-        ));
+    let members: Vec<Member<'_>> = problem.members().collect();
+    let solve = |member: &Member<'_>| -> Result<State, MemberError> {
+        let failed = |error| (member.index(), error);
+        let name = member.name();
+        let name = if name.is_empty() { name } else { format!(" {name}") };
+        let watch = |progress: &Progress| {
+            session.console.pass(format!(
+                "solving{name}: load {:.4}, Newton iteration {}, residual {:.1e}",
+                progress.load, progress.newton, progress.residual
+            ));
+        };
+        let how = Request {
+            accuracy: ACCURACY,
+            cancel: Some(&session.cancel),
+            watch: Some(&watch),
+            parallel: members.len() == 1,
+            ..Request::default()
+        };
+        let controls = member.layout().to_points(&member.local(&problem.start)).map_err(failed)?;
+        Ok(member.solid().solve(&controls, &how).map_err(|error| failed(error.into()))?.state)
     };
-    let how = Request { accuracy: ACCURACY, cancel: Some(&session.cancel), watch: Some(&watch), ..Request::default() };
-    let solved = problem.solid().solve(&controls, &how);
+    let states: Vec<Result<State, MemberError>> = members.par_iter().with_max_len(1).map(solve).collect();
     session.console.clear();
-    Ok(solved?)
+    states.into_iter().collect()
 }
 
-fn report(session: &mut Session<'_>, state: &State, m: &[f64]) -> Result<(), RunError> {
-    if !session.problem.reduced.costs().is_empty() {
-        let problem = &session.problem;
-        let terms = problem.terms(state, m, 0).map_err(|error| session.forward_failed(error))?;
-        let figures = summary::hausdorff(problem, state, m, 0).map_err(|error| session.forward_failed(error))?;
-        let cost = summary::cost(problem, &terms);
-        session.put("stage", json!(0));
-        session.put("cost", cost);
-        if !figures.is_null() {
-            session.put("hausdorff", figures);
-        }
-    }
-    let entries = summary::state(&session.problem, state, m);
+fn report(session: &mut Session<'_>, states: &[State]) -> Result<(), RunError> {
+    let shown = shown(&session.problem, states).map_err(|error| session.member_failed(error))?;
+    let entries = shown::entries(&session.problem, &shown, Detail::Full);
+    let entries = entries.map_err(|error| session.member_failed(error))?;
+    let controls = summary::controls(&session.problem, &session.problem.start);
+    drop(shown);
     session.put_all(entries);
-    session.put_all(summary::work(&state.report));
-    session.put("load_steps", json!(state.report.load_steps));
-    say(session, state);
+    session.put("controls", controls);
+    session.put("load_steps", json!(states.iter().map(|state| state.report.load_steps).max()));
+    say(session, states);
     Ok(())
 }
 
-fn say(session: &Session<'_>, state: &State) {
+fn shown<'a>(problem: &'a Problem, states: &'a [State]) -> Result<Vec<Shown<'a>>, MemberError> {
+    let of = |(member, state): (Member<'a>, &'a State)| {
+        let m = member.local(&problem.start);
+        let terms = member.terms(state, &m, 0).map_err(|error| (member.index(), error))?;
+        Ok(Shown { member, state, m, terms, stage: 0, work: state.report })
+    };
+    problem.members().zip(states).map(of).collect()
+}
+
+fn say(session: &Session<'_>, states: &[State]) {
     let (console, result) = (session.console, session.result_value());
-    let work = &state.report;
+    let mut work = SolveReport::default();
+    states.iter().for_each(|state| work.add_work(&state.report));
     console.say(format!(
         "equilibrium {} Newton iterations in {} load steps ({} cut), {} factorisations ({} reused), residual {}",
         work.newton,
-        work.load_steps,
+        states.iter().map(|state| state.report.load_steps).sum::<usize>(),
         work.cuts,
         work.factorisations,
         work.reused,
-        scientific(work.residual, 1)
+        scientific(states.iter().map(|state| state.report.residual).fold(0.0, f64::max), 1)
     ));
-    console.say(format!("stability   min J {}, {}", short(work.min_j), inertia(&result)));
+    say_stability(session, &result);
     say_cost(session, &result);
+    say_members(session, &result);
     say_probes(session, &result);
     say_reactions(session, &result);
+}
+
+/// Smallest J and inertia, of the worst member.
+pub(super) fn say_stability(session: &Session<'_>, result: &Value) {
+    let min_j = result["min_J"].as_f64().unwrap_or(f64::NAN);
+    session.console.say(format!("stability   min J {}, {}", short(min_j), inertia(result)));
+}
+
+/// Entries of all members with their names, of a case that is not plain.
+pub(super) fn members_of(result: &Value) -> Vec<(String, &Map<String, Value>)> {
+    let mut out = Vec::new();
+    for (name, scenario) in result["scenarios"].as_object().into_iter().flatten() {
+        match scenario["load_cases"].as_object() {
+            Some(cases) => {
+                let own = cases.iter().filter_map(|(case, entry)| Some((format!("{name}/{case}"), entry.as_object()?)));
+                out.extend(own);
+            }
+            None => out.extend(scenario.as_object().map(|entry| (name.clone(), entry))),
+        }
+    }
+    let cases = result["load_cases"].as_object().into_iter().flatten();
+    out.extend(cases.filter_map(|(name, entry)| Some((name.clone(), entry.as_object()?))));
+    out
+}
+
+/// One line per member.
+pub(super) fn say_members(session: &Session<'_>, result: &Value) {
+    let members = members_of(result);
+    let width = members.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    for (k, (name, entry)) in members.iter().enumerate() {
+        let head = if k == 0 { "members" } else { "" };
+        let number = |value: Option<&Value>| value.and_then(Value::as_f64);
+        let cost = number(entry.get("cost").and_then(|cost| cost.get("total")));
+        let cost = cost.map_or_else(String::new, |cost| format!("cost {}, ", scientific(cost, 6)));
+        let weight = match (number(entry.get("probability")), number(entry.get("weight"))) {
+            (Some(p), _) => format!("probability {}, ", short(p)),
+            (None, Some(weight)) => format!("weight {}, ", short(weight)),
+            (None, None) => String::new(),
+        };
+        let stable = inertia(&Value::Object((*entry).clone()));
+        let min_j = number(entry.get("min_J")).unwrap_or(f64::NAN);
+        session.console.say(format!("{head:<12}{name:<width$}  {weight}{cost}min J {}, {stable}", short(min_j)));
+    }
 }
 
 /// What the inertia means.
@@ -108,62 +172,125 @@ pub(super) fn say_cost(session: &Session<'_>, result: &Value) {
     }
 }
 
-/// The probes' displacements.
+/// The probes' displacements, of every member.
 pub(super) fn say_probes(session: &Session<'_>, result: &Value) {
     let unit = session.problem.units().length().symbol;
-    for (name, probe) in result["probes"].as_object().into_iter().flatten() {
-        let u = numbers(&probe["displacement"]);
-        let digits = u.iter().map(|x| format!("{x:.9}")).collect::<Vec<_>>().join(", ");
-        session.console.say(format!("probe       {name} moves by ({digits}) {unit}"));
+    for (member, entry) in with_plain(result) {
+        for (name, probe) in entry.get("probes").and_then(Value::as_object).into_iter().flatten() {
+            let u = numbers(&probe["displacement"]);
+            let digits = u.iter().map(|x| format!("{x:.9}")).collect::<Vec<_>>().join(", ");
+            session.console.say(format!("probe       {name} moves by ({digits}) {unit}{}", inside(&member)));
+        }
     }
 }
 
 fn say_reactions(session: &Session<'_>, result: &Value) {
     let unit = session.problem.units().force().symbol;
-    for (name, force) in result["reactions"].as_object().into_iter().flatten() {
-        session.console.say(format!("reaction    {name} holds with {} {unit}", vector(&numbers(force))));
+    for (member, entry) in with_plain(result) {
+        for (name, force) in entry.get("reactions").and_then(Value::as_object).into_iter().flatten() {
+            let force = vector(&numbers(force));
+            session.console.say(format!("reaction    {name} holds with {force} {unit}{}", inside(&member)));
+        }
     }
+}
+
+/// The entries of all members; of a plain case the result itself.
+fn with_plain(result: &Value) -> Vec<(String, &Map<String, Value>)> {
+    let members = members_of(result);
+    if !members.is_empty() {
+        return members;
+    }
+    result.as_object().map(|result| (String::new(), result)).into_iter().collect()
+}
+
+fn inside(member: &str) -> String {
+    if member.is_empty() { String::new() } else { format!(" in {member}") }
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
 }
 
-fn write(session: &mut Session<'_>, state: &State, m: &[f64]) -> Result<(), RunError> {
+fn write(session: &mut Session<'_>, states: &[State]) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
-    let start = snapshot::snapshot(problem, &View { state, m, adjoint: None, derivative: None })?;
-    out.write_vtu("start.vtu", &start)?;
-    write_target(session)?;
-    let drawing = Drawing {
-        title: title(session),
-        subtitle: format!("equilibrium at the start control, min J {}", short(state.report.min_j)),
-        body: ("equilibrium", &start),
-        ghost: None,
-    };
-    picture::write(problem, &drawing, &out)?;
-    session.put("files", json!(["start.vtu", "picture.png", "picture.svg"]));
-    session.console.say("files       start.vtu (the equilibrium), picture.png, picture.svg, result.json");
-    Ok(())
-}
-
-/// `target.vtu` of the first target; further ones bear their cost's name.
-pub(super) fn write_target(session: &Session<'_>) -> Result<(), RunError> {
-    let Some(out) = &session.out else { return Ok(()) };
-    for (k, shape) in session.problem.targets.iter().enumerate() {
-        let name = if k == 0 { "target.vtu".to_owned() } else { format!("target_{}.vtu", file_name(&shape.cost)) };
-        out.write_vtu(&name, &snapshot::target(shape)?)?;
+    let mut files = Vec::new();
+    for (member, state) in problem.members().zip(states) {
+        let m = member.local(&problem.start);
+        let shot = snapshot::snapshot(member, &View { state, m: &m, adjoint: None, gradient: None })?;
+        files.push(member.file("start.vtu"));
+        out.write_vtu(&member.file("start.vtu"), &shot)?;
+        if member.part().scenario() == 0 {
+            let drawing = Drawing {
+                title: title(member),
+                subtitle: format!("equilibrium at the start control, min J {}", short(state.report.min_j)),
+                body: ("equilibrium", &shot),
+                ghost: None,
+            };
+            picture::write(member, &drawing, &out)?;
+            files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
+        }
     }
+    files.extend(write_targets(problem, &out)?);
+    files.extend(write_collections(problem, "start", &out)?);
+    say_files(session, files);
     Ok(())
 }
 
-/// A name without what file systems dislike.
-fn file_name(name: &str) -> String {
-    name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '.' { c } else { '_' }).collect()
+/// Puts the names of files into the result and says them, the first of many.
+pub(super) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
+    const SAID: usize = 8;
+    let more = if files.len() > SAID { format!(" and {} more", files.len() - SAID) } else { String::new() };
+    let said: Vec<&str> = files.iter().take(SAID).map(String::as_str).collect();
+    session.console.say(format!("files       result.json, {}{more}", said.join(", ")));
+    session.put("files", json!(files));
+}
+
+/// `target.vtu` of the first target; further ones bear their cost's name, and those that members have alone begin as
+/// the members' files do.
+pub(super) fn write_targets(problem: &Problem, out: &Directory) -> Result<Vec<String>, RunError> {
+    let mut written = BTreeSet::new();
+    let mut files = Vec::new();
+    for member in problem.members() {
+        let same = |other: &Member<'_>| {
+            other.targets().len() == member.targets().len()
+                && other.targets().iter().zip(member.targets()).all(|(a, b)| a.is_same(b))
+        };
+        let mut of_case = problem.members().filter(|other| other.load_case() == member.load_case());
+        for (k, shape) in member.targets().iter().enumerate() {
+            let name = if k == 0 { "target.vtu".to_owned() } else { format!("target_{}.vtu", file_name(&shape.cost)) };
+            let name = match () {
+                () if problem.members().all(|other| same(&other)) => name,
+                () if of_case.all(|other| same(&other)) => member.case_file(&name),
+                () => member.file(&name),
+            };
+            if written.insert(name.clone()) {
+                out.write_vtu(&name, &snapshot::target(shape)?)?;
+                files.push(name);
+            }
+        }
+    }
+    Ok(files)
+}
+
+/// `scenarios.pvd`: the scenarios' files one after the other, for every load case.
+pub(super) fn write_collections(problem: &Problem, what: &str, out: &Directory) -> Result<Vec<String>, RunError> {
+    let mut files = Vec::new();
+    for lead in problem.leads().filter(|_| problem.has_scenarios()) {
+        let own = problem.members().filter(|member| member.load_case() == lead.load_case());
+        let entry = |member: Member<'_>| (member.part().scenario() as f64, member.file(&format!("{what}.vtu")));
+        let entries: Vec<(f64, String)> = own.map(entry).collect();
+        let name = lead.case_file("scenarios.pvd");
+        nastic_io::write_pvd(out.file(&name), &entries)?;
+        files.push(name);
+    }
+    Ok(files)
 }
 
 /// The title of pictures.
-pub(super) fn title(session: &Session<'_>) -> String {
-    let problem = &session.problem;
-    problem.case.title.clone().unwrap_or_else(|| problem.document.name().to_owned())
+pub(super) fn title(member: Member<'_>) -> String {
+    let problem = member.problem();
+    let title = problem.case.title.clone().unwrap_or_else(|| problem.document.name().to_owned());
+    let name = member.name();
+    if name.is_empty() { title } else { format!("{title}: {name}") }
 }

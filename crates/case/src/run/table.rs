@@ -1,7 +1,7 @@
 //! The table of trials.
 
 use super::number::scientific;
-use nastic_control::Evaluated;
+use nastic_control::EnsemblePoint;
 use nastic_opt::{Reason, Trial};
 use std::fmt::Write;
 
@@ -29,7 +29,7 @@ impl Table {
 
     pub fn row(
         &self,
-        trial: &Trial<'_, Evaluated>,
+        trial: &Trial<'_, EnsemblePoint>,
         newton: Option<usize>,
         distance: Option<f64>,
         seconds: f64,

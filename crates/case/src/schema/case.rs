@@ -94,6 +94,18 @@ impl Case {
         case.ok_or_else(Diagnostics::default)
     }
 
+    /// Reads a variant of a case that was read before: other values, the same blocks.
+    ///
+    /// # Errors
+    ///
+    /// Values that do not fit their places.
+    pub(crate) fn read_variant(document: &Document, units: Units) -> Result<Self, Diagnostics> {
+        let mut reader = Reader::new(document, units);
+        let case = Self::read_document(&mut reader);
+        Diagnostics::new(reader.problems).into_result()?;
+        case.ok_or_else(Diagnostics::default)
+    }
+
     /// Without the checks between blocks.
     pub(crate) fn read_document(reader: &mut Reader<'_>) -> Option<Self> {
         <Self as Read>::read(reader.document.root(), &At::root(), Want::ANY, reader)

@@ -7,6 +7,7 @@ use crate::schema::read::{Read, Reader};
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Value};
 use serde_json::Value as Json;
+use std::sync::Arc;
 
 object! {
     /// An array of a VTU file on the same mesh, in the case's units: one value per cell or per node.
@@ -25,6 +26,8 @@ pub enum Parameter {
     Formula(Formula),
     /// From a file.
     Array(ArrayFile),
+    /// One value per cell of the mesh: what a random field makes of a parameter, not for cases to write.
+    Cells(Arc<[f64]>),
 }
 
 impl Parameter {
@@ -33,7 +36,7 @@ impl Parameter {
     pub fn constant(&self) -> Option<f64> {
         match self {
             Self::Formula(formula) => formula.constant(),
-            Self::Array(_) => None,
+            Self::Array(_) | Self::Cells(_) => None,
         }
     }
 }

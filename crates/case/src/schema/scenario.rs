@@ -153,16 +153,16 @@ object! {
     pub struct ConditionalValueAtRisk checked by check_level {
         /// Probability of the scenarios left out, in (0, 1): 0.9 looks at the worst tenth.
         pub level: f64 as POSITIVE,
-        /// Width of the smoothing, as a fraction of the cost at the start.
-        pub smoothing: f64 as POSITIVE = 1e-3,
+        /// Width over which the kink is rounded, as a share of the standard deviation of the costs.
+        pub smoothing: f64 as POSITIVE = 0.05,
     }
 }
 
 object! {
     /// The worst scenario.
     pub struct WorstCase {
-        /// Width of the smoothing, as a fraction of the cost at the start.
-        pub smoothing: f64 as POSITIVE = 1e-3,
+        /// Width over which the maximum is rounded, as a share of the standard deviation of the costs.
+        pub smoothing: f64 as POSITIVE = 0.1,
     }
 }
 

@@ -86,6 +86,14 @@ pub struct EnsemblePoint {
     pub risk: f64,
 }
 
+impl EnsemblePoint {
+    /// Lets go of all factors: for points that are kept to be looked at.
+    pub fn without_factors(mut self) -> Self {
+        self.parts = self.parts.into_iter().map(Evaluated::without_factors).collect();
+        self
+    }
+}
+
 /// A member that has been evaluated: what an [`EnsembleBuilder::watched_by`] is told.
 #[derive(Debug, Clone, Copy)]
 pub struct Finished<'a> {
@@ -251,6 +259,45 @@ impl Ensemble {
         }
     }
 
+    /// [`Objective::restage`] with the typed error.
+    ///
+    /// # Errors
+    /// The first member, in order, that has no value in that stage.
+    pub fn try_restage(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, EnsembleError> {
+        let parts = self.side_by_side(|index, part| match point.parts.get(index) {
+            Some(at) => part.problem.try_restage(stage, at),
+            None => Err(ControlError::Length { found: point.parts.len(), expected: self.parts.len() }),
+        })?;
+        self.joined(&point.m, parts)
+    }
+
+    /// Tells `watch` of every member that finished from now on, as [`EnsembleBuilder::watched_by`] does.
+    pub fn watch(&mut self, watch: impl Fn(&Finished) + Send + Sync + 'static) {
+        self.watch = Watch(Some(Arc::new(watch)));
+    }
+
+    /// The derivative of one term's expected value `sum_s p_s sum_l w_l`, whatever the measure of risk.
+    ///
+    /// # Errors
+    /// The first member, in order, whose adjoint cannot be had.
+    pub fn derivative_of_term(&self, point: &EnsemblePoint, term: &str) -> Result<Vec<f64>, EnsembleError> {
+        let derivatives = self.side_by_side(|index, part| {
+            let own = part.problem.term_names().iter().position(|name| name == term);
+            match (own, point.parts.get(index)) {
+                (Some(own), Some(at)) => part.problem.derivative_of(at, Some(own)).map(Some),
+                _ => Ok(None),
+            }
+        })?;
+        let mut out = vec![0.0; self.len];
+        for (part, derivative) in self.parts.iter().zip(derivatives) {
+            let weight = self.probabilities[part.scenario] * part.weight;
+            if let Some(derivative) = derivative {
+                scatter(&self.blocks, part, weight, &derivative, &mut out);
+            }
+        }
+        Ok(out)
+    }
+
     /// The derivative of the risk, with the typed error.
     ///
     /// # Errors
@@ -293,12 +340,7 @@ impl Objective for Ensemble {
     }
 
     fn restage(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, Failed> {
-        let restaged = |(part, at): (&Part, &Evaluated)| {
-            let outcome = part.problem.restage(stage, at);
-            outcome.map_err(|e| Failed::new(format!("{}: {e}", part.name)))
-        };
-        let parts: Vec<Evaluated> = self.parts.iter().zip(&point.parts).map(restaged).collect::<Result<_, _>>()?;
-        self.joined(&point.m, parts).map_err(|e| Failed::new(e.to_string()))
+        self.try_restage(stage, point).map_err(|e| Failed::new(e.to_string()))
     }
 
     fn report(&self, point: &EnsemblePoint) -> Report {

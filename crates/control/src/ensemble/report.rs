@@ -20,7 +20,12 @@ impl Ensemble {
     /// Every measure of the catalogue that is defined for these probabilities, whichever is optimised: the optimised
     /// one with its parameters, the others with their defaults.
     pub fn risks(&self, point: &EnsemblePoint) -> Vec<Measured> {
-        let (p, j) = (&self.probabilities, &point.costs);
+        self.risks_of(&point.costs)
+    }
+
+    /// The same of given costs, one per scenario.
+    pub fn risks_of(&self, costs: &[f64]) -> Vec<Measured> {
+        let (p, j) = (&self.probabilities, costs);
         let measured =
             |risk: &dyn Risk| Measured { name: risk.name(), value: risk.value(p, j), exact: risk.exact(p, j) };
         let mut all: Vec<Measured> = Vec::new();
@@ -49,7 +54,8 @@ impl Ensemble {
             }
         }
         entries.push(("risk/deviation".into(), deviation(&self.probabilities, &point.costs)));
-        entries.extend(self.expected_terms(point));
+        let terms = self.expected_terms(point.parts.iter().map(|at| at.terms.as_slice()));
+        entries.extend(terms.into_iter().map(|(name, value)| (format!("terms/{name}"), value)));
         for (name, cost) in self.names.iter().zip(&point.costs).filter(|(name, _)| !name.is_empty()) {
             entries.push((format!("scenarios/{name}/cost"), *cost));
         }
@@ -63,13 +69,12 @@ impl Ensemble {
         Report(entries)
     }
 
-    /// `sum_s p_s sum_l w_l` of every term, by name.
-    fn expected_terms(&self, point: &EnsemblePoint) -> Vec<(String, f64)> {
+    /// `sum_s p_s sum_l w_l` of every term, by name; `terms` has those of every member.
+    pub fn expected_terms<'t>(&self, terms: impl IntoIterator<Item = &'t [f64]>) -> Vec<(String, f64)> {
         let mut sums: Vec<(String, f64)> = Vec::new();
-        for (part, at) in self.parts.iter().zip(&point.parts) {
+        for (part, terms) in self.parts.iter().zip(terms) {
             let weight = self.probabilities[part.scenario] * part.weight;
-            for (term, value) in part.problem.term_names().into_iter().zip(&at.terms) {
-                let name = format!("terms/{term}");
+            for (name, value) in part.problem.term_names().into_iter().zip(terms) {
                 match sums.iter_mut().find(|(known, _)| *known == name) {
                     Some((_, sum)) => *sum += weight * value,
                     None => sums.push((name, weight * value)),

@@ -1,6 +1,6 @@
 //! One state serves all terms: what was evaluated is kept by control vector.
 
-use nastic_control::{ControlError, Evaluated, Reduced};
+use nastic_control::{Ensemble, EnsembleError, EnsemblePoint};
 use nastic_opt::{Failed, Objective, Request};
 use std::sync::Mutex;
 
@@ -9,53 +9,77 @@ use std::sync::Mutex;
 pub(super) struct Term {
     pub label: String,
     pub stage: usize,
-    /// Number of the term; all of them if absent.
-    pub of: Option<usize>,
+    /// Name of the term, whose expected value is looked at; the whole cost if absent.
+    pub of: Option<String>,
 }
 
-/// The terms of the cost by stage at one control; none where there is no state.
-type Values = Option<Vec<Vec<f64>>>;
+/// The whole cost and its terms.
+#[derive(Clone, Debug)]
+struct Value {
+    whole: f64,
+    terms: Vec<(String, f64)>,
+}
 
-/// The reduced problem around one control.
+/// The values by stage at one control; none where there is no state.
+type Values = Option<Vec<Value>>;
+
+/// The problem around one control.
 pub(super) struct Memo<'a> {
-    reduced: &'a Reduced,
+    ensemble: &'a Ensemble,
     accuracy: f64,
     /// The base control, valued by every stage.
-    base: Vec<Evaluated>,
+    base: Vec<EnsemblePoint>,
     known: Mutex<Vec<(Vec<f64>, Values)>>,
 }
 
 impl<'a> Memo<'a> {
-    pub fn new(reduced: &'a Reduced, m: &[f64], accuracy: f64) -> Result<Self, ControlError> {
-        let first = reduced.try_evaluate(m, &Request { near: None, accuracy, stage: 0 })?;
-        let refuse = |failed: Failed| ControlError::Cost { what: failed.why };
-        let later = (1..reduced.stages()).map(|stage| reduced.restage(stage, &first).map_err(refuse));
+    pub fn new(ensemble: &'a Ensemble, m: &[f64], accuracy: f64) -> Result<Self, EnsembleError> {
+        let first = ensemble.try_evaluate(m, &Request { near: None, accuracy, stage: 0 })?;
+        let later = (1..ensemble.stages()).map(|stage| ensemble.try_restage(stage, &first));
         let later = later.collect::<Result<Vec<_>, _>>()?;
         let base = std::iter::once(first).chain(later).collect();
-        Ok(Self { reduced, accuracy, base, known: Mutex::new(vec![]) })
+        Ok(Self { ensemble, accuracy, base, known: Mutex::new(vec![]) })
     }
 
     /// The total of every stage, then every term of every stage it has.
     pub fn terms(&self) -> Vec<Term> {
-        let names = self.reduced.term_names();
-        let stages = self.reduced.stages();
+        let all = self.values_of(&self.base[0]).terms;
+        let names: Vec<&String> = all.iter().map(|(name, _)| name).collect();
+        let stages = self.ensemble.stages();
         let label = |name: &str, stage: usize, of: usize| {
             if of > 1 { format!("{name}, stage {}", stage + 1) } else { name.to_owned() }
         };
-        let single = names.len() == 1;
+        // With one state, one term is the total.
+        let single = names.len() == 1 && self.ensemble.parts().len() == 1;
         let whole = if single { names[0].as_str() } else { "total" };
         let mut out: Vec<Term> =
             (0..stages).map(|stage| Term { label: label(whole, stage, stages), stage, of: None }).collect();
-        for (k, cost) in self.reduced.costs().iter().enumerate().filter(|_| !single) {
-            let own = cost.stages();
-            out.extend((0..own).map(|stage| Term { label: label(&names[k], stage, own), stage, of: Some(k) }));
+        for name in names.into_iter().filter(|_| !single) {
+            let own = self.stages_of(name);
+            let term = |stage| Term { label: label(name, stage, own), stage, of: Some(name.clone()) };
+            out.extend((0..own).map(term));
         }
         out
     }
 
+    /// The most stages that a term of this name has.
+    fn stages_of(&self, name: &str) -> usize {
+        let of = |part: &nastic_control::Part| {
+            let problem = part.problem();
+            let own = problem.term_names().iter().position(|term| term == name)?;
+            Some(problem.costs()[own].stages())
+        };
+        self.ensemble.parts().iter().filter_map(of).max().unwrap_or(1)
+    }
+
+    fn values_of(&self, point: &EnsemblePoint) -> Value {
+        let terms = self.ensemble.expected_terms(point.parts.iter().map(|at| at.terms.as_slice()));
+        Value { whole: point.risk, terms }
+    }
+
     fn values(&self, m: &[f64]) -> Values {
         if m == self.base[0].m.as_slice() {
-            return Some(self.base.iter().map(|point| point.terms.clone()).collect());
+            return Some(self.base.iter().map(|point| self.values_of(point)).collect());
         }
         let find = |known: &[(Vec<f64>, Values)]| known.iter().find(|(at, _)| at == m).map(|(_, v)| v.clone());
         if let Some(values) = self.known.lock().ok().and_then(|known| find(&known)) {
@@ -70,10 +94,10 @@ impl<'a> Memo<'a> {
 
     fn evaluate(&self, m: &[f64]) -> Values {
         let how = Request { near: Some(&self.base[0]), accuracy: self.accuracy, stage: 0 };
-        let first = self.reduced.try_evaluate(m, &how).ok()?;
-        let mut out = vec![first.terms.clone()];
-        for stage in 1..self.reduced.stages() {
-            out.push(self.reduced.restage(stage, &first).ok()?.terms);
+        let first = self.ensemble.try_evaluate(m, &how).ok()?;
+        let mut out = vec![self.values_of(&first)];
+        for stage in 1..self.ensemble.stages() {
+            out.push(self.values_of(&self.ensemble.try_restage(stage, &first).ok()?));
         }
         Some(out)
     }
@@ -96,8 +120,12 @@ impl Objective for Column<'_> {
 
     fn evaluate(&self, m: &[f64], _: &Request<'_, Valued>) -> Result<Valued, Failed> {
         let values = self.memo.values(m).ok_or_else(|| Failed::new("no state there"))?;
-        let terms = &values[self.term.stage];
-        let value = self.term.of.map_or_else(|| terms.iter().sum(), |k| terms[k]);
+        let value = &values[self.term.stage];
+        let term = |name: &String| value.terms.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
+        let value = match &self.term.of {
+            None => value.whole,
+            Some(name) => term(name).ok_or_else(|| Failed::new(format!("no term {name}")))?,
+        };
         Ok(Valued { m: m.to_vec(), value })
     }
 
@@ -106,11 +134,15 @@ impl Objective for Column<'_> {
     }
 
     fn derivative(&self, point: &Valued) -> Result<Vec<f64>, Failed> {
-        let base = &self.memo.base[self.term.stage];
+        let (base, ensemble) = (&self.memo.base[self.term.stage], self.memo.ensemble);
         if point.m != base.m {
             return Err(Failed::new("derivatives are kept at the base control alone"));
         }
-        self.memo.reduced.derivative_of(base, self.term.of).map_err(|error| Failed::new(error.to_string()))
+        let derivative = match &self.term.of {
+            None => ensemble.try_derivative(base),
+            Some(name) => ensemble.derivative_of_term(base, name),
+        };
+        derivative.map_err(|error| Failed::new(error.to_string()))
     }
 
     fn restage(&self, _: usize, point: &Valued) -> Result<Valued, Failed> {

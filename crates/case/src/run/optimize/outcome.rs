@@ -1,38 +1,49 @@
 //! What an optimisation leaves behind, and what it says at the end.
 
 use super::super::error::RunError;
+use super::super::gradient::write_states;
 use super::super::number::{count, short};
 use super::super::session::Session;
-use super::super::solve::{inertia, say_probes, title};
-use super::{fall, revalued, valued, why};
+use super::super::solve::{say_files, say_members, say_probes, say_stability, title, write_collections, write_targets};
+use super::starts::{self, Starts};
+use super::{Ended, fall, revalued, why};
+use crate::lower::file_name;
+use crate::result::files::Directory;
 use crate::result::picture::{self, Drawing};
+use crate::result::shown::{self, Detail};
 use crate::result::snapshot::{self, View};
 use crate::result::summary;
-use nastic_control::Evaluated;
-use nastic_mesh::Snapshot;
+use nastic_control::EnsemblePoint;
+use nastic_fem::SolveReport;
 use nastic_opt::{Best, Stop};
 use serde_json::{Value, json};
 
-/// Writes `start.vtu`.
-pub(super) fn write_start(session: &Session<'_>, start: &Evaluated, derivative: &[f64]) -> Result<(), RunError> {
+/// Writes the states at the start and the targets.
+pub(super) fn write_start(session: &Session<'_>, start: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {
     let Some(out) = &session.out else { return Ok(()) };
-    Ok(out.write_vtu("start.vtu", &snapshot_of(session, start, derivative)?)?)
-}
-
-fn snapshot_of(session: &Session<'_>, point: &Evaluated, derivative: &[f64]) -> Result<Snapshot, RunError> {
-    let view = View { state: &point.state, m: &point.m, adjoint: point.adjoint(), derivative: Some(derivative) };
-    Ok(snapshot::snapshot(&session.problem, &view)?)
+    write_targets(&session.problem, out)?;
+    write_states(&session.problem, "start", start, derivative, out).map(|_| ())
 }
 
 /// Fills the result, writes files, says how it went.
-pub(super) fn report(session: &mut Session<'_>, start: &Evaluated, best: &Best<Evaluated>) -> Result<(), RunError> {
-    let entries = valued(session, &best.point)?;
+pub(super) fn report(session: &mut Session<'_>, starts: &Starts) -> Result<(), RunError> {
+    let Ended { start, best, work } = starts.best();
+    let problem = &session.problem;
+    let mut shown = shown::of_point(problem, &best.point);
+    shown.iter_mut().zip(work).for_each(|(one, work)| one.work = *work);
+    let entries = shown::entries(problem, &shown, Detail::Full);
+    let entries = entries.map_err(|error| session.member_failed(error))?;
+    drop(shown);
+    let begin =
+        revalued(problem, start).map(|start| shown::entries(problem, &shown::of_point(problem, &start), Detail::Costs));
+    let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
+    let norm = summary::derivative_norm(problem, &best.derivative);
+    let controls = summary::controls(problem, &best.m);
     session.put_all(entries);
-    let begin = revalued(session, start).map(|start| valued(session, &start)).transpose()?;
     if let Some(begin) = begin {
         session.put("start", Value::Object(begin));
     }
-    let norm = summary::derivative_norm(&session.problem, &best.derivative);
+    session.put("controls", controls);
     session.put("derivative_norm", norm);
     session.put("gradient_norm", json!(best.gradient_norm));
     session.put("stop", json!(best.stop.to_string()));
@@ -46,16 +57,22 @@ pub(super) fn report(session: &mut Session<'_>, start: &Evaluated, best: &Best<E
         .map(|s| json!({ "stage": s.stage, "iterations": s.iterations, "converged": s.converged, "why": s.why }))
         .collect();
     session.put("stages", json!(stages));
-    let entries = summary::state(&session.problem, &best.point.state, &best.m);
-    session.put_all(entries);
+    if starts.entries.len() > 1 {
+        session.put("starts", json!(starts.entries));
+        session.put("best_start", json!(starts.index));
+    }
+    let mut total = SolveReport::default();
+    work.iter().for_each(|work| total.add_work(work));
+    session.put_all(summary::work(&total));
+    session.console.say("");
+    starts::say(session, starts);
     say(session, best);
-    session.timed("write", |session| write(session, start, best))
+    session.timed("write", |session| write(session, starts.best()))
 }
 
-fn say(session: &Session<'_>, best: &Best<Evaluated>) {
+fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
     let (console, result) = (session.console, session.result_value());
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
-    console.say("");
     console.say(format!("end         {}", why(&best.stop)));
     for stage in best.stages.iter().filter(|_| best.stages.len() > 1) {
         console.say(format!(
@@ -92,7 +109,8 @@ fn say(session: &Session<'_>, best: &Best<Evaluated>) {
         result["factorisations"],
         result["reused_factorisations"]
     ));
-    console.say(format!("stability   min J {}, {}", short(number(&result["min_J"])), inertia(&result)));
+    say_stability(session, &result);
+    say_members(session, &result);
     for (name, control) in result["controls"].as_object().into_iter().flatten() {
         console.say(format!(
             "control     {name} from {} to {}, {} of {} on their bounds",
@@ -121,30 +139,54 @@ fn say_how_to_go_on(session: &Session<'_>, stop: &Stop) {
             console.say("to go on    try another optimizer/method or other stages, from the control that was reached:")
         }
     }
-    let file = std::path::absolute(out.file("optimum.vtu")).unwrap_or_else(|_| out.file("optimum.vtu"));
     for (k, field) in session.problem.controls.iter().enumerate() {
-        let start = json!({ "file": file.display().to_string(), "array": field.name });
-        console.say(format!("            --set 'controls/{k}/start={start}'"));
+        let owner = session.problem.member(session.problem.ensemble.blocks()[k].owner);
+        let file = out.file(&owner.file("optimum.vtu"));
+        let file = std::path::absolute(&file).unwrap_or(file);
+        let start = json!({ "file": file.display().to_string(), "array": field.array });
+        console.say(format!("            --set '{}/start={start}'", field.at));
     }
 }
 
-fn write(session: &mut Session<'_>, start: &Evaluated, best: &Best<Evaluated>) -> Result<(), RunError> {
+fn write(session: &mut Session<'_>, ended: &Ended) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
-    let optimum = snapshot_of(session, &best.point, &best.derivative)?;
-    out.write_vtu("optimum.vtu", &optimum)?;
-    let begin = View { state: &start.state, m: &start.m, adjoint: None, derivative: None };
-    let begin = snapshot::snapshot(&session.problem, &begin)?;
-    let drawing = Drawing {
-        title: title(session),
-        subtitle: format!("{}; cost {}", why(&best.stop), short(best.cost)),
-        body: ("optimum", &optimum),
-        ghost: Some(("start", &begin)),
-    };
-    picture::write(&session.problem, &drawing, &out)?;
-    let iterations = if session.problem.case.output.every > 0 { ", iterations.pvd" } else { "" };
-    let target = if session.problem.targets.is_empty() { "" } else { ", target.vtu" };
-    session.console.say(format!(
-        "files       start.vtu, optimum.vtu{target}{iterations}, history.jsonl, picture.png, picture.svg, result.json"
-    ));
+    let (problem, Ended { start, best, .. }) = (&session.problem, ended);
+    let mut files = write_states(problem, "optimum", &best.point, &best.derivative, &out)?;
+    for (k, member) in problem.leads().enumerate() {
+        let shot = |point: &EnsemblePoint| {
+            let at = &point.parts[k];
+            snapshot::snapshot(member, &View { state: &at.state, m: &at.m, adjoint: None, gradient: None })
+        };
+        let (begin, end) = (shot(start)?, shot(&best.point)?);
+        let drawing = Drawing {
+            title: title(member),
+            subtitle: format!("{}; cost {}", why(&best.stop), short(best.cost)),
+            body: ("optimum", &end),
+            ghost: Some(("start", &begin)),
+        };
+        picture::write(member, &drawing, &out)?;
+        files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
+        if problem.has_scenarios() {
+            files.push(write_mean(session, member.load_case().unwrap_or(""), &best.point, &out)?);
+        }
+    }
+    files.extend(write_collections(problem, "optimum", &out)?);
+    files.extend(["start.vtu", "history.jsonl"].map(str::to_owned));
+    say_files(session, files);
     Ok(())
+}
+
+/// The mean shape over the scenarios, and how far they lie from it.
+fn write_mean(
+    session: &Session<'_>,
+    load_case: &str,
+    point: &EnsemblePoint,
+    out: &Directory,
+) -> Result<String, RunError> {
+    let mean = session.problem.ensemble.mean_shape(point, load_case);
+    let mean = mean.map_err(|error| session.forward_failed(error))?;
+    let stem = if load_case.is_empty() { String::new() } else { format!("{}_", file_name(load_case)) };
+    let name = format!("{stem}mean_optimum.vtu");
+    out.write_vtu(&name, &mean)?;
+    Ok(name)
 }

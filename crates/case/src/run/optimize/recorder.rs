@@ -1,7 +1,6 @@
 //! Trial by trial: the table, `history.jsonl`, snapshots of iterations.
 
 use super::super::error::RunError;
-use super::super::number::short;
 use super::super::session::Session;
 use super::super::table::Table;
 use super::super::watched::Watched;
@@ -11,9 +10,9 @@ use crate::lower::Problem;
 use crate::result::files::Directory;
 use crate::result::snapshot::{self, View};
 use crate::result::summary;
-use nastic_control::Evaluated;
+use nastic_control::EnsemblePoint;
 use nastic_fem::SolveReport;
-use nastic_opt::{Reason, Trial};
+use nastic_opt::{Problem as _, Reason, Trial};
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,49 +22,61 @@ use std::time::Instant;
 pub(super) struct Recorder<'s> {
     problem: &'s Problem,
     console: &'s Console,
-    watched: &'s Watched<'s>,
+    watched: Option<&'s Watched<'s>>,
     cancel: Arc<AtomicBool>,
     out: Option<Directory>,
-    history: Option<History>,
+    history: &'s mut Option<History>,
+    /// Which start of how many.
+    start: (usize, usize),
     table: Table,
-    work: SolveReport,
+    /// Of all trials, by member.
+    work: Vec<SolveReport>,
     last: Instant,
-    /// Snapshots written: iteration and file.
-    steps: Vec<(f64, String)>,
+    /// Iterations of which snapshots were written.
+    steps: Vec<usize>,
     failed: Option<RunError>,
 }
 
 impl<'s> Recorder<'s> {
-    pub fn new(session: &'s Session<'s>, watched: &'s Watched<'s>) -> Result<Self, RunError> {
+    /// Begins `history.jsonl`.
+    pub fn history(session: &Session<'_>) -> Result<Option<History>, RunError> {
+        Ok(session.out.as_ref().map(|out| History::create(&out.file("history.jsonl"))).transpose()?)
+    }
+
+    /// Ends it.
+    pub fn close(history: Option<History>) -> Result<(), RunError> {
+        Ok(history.map_or(Ok(()), History::finish)?)
+    }
+
+    pub fn new(session: &'s Session<'_>, history: &'s mut Option<History>, start: (usize, usize)) -> Self {
         let problem = &session.problem;
-        let history = session.out.as_ref().map(|out| History::create(&out.file("history.jsonl"))).transpose()?;
-        Ok(Self {
+        let table = Table { distance: has_distance(problem), stages: problem.stages() > 1 };
+        session.console.say(table.header());
+        Self {
             problem,
             console: session.console,
-            watched,
+            watched: None,
             cancel: session.cancel.clone(),
             out: session.out.clone(),
             history,
-            table: Table { distance: has_distance(problem), stages: problem.stages() > 1 },
-            work: SolveReport::default(),
+            start,
+            table,
+            work: problem.members().map(|_| SolveReport::default()).collect(),
             last: Instant::now(),
             steps: vec![],
             failed: None,
-        })
+        }
     }
 
-    pub fn begin(&self, method: &str) {
-        let block = &self.problem.case.optimizer;
-        self.console.say(format!(
-            "optimizer   {method}, at most {} iterations, until the projected gradient is {} of the first",
-            block.max_iterations,
-            short(block.tolerance)
-        ));
-        self.console.say("");
-        self.console.say(self.table.header());
+    /// Asks `watched` about trials that failed.
+    pub fn of<'w>(self, watched: &'w Watched<'w>) -> Recorder<'w>
+    where
+        's: 'w,
+    {
+        Recorder { watched: Some(watched), ..self }
     }
 
-    pub fn record(&mut self, trial: &Trial<'_, Evaluated>) {
+    pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {
         if trial.cost.is_none() && self.cancel.load(Ordering::Relaxed) {
             // Broken off, not failed: a run that goes on makes this trial again.
             return;
@@ -73,35 +84,45 @@ impl<'s> Recorder<'s> {
         let distance = self.distance(trial);
         let seconds = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
-        let failed_newton = self.watched.failed_newton().filter(|_| trial.cost.is_none());
+        let failed_newton = self.watched.and_then(Watched::failed_newton).filter(|_| trial.cost.is_none());
         if let Some(point) = trial.point.filter(|_| trial.reason != Reason::Stage) {
-            self.work.add_work(&point.total_work());
-        } else if let Some(newton) = failed_newton {
-            self.work.newton += newton;
+            self.work.iter_mut().zip(&point.parts).for_each(|(work, at)| work.add_work(&at.total_work()));
+        } else if let (Some(newton), Some(first)) = (failed_newton, self.work.first_mut()) {
+            first.newton += newton;
         }
         if trial.reason == Reason::Stage {
             self.console.say(format!("stage {} of {}", trial.stage + 1, self.problem.stages()));
         }
         self.console.say(self.table.row(trial, failed_newton, distance, seconds));
         let mut line = history::line(trial, failed_newton, seconds);
-        if let (Some(distance), Some(line)) = (distance, line.as_object_mut()) {
-            line.insert("hausdorff_true".into(), json!(distance));
+        if let Some(line) = line.as_object_mut() {
+            if let Some(distance) = distance {
+                line.insert("hausdorff_true".into(), json!(distance));
+            }
+            if let (Some(point), true) = (trial.point, self.problem.has_scenarios()) {
+                line.insert("scenarios".into(), json!(point.costs));
+            }
+            if self.start.1 > 1 {
+                line.insert("start".into(), json!(self.start.0));
+            }
         }
-        if let Some(history) = &mut self.history {
+        if let Some(history) = self.history.as_mut() {
             history.add(&line);
         }
         self.snapshot(trial);
     }
 
-    /// The true distance of an accepted state.
-    fn distance(&self, trial: &Trial<'_, Evaluated>) -> Option<f64> {
+    /// The true distance of an accepted state: the largest of all members.
+    fn distance(&self, trial: &Trial<'_, EnsemblePoint>) -> Option<f64> {
         let point = trial.point.filter(|_| trial.accepted && self.table.distance)?;
-        let figures = summary::hausdorff(self.problem, &point.state, &point.m, point.stage).ok()?;
-        figures["true"].as_f64()
+        let of = |(member, at): (crate::lower::Member<'_>, &nastic_control::Evaluated)| {
+            summary::hausdorff(member, &at.state, &at.m, at.stage).ok()?["true"].as_f64()
+        };
+        self.problem.members().zip(&point.parts).filter_map(of).reduce(f64::max)
     }
 
     /// Every so many iterations, the start among them.
-    fn snapshot(&mut self, trial: &Trial<'_, Evaluated>) {
+    fn snapshot(&mut self, trial: &Trial<'_, EnsemblePoint>) {
         let every = self.problem.case.output.every;
         let due = trial.accepted && every > 0 && trial.iteration.is_multiple_of(every) && trial.reason != Reason::Stage;
         let (Some(point), true) = (trial.point, due) else { return };
@@ -111,21 +132,26 @@ impl<'s> Recorder<'s> {
         }
     }
 
-    fn write(&mut self, iteration: usize, point: &Evaluated, derivative: Option<&[f64]>) -> Result<(), RunError> {
+    /// The states of the first scenario, load case by load case.
+    fn write(&mut self, iteration: usize, point: &EnsemblePoint, derivative: Option<&[f64]>) -> Result<(), RunError> {
         let Some(out) = &self.out else { return Ok(()) };
-        let view = View { state: &point.state, m: &point.m, adjoint: point.adjoint(), derivative };
-        let name = format!("iteration_{iteration:04}.vtu");
-        out.write_vtu(&name, &snapshot::snapshot(self.problem, &view)?)?;
-        self.steps.push((iteration as f64, name));
-        nastic_io::write_pvd(out.file("iterations.pvd"), &self.steps)?;
+        let stem = if self.start.1 > 1 { format!("start_{}_", self.start.0) } else { String::new() };
+        let file = |iteration: usize| format!("{stem}iteration_{iteration:04}.vtu");
+        let gradient = derivative.map(|derivative| self.problem.ensemble.inner_product().riesz(derivative));
+        self.steps.push(iteration);
+        for (member, at) in self.problem.leads().zip(&point.parts) {
+            let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
+            let view = View { state: &at.state, m: &at.m, adjoint: at.adjoint(), gradient: gradient.as_deref() };
+            out.write_vtu(&member.case_file(&file(iteration)), &snapshot::snapshot(member, &view)?)?;
+            let steps: Vec<(f64, String)> =
+                self.steps.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
+            nastic_io::write_pvd(out.file(&member.case_file(&format!("{stem}iterations.pvd"))), &steps)?;
+        }
         Ok(())
     }
 
-    /// Closes the history; the work of all trials.
-    pub fn finish(self) -> Result<SolveReport, RunError> {
-        if let Some(history) = self.history {
-            history.finish()?;
-        }
+    /// The work of all trials, by member.
+    pub fn finish(self) -> Result<Vec<SolveReport>, RunError> {
         match self.failed {
             Some(error) => Err(error),
             None => Ok(self.work),
@@ -134,5 +160,6 @@ impl<'s> Recorder<'s> {
 }
 
 fn has_distance(problem: &Problem) -> bool {
-    problem.case.costs.iter().any(|cost| matches!(cost, crate::schema::Cost::SmoothedHausdorff(_)))
+    let is = |cost: &crate::schema::Cost| matches!(cost, crate::schema::Cost::SmoothedHausdorff(_));
+    problem.members().any(|member| member.case().costs.iter().any(is))
 }

@@ -1,0 +1,249 @@
+//! Scenarios made by a rule from random parameters.
+
+use super::context::Context;
+use super::material::inadmissible;
+use super::scenario::World;
+use super::variant::{read, set_field};
+use crate::schema::{Case, Inadmissible, Parameter, RandomParameter, RandomScenarios, Rule};
+use crate::syntax::{At, Document, Node, Place, Setting, Value};
+use nastic_control::stochastic::{Beta, Gamma, Law, LogNormalField, Modes, Normal, Sample, StochasticError};
+use nastic_energy::{EnergyError, Field};
+use nastic_fem::Discretization;
+use serde_json::{Map, json};
+
+/// The nodes of the rule as worlds; `None` after a complaint.
+pub(super) fn worlds(
+    block: &RandomScenarios,
+    case: &Case,
+    document: &Document,
+    disc: &Discretization,
+    context: &mut Context<'_>,
+) -> Option<Vec<World>> {
+    let variables: Vec<Option<Variable>> =
+        block.random.iter().map(|one| Variable::new(one, case, document, disc, context)).collect();
+    let variables: Vec<Variable> = variables.into_iter().collect::<Option<_>>()?;
+    let laws: Vec<&dyn Law> = variables.iter().flat_map(Variable::laws).collect();
+    let sample = sample(&block.rule, &laws, block.seed);
+    let sample = context.take(&block.at.key("rule"), sample)?;
+    let nodes = sample.nodes.iter().zip(&sample.weights).enumerate();
+    let nodes: Option<Vec<World>> =
+        nodes.map(|(k, (x, weight))| world(k, x, *weight, &variables, block, context)).collect();
+    admissible(nodes?, block, case, document, disc, context)
+}
+
+fn sample(rule: &Rule, laws: &[&dyn Law], seed: u64) -> Result<Sample, StochasticError> {
+    match rule {
+        Rule::Gauss(points) => Sample::tensor(laws, &vec![*points; laws.len()]),
+        Rule::Sparse(level) => Sample::sparse(laws, *level),
+        Rule::MonteCarlo(count) => Sample::monte_carlo(laws, *count, seed),
+        Rule::QuasiMonteCarlo(count) => Sample::quasi_monte_carlo(laws, *count, seed),
+    }
+}
+
+/// A random parameter: independent numbers of known laws, and what they make of it.
+struct Variable {
+    path: String,
+    place: Place,
+    kind: Kind,
+}
+
+enum Kind {
+    /// The number itself.
+    Plain(Box<dyn Law>),
+    /// `lower + width x`, x uniform on (0, 1).
+    Uniform { unit: Beta, lower: f64, width: f64 },
+    /// `mean exp(s g - s^2/2)`, g standard normal.
+    LogNormal { mean: f64, variance: f64 },
+    /// A field; its coefficients are standard normal.
+    Field(Box<LogNormalField>),
+}
+
+/// Share of the variance that the modes of a field hold where their number is left out.
+const ENERGY: f64 = 0.9;
+
+impl Variable {
+    fn new(
+        one: &RandomParameter,
+        case: &Case,
+        document: &Document,
+        disc: &Discretization,
+        context: &mut Context<'_>,
+    ) -> Option<Self> {
+        let place = document.root().find(one.at.as_str())?.place.clone();
+        let kind = match (&one.gamma, &one.beta, &one.uniform, &one.lognormal) {
+            (Some(law), ..) => {
+                let gamma = Gamma::from_mean_variance(law.mean, law.deviation.powi(2));
+                Kind::Plain(Box::new(context.take(&one.at.key("gamma"), gamma)?))
+            }
+            (_, Some(law), ..) => Kind::Plain(Box::new(context.take(&one.at.key("beta"), Beta::new(law.a, law.b))?)),
+            (_, _, Some(law), _) => {
+                let unit = context.take(&one.at.key("uniform"), Beta::new(1.0, 1.0))?;
+                Kind::Uniform { unit, lower: law.lower, width: law.upper - law.lower }
+            }
+            (.., Some(law)) => {
+                let variation = law.deviation / law.mean;
+                match law.length {
+                    None => Kind::LogNormal { mean: law.mean, variance: variation.powi(2).ln_1p() },
+                    Some(length) => {
+                        let region = field_region(one, case, context)?;
+                        let modes = law.modes.map_or(Modes::Energy(ENERGY), Modes::Count);
+                        let field = LogNormalField::new(disc.mesh(), region, (law.mean, variation, length), modes);
+                        let field = context.take(&one.at.key("lognormal"), field)?;
+                        let share = 100.0 * field.captured();
+                        let count = field.modes().len();
+                        context.note(format!("{}: {count} modes hold {share:.1} % of the field's variance", one.path));
+                        Kind::Field(Box::new(field))
+                    }
+                }
+            }
+            (None, None, None, None) => return None,
+        };
+        Some(Self { path: one.path.clone(), place, kind })
+    }
+
+    fn laws(&self) -> Vec<&dyn Law> {
+        match &self.kind {
+            Kind::Plain(law) => vec![law.as_ref()],
+            Kind::Uniform { unit, .. } => vec![unit],
+            Kind::LogNormal { .. } => vec![&Normal::STANDARD],
+            Kind::Field(field) => field.laws(),
+        }
+    }
+}
+
+/// The region whose material has the parameter that varies over the body.
+fn field_region<'c>(one: &RandomParameter, case: &'c Case, context: &mut Context<'_>) -> Option<&'c str> {
+    let steps: Vec<&str> = one.path.split('/').collect();
+    let material =
+        match steps.as_slice() {
+            ["materials", k, key] => k.parse::<usize>().ok().and_then(|k| case.materials.get(k)).filter(|material| {
+                material.parameters.iter().any(|(name, input)| name == key && input.number().is_some())
+            }),
+            _ => None,
+        };
+    if material.is_none() {
+        let message = "a random field is possible for a parameter of a material alone, as in \"materials/0/mu1\": leave \
+                       out \"length\", or name such a parameter";
+        context.complain(&one.at.key("path"), message);
+    }
+    material.map(|material| material.region.as_str())
+}
+
+/// The world at a node of the rule.
+fn world(
+    index: usize,
+    node: &[f64],
+    probability: f64,
+    variables: &[Variable],
+    block: &RandomScenarios,
+    context: &mut Context<'_>,
+) -> Option<World> {
+    let name = Some(index.to_string());
+    let mut world = World { name, probability, settings: vec![], fields: vec![], values: Map::new() };
+    let mut rest = node;
+    for variable in variables {
+        let (own, behind) = rest.split_at_checked(variable.laws().len())?;
+        rest = behind;
+        let value = match &variable.kind {
+            Kind::Plain(_) => own[0],
+            Kind::Uniform { lower, width, .. } => lower + width * own[0],
+            Kind::LogNormal { mean, variance } => mean * (variance.sqrt() * own[0] - 0.5 * variance).exp(),
+            Kind::Field(field) => {
+                let values = context.take(&block.at, field.realise(own))?;
+                if let Field::Cell(values) = values {
+                    world.fields.push((variable.path.clone(), values));
+                }
+                world.values.insert(variable.path.clone(), json!({ "coefficients": own }));
+                continue;
+            }
+        };
+        let node = Node { value: Value::Number(value), place: variable.place.clone() };
+        world.settings.push(Setting { path: variable.path.clone(), node });
+        world.values.insert(variable.path.clone(), json!(value));
+    }
+    Some(world)
+}
+
+/// The worlds whose materials exist; what becomes of the others is for the case to say.
+fn admissible(
+    all: Vec<World>,
+    block: &RandomScenarios,
+    case: &Case,
+    document: &Document,
+    disc: &Discretization,
+    context: &mut Context<'_>,
+) -> Option<Vec<World>> {
+    let touched = touched(block, case);
+    let count = all.len();
+    let (mut kept, mut lost, mut refused) = (Vec::new(), 0.0, Vec::new());
+    for world in all {
+        match fault(&world, &touched, case, document, disc, context) {
+            None => kept.push(world),
+            Some(error) => {
+                lost += world.probability;
+                refused.push((world, error));
+            }
+        }
+    }
+    let Some((first, error)) = refused.first() else { return Some(kept) };
+    let at = block.at.key("random");
+    if block.inadmissible == Inadmissible::Error {
+        context.complain(&at, refusal(first, error, refused.len(), count));
+        return None;
+    }
+    let sum: f64 = kept.iter().map(|world| world.probability).sum();
+    if sum <= 0.0 {
+        context
+            .complain(&at, format!("of {count} nodes none is a material, or those that are have no weight: {error}"));
+        return None;
+    }
+    for (index, world) in kept.iter_mut().enumerate() {
+        world.probability /= sum;
+        world.name = Some(index.to_string());
+    }
+    context.note(format!(
+        "scenarios: {} of {count} nodes are no material and left out (probability {lost:.3e}); the others are scaled up",
+        refused.len()
+    ));
+    Some(kept)
+}
+
+/// The materials that have a random parameter.
+fn touched(block: &RandomScenarios, case: &Case) -> Vec<usize> {
+    let has = |at: &At| block.random.iter().any(|one| one.path.starts_with(&format!("{at}/")));
+    (0..case.materials.len()).filter(|k| has(&case.materials[*k].at)).collect()
+}
+
+/// What keeps a world's materials from being such.
+fn fault(
+    world: &World,
+    touched: &[usize],
+    case: &Case,
+    document: &Document,
+    disc: &Discretization,
+    context: &Context<'_>,
+) -> Option<EnergyError> {
+    // Whatever else is wrong will be told when the world is built.
+    let (document, mut own) = read(document, &world.settings, case.units).ok()?;
+    for (path, values) in &world.fields {
+        set_field(&mut own, path, Parameter::Cells(values.clone()));
+    }
+    let mut scratch = context.variant(&document);
+    touched.iter().find_map(|k| inadmissible(&own, *k, disc, &mut scratch))
+}
+
+fn refusal(world: &World, error: &EnergyError, refused: usize, count: usize) -> String {
+    let name = world.name.as_deref().unwrap_or_default();
+    let values: Vec<String> = world.values.iter().map(|(path, value)| format!("{path} = {value}")).collect();
+    let others = match refused {
+        1 => String::new(),
+        n => format!(" ({} in all)", n),
+    };
+    format!(
+        "node {name} of {count} (probability {:.3e}) is no material{others}: {}: {error}; raise the mean of the bulk \
+         modulus or narrow the laws, take fewer Gauss points, or leave such nodes out (\"inadmissible\": \"truncate\"), \
+         which scales up the probabilities of the others",
+        world.probability,
+        values.join(", ")
+    )
+}

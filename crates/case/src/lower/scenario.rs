@@ -1,0 +1,79 @@
+//! The worlds that one control must serve.
+
+use super::context::Context;
+use super::random;
+use crate::schema::{Case, Risk as RiskBlock, Scenario, Scenarios};
+use crate::syntax::{At, Document, Setting};
+use nastic_control::risk::{Cvar, Mean, MeanDeviation, Risk, WorstCase};
+use nastic_fem::Discretization;
+use serde_json::{Map, Value};
+use std::sync::Arc;
+
+/// One world: how likely it is, and what differs in it.
+#[derive(Clone, Debug)]
+pub(super) struct World {
+    /// `None` for the one world of a case without scenarios.
+    pub name: Option<String>,
+    pub probability: f64,
+    pub settings: Vec<Setting>,
+    /// Random fields: the parameter, and its values by cell.
+    pub fields: Vec<(String, Arc<[f64]>)>,
+    /// What differs, for results.
+    pub values: Map<String, Value>,
+}
+
+/// The worlds of a case; `None` after a complaint.
+pub(super) fn worlds(
+    case: &Case,
+    document: &Document,
+    disc: &Discretization,
+    context: &mut Context<'_>,
+) -> Option<Vec<World>> {
+    match &case.scenarios {
+        Scenarios::List(list) if list.is_empty() => {
+            let values = Map::new();
+            Some(vec![World { name: None, probability: 1.0, settings: vec![], fields: vec![], values }])
+        }
+        Scenarios::List(list) => listed(list, context),
+        Scenarios::Random(block) => random::worlds(block, case, document, disc, context),
+    }
+}
+
+fn listed(list: &[Scenario], context: &mut Context<'_>) -> Option<Vec<World>> {
+    let names: Vec<String> =
+        list.iter().enumerate().map(|(k, one)| one.name.clone().unwrap_or_else(|| k.to_string())).collect();
+    let mut sound = true;
+    for (k, name) in names.iter().enumerate() {
+        if let Some(first) = names[..k].iter().position(|other| other == name) {
+            context.complain(&list[k].at, format!("\"{name}\" names a scenario already, at {}", list[first].at));
+            sound = false;
+        }
+    }
+    // The reader has seen that they add up to one, to rounding.
+    let given: Vec<f64> = list.iter().map(|one| one.probability.unwrap_or(1.0)).collect();
+    let sum: f64 = given.iter().sum();
+    let world = |((one, name), p): ((&Scenario, String), f64)| World {
+        name: Some(name),
+        probability: p / sum,
+        settings: one.set.0.clone(),
+        fields: vec![],
+        values: one.set.0.iter().map(|setting| (setting.path.clone(), setting.node.to_json())).collect(),
+    };
+    sound.then(|| list.iter().zip(names).zip(given).map(world).collect())
+}
+
+/// The measure of risk.
+pub(super) fn risk(case: &Case) -> Box<dyn Risk> {
+    match &case.risk {
+        RiskBlock::Mean => Box::new(Mean),
+        RiskBlock::MeanDeviation(block) => Box::new(MeanDeviation { lambda: block.lambda }),
+        RiskBlock::ConditionalValueAtRisk(block) => Box::new(Cvar { level: block.level, smoothing: block.smoothing }),
+        RiskBlock::WorstCase(block) => Box::new(WorstCase { smoothing: block.smoothing }),
+    }
+}
+
+/// Where the measure of risk stands in the case, or would.
+pub(super) fn risk_at(case: &Case) -> At {
+    let key = if case.risk == RiskBlock::Mean { "scenarios" } else { "risk" };
+    At::root().key(key)
+}

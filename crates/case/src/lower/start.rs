@@ -1,0 +1,79 @@
+//! Random starts, uniform over what is admitted.
+
+use super::context::Context;
+use super::{Admitted, ControlField, Problem};
+use crate::schema::Case;
+use nastic_opt::{Bounds, Random};
+
+/// Complains about controls that have no random start where the case asks for some.
+pub(super) fn check(case: &Case, controls: &[ControlField], context: &mut Context<'_>) {
+    if case.optimizer.starts < 2 {
+        return;
+    }
+    for field in controls {
+        let missing = match field.admitted {
+            Admitted::Between { lower, .. } if !lower.is_finite() => "\"lower\"",
+            Admitted::Between { upper, .. } if !upper.is_finite() => "\"upper\"",
+            Admitted::Any => "\"norm\" or \"max_norm\"",
+            _ => continue,
+        };
+        let message = format!("random starts (optimizer/starts) are drawn within the bounds: give {missing}");
+        context.complain(&field.at, message);
+    }
+}
+
+impl Problem {
+    /// A random control vector: scalars uniform within their bounds, vectors of a given length uniform on the sphere,
+    /// others uniform in the ball (in the plane, for a plane body). The same for the same seed on every machine.
+    #[must_use]
+    pub fn random_start(&self, seed: u64) -> Vec<f64> {
+        let (mut random, dim) = (Random::new(seed), self.mesh().dim());
+        let mut out = Vec::with_capacity(self.start.len());
+        for (block, field) in self.ensemble.blocks().iter().zip(&self.controls) {
+            let vectors = block.len / 3;
+            out.extend(match (&field.bounds, field.admitted) {
+                (Some(bounds), _) => between(&mut random, bounds, block.len),
+                (None, Admitted::Norm(norm)) => on_sphere(&mut random, norm, vectors, dim),
+                (None, Admitted::MaxNorm(most)) => in_ball(&mut random, most, vectors, dim),
+                // Refused when the case was lowered.
+                (None, _) => block.of(&self.start).to_vec(),
+            });
+        }
+        out
+    }
+}
+
+fn between(random: &mut Random, bounds: &Bounds, count: usize) -> Vec<f64> {
+    let value = |i: usize| {
+        let (lower, upper) = bounds.at(i);
+        (lower + (upper - lower) * random.unit()).clamp(lower, upper)
+    };
+    (0..count).map(value).collect()
+}
+
+/// Vectors of one length and random directions, uniform on the sphere (in the plane: on the circle).
+pub(super) fn on_sphere(random: &mut Random, norm: f64, count: usize, dim: usize) -> Vec<f64> {
+    let vector = |_| {
+        let v = unit_ball(random, dim, 0.1);
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        v.map(|x| x * norm / length)
+    };
+    (0..count).flat_map(vector).collect()
+}
+
+fn in_ball(random: &mut Random, most: f64, count: usize, dim: usize) -> Vec<f64> {
+    // Rounding shall not carry one past the radius.
+    (0..count).flat_map(|_| unit_ball(random, dim, 0.0).map(|x| x * most * (1.0 - 1e-12))).collect()
+}
+
+/// A vector of length `least` to one, uniform there.
+fn unit_ball(random: &mut Random, dim: usize, least: f64) -> [f64; 3] {
+    loop {
+        let mut v = [0.0; 3];
+        v.iter_mut().take(dim).for_each(|x| *x = random.symmetric());
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if (least..=1.0).contains(&length) {
+            return v;
+        }
+    }
+}

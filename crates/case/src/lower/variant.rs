@@ -1,0 +1,128 @@
+//! The members of a problem as cases of their own: every load case of every scenario.
+
+use super::context::Context;
+use super::scenario::World;
+use crate::quantity::Units;
+use crate::schema::{Case, Input, LoadCase, Parameter};
+use crate::syntax::{At, Diagnostic, Diagnostics, Document, Setting};
+
+/// The case as one member sees it: its values, and all blocks that count for it.
+#[derive(Debug)]
+pub(super) struct Variant {
+    /// Index of its world.
+    pub world: usize,
+    /// Index of its load case in the case, if there are any.
+    pub load_case: Option<usize>,
+    /// Name of its load case, else empty.
+    pub case_name: String,
+    /// Weight in the cost of its world.
+    pub weight: f64,
+    /// Scenario and load case, for messages.
+    pub name: String,
+    /// What its files' names begin with.
+    pub stem: String,
+    /// The same without its scenario.
+    pub case_stem: String,
+    /// With the values and blocks of this member.
+    pub case: Case,
+    /// With the values of this member, for messages.
+    pub document: Document,
+}
+
+/// All members, scenario by scenario, load case by load case.
+pub(super) fn all(
+    case: &Case,
+    document: &Document,
+    worlds: &[World],
+    context: &mut Context<'_>,
+) -> Result<Vec<Variant>, Diagnostics> {
+    let (mut out, mut problems) = (Vec::new(), Vec::new());
+    let load_cases = counted(case, context);
+    if load_cases.is_empty() {
+        let at = At::root().key("load_cases");
+        return Err(document.complain(&at, "every load case has the weight zero: nothing is left").into());
+    }
+    for (index, world) in worlds.iter().enumerate() {
+        for load_case in &load_cases {
+            match make(case, document, (index, world), *load_case) {
+                Ok(variant) => out.push(variant),
+                Err(found) => problems.extend(found),
+            }
+        }
+    }
+    Diagnostics::new(problems).into_result().map(|()| out)
+}
+
+/// The load cases that count; none stands for a case without any.
+fn counted(case: &Case, context: &mut Context<'_>) -> Vec<Option<usize>> {
+    if case.load_cases.is_empty() {
+        return vec![None];
+    }
+    for block in case.load_cases.iter().filter(|block| block.weight == 0.0) {
+        context.warn(&block.at.key("weight"), "the weight is zero: the load case is left out");
+    }
+    (0..case.load_cases.len()).filter(|k| case.load_cases[*k].weight > 0.0).map(Some).collect()
+}
+
+fn make(
+    case: &Case,
+    document: &Document,
+    (index, world): (usize, &World),
+    load_case: Option<usize>,
+) -> Result<Variant, Vec<Diagnostic>> {
+    let block = load_case.map(|k| &case.load_cases[k]);
+    let own = block.map_or(&[][..], |block| &block.set.0);
+    let settings: Vec<Setting> = world.settings.iter().chain(own).cloned().collect();
+    let case_name = block.map_or_else(String::new, |block| block.name.clone());
+    let name = match (&world.name, case_name.as_str()) {
+        (Some(world), "") => format!("scenario \"{world}\""),
+        (Some(world), case) => format!("scenario \"{world}\", load case \"{case}\""),
+        (None, "") => "the case".to_owned(),
+        (None, case) => format!("load case \"{case}\""),
+    };
+    let named = |one: &Diagnostic| Diagnostic { message: format!("{name}: {}", one.message), ..one.clone() };
+    let (document, mut own) = read(document, &settings, case.units)
+        .map_err(|problems| problems.list().iter().map(named).collect::<Vec<_>>())?;
+    for (path, values) in &world.fields {
+        set_field(&mut own, path, Parameter::Cells(values.clone()));
+    }
+    if let Some(block) = block {
+        add_blocks(&mut own, block);
+    }
+    let case_stem = block.map_or_else(String::new, |_| format!("{}_", file_name(&case_name)));
+    let stem = world.name.as_ref().map_or_else(String::new, |_| format!("scenario_{index:03}_")) + &case_stem;
+    let weight = block.map_or(1.0, |block| block.weight);
+    Ok(Variant { world: index, load_case, case_name, weight, name, stem, case_stem, case: own, document })
+}
+
+/// The case with other values.
+pub(super) fn read(document: &Document, settings: &[Setting], units: Units) -> Result<(Document, Case), Diagnostics> {
+    let variant = document.with(settings)?;
+    let case = Case::read_variant(&variant, units)?;
+    Ok((variant, case))
+}
+
+/// What a load case has alone comes after what all share.
+fn add_blocks(case: &mut Case, own: &LoadCase) {
+    case.supports.extend(own.supports.iter().cloned());
+    case.loads.extend(own.loads.iter().cloned());
+    case.controls.extend(own.controls.iter().cloned());
+    case.costs.extend(own.costs.iter().cloned());
+}
+
+/// Puts a field in the place of a parameter, `materials/0/mu1`; paths of other kinds have been refused.
+pub(super) fn set_field(case: &mut Case, path: &str, value: Parameter) {
+    let mut steps = path.split('/').skip(1);
+    let material = steps.next().and_then(|k| k.parse::<usize>().ok()).and_then(|k| case.materials.get_mut(k));
+    let parameter = material.zip(steps.next()).and_then(|(material, key)| {
+        material.parameters.iter_mut().find(|(name, _)| **name == key).map(|(_, input)| input)
+    });
+    if let Some(parameter) = parameter {
+        *parameter = Input::Number(value);
+    }
+}
+
+/// A name without what file systems dislike.
+pub(crate) fn file_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '.' { c } else { '_' }).collect()
+}

@@ -1,0 +1,173 @@
+//! States of all members as results show them.
+
+use super::summary;
+use crate::lower::{Member, Problem};
+use nastic_control::risk::deviation;
+use nastic_control::{ControlError, EnsemblePoint};
+use nastic_fem::{SolveReport, State};
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+
+/// A state of one member, with the values of its costs.
+pub(crate) struct Shown<'a> {
+    pub member: Member<'a>,
+    pub state: &'a State,
+    /// Its own control vector.
+    pub m: Vec<f64>,
+    /// Values of its cost terms; empty without costs.
+    pub terms: Vec<f64>,
+    pub stage: usize,
+    pub work: SolveReport,
+}
+
+/// How much is told of a state.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Detail {
+    /// The costs alone.
+    Costs,
+    /// All there is.
+    Full,
+}
+
+/// What could not be told of a member.
+pub(crate) type MemberError = (usize, ControlError);
+
+/// The states of an evaluated control, with the work of its evaluation.
+pub(crate) fn of_point<'a>(problem: &'a Problem, point: &'a EnsemblePoint) -> Vec<Shown<'a>> {
+    let of = |(member, at): (Member<'a>, &'a nastic_control::Evaluated)| Shown {
+        member,
+        state: &at.state,
+        m: at.m.clone(),
+        terms: at.terms.clone(),
+        stage: at.stage,
+        work: at.total_work(),
+    };
+    problem.members().zip(&point.parts).map(of).collect()
+}
+
+/// All entries of a result: of a plain case those of its one state, else what holds for all members and, under
+/// `scenarios` and `load_cases`, those of each.
+pub(crate) fn entries(
+    problem: &Problem,
+    shown: &[Shown<'_>],
+    detail: Detail,
+) -> Result<Map<String, Value>, MemberError> {
+    let own: Vec<Map<String, Value>> =
+        shown.par_iter().with_max_len(1).map(|one| entry(one, detail)).collect::<Result<_, _>>()?;
+    if problem.is_plain() {
+        return Ok(own.into_iter().next().unwrap_or_default());
+    }
+    let mut out = Map::new();
+    let costs = costs(problem, shown);
+    if problem.has_costs() {
+        out.insert("stage".into(), json!(shown.iter().map(|one| one.stage).max()));
+        let terms = problem.ensemble.expected_terms(shown.iter().map(|one| one.terms.as_slice()));
+        let terms: Map<String, Value> = terms.into_iter().map(|(name, value)| (name, json!(value))).collect();
+        let total = problem.ensemble.risk().value(problem.ensemble.probabilities(), &costs);
+        out.insert("cost".into(), json!({ "total": total, "terms": terms }));
+        if problem.has_scenarios() {
+            out.insert("risk".into(), risk(problem, &costs));
+        }
+    }
+    if detail == Detail::Full {
+        out.extend(overall(&own, shown));
+    }
+    out.extend(tree(problem, &costs, own));
+    Ok(out)
+}
+
+/// Cost of every scenario.
+fn costs(problem: &Problem, shown: &[Shown<'_>]) -> Vec<f64> {
+    let mut out = vec![0.0; problem.ensemble.scenarios().len()];
+    for one in shown {
+        let part = one.member.part();
+        out[part.scenario()] += part.weight() * one.terms.iter().sum::<f64>();
+    }
+    out
+}
+
+fn entry(one: &Shown<'_>, detail: Detail) -> Result<Map<String, Value>, MemberError> {
+    let mut out = Map::new();
+    if !one.terms.is_empty() {
+        out.insert("stage".into(), json!(one.stage));
+        out.insert("cost".into(), summary::cost(one));
+        let figures = summary::hausdorff(one.member, one.state, &one.m, one.stage);
+        let figures = figures.map_err(|error| (one.member.index(), error))?;
+        if !figures.is_null() {
+            out.insert("hausdorff".into(), figures);
+        }
+    }
+    if detail == Detail::Full {
+        out.extend(summary::state(one.member, one.state));
+        out.extend(summary::work(&one.work));
+    }
+    Ok(out)
+}
+
+/// `{ "measure", "value", "deviation", "measures": { NAME: { "value", "exact" } } }`
+fn risk(problem: &Problem, costs: &[f64]) -> Value {
+    let ensemble = &problem.ensemble;
+    let (name, p) = (ensemble.risk().name(), ensemble.probabilities());
+    let measures: Map<String, Value> = ensemble
+        .risks_of(costs)
+        .into_iter()
+        .map(|measured| (measured.name.to_owned(), json!({ "value": measured.value, "exact": measured.exact })))
+        .collect();
+    json!({
+        "measure": name, "value": ensemble.risk().value(p, costs), "deviation": deviation(p, costs),
+        "measures": measures,
+    })
+}
+
+/// Of all members together: the worst of states, the sum of work.
+fn overall(own: &[Map<String, Value>], shown: &[Shown<'_>]) -> Map<String, Value> {
+    let mut work = SolveReport::default();
+    shown.iter().for_each(|one| work.add_work(&one.work));
+    let min_j = shown.iter().map(|one| one.state.report.min_j).fold(f64::INFINITY, f64::min);
+    let residual = shown.iter().map(|one| one.state.report.residual).fold(0.0, f64::max);
+    // One singular tangent leaves no number for all.
+    let inertia: Option<Vec<u64>> = own.iter().map(|entry| entry.get("inertia").and_then(Value::as_u64)).collect();
+    let mut out = Map::new();
+    out.insert("min_J".into(), json!(min_j));
+    out.insert("residual".into(), json!(residual));
+    out.insert("inertia".into(), json!(inertia.and_then(|all| all.into_iter().max())));
+    out.extend(summary::work(&work));
+    out
+}
+
+/// The entries of all members by scenario and load case.
+fn tree(problem: &Problem, costs: &[f64], own: Vec<Map<String, Value>>) -> Map<String, Value> {
+    let mut scenarios: Vec<Map<String, Value>> = costs.iter().map(|_| Map::new()).collect();
+    for (member, entry) in problem.members().zip(own) {
+        let scenario = &mut scenarios[member.part().scenario()];
+        match member.load_case() {
+            None => scenario.extend(entry),
+            Some(name) => {
+                let mut with_weight = Map::from_iter([("weight".to_owned(), json!(member.part().weight()))]);
+                with_weight.extend(entry);
+                let cases = scenario.entry("load_cases").or_insert_with(|| json!({}));
+                cases[name] = Value::Object(with_weight);
+            }
+        }
+    }
+    if !problem.has_scenarios() {
+        return scenarios.into_iter().next().unwrap_or_default();
+    }
+    let ensemble = &problem.ensemble;
+    let head = |k: usize| {
+        let mut out = Map::new();
+        out.insert("probability".into(), json!(ensemble.probabilities()[k]));
+        out.insert("set".into(), Value::Object(problem.differences(k).clone()));
+        if problem.has_costs() {
+            out.insert("cost".into(), json!({ "total": costs[k] }));
+        }
+        out
+    };
+    let entry = |(k, entry): (usize, Map<String, Value>)| {
+        let mut out = head(k);
+        out.extend(entry);
+        (ensemble.scenarios()[k].clone(), Value::Object(out))
+    };
+    let all: Map<String, Value> = scenarios.into_iter().enumerate().map(entry).collect();
+    Map::from_iter([("scenarios".to_owned(), Value::Object(all))])
+}
