@@ -1,6 +1,6 @@
 //! A hard-magnetic T: one magnetisation is designed, cell by cell, that takes the T to its target in a uniform field, or to
-//! two targets in two fields. Both targets are made by a magnetisation and fields of ours on another mesh, so that they
-//! can be reached; the problem has many local minima, so four starts are run and all of them listed.
+//! two targets in two fields. Both targets are made by a magnetisation and fields of ours on another mesh, so that they can
+//! be reached; the problem has many local minima, so four starts are run and all of them listed.
 //!
 //! `cargo run --release --example t_magnet` writes VTU files and pictures to `out/t_magnet`. As cases:
 //! `examples/cases/t_magnet.json`, `examples/cases/t_two_loads.json`.
@@ -18,7 +18,7 @@ type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
 const REMANENCE: f64 = 0.1; // T, everywhere
 const FIELD: f64 = 20e-3; // T, at most
-const FIELDS: [[f64; 3]; 2] = [[0.0, 4e-3, 16e-3], [6e-3, -12e-3, 0.0]];
+const TARGETS: [(&str, [f64; 3]); 2] = [("lifted", [0.0, 4e-3, 16e-3]), ("lowered", [8e-3, 6e-3, -12e-3])]; // and their fields
 
 fn body(disc: Arc<Discretization>) -> Outcome<Solid> {
     Ok(Solid::on(disc)
@@ -33,23 +33,28 @@ fn known(x: &[f64; 3]) -> [f64; 3] {
     [REMANENCE * angle.cos(), REMANENCE * angle.sin(), 0.0]
 }
 
-/// The surface that is tracked, and where it goes in a field under the known magnetisation, on a mesh of tetrahedra.
-fn target(field: [f64; 3]) -> Outcome<Tracking> {
+/// Tracking of the upper side towards where it goes in a field under the known magnetisation, found on a mesh of
+/// tetrahedra. The target is also written as a displacement of our own mesh, for the cases.
+fn target(mesh: &Arc<Mesh>, (name, field): (&str, [f64; 3])) -> Outcome<Tracking> {
     let maker = body(Discretization::new(nastic::io::read_gmsh("meshes/t_tet.msh")?.into())?)?;
     let mut controls = maker.controls();
     let at = maker.discretization().body().positions(maker.mesh(), None);
     for (slots, x) in controls.values_mut(0).chunks_exact_mut(6).zip(&at) {
         slots.copy_from_slice(&[known(x), field].concat());
     }
-    let state = maker.solve(&controls, &Default::default())?.state;
-    Ok(Tracking::surface("top", Target::moved(maker.mesh().clone(), state.u.to_vec())?))
+    let u = maker.solve(&controls, &Default::default())?.state.u.to_vec();
+    let ours = |x: &[f64; 3]| maker.mesh().locate(*x).map(|at| at.interpolate(&u, 3)).ok_or("the meshes do not agree");
+    let displacement: Vec<[f64; 3]> = mesh.points().iter().map(ours).collect::<Result<_, _>>()?;
+    let shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, displacement.concat())?;
+    nastic::io::write_vtu(format!("out/t_magnet/target_{name}.vtu"), &shot)?;
+    Ok(Tracking::surface("top", Target::moved(maker.mesh().clone(), u)?))
 }
 
-fn problem(disc: &Arc<Discretization>, field: [f64; 3]) -> Outcome<Reduced> {
+fn problem(disc: &Arc<Discretization>, wanted: (&str, [f64; 3])) -> Outcome<Reduced> {
     Ok(Reduced::new(body(disc.clone())?)
         .control("magnet.remanence", Space::Cell)?
         .control("magnet.field", Space::Uniform)?
-        .cost(target(field)?)?)
+        .cost(target(disc.mesh(), wanted)?)?)
 }
 
 /// The state with its magnetisation as arrows, beside the start as glass.
@@ -77,7 +82,7 @@ fn main() -> Outcome {
         Lbfgs { options: Options { tolerance: 1e-4, max_iterations: 300, ..Options::default() }, ..Lbfgs::default() };
     let upward = [0.0, 0.0, 0.5 * FIELD];
 
-    let one = problem(&disc, FIELDS[0])?;
+    let one = problem(&disc, TARGETS[0])?;
     let set = Product::new().block(3 * cells, sphere.clone()).block(3, Ball::new(3, FIELD)?);
     let search = optimizer.clone().within(set);
     let mut least = f64::INFINITY;
@@ -99,13 +104,15 @@ fn main() -> Outcome {
         }
     }
 
-    let case = |name: &str, field| Outcome::Ok(LoadCase::new(name, 1.0, problem(&disc, field)?).own("magnet.field"));
-    let two = Ensemble::new(Mean).load_cases(vec![case("lifted", FIELDS[0])?, case("swayed", FIELDS[1])?]).build()?;
+    let case = |wanted: (&str, [f64; 3])| {
+        Outcome::Ok(LoadCase::new(wanted.0, 1.0, problem(&disc, wanted)?).own("magnet.field"))
+    };
+    let two = Ensemble::new(Mean).load_cases(vec![case(TARGETS[0])?, case(TARGETS[1])?]).build()?;
     let set = Product::new().block(3 * cells, sphere).block(3, Ball::new(3, FIELD)?).block(3, Ball::new(3, FIELD)?);
     let search = optimizer.within(set);
     let mut least = f64::INFINITY;
     for (k, start) in starts.iter().enumerate() {
-        let start = [start.as_slice(), &upward, &[0.0, -0.5 * FIELD, 0.0]].concat();
+        let start = [start.as_slice(), &upward, &[0.0, 0.0, -0.5 * FIELD]].concat();
         let first = two.try_evaluate(&start, &Default::default())?;
         let best = search.minimize(&two, start)?;
         for (case, (from, to)) in two.parts().iter().zip(first.parts.iter().zip(&best.point.parts)) {

@@ -81,6 +81,11 @@ impl Layout {
         Layout { blocks: vec![], fixed, len: 0 }
     }
 
+    /// Names of everything that can be controlled: `ACTUATION`, or `ACTUATION.SLOT` where it has several groups of slots.
+    pub fn names(solid: &Solid) -> Vec<String> {
+        groups(solid).into_iter().map(|(name, ..)| name).collect()
+    }
+
     /// Adds a control field. `of` names an actuation with one group of slots, or `ACTUATION.SLOT` with the slot's name.
     ///
     /// # Errors
@@ -200,19 +205,25 @@ fn norm(v: &[f64]) -> f64 {
 
 /// Actuation, first slot, number of components and unit of a control's name.
 fn resolve(solid: &Solid, of: &str) -> Result<(usize, usize, usize, &'static str), ControlError> {
-    let actuations = solid.body().actuations();
-    let mut known = Vec::new();
-    for (k, attached) in actuations.iter().enumerate() {
+    let all = groups(solid);
+    let found = all.iter().find(|(name, ..)| name == of);
+    found.map(|&(_, actuation, slot, components, unit)| (actuation, slot, components, unit)).ok_or_else(|| {
+        let known = all.iter().map(|(name, ..)| name.as_str()).collect::<Vec<_>>().join(", ");
+        ControlError::UnknownControl { name: of.to_owned(), known }
+    })
+}
+
+/// Name, actuation, first slot, number of components and unit of all that can be controlled.
+fn groups(solid: &Solid) -> Vec<(String, usize, usize, usize, &'static str)> {
+    let mut all = Vec::new();
+    for (k, attached) in solid.body().actuations().iter().enumerate() {
         let groups = slot_groups(attached.law.slots());
         for &(name, first, count, unit) in &groups {
             let full = if groups.len() == 1 { attached.name.clone() } else { format!("{}.{name}", attached.name) };
-            if full == of {
-                return Ok((k, first, count, unit));
-            }
-            known.push(full);
+            all.push((full, k, first, count, unit));
         }
     }
-    Err(ControlError::UnknownControl { name: of.to_owned(), known: known.join(", ") })
+    all
 }
 
 /// Slots named `NAME.x`, `NAME.y`, `NAME.z` in a row form one vector group; others stand alone.

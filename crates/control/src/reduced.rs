@@ -186,8 +186,7 @@ impl Reduced {
     }
 
     fn control_everything(mut self) -> Result<Self, ControlError> {
-        let names: Vec<String> = self.solid.body().actuations().iter().map(|a| a.name.clone()).collect();
-        for name in names {
+        for name in Layout::names(&self.solid) {
             self = self.control(&name, Space::Cell)?;
         }
         Ok(self)
