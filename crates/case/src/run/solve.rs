@@ -7,7 +7,7 @@ use crate::result::picture::{self, Drawing};
 use crate::result::snapshot::{self, View};
 use crate::result::summary;
 use nastic_control::ControlError;
-use nastic_fem::{Progress, Request, Solved, State};
+use nastic_fem::{Progress, Request, Solved, Solver, State};
 use serde_json::{Value, json};
 
 /// Relative residual asked for: as near to exact as it is cheap to be.
@@ -69,6 +69,9 @@ fn say(session: &Session<'_>, state: &State) {
         work.reused,
         scientific(work.residual, 1)
     ));
+    if work.solver == Solver::Multigrid {
+        console.say(format!("linear      multigrid: {} cycles on {} sets of levels", work.cycles, work.hierarchies));
+    }
     console.say(format!("stability   min J {}, {}", short(work.min_j), inertia(&result)));
     say_cost(session, &result);
     say_probes(session, &result);
