@@ -27,8 +27,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let optimizer = by_name(&method, options).ok_or("method is projected_gradient, spectral or lbfgs")?;
     let zero = vec![0.0; problem.layout().len()];
 
+    let set = Bounds::new(-3e5, 0.0)?;
     let began = Instant::now();
-    let run = Run::start(optimizer.as_ref(), &problem, &Bounds::new(-3e5, 0.0)?, problem.inner_product(), &zero)?;
+    let run = Run::start(optimizer.as_ref(), &problem, &set, problem.inner_product(), &zero)?;
     let mut work = [("newton", 0.0), ("factorisations", 0.0), ("back_substitutions", 0.0)];
     let mut first = None;
     let best = run.minimize(&mut |trial: &Trial<'_, Evaluated>| {

@@ -46,7 +46,7 @@ fn forward(peers: &Peers, sizes: &str) -> Result<(), Failure> {
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let all = [("31k", "hex8", 12, 1), ("31k", "hex27", 6, 2), ("98k", "hex8", 18, 1), ("98k", "hex27", 9, 2)];
-    for (size, element, n, order) in all.into_iter().filter(|(size, ..)| sizes.split(',').any(|s| s == *size)) {
+    for (_, element, n, order) in all.into_iter().filter(|(size, ..)| sizes.split(',').any(|s| s == *size)) {
         let ours = own("forward", &[&format!("element={element}"), &format!("n={n}"), "repeat=3", "threads=2"])?;
         let peer =
             peers.run("dolfinx_peer.py", &[&format!("n={n}"), &format!("order={order}"), "solver=mumps", "threads=2"]);

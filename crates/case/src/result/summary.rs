@@ -116,7 +116,11 @@ pub(crate) fn work(report: &SolveReport) -> Map<String, Value> {
         ("factorisations", report.factorisations),
         ("reused_factorisations", report.reused),
         ("back_substitutions", report.back_substitutions),
+        ("multigrid_hierarchies", report.hierarchies),
+        ("multigrid_cycles", report.cycles),
         ("load_steps_cut", report.cuts),
     ];
-    entries.into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect()
+    let mut out: Map<String, Value> = entries.into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect();
+    out.insert("linear_solver".into(), json!(report.solver.to_string()));
+    out
 }

@@ -89,6 +89,9 @@ fn say(session: &Session<'_>, states: &[State]) {
         work.reused,
         scientific(states.iter().map(|state| state.report.residual).fold(0.0, f64::max), 1)
     ));
+    if work.cycles > 0 {
+        console.say(format!("linear      multigrid: {} cycles on {} sets of levels", work.cycles, work.hierarchies));
+    }
     say_stability(session, &result);
     say_cost(session, &result);
     say_members(session, &result);
