@@ -1,7 +1,7 @@
 //! Smoothed Hausdorff sums by number of points, function phi, and value with or without gradient, at alpha = 60 over a
 //! body of length 1: `cargo bench --bench hausdorff`.
 
-#![allow(clippy::expect_used)] // a bench on fixed input
+#![allow(clippy::expect_used)] // a bench that cannot start stops
 
 mod bent_skins;
 

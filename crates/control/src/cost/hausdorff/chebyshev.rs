@@ -42,6 +42,9 @@ const ELLIPSES: [f64; 11] = [4.0, 2.5, 1.6, 1.0, 0.85, 0.7, 0.55, 0.4, 0.28, 0.1
 /// Cosine at the beginning and sine at the end of the arcs of a quarter of an ellipse.
 const ARCS: [[f64; 2]; 3] = [[1.0, 0.5], [0.8660254037844387, 0.8660254037844387], [0.5, 1.0]];
 
+/// Axes with a smaller cosine to the line between the centres have ellipses within the distance of the boxes.
+const ACROSS: f64 = 0.6;
+
 /// Spacing of the wave vectors: they change a wave by sqrt 2 between centre and face of the box.
 const SPACING: f64 = 0.5;
 
@@ -155,6 +158,19 @@ impl<'a> FarPair<'a> {
         let near = self.near.max(0.0).hypot(self.kernel.softening());
         let dip = 0.5 * self.kernel.dip(near) * (self.radii[0] + self.radii[1]).powi(2) + self.all_residue;
         (dip, self.waves[0].height() + self.waves[1].height())
+    }
+
+    /// Nodes that a grid on one side has at least, about: what ellipses of the largest size give, their values not rising.
+    /// Cheap, and decides only what is worth trying.
+    pub fn least_nodes(&self, side: usize, budget: f64) -> f64 {
+        let scale = self.near.max(0.0).hypot(self.kernel.softening());
+        let needed = |d: usize| {
+            let half = self.frames[side].half[d];
+            let part = if self.cosines[side][d].abs() < ACROSS { 1.0 } else { ELLIPSES[0] };
+            let t = part * scale / half;
+            if half > 0.0 { (-budget / log2_above(t + t.hypot(1.0))).max(0.0) + 1.0 } else { 1.0 }
+        };
+        needed(0).floor() * needed(1).floor() * needed(2).floor()
     }
 
     /// The smallest grid on one side with fewer than `limit` nodes that keeps its share of an error, over E between the

@@ -231,6 +231,7 @@ impl Planner<'_> {
     /// The smallest grids that keep the error within the other half of the tolerance.
     fn far(&self, far: &Far, row: u32, column: u32, gaps: [f64; 3], lowest: f64) -> Option<(Pair<Grid>, usize)> {
         let (r, c) = (self.rows.node(row), self.columns.node(column));
+        let near_cost = r.count as usize * c.count as usize;
         let frames = [&far.row_frames[row as usize], &far.column_frames[column as usize]];
         let pair = FarPair::new(self.kernel, frames, gaps)?;
         // Errors are in proportion to the waves. They may be measured by E itself, which falls short of its waves by
@@ -240,6 +241,12 @@ impl Planner<'_> {
         // An eighth for rounding, the rest for the interpolations.
         let budget = self.log_tolerance - 1.0 + measure;
         let all_directions = budget - LOG2_4_3;
+        let [m, n] = [(0, r.count), (1, c.count)]
+            .map(|(side, count)| pair.least_nodes(side, all_directions).min(f64::from(count)) as usize);
+        let hopeless = [m >= r.count as usize, n >= c.count as usize];
+        if hopeless[0] && (hopeless[1] || !r.is_leaf()) || hopeless[1] && !c.is_leaf() || cost(m, n) >= near_cost {
+            return None;
+        }
         let row_grid = pair.grid(0, all_directions, 1.0, r.count as usize);
         if row_grid.is_none() && !r.is_leaf() {
             return None;
@@ -255,6 +262,11 @@ impl Planner<'_> {
         }
         let size = |grid: Option<Grid>, count: u32| grid.map_or(count as usize, |(_, orders)| nodes(orders));
         let (m, n) = (size(row_grid, r.count), size(column_grid, c.count));
-        Some((Pair { row, column, row_grid, column_grid }, m * n + OVERHEAD_NODE * (m + n) + OVERHEAD))
+        Some((Pair { row, column, row_grid, column_grid }, cost(m, n)))
     }
+}
+
+/// What a far pair costs with so many nodes on either side.
+fn cost(m: usize, n: usize) -> usize {
+    m * n + OVERHEAD_NODE * (m + n) + OVERHEAD
 }
