@@ -29,7 +29,7 @@ impl Discretization {
     ///
     /// # Errors
     /// [`FemError::InvertedReference`] where the reference configuration is inside out, [`FemError::Structure`] for a mesh
-    /// too large for the direct solver.
+    /// whose tangent has more blocks than 32 bits can name.
     pub fn new(mesh: Arc<Mesh>) -> Result<Arc<Self>, FemError> {
         let body = Sampling::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
         let cells = || body.parts.iter().flat_map(|p| (0..p.cells.len()).map(|c| p.nodes_of(c)));

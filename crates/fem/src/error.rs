@@ -40,7 +40,7 @@ pub enum FemError {
     /// A law's parameter.
     #[error(transparent)]
     Energy(#[from] EnergyError),
-    /// The mesh is too large for the direct solver.
+    /// The mesh is too large for its tangent.
     #[error(transparent)]
     Structure(#[from] StructureError),
     /// The reference configuration is inside out somewhere.
