@@ -9,7 +9,7 @@ use nastic_fem::linear::Factor;
 use nastic_fem::{Request as StateRequest, Solid, SolveReport, Solved, State};
 use nastic_opt::{Failed, InnerProduct, Objective, Problem, Report, Request};
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// `jhat(m) = j(u(m), m)` with its derivative by the adjoint.
 ///
@@ -44,16 +44,42 @@ pub struct Evaluated {
     pub stage: usize,
     /// Work of this evaluation, and later of its adjoint.
     pub work: SolveReport,
-    factor: Option<Arc<Factor>>,
+    factor: Newest,
     adjoint: OnceLock<AdjointPart>,
 }
 
-/// What the derivative leaves behind: for output, and a fresh factor for the next solve.
+/// What the derivative leaves behind.
 #[derive(Debug, Clone)]
 struct AdjointPart {
     lambda: Vec<f64>,
-    factor: Option<Arc<Factor>>,
     work: SolveReport,
+}
+
+/// The newest factor at hand, for the next solve. One alone: they are the largest things in memory.
+#[derive(Debug, Default)]
+struct Newest(Mutex<Option<Arc<Factor>>>);
+
+impl Newest {
+    fn new(factor: Option<Arc<Factor>>) -> Self {
+        Newest(Mutex::new(factor))
+    }
+
+    fn get(&self) -> Option<Arc<Factor>> {
+        self.0.lock().ok().and_then(|factor| factor.clone())
+    }
+
+    /// A newer one takes the place of the old.
+    fn renew(&self, newer: Option<Arc<Factor>>) {
+        if let (Ok(mut factor), Some(newer)) = (self.0.lock(), newer) {
+            *factor = Some(newer);
+        }
+    }
+}
+
+impl Clone for Newest {
+    fn clone(&self) -> Self {
+        Newest::new(self.get())
+    }
 }
 
 /// Relative residual asked of a state solve per relative accuracy of the state: slender bodies amplify residuals.
@@ -79,18 +105,10 @@ impl Evaluated {
         work
     }
 
-    /// Lets go of its factors, which are large: for points that are kept to be looked at.
-    pub fn without_factors(mut self) -> Self {
-        self.factor = None;
-        if let Some(adjoint) = self.adjoint.get_mut() {
-            adjoint.factor = None;
-        }
+    /// Lets go of its factor, which is large: for points that are kept to be looked at.
+    pub fn without_factor(mut self) -> Self {
+        self.factor = Newest::default();
         self
-    }
-
-    /// The newest factor at hand.
-    fn factor(&self) -> Option<Arc<Factor>> {
-        self.adjoint.get().and_then(|a| a.factor.clone()).or_else(|| self.factor.clone())
     }
 }
 
@@ -116,6 +134,16 @@ impl Reduced {
     /// Unknown names, a field given twice, a space that does not fit.
     pub fn control(mut self, of: &str, space: Space) -> Result<Self, ControlError> {
         self.layout.control(&self.solid, of, space)?;
+        self.metric = OnceLock::new();
+        Ok(self)
+    }
+
+    /// Adds the amplitude of a vector along a fixed direction as a control field.
+    ///
+    /// # Errors
+    /// As [`control`](Self::control); a slot that is no vector, a direction without a length.
+    pub fn control_along(mut self, of: &str, space: Space, direction: [f64; 3]) -> Result<Self, ControlError> {
+        self.layout.control_along(&self.solid, of, space, direction)?;
         self.metric = OnceLock::new();
         Ok(self)
     }
@@ -228,7 +256,7 @@ impl Reduced {
         let controls = self.layout.to_points(m)?;
         let how = StateRequest {
             near: near.map(|point| &point.state),
-            factor: near.and_then(Evaluated::factor),
+            factor: near.and_then(|point| point.factor.get()),
             parallel: self.parallel,
             accuracy,
             cancel: self.cancel.as_deref(),
@@ -236,7 +264,7 @@ impl Reduced {
         };
         let Solved { state, factor } = self.solid.solve(&controls, &how)?;
         let terms = self.terms(&state, m, stage)?;
-        let work = state.report;
+        let (work, factor) = (state.report, Newest::new(factor));
         Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor, adjoint: OnceLock::new() })
     }
 
@@ -255,7 +283,7 @@ impl Reduced {
     /// A cost that is not defined there.
     pub fn try_restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
         let terms = self.terms(&point.state, &point.m, stage)?;
-        let (m, state, factor) = (point.m.clone(), point.state.clone(), point.factor());
+        let (m, state, factor) = (point.m.clone(), point.state.clone(), point.factor.clone());
         let work = SolveReport::default();
         Ok(Evaluated { m, state, terms, stage, work, factor, adjoint: OnceLock::new() })
     }
@@ -286,7 +314,7 @@ impl Reduced {
             return Ok(derivative);
         }
         let rhs: Vec<f64> = partials.u.iter().map(|d| -d).collect();
-        let how = StateRequest { factor: point.factor(), parallel: self.parallel, ..StateRequest::default() };
+        let how = StateRequest { factor: point.factor.get(), parallel: self.parallel, ..StateRequest::default() };
         let adjoint = self.solid.adjoint(&point.state, &[&rhs], &how)?;
         let lambda = adjoint.lambda.into_iter().next().unwrap_or_default();
         let by_point = self.solid.body().pull_back(&point.state.u, &point.state.controls, &lambda)?;
@@ -294,7 +322,8 @@ impl Reduced {
             *d += through_state;
         }
         if term.is_none() {
-            let _ = point.adjoint.set(AdjointPart { lambda, factor: adjoint.factor, work: adjoint.report });
+            point.factor.renew(adjoint.factor);
+            let _ = point.adjoint.set(AdjointPart { lambda, work: adjoint.report });
         }
         Ok(derivative)
     }

@@ -89,7 +89,7 @@ pub struct EnsemblePoint {
 impl EnsemblePoint {
     /// Lets go of all factors: for points that are kept to be looked at.
     pub fn without_factors(mut self) -> Self {
-        self.parts = self.parts.into_iter().map(Evaluated::without_factors).collect();
+        self.parts = self.parts.into_iter().map(Evaluated::without_factor).collect();
         self
     }
 }
