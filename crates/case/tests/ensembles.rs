@@ -375,3 +375,30 @@ fn several_starts_are_run_and_compared() {
     let found = problems(&with(&unbounded, r#""max_iterations": 4"#, r#""max_iterations": 4, "starts": 2"#));
     assert!(found.contains("random starts (optimizer/starts) are drawn within the bounds: give \"lower\""), "{found}");
 }
+
+#[test]
+fn an_amplitude_along_a_direction_is_a_scalar() {
+    let place = Place::new();
+    let vector = r#""start": ["1 mT", 0, "20 mT"], "max_norm": "100 mT""#;
+    let along = r#""direction": [0.6, 0, 0.8], "start": "20 mT", "lower": 0, "max_norm": "100 mT""#;
+    let case = with(MAGNET, vector, along);
+    let result = place.run(Command::Gradient, &case, &[]).unwrap().result;
+    assert_eq!(number(&result, "controls/up.field/unknowns"), 1.0);
+    let slope = place.json("derivative.json")["up.field"][0].as_f64().unwrap();
+    let shot = nastic_io::read_snapshot(place.path("out/up_start.vtu")).unwrap();
+    for (found, wanted) in shot.cell_array("B_a").unwrap().values[..3].iter().zip([0.012, 0.0, 0.016]) {
+        assert!((found - wanted).abs() < 1e-15, "{found} and {wanted}");
+    }
+    // the same as the whole vector, and its derivative along the direction
+    let whole = with(MAGNET, vector, r#""start": ["12 mT", 0, "16 mT"], "max_norm": "100 mT""#);
+    let whole = place.run(Command::Gradient, &whole, &[]).unwrap().result;
+    assert!((number(&whole, "cost/total") / number(&result, "cost/total") - 1.0).abs() < 1e-12);
+    let d: Vec<f64> =
+        place.json("derivative.json")["up.field"].as_array().unwrap().iter().map(|d| d.as_f64().unwrap()).collect();
+    assert!((slope / (0.6 * d[0] + 0.8 * d[2]) - 1.0).abs() < 1e-9, "{slope:e} and {d:?}");
+    assert_eq!(place.run(Command::Gradcheck, &case, &[]).unwrap().exit, Exit::Done);
+    let check = place.run(Command::Check, &case, &[]).unwrap().result;
+    assert_eq!((number(&check, "controls/up.field/lower"), number(&check, "controls/up.field/upper")), (0.0, 0.1));
+    let found = problems(&with(&case, r#""lower": 0"#, r#""lower": "-1 T""#));
+    assert!(found.contains("the bounds let the amplitude exceed the \"max_norm\" 0.1"), "{found}");
+}

@@ -44,7 +44,8 @@ pub enum Command {
     ///
     /// Begins with a short gradient check, prints one row per trial, ends with a summary. Writes start.vtu, optimum.vtu,
     /// target.vtu, iterations.pvd with its snapshots, history.jsonl, picture.png, picture.svg and result.json. Ctrl-C
-    /// stops after the trial at hand and keeps what was found.
+    /// stops after the trial at hand and keeps what was found. Load cases and scenarios have files of their own, and
+    /// scenarios.pvd collects the latter.
     Optimize(Case),
     /// Print the JSON Schema of case files, for editors
     Schema,

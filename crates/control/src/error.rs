@@ -34,6 +34,14 @@ pub enum ControlError {
         /// The earlier one.
         other: String,
     },
+    /// An amplitude along a direction that cannot be.
+    #[error("control \"{name}\" along a direction: {why}; directions are unit vectors, for vector controls")]
+    Direction {
+        /// The control.
+        name: String,
+        /// What is wrong.
+        why: &'static str,
+    },
     /// Region space over cells of no region.
     #[error("cell {cell} is in no named region, so a control by region has no value there; use the space \"cell\"")]
     NoRegion {

@@ -13,8 +13,10 @@ pub struct ControlBlock {
     pub actuation: usize,
     /// First slot.
     pub slot: usize,
-    /// Number of components (consecutive slots).
+    /// Number of components: of consecutive slots, or one amplitude along a direction.
     pub components: usize,
+    /// The unit vector whose multiples the slots take; the control is then its amplitude.
+    pub direction: Option<[f64; 3]>,
     /// The map to the points.
     pub map: ControlMap,
     /// First entry of this field in the vector.
@@ -34,6 +36,43 @@ impl ControlBlock {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.map.is_empty()
+    }
+
+    /// Number of consecutive slots it sets.
+    pub fn slots(&self) -> usize {
+        self.direction.map_or(self.components, |direction| direction.len())
+    }
+
+    /// Values at the points, `stride` slots each; points the field does not reach keep theirs.
+    fn to_points(&self, m: &[f64], stride: usize, out: &mut [f64]) {
+        let Some(direction) = self.direction else {
+            for c in 0..self.components {
+                self.map.to_points(m, self.components, c, stride, self.slot + c, out);
+            }
+            return;
+        };
+        for (q, values) in out.chunks_exact_mut(stride).enumerate() {
+            let mut terms = self.map.at_point(q).peekable();
+            if terms.peek().is_some() {
+                let amplitude: f64 = terms.map(|(i, shape)| shape * m[i]).sum();
+                for (value, d) in values[self.slot..].iter_mut().zip(direction) {
+                    *value = amplitude * d;
+                }
+            }
+        }
+    }
+
+    /// The transpose: adds to the derivative by the field's unknowns.
+    fn pull_back(&self, by_point: &[f64], stride: usize, out: &mut [f64]) {
+        let Some(direction) = self.direction else {
+            for c in 0..self.components {
+                self.map.from_points(by_point, stride, self.slot + c, self.components, c, out);
+            }
+            return;
+        };
+        let along = |values: &[f64]| values[self.slot..].iter().zip(direction).map(|(v, d)| v * d).sum();
+        let amplitudes: Vec<f64> = by_point.chunks_exact(stride).map(along).collect();
+        self.map.from_points(&amplitudes, 1, 0, 1, 0, out);
     }
 
     /// Its part of the vector.
@@ -91,16 +130,48 @@ impl Layout {
     /// # Errors
     /// Unknown names, a field controlled twice, or a space that does not fit the region.
     pub fn control(&mut self, solid: &Solid, of: &str, space: Space) -> Result<&ControlBlock, ControlError> {
-        let (actuation, slot, components, unit) = resolve(solid, of)?;
+        self.add(solid, of, space, None)
+    }
+
+    /// Adds the amplitude a of a vector `a direction`: a scalar field for three slots. The direction is normalised.
+    ///
+    /// # Errors
+    /// As [`control`](Self::control); a slot that is no vector, a direction without a length.
+    pub fn control_along(
+        &mut self,
+        solid: &Solid,
+        of: &str,
+        space: Space,
+        direction: [f64; 3],
+    ) -> Result<&ControlBlock, ControlError> {
+        let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+        if !(length.is_finite() && length > 0.0) {
+            return Err(ControlError::Direction { name: of.to_owned(), why: "its length is not a positive number" });
+        }
+        self.add(solid, of, space, Some(direction.map(|d| d / length)))
+    }
+
+    fn add(
+        &mut self,
+        solid: &Solid,
+        of: &str,
+        space: Space,
+        direction: Option<[f64; 3]>,
+    ) -> Result<&ControlBlock, ControlError> {
+        let (actuation, slot, slots, unit) = resolve(solid, of)?;
+        if direction.is_some() && slots != 3 {
+            return Err(ControlError::Direction { name: of.to_owned(), why: "the control is no vector of space" });
+        }
         let overlaps =
-            |b: &ControlBlock| b.actuation == actuation && b.slot < slot + components && slot < b.slot + b.components;
+            |b: &ControlBlock| b.actuation == actuation && b.slot < slot + slots && slot < b.slot + b.slots();
         if let Some(other) = self.blocks.iter().find(|b| overlaps(b)) {
             return Err(ControlError::ControlledTwice { name: of.to_owned(), other: other.name.clone() });
         }
         let attached = &solid.body().actuations()[actuation];
         let map = ControlMap::new(solid.discretization(), &attached.cells, space)?;
-        let block =
-            ControlBlock { name: of.to_owned(), actuation, slot, components, map, first: self.len, unit, length: None };
+        let components = if direction.is_some() { 1 } else { slots };
+        let (name, first, length) = (of.to_owned(), self.len, None);
+        let block = ControlBlock { name, actuation, slot, components, direction, map, first, unit, length };
         self.len += block.len();
         self.blocks.push(block);
         Ok(&self.blocks[self.blocks.len() - 1])
@@ -166,9 +237,7 @@ impl Layout {
         for block in &self.blocks {
             let stride = controls.slots(block.actuation);
             let out = controls.values_mut(block.actuation);
-            for c in 0..block.components {
-                block.map.to_points(block.of(m), block.components, c, stride, block.slot + c, out);
-            }
+            block.to_points(block.of(m), stride, out);
             for at in out.chunks_exact_mut(stride) {
                 block.scale(&mut at[block.slot..block.slot + block.components]);
             }
@@ -183,10 +252,7 @@ impl Layout {
             let stride = by_point.slots(block.actuation);
             let mut values = by_point.values(block.actuation).to_vec();
             block.unscale(m, stride, &mut values);
-            let part = &mut out[block.first..block.first + block.len()];
-            for c in 0..block.components {
-                block.map.from_points(&values, stride, block.slot + c, block.components, c, part);
-            }
+            block.pull_back(&values, stride, &mut out[block.first..block.first + block.len()]);
         }
         out
     }

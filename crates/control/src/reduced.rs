@@ -131,6 +131,16 @@ impl Reduced {
         Ok(self)
     }
 
+    /// Adds the amplitude of a vector along a fixed direction as a control field.
+    ///
+    /// # Errors
+    /// As [`control`](Self::control); a slot that is no vector, a direction without a length.
+    pub fn control_along(mut self, of: &str, space: Space, direction: [f64; 3]) -> Result<Self, ControlError> {
+        self.layout.control_along(&self.solid, of, space, direction)?;
+        self.metric = OnceLock::new();
+        Ok(self)
+    }
+
     /// Fixes a slot of an actuation that is not controlled, from one value per quadrature point.
     ///
     /// # Errors

@@ -70,7 +70,11 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
             SpaceBlock::Cell => Space::Cell,
             SpaceBlock::Node => Space::Node,
         };
-        reduced = context.take(&control.at, reduced.control(&control.of, space))?;
+        let added = match &control.direction {
+            None => reduced.control(&control.of, space),
+            Some(direction) => reduced.control_along(&control.of, space, direction.xyz()),
+        };
+        reduced = context.take(&control.at, added)?;
     }
     Some(reduced)
 }
@@ -184,10 +188,26 @@ impl Lowering<'_> {
     fn bounds(&self, limit: Option<f64>, context: &mut Context<'_>) -> Option<Allowed> {
         let lower = self.bound("lower", &self.control.lower, context);
         let upper = self.bound("upper", &self.control.upper, context);
-        let (lower, upper) = (lower?, upper?);
+        let (mut lower, mut upper) = (lower?, upper?);
+        if let (Some(most), Some(_)) = (self.control.max_norm, &self.control.direction) {
+            let beyond = lower.as_ref().is_some_and(|lower| least(lower) < -most)
+                || upper.as_ref().is_some_and(|upper| greatest(upper) > most);
+            if beyond {
+                let message = format!("the bounds let the amplitude exceed the \"max_norm\" {most}");
+                context.complain(&self.control.at.key("max_norm"), message);
+                return None;
+            }
+            lower = lower.or(Some(Limit::Uniform(-most)));
+            upper = upper.or(Some(Limit::Uniform(most)));
+        }
         if lower.is_none() {
-            let message = "no \"lower\" bound is given: the theory needs none, but a strong contraction may crush cells; \
-                           give one if solves fail";
+            let message = match self.control.direction {
+                None => {
+                    "no \"lower\" bound is given: the theory needs none, but a strong contraction may crush cells; \
+                     give one if solves fail"
+                }
+                Some(_) => "no \"lower\" bound is given: the amplitude may grow without bound",
+            };
             context.warn(&self.control.at, message);
         }
         let lower = lower.unwrap_or(Limit::Uniform(f64::NEG_INFINITY));

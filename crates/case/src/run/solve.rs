@@ -3,7 +3,7 @@
 use super::error::{Exit, RunError};
 use super::number::{scientific, short, vector};
 use super::session::Session;
-use crate::lower::{Member, Problem, file_name};
+use crate::lower::{Member, Problem, TargetShape, file_name};
 use crate::result::files::Directory;
 use crate::result::picture::{self, Drawing};
 use crate::result::shown::{self, Detail, MemberError, Shown};
@@ -12,7 +12,6 @@ use crate::result::summary;
 use nastic_fem::{Progress, Request, SolveReport, State};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use std::collections::BTreeSet;
 
 /// Relative residual asked for: as near to exact as it is cheap to be.
 pub(super) const ACCURACY: f64 = 1e-12;
@@ -122,11 +121,14 @@ pub(super) fn members_of(result: &Value) -> Vec<(String, &Map<String, Value>)> {
     out
 }
 
-/// One line per member.
+/// Members whose numbers are said; the result has them all.
+const SAID: usize = 12;
+
+/// One line per member, and one about their risk.
 pub(super) fn say_members(session: &Session<'_>, result: &Value) {
     let members = members_of(result);
     let width = members.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    for (k, (name, entry)) in members.iter().enumerate() {
+    for (k, (name, entry)) in members.iter().enumerate().take(SAID) {
         let head = if k == 0 { "members" } else { "" };
         let number = |value: Option<&Value>| value.and_then(Value::as_f64);
         let cost = number(entry.get("cost").and_then(|cost| cost.get("total")));
@@ -139,6 +141,17 @@ pub(super) fn say_members(session: &Session<'_>, result: &Value) {
         let stable = inertia(&Value::Object((*entry).clone()));
         let min_j = number(entry.get("min_J")).unwrap_or(f64::NAN);
         session.console.say(format!("{head:<12}{name:<width$}  {weight}{cost}min J {}, {stable}", short(min_j)));
+    }
+    if members.len() > SAID {
+        session.console.say(format!("            and {} more, in result.json", members.len() - SAID));
+    }
+    if let Some(measures) = result["risk"]["measures"].as_object() {
+        let of = |(name, measure): (&String, &Value)| {
+            format!("{name} {}", measure["value"].as_f64().map_or_else(|| "-".to_owned(), |x| scientific(x, 4)))
+        };
+        let all: Vec<String> = measures.iter().map(of).collect();
+        let deviation = scientific(result["risk"]["deviation"].as_f64().unwrap_or(f64::NAN), 4);
+        session.console.say(format!("risk        {}; standard deviation {deviation}", all.join(", ")));
     }
 }
 
@@ -197,10 +210,11 @@ fn say_reactions(session: &Session<'_>, result: &Value) {
     }
 }
 
-/// The entries of all members; of a plain case the result itself.
+/// The entries of the members that are said; of a plain case the result itself.
 fn with_plain(result: &Value) -> Vec<(String, &Map<String, Value>)> {
-    let members = members_of(result);
+    let mut members = members_of(result);
     if !members.is_empty() {
+        members.truncate(SAID);
         return members;
     }
     result.as_object().map(|result| (String::new(), result)).into_iter().collect()
@@ -242,9 +256,9 @@ fn write(session: &mut Session<'_>, states: &[State]) -> Result<(), RunError> {
 
 /// Puts the names of files into the result and says them, the first of many.
 pub(super) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
-    const SAID: usize = 8;
-    let more = if files.len() > SAID { format!(" and {} more", files.len() - SAID) } else { String::new() };
-    let said: Vec<&str> = files.iter().take(SAID).map(String::as_str).collect();
+    const NAMED: usize = 9;
+    let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
+    let said: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
     session.console.say(format!("files       result.json, {}{more}", said.join(", ")));
     session.put("files", json!(files));
 }
@@ -252,8 +266,20 @@ pub(super) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
 /// `target.vtu` of the first target; further ones bear their cost's name, and those that members have alone begin as
 /// the members' files do.
 pub(super) fn write_targets(problem: &Problem, out: &Directory) -> Result<Vec<String>, RunError> {
-    let mut written = BTreeSet::new();
-    let mut files = Vec::new();
+    let targets = named_targets(problem);
+    for (name, shape) in &targets {
+        out.write_vtu(name, &snapshot::target(shape)?)?;
+    }
+    Ok(targets.into_iter().map(|(name, _)| name).collect())
+}
+
+/// The names of the files with targets.
+pub(super) fn target_files(problem: &Problem) -> Vec<String> {
+    named_targets(problem).into_iter().map(|(name, _)| name).collect()
+}
+
+fn named_targets(problem: &Problem) -> Vec<(String, &TargetShape)> {
+    let mut out: Vec<(String, &TargetShape)> = Vec::new();
     for member in problem.members() {
         let same = |other: &Member<'_>| {
             other.targets().len() == member.targets().len()
@@ -267,13 +293,12 @@ pub(super) fn write_targets(problem: &Problem, out: &Directory) -> Result<Vec<St
                 () if of_case.all(|other| same(&other)) => member.case_file(&name),
                 () => member.file(&name),
             };
-            if written.insert(name.clone()) {
-                out.write_vtu(&name, &snapshot::target(shape)?)?;
-                files.push(name);
+            if !out.iter().any(|(known, _)| *known == name) {
+                out.push((name, shape));
             }
         }
     }
-    Ok(files)
+    out
 }
 
 /// `scenarios.pvd`: the scenarios' files one after the other, for every load case.

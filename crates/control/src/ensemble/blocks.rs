@@ -61,6 +61,7 @@ fn difference(a: &ControlBlock, b: &ControlBlock) -> Option<&'static str> {
     match () {
         () if a.map.space() != b.map.space() => Some("space"),
         () if a.components != b.components => Some("number of components"),
+        () if a.direction != b.direction => Some("direction"),
         () if a.unit != b.unit => Some("unit"),
         () if a.length != b.length => Some("length of its vectors"),
         () if a.map.entities() != b.map.entities() => Some("cells or nodes"),

@@ -67,7 +67,7 @@ pub(super) fn report(session: &mut Session<'_>, starts: &Starts) -> Result<(), R
     session.console.say("");
     starts::say(session, starts);
     say(session, best);
-    session.timed("write", |session| write(session, starts.best()))
+    session.timed("write", |session| write(session, starts.best(), starts.entries.len()))
 }
 
 fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
@@ -148,10 +148,11 @@ fn say_how_to_go_on(session: &Session<'_>, stop: &Stop) {
     }
 }
 
-fn write(session: &mut Session<'_>, ended: &Ended) -> Result<(), RunError> {
+fn write(session: &mut Session<'_>, ended: &Ended, starts: usize) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let (problem, Ended { start, best, .. }) = (&session.problem, ended);
-    let mut files = write_states(problem, "optimum", &best.point, &best.derivative, &out)?;
+    let mut files = vec!["history.jsonl".to_owned()];
+    files.extend(write_states(problem, "optimum", &best.point, &best.derivative, &out)?);
     for (k, member) in problem.leads().enumerate() {
         let shot = |point: &EnsemblePoint| {
             let at = &point.parts[k];
@@ -171,7 +172,11 @@ fn write(session: &mut Session<'_>, ended: &Ended) -> Result<(), RunError> {
         }
     }
     files.extend(write_collections(problem, "optimum", &out)?);
-    files.extend(["start.vtu", "history.jsonl"].map(str::to_owned));
+    files.extend(problem.members().map(|member| member.file("start.vtu")));
+    files.extend(super::super::solve::target_files(problem));
+    if problem.case.output.every > 0 && starts == 1 {
+        files.extend(problem.leads().map(|lead| lead.case_file("iterations.pvd")));
+    }
     say_files(session, files);
     Ok(())
 }
