@@ -56,7 +56,7 @@ def t_magnet():
     wish = (target, "darkorange", 0)
     one = [
         ("start", [(start, "lightsteelblue", 1.0), wish], None),
-        ("optimum, on the target", [(optimum, "steelblue", 1.0), wish], None),
+        ("optimum", [(optimum, "steelblue", 1.0), wish], None),
         ("magnetisation", [(best, "lightgrey", 0.4)], arrows(best, best, 0.08)),
     ]
     camera = [(2.3, -2.3, 1.7), (0.5, 0.0, 0.38), (0, 0, 1)]
@@ -68,7 +68,7 @@ def t_magnet():
         two.append((name, [(shape, "steelblue", 1.0), (target, "darkorange", 0)], None))
     both, _ = moved("out/t_magnet/two_lifted.vtu")
     two.append(("the one magnetisation", [(both, "lightgrey", 0.4)], arrows(both, both, 0.08)))
-    figure("docs/images/t_two_targets.png", two, [(2.6, -2.5, 1.3), (0.5, 0.0, 0.0), (0, 0, 1)], 1.15)
+    figure("docs/images/t_two_targets.png", two, [(2.8, -2.8, 1.2), (0.5, 0.0, 0.05), (0, 0, 1)], 1.0)
 
 
 def petal():
@@ -76,10 +76,10 @@ def petal():
     best, optimum = moved("out/petal/optimum.vtu")
     panels = [
         ("start", [(start, "thistle", 1.0)], None),
-        ("optimum", [(optimum, "orchid", 1.0)], None),
+        ("after three iterations", [(optimum, "orchid", 1.0)], None),
         ("magnetisation", [(best, "lightgrey", 0.4)], arrows(best, best, 0.016)),
     ]
-    figure("docs/images/petal.png", panels, [(0.32, -0.42, 0.36), (0.0, 0.0, 0.03), (0, 0, 1)], 1.3)
+    figure("docs/images/petal.png", panels, [(0.36, -0.47, 0.38), (0.0, 0.0, 0.03), (0, 0, 1)], 1.15)
 
 
 if __name__ == "__main__":
