@@ -57,16 +57,13 @@ fn problem(disc: &Arc<Discretization>, wanted: (&str, [f64; 3])) -> Outcome<Redu
         .cost(target(disc.mesh(), wanted)?)?)
 }
 
-/// The state with its magnetisation as arrows, beside the start as glass.
+/// The state, and the body at rest with its magnetisation as arrows.
 fn draw(file: &str, title: &str, shot: &Snapshot) -> Outcome {
     let arrows = shot.cell_array("B_r").map(|a| a.values.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect());
+    let rest = Body::new("at rest, with its remanence", shot.mesh.clone()).look(Look::Glass(Colour::GREY));
     Picture::new(title)
-        .body(Body::new("at rest", shot.mesh.clone()).look(Look::Glass(Colour::GREY)))
-        .body(
-            Body::of("in the field", shot)
-                .look(Look::Solid(Colour::BLUE))
-                .arrows(Colour::RED, arrows.unwrap_or_default()),
-        )
+        .body(Body::of("in the field", shot).look(Look::Solid(Colour::BLUE)))
+        .body(rest.arrows(Colour::RED, arrows.unwrap_or_default()))
         .view(View::From([0.6, -1.0, 0.6]))
         .write(format!("out/t_magnet/{file}.png"))?;
     Ok(nastic::io::write_vtu(format!("out/t_magnet/{file}.vtu"), shot)?)

@@ -26,7 +26,10 @@ def arrows(rest, shown, length):
 def panel(plotter, column, title, bodies, glyphs, camera):
     plotter.subplot(0, column)
     for mesh, colour, opacity in bodies:
-        plotter.add_mesh(surface(mesh), color=colour, opacity=opacity, smooth_shading=False)
+        if opacity > 0:
+            plotter.add_mesh(surface(mesh), color=colour, opacity=opacity)
+        else:
+            plotter.add_mesh(surface(mesh).extract_feature_edges(40), color=colour, line_width=3)
     if glyphs is not None:
         plotter.add_mesh(glyphs, color="firebrick")
     plotter.add_text(title, font_size=11, color="black")
@@ -50,22 +53,22 @@ def t_magnet():
     rest, start = moved("out/t_magnet/start.vtu")
     best, optimum = moved("out/t_magnet/optimum.vtu")
     _, target = moved("out/t_magnet/target_lifted.vtu")
-    wish = (target, "orange", 0.35)
+    wish = (target, "darkorange", 0)
     one = [
         ("start", [(start, "lightsteelblue", 1.0), wish], None),
-        ("optimum, on the target", [(optimum, "steelblue", 1.0), wish], None),
+        ("optimum", [(optimum, "steelblue", 1.0), wish], None),
         ("magnetisation", [(best, "lightgrey", 0.4)], arrows(best, best, 0.08)),
     ]
-    camera = [(2.4, -2.2, 1.9), (0.55, 0.0, 0.2), (0, 0, 1)]
-    figure("docs/images/t_magnet.png", one, camera, 1.25)
+    camera = [(2.3, -2.3, 1.7), (0.5, 0.0, 0.38), (0, 0, 1)]
+    figure("docs/images/t_magnet.png", one, camera, 1.1)
     two = []
     for name in ["lifted", "lowered"]:
         _, shape = moved(f"out/t_magnet/two_{name}.vtu")
         _, target = moved(f"out/t_magnet/target_{name}.vtu")
-        two.append((name, [(shape, "steelblue", 1.0), (target, "orange", 0.35)], None))
+        two.append((name, [(shape, "steelblue", 1.0), (target, "darkorange", 0)], None))
     both, _ = moved("out/t_magnet/two_lifted.vtu")
     two.append(("the one magnetisation", [(both, "lightgrey", 0.4)], arrows(both, both, 0.08)))
-    figure("docs/images/t_two_targets.png", two, [(2.6, -2.5, 1.3), (0.5, 0.0, 0.0), (0, 0, 1)], 1.15)
+    figure("docs/images/t_two_targets.png", two, [(2.8, -2.8, 1.2), (0.5, 0.0, 0.05), (0, 0, 1)], 1.0)
 
 
 def petal():
@@ -73,10 +76,10 @@ def petal():
     best, optimum = moved("out/petal/optimum.vtu")
     panels = [
         ("start", [(start, "thistle", 1.0)], None),
-        ("optimum", [(optimum, "orchid", 1.0)], None),
+        ("after three iterations", [(optimum, "orchid", 1.0)], None),
         ("magnetisation", [(best, "lightgrey", 0.4)], arrows(best, best, 0.016)),
     ]
-    figure("docs/images/petal.png", panels, [(0.32, -0.42, 0.36), (0.0, 0.0, 0.03), (0, 0, 1)], 1.3)
+    figure("docs/images/petal.png", panels, [(0.36, -0.47, 0.38), (0.0, 0.0, 0.03), (0, 0, 1)], 1.15)
 
 
 if __name__ == "__main__":

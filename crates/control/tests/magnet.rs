@@ -162,7 +162,7 @@ fn designed(disc: &Arc<Discretization>, target: Tracking) -> Outcome<Reduced> {
 
 fn minimise<P: Problem>(problem: &P, set: Product, start: Vec<f64>) -> Outcome<Best<P::Point>> {
     set.check(&start)?;
-    let options = Options { tolerance: 3e-3, max_iterations: 40, ..Options::default() };
+    let options = Options { tolerance: 5e-4, max_iterations: 80, ..Options::default() };
     Ok(Lbfgs { options, ..Lbfgs::default() }.within(set).minimize(problem, start)?)
 }
 
@@ -176,14 +176,17 @@ fn a_known_target_is_reached() -> Outcome {
     let (set, uniform) = set_and_start(cells, &[upward], 0)?;
     let uniform = [[REMANENCE, 0.0, 0.0].repeat(cells), uniform[3 * cells..].to_vec()].concat();
     let first = problem.at(&uniform, None, 0)?.cost();
-    let mut ends = vec![minimise(&problem, set, uniform)?.cost];
+    let mut end = minimise(&problem, set, uniform)?.cost;
     for seed in 1..4 {
+        // Those that are left cannot make the best worse.
+        if end < 1e-3 * first {
+            break;
+        }
         let (set, start) = set_and_start(cells, &[upward], seed)?;
-        ends.push(minimise(&problem, set, start)?.cost);
+        end = end.min(minimise(&problem, set, start)?.cost);
     }
-    let least = ends.iter().copied().fold(f64::INFINITY, f64::min);
-    println!("{first:e} -> {ends:?}");
-    assert!(least < 1e-3 * first, "{first:e} -> {ends:?}");
+    println!("{first:e} -> {end:e}");
+    assert!(end < 1e-3 * first, "{first:e} -> {end:e}");
     Ok(())
 }
 
