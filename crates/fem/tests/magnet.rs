@@ -167,11 +167,12 @@ fn elliptic(k: f64) -> (f64, f64) {
     (first, first * (1.0 - sum))
 }
 
-type Carrier = fn(&Mat3) -> Mat3;
+/// Name, law, and what carries the remanence.
+type Variant = (&'static str, Arc<dyn Actuation>, fn(&Mat3) -> Mat3);
 
 /// What carries the remanence, written once more: `F`, `J^(-1/3) F`, and `R = F (F^T F)^(-1/2)`, of an upper triangular F
 /// by the eigenvectors of `F^T F`.
-fn carriers() -> Outcome<[(&'static str, Arc<dyn Actuation>, Carrier); 3]> {
+fn carriers() -> Outcome<[Variant; 3]> {
     let rotation = |f: &Mat3| {
         let eigen = (f.transpose() * f).symmetric_eigen();
         let inverse = Mat3::from_diagonal(&eigen.eigenvalues.map(|l| 1.0 / l.sqrt()));
