@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let vectors = problem.layout().blocks()[0].len();
     let set = Product::new().block(vectors, Sphere::new(3, REMANENCE)?).block(3, Ball::new(3, FIELD)?);
     let start = [[0.0, 0.0, REMANENCE].repeat(vectors / 3), vec![0.0, 0.0, 0.5 * FIELD]].concat();
-    let options = Options { tolerance: 1e-2, max_iterations: 3, ..Options::default() };
+    let options = Options { tolerance: 1e-2, max_iterations: 30, ..Options::default() };
     let run = Lbfgs { options, ..Lbfgs::default() }.start(&problem, &set, problem.inner_product(), &start)?;
     let mut files: Vec<(f64, String)> = Vec::new();
     let best = run.minimize(&mut |trial: &Trial<'_, Evaluated>| {

@@ -76,7 +76,7 @@ def petal():
     best, optimum = moved("out/petal/optimum.vtu")
     panels = [
         ("start", [(start, "thistle", 1.0)], None),
-        ("after three iterations", [(optimum, "orchid", 1.0)], None),
+        ("after thirty iterations", [(optimum, "orchid", 1.0)], None),
         ("magnetisation", [(best, "lightgrey", 0.4)], arrows(best, best, 0.016)),
     ]
     figure("docs/images/petal.png", panels, [(0.36, -0.47, 0.38), (0.0, 0.0, 0.03), (0, 0, 1)], 1.15)

@@ -76,7 +76,7 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
         };
         reduced = context.take(&control.at, added)?;
         // Between nodes the vectors must be as long as at them.
-        if let (SpaceBlock::Node, Some(norm), None) = (control.space, control.norm, &control.direction) {
+        if let (SpaceBlock::Node, Some(norm), None) = (&control.space, control.norm, &control.direction) {
             reduced = context.take(&control.at.key("norm"), reduced.of_length(&control.of, norm))?;
         }
     }
