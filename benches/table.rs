@@ -1,6 +1,7 @@
 //! The whole table: nastic and its peers one after the other on this machine, as Markdown.
 //!
-//! `cargo bench --bench table -- peers=DIR [rows=forward,optimise,hausdorff,scenarios] [sizes=31k,98k] [python=python3]`
+//! `cargo bench --bench table -- peers=DIR [rows=forward,optimise,hausdorff,scenarios] [sizes=31k,98k] [python=python3]
+//! ["launch=mpirun -n 2"] [points=100000] [numba=10000]`
 //!
 //! `peers` holds the scripts `dolfinx_peer.py` and `hausdorff.py`; without it, or without what a script needs, the peer
 //! is named as skipped. Every figure is a process of its own, so that memory is its own too. Run on an idle machine.
@@ -20,12 +21,15 @@ type Failure = Box<dyn std::error::Error>;
 struct Peers {
     scripts: Option<PathBuf>,
     python: String,
+    /// What starts the parallel ones, as `mpirun -n 2`; they run on one rank without.
+    launch: Vec<String>,
 }
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::read()?;
     let scripts = Some(PathBuf::from(arguments.text("peers", ""))).filter(|p| p.is_dir());
-    let peers = Peers { scripts, python: arguments.text("python", "python3") };
+    let launch = arguments.text("launch", "").split_whitespace().map(str::to_owned).collect();
+    let peers = Peers { scripts, python: arguments.text("python", "python3"), launch };
     let rows = arguments.text("rows", "forward,optimise,hausdorff,scenarios");
     let sizes = arguments.text("sizes", "31k,98k");
     for row in rows.split(',') {
@@ -48,8 +52,8 @@ fn forward(peers: &Peers, sizes: &str) -> Result<(), Failure> {
     let all = [("31k", "hex8", 12, 1), ("31k", "hex27", 6, 2), ("98k", "hex8", 18, 1), ("98k", "hex27", 9, 2)];
     for (_, element, n, order) in all.into_iter().filter(|(size, ..)| sizes.split(',').any(|s| s == *size)) {
         let ours = own("forward", &[&format!("element={element}"), &format!("n={n}"), "repeat=3", "threads=2"])?;
-        let peer =
-            peers.run("dolfinx_peer.py", &[&format!("n={n}"), &format!("order={order}"), "solver=mumps", "threads=2"]);
+        let problem = [format!("n={n}"), format!("order={order}")];
+        let peer = peers.run_parallel("dolfinx_peer.py", &[&problem[0], &problem[1], "solver=mumps_chol"]);
         let iteration = number(&ours, "tangent_s") + number(&ours, "factor_s") + number(&ours, "solve_s");
         println!(
             "| {element}, {} unknowns | {:.2} | {} | {} | {} | {} | {} | {:.2} | {:.0} | {} |",
@@ -91,11 +95,12 @@ fn hausdorff(peers: &Peers, arguments: &Arguments) -> Result<(), Failure> {
         "\n| smoothed Hausdorff, value and gradient, alpha = 60 | nastic s | numba s | ratio |\n|---|---|---|---|"
     );
     // numba's cost is quadratic to the last digit: beyond `numba` points it is scaled up and marked.
-    let most = arguments.number("numba", 100_000)?;
+    let most = arguments.number("numba", 10_000)?;
+    let largest = arguments.number("points", 100_000)?;
     let mut known: Option<(f64, f64)> = None;
-    for n in [1_000usize, 10_000, 100_000, 1_000_000] {
+    for n in [1_000usize, 10_000, 100_000, 1_000_000].into_iter().filter(|n| *n <= largest) {
         let ours = own("hausdorff_peer", &[&format!("n={n}"), "check=0", "reps=5"])?;
-        let seconds = number(&ours, "seconds");
+        let seconds = number(&ours, "median_s");
         let measured =
             (n <= most).then(|| peers.run("hausdorff.py", &[&format!("N={n}"), "impl=numba", "alpha=60", "reps=3"]));
         let theirs = match measured {
@@ -137,6 +142,17 @@ fn own(bench: &str, arguments: &[&str]) -> Result<Value, Failure> {
 }
 
 impl Peers {
+    /// On the ranks of `launch` with one thread each, else on one rank with two threads.
+    fn run_parallel(&self, script: &str, arguments: &[&str]) -> Result<Value, String> {
+        let Some((program, options)) = self.launch.split_first() else {
+            return self.run(script, &[arguments, &["threads=2"]].concat());
+        };
+        let scripts = self.scripts.as_ref().ok_or("no peers=DIR given")?;
+        let mut command = Command::new(program);
+        command.current_dir(scripts).args(options).arg(&self.python).arg(script).args(arguments).arg("threads=1");
+        last_json(command)
+    }
+
     fn run(&self, script: &str, arguments: &[&str]) -> Result<Value, String> {
         let scripts = self.scripts.as_ref().ok_or("no peers=DIR given")?;
         let mut command = Command::new(&self.python);
