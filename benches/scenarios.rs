@@ -1,7 +1,9 @@
-//! One value and derivative of a robust problem of several scenarios, as a line of JSON.
+//! One value and derivative of a robust problem of several scenarios, and the memory of a few trials, as a line of JSON.
 //!
 //! `cargo bench --bench scenarios -- count=8 n=6 threads=2`: the bar of `benches/forward.rs` with hex8, its tension
-//! uniform per cell and its shear modulus from 80 % to 120 %. Compare count=1 threads=1 with count=8 threads=2.
+//! uniform per cell and its shear modulus from 80 % to 120 %. Compare count=1 threads=1 with count=8 threads=2, and
+//! `rss_mb` of several counts with `factor_mb`, the size of one factor: `rss_mb` is the peak over three trials, each held
+//! beside the point it starts from, as an optimiser does.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
@@ -40,9 +42,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let point = robust.evaluate(&control, &Request::default()).map_err(|e| format!("{e:?}"))?;
         robust.derivative(&point).map(drop).map_err(|e| format!("{e:?}"))
     })?;
+    let fail = |e: nastic::opt::Failed| format!("{e:?}");
+    let mut point = robust.evaluate(&control, &Request::default()).map_err(fail)?;
+    for _ in 0..3 {
+        robust.derivative(&point).map_err(fail)?;
+        let further: Vec<f64> = point.m.iter().map(|m| 1.1 * m).collect();
+        point = robust.evaluate(&further, &Request { near: Some(&point), ..Request::default() }).map_err(fail)?;
+    }
+    let factor = point.factor_bytes() as f64 * 1e-6 / count as f64;
     println!(
         "{{\"peer\": \"nastic\", \"scenarios\": {count}, \"ndof\": {}, \"threads\": {}, \"value_and_derivative_s\": {seconds:.4}, \
-         \"rss_mb\": {:.1}}}",
+         \"factor_mb\": {factor:.2}, \"rss_mb\": {:.1}}}",
         3 * centres,
         threads(),
         peak_memory(),

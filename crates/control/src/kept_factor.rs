@@ -1,19 +1,17 @@
-//! [`KeptFactor`]: the one factor an evaluated point holds.
+//! [`KeptFactor`]: the one factor that neighbouring points hold together.
 
 use nastic_fem::linear::Factor;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The factor a point keeps for the next solve near it. The adjoint's replaces the evaluation's, so that there is never
-/// more than one; it serves as a preconditioner and decides no result.
-#[derive(Default)]
-pub(crate) struct KeptFactor(Mutex<Option<Arc<Factor>>>);
+/// The factor kept for the next solve nearby. A point and whatever was evaluated from it share one: the newest takes the
+/// place of the one before, so that a trial holds no second factor beside the point it starts from, and a rejected trial
+/// leaves behind the factor that the next one wants. It serves as a preconditioner and decides no result beyond the
+/// accuracy asked for.
+#[derive(Clone, Default)]
+pub(crate) struct KeptFactor(Arc<Mutex<Option<Arc<Factor>>>>);
 
 impl KeptFactor {
-    pub fn new(factor: Option<Arc<Factor>>) -> Self {
-        KeptFactor(Mutex::new(factor))
-    }
-
     pub fn get(&self) -> Option<Arc<Factor>> {
         // A thread that died while it held the lock left a whole value behind.
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
@@ -25,12 +23,6 @@ impl KeptFactor {
 
     pub fn bytes(&self) -> usize {
         self.get().map_or(0, |factor| factor.bytes())
-    }
-}
-
-impl Clone for KeptFactor {
-    fn clone(&self) -> Self {
-        KeptFactor::new(self.get())
     }
 }
 

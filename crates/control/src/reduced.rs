@@ -6,6 +6,7 @@ use crate::inner_product::{Metric, inner_product};
 use crate::kept_factor::KeptFactor;
 use crate::layout::Layout;
 use crate::map::Space;
+use nastic_fem::linear::Factor;
 use nastic_fem::{Request as StateRequest, Solid, SolveReport, Solved, State};
 use nastic_opt::{Failed, InnerProduct, Objective, Problem, Report, Request};
 use std::sync::atomic::AtomicBool;
@@ -46,7 +47,7 @@ pub struct Evaluated {
     pub stage: usize,
     /// Work of this evaluation, and later of its adjoint.
     pub work: SolveReport,
-    /// The newest factor at hand, and no older one.
+    /// Shared with the point it was evaluated from.
     factor: KeptFactor,
     adjoint: OnceLock<AdjointPart>,
 }
@@ -81,13 +82,19 @@ impl Evaluated {
         work
     }
 
-    /// Memory of the factor kept for the next solve, in bytes: one factor at most, shared with the point this one was
-    /// started from as long as it served.
+    /// The factor kept for the next solve: one, of a tangent nearby, that this point shares with the point it was evaluated
+    /// from and with those evaluated from it. The newest takes the place of the one before. Solves from one point on several
+    /// threads at once see each other's factors, and agree to their accuracy alone.
+    pub fn factor(&self) -> Option<Arc<Factor>> {
+        self.factor.get()
+    }
+
+    /// Memory of [`factor`](Self::factor), in bytes.
     pub fn factor_bytes(&self) -> usize {
         self.factor.bytes()
     }
 
-    /// Lets go of its factor, which is large: for points that are kept to be looked at.
+    /// Parts with its factor, which is large: for points that are kept to be looked at.
     pub fn without_factors(mut self) -> Self {
         self.factor = KeptFactor::default();
         self
@@ -265,8 +272,11 @@ impl Reduced {
         let Solved { state, factor } = self.solid.solve(&controls, &how)?;
         let terms = self.terms(&state, m, stage)?;
         let work = state.report;
-        let factor = KeptFactor::new(factor.filter(|_| self.keep_factors));
-        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor, adjoint: OnceLock::new() })
+        let kept = near.filter(|_| self.keep_factors).map(|point| point.factor.clone()).unwrap_or_default();
+        if let Some(newest) = factor.filter(|_| self.keep_factors) {
+            kept.replace(newest);
+        }
+        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor: kept, adjoint: OnceLock::new() })
     }
 
     fn terms(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<f64>, ControlError> {

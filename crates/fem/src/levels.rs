@@ -69,7 +69,7 @@ impl<'a> Levels<'a> {
         report: &mut SolveReport,
     ) -> Result<Outcome, FactorError> {
         if let Some(kept) = self.kept.take() {
-            let (x, cg) = iterate(matrix, &kept, rhs, tolerance, WORN * self.fresh, report);
+            let (x, cg) = self.iterate(matrix, &kept, rhs, tolerance, WORN * self.fresh, report);
             match cg.end {
                 CgEnd::NegativeCurvature { .. } => return Ok(Outcome::Indefinite(moved(x))),
                 _ if arrived(matrix, rhs, &x, &cg) => {
@@ -84,7 +84,7 @@ impl<'a> Levels<'a> {
             Err(FactorError::NotPositive { .. }) => return Ok(Outcome::Indefinite(None)),
             built => built?,
         };
-        let (x, cg) = iterate(matrix, &fresh, rhs, tolerance, MOST, report);
+        let (x, cg) = self.iterate(matrix, &fresh, rhs, tolerance, MOST, report);
         if let CgEnd::NegativeCurvature { .. } = cg.end {
             return Ok(Outcome::Indefinite(moved(x)));
         }
@@ -124,20 +124,22 @@ impl<'a> Levels<'a> {
         let geometry = Geometry { points: &self.points, fixed, corners: self.solid.discretization().corners() };
         Multigrid::new(matrix, &geometry, self.parallel)
     }
-}
 
-fn iterate(
-    matrix: &SymmetricMatrix,
-    multigrid: &Multigrid,
-    b: &[f64],
-    tolerance: f64,
-    most: usize,
-    report: &mut SolveReport,
-) -> (Vec<f64>, CgReport) {
-    let mut x = vec![0.0; b.len()];
-    let cg = conjugate_gradient(&|v, out| matrix.multiply(v, out), multigrid, b, &mut x, tolerance, most);
-    report.cycles += cg.iterations;
-    (x, cg)
+    fn iterate(
+        &self,
+        matrix: &SymmetricMatrix,
+        multigrid: &Multigrid,
+        b: &[f64],
+        tolerance: f64,
+        most: usize,
+        report: &mut SolveReport,
+    ) -> (Vec<f64>, CgReport) {
+        let mut x = vec![0.0; b.len()];
+        let apply = |v: &[f64], out: &mut [f64]| matrix.multiply_on(v, out, self.parallel);
+        let cg = conjugate_gradient(&apply, multigrid, b, &mut x, tolerance, most);
+        report.cycles += cg.iterations;
+        (x, cg)
+    }
 }
 
 /// Whether the tolerance is met, or double precision allows no more.

@@ -8,7 +8,7 @@ use crate::linear::{Factor, SymmetricMatrix};
 use crate::request::{Progress, Request};
 use crate::solid::Solid;
 use crate::state::SolveReport;
-use crate::tangent::Tangents;
+use crate::tangent::{Curvature, Tangents};
 use std::sync::Arc;
 
 /// One equilibrium to be found: controls and load are held, the displacement is not.
@@ -86,13 +86,14 @@ impl Newton<'_> {
             tangents.eliminate(&mut matrix);
             tangents.stand_at(&u);
             let accuracy = forcing(relative, self.request.accuracy);
-            let (mut step, stable) = tangents.solve(&matrix, &rhs, accuracy, factor, report).map_err(Stop::Linear)?;
+            let (mut step, curvature) =
+                tangents.solve(&matrix, &rhs, accuracy, factor, report).map_err(Stop::Linear)?;
             report.newton += 1;
             let here = Here { u: &u, now: &now, residual: &residual, scale };
             let (length, next) = if let Some(jump) = jump.take() {
                 self.prescribe(&mut step, &jump);
                 self.jump_step(&here, &step)?
-            } else if stable {
+            } else if curvature != Curvature::Negative {
                 self.downhill(&here, &step, &mut fit)?
             } else if let Some(found) = self.residual_search(&here, &step)? {
                 found
@@ -100,7 +101,7 @@ impl Newton<'_> {
                 step = tangents.solve_shifted(matrix, &rhs, factor, report).map_err(Stop::Linear)?;
                 self.downhill(&here, &step, &mut fit)?
             };
-            let tiny = stable && largest(&step) <= RESOLUTION * self.solid.mesh().diagonal();
+            let tiny = curvature == Curvature::Positive && largest(&step) <= RESOLUTION * self.solid.mesh().diagonal();
             (u, now) = next;
             self.tell(length, &now, &u, report);
             if tiny && length == 1.0 {
@@ -147,7 +148,7 @@ impl Newton<'_> {
         let reference = self.solid.mesh().points().iter().flat_map(|x| &x[..dim]);
         let x: Vec<f64> = reference.zip(u).map(|(x, u)| x + u).collect();
         let mut stretched = vec![0.0; x.len()];
-        matrix.multiply(&x, &mut stretched);
+        matrix.multiply_on(&x, &mut stretched, self.request.parallel);
         let work: f64 = self.solid.dead_load().iter().zip(u).map(|(d, u)| (d * u).abs()).sum();
         let terms: f64 = x.iter().zip(&stretched).map(|(x, f)| x * f).sum();
         now.energy_scale + terms.abs() + self.load.abs() * work

@@ -3,7 +3,8 @@
 use crate::frame;
 use crate::levels::{Levels, Outcome};
 use crate::linear::{
-    CgEnd, CgReport, Factor, FactorError, Pivots, Rotations, SymmetricMatrix, Turned, conjugate_gradient, refine,
+    CgEnd, CgReport, Factor, FactorError, Pivots, Precision, Rotations, SymmetricMatrix, Turned, conjugate_gradient,
+    refine,
 };
 use crate::request::Request;
 use crate::solid::Solid;
@@ -14,6 +15,11 @@ use std::sync::Arc;
 
 /// Relative error of a solution that rounding alone may leave.
 const SETTLED: f64 = 1e-7;
+/// Relative residual with which a step is taken when the iterations that are worth it are used up: the work is done, and the
+/// next tangent gets a factor of its own.
+const ENOUGH: f64 = 0.1;
+/// Iterations after which a new factor in single precision is too coarse: where it is not, two or three are enough.
+const FRESH: usize = 12;
 /// Back substitutions that cost as much as factorising, per flop of the factorisation and entry of the factor: a
 /// back substitution is bound by memory, a factorisation by arithmetic (measured: 1/27 of it at 95k unknowns in 3D).
 const FLOPS_PER_ENTRY: f64 = 60.0;
@@ -28,10 +34,27 @@ pub(crate) struct Tangents<'a> {
     /// Displacement at which the tangents are taken, and how far the body has turned there, once somebody asked.
     u: Vec<f64>,
     rotations: OnceCell<Arc<Rotations>>,
+    /// In which the next factor is made: single, until that turns out too coarse for the body.
+    precision: Precision,
+    /// Whether a step has been cut short where the curvature turned negative. Once in a run that is cheaper than knowing
+    /// the whole tangent, which is positive again at most next iterates; where it is not, a factor tells.
+    cut_short: bool,
     /// The shift that made the last indefinite tangent definite, as a share of the mean diagonal.
     shift: f64,
     /// There on a body that is solved by multigrid.
     levels: Option<Levels<'a>>,
+}
+
+/// What a tangent turned out to be along the way to a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Curvature {
+    /// Positive wherever it was looked at: the step is Newton's, downhill.
+    Positive,
+    /// Negative somewhere; the step is the part of Newton's found before that, downhill. Dembo, Steihaug, "Truncated-Newton
+    /// algorithms for large-scale unconstrained optimization", Math. Programming 26 (1983).
+    CutShort,
+    /// Negative somewhere; the step is Newton's and may lead to a saddle, uphill.
+    Negative,
 }
 
 /// Least shift tried, as a share of the mean diagonal: slender bodies bend with eigenvalues as small as this, and a larger
@@ -43,7 +66,18 @@ impl<'a> Tangents<'a> {
         let solver = how.solver.unwrap_or_else(|| solid.discretization().solver());
         let levels = (solver == Solver::Multigrid).then(|| Levels::new(solid, how.parallel));
         let (u, rotations) = (Vec::new(), OnceCell::new());
-        Tangents { solid, parallel: how.parallel, spent: 0, u, rotations, shift: LEAST_SHIFT, levels }
+        let precision = how.factor.as_deref().map_or(Precision::Single, Factor::precision);
+        Tangents {
+            solid,
+            parallel: how.parallel,
+            spent: 0,
+            u,
+            rotations,
+            precision,
+            cut_short: false,
+            shift: LEAST_SHIFT,
+            levels,
+        }
     }
 
     /// Says at which displacement the tangents to come are taken.
@@ -65,8 +99,8 @@ impl<'a> Tangents<'a> {
         self.rotations.get_or_init(|| Arc::new(frame::rotations(self.solid.body(), &self.u, self.parallel)))
     }
 
-    /// The Newton step of a tangent whose supports are eliminated, to a relative residual of `tolerance`, and whether the
-    /// tangent is positive definite.
+    /// The Newton step of a tangent whose supports are eliminated, to a relative residual of `tolerance`, and what the
+    /// tangent turned out to be.
     pub fn solve(
         &mut self,
         matrix: &SymmetricMatrix,
@@ -74,14 +108,15 @@ impl<'a> Tangents<'a> {
         tolerance: f64,
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
-    ) -> Result<(Vec<f64>, bool), String> {
+    ) -> Result<(Vec<f64>, Curvature), String> {
         if let Some(levels) = &mut self.levels {
             report.solver = Solver::Multigrid;
             match levels.step(matrix, rhs, report).map_err(|e| e.to_string())? {
-                Outcome::Solved(step) => return Ok((step, true)),
-                Outcome::Indefinite(Some(step)) => return Ok((step, false)),
+                Outcome::Solved(step) => return Ok((step, Curvature::Positive)),
+                Outcome::Indefinite(Some(step)) => return Ok((step, Curvature::Negative)),
                 Outcome::Indefinite(None) => {
-                    return Ok((self.solve_shifted(matrix.clone(), rhs, factor, report)?, false));
+                    let step = self.solve_shifted(matrix.clone(), rhs, factor, report)?;
+                    return Ok((step, Curvature::Negative));
                 }
                 Outcome::Failed(why) => self.fall_back(why)?,
             }
@@ -89,31 +124,46 @@ impl<'a> Tangents<'a> {
         report.solver = Solver::Direct;
         let mut indefinite = false;
         if let Some(kept) = factor.as_deref().filter(|f| self.spent < self.worth() && f.pivots() == Pivots::Positive) {
-            let (step, cg) = self.precondition(matrix, kept, rhs, tolerance);
+            let (step, cg) = self.precondition(matrix, kept, rhs, tolerance, self.worth());
             report.back_substitutions += cg.iterations;
             self.spent += cg.iterations;
-            if cg.converged() {
+            if cg.converged() || (cg.end == CgEnd::Exhausted && cg.residual <= ENOUGH) {
                 report.reused += 1;
-                return Ok((step, true));
+                return Ok((step, Curvature::Positive));
+            }
+            if matches!(cg.end, CgEnd::NegativeCurvature { .. }) && cg.iterations > 1 && !self.cut_short {
+                self.cut_short = true;
+                return Ok((step, Curvature::CutShort));
             }
             indefinite = matches!(cg.end, CgEnd::NegativeCurvature { .. });
         }
         self.spent = 0;
-        let factorized = match indefinite {
-            true => None,
-            false => Some(self.factorize(matrix, factor, report)),
-        };
-        match factorized {
-            Some(Ok(())) => Ok((self.back_substitute(rhs, factor, report), true)),
-            None | Some(Err(FactorError::NotPositive { .. })) => {
-                self.refactorize(matrix, Pivots::AnySign, factor, report).map_err(|e| e.to_string())?;
-                let step = self.back_substitute(rhs, factor, report);
-                // of no use as a preconditioner
-                *factor = None;
-                Ok((step, false))
+        if !indefinite && self.precision == Precision::Single {
+            match self.approximate(matrix, rhs, tolerance, factor, report) {
+                Ok((step, cg)) if cg.converged() => return Ok((step, Curvature::Positive)),
+                Ok((_, cg)) => indefinite = matches!(cg.end, CgEnd::NegativeCurvature { .. }),
+                Err(FactorError::NotPositive { .. }) => indefinite = true,
+                Err(other) => return Err(other.to_string()),
             }
-            Some(Err(other)) => Err(other.to_string()),
+            if !indefinite {
+                self.precision = Precision::Double;
+            }
         }
+        if !indefinite {
+            match self.refactorize(matrix, Pivots::Positive, factor, report) {
+                Ok(()) => return Ok((self.back_substitute(rhs, factor, report), Curvature::Positive)),
+                Err(FactorError::NotPositive { .. }) => (),
+                Err(other) => return Err(other.to_string()),
+            }
+        }
+        self.refactorize(matrix, Pivots::AnySign, factor, report).map_err(|e| e.to_string())?;
+        let step = self.back_substitute(rhs, factor, report);
+        // Of no use as a preconditioner.
+        let definite = factor.take().is_some_and(|f| f.negative_pivots() == 0);
+        if definite {
+            self.precision = Precision::Double;
+        }
+        Ok((step, if definite { Curvature::Positive } else { Curvature::Negative }))
     }
 
     /// Solves with the tangent as it stands until the relative residual is below `tolerance`, for several right-hand
@@ -152,13 +202,19 @@ impl<'a> Tangents<'a> {
             report.solver = Solver::Direct;
         }
         if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
-            let (x, cg) = self.precondition(matrix, kept, b, tolerance);
+            let (x, cg) = self.precondition(matrix, kept, b, tolerance, self.worth());
             report.back_substitutions += cg.iterations;
             if cg.converged() {
                 return Ok(x);
             }
         }
-        match self.factorize(matrix, factor, report) {
+        if self.precision == Precision::Single
+            && let Ok((x, cg)) = self.approximate(matrix, b, tolerance, factor, report)
+            && cg.converged()
+        {
+            return Ok(x);
+        }
+        match self.refactorize(matrix, Pivots::Positive, factor, report) {
             Err(FactorError::NotPositive { .. }) => self.refactorize(matrix, Pivots::AnySign, factor, report),
             done => done,
         }
@@ -214,18 +270,19 @@ impl<'a> Tangents<'a> {
         matrix.eliminate(self.solid.supports().fixed(), diagonal);
     }
 
-    /// As far as conjugate gradients with a kept factor come in as many iterations as are worth it.
+    /// As far as conjugate gradients with a factor come in so many iterations.
     fn precondition(
         &self,
         matrix: &SymmetricMatrix,
         factor: &Factor,
         b: &[f64],
         tolerance: f64,
+        most: usize,
     ) -> (Vec<f64>, CgReport) {
         let mut x = vec![0.0; b.len()];
         let turned = Turned::new(factor, self.rotations(), self.solid.supports().fixed());
-        let apply = |v: &[f64], out: &mut [f64]| matrix.multiply(v, out);
-        let report = conjugate_gradient(&apply, &turned, b, &mut x, tolerance, self.worth());
+        let apply = |v: &[f64], out: &mut [f64]| matrix.multiply_on(v, out, self.parallel);
+        let report = conjugate_gradient(&apply, &turned, b, &mut x, tolerance, most);
         (x, report)
     }
 
@@ -233,16 +290,28 @@ impl<'a> Tangents<'a> {
     fn worth(&self) -> usize {
         let symbolic = self.solid.discretization().symbolic();
         let ratio = symbolic.flops() / (FLOPS_PER_ENTRY * (symbolic.nonzeros() as f64).max(1.0));
-        ratio.clamp(3.0, 40.0) as usize
+        ratio.clamp(5.0, 40.0) as usize
     }
 
-    fn factorize(
+    /// A new factor in single precision, and what conjugate gradients make of it.
+    fn approximate(
         &self,
         matrix: &SymmetricMatrix,
+        rhs: &[f64],
+        tolerance: f64,
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
-    ) -> Result<(), FactorError> {
-        self.refactorize(matrix, Pivots::Positive, factor, report)
+    ) -> Result<(Vec<f64>, CgReport), FactorError> {
+        report.factorisations += 1;
+        let mut fresh = match factor.take().map(Arc::try_unwrap) {
+            Some(Ok(mut own)) => own.approximate(matrix, self.parallel).map(|()| own)?,
+            _ => self.solid.discretization().symbolic().approximate(matrix, self.parallel)?,
+        };
+        fresh.stand_in(self.rotations().clone());
+        let (x, cg) = self.precondition(matrix, &fresh, rhs, tolerance, FRESH);
+        report.back_substitutions += cg.iterations;
+        *factor = Some(Arc::new(fresh));
+        Ok((x, cg))
     }
 
     /// A new factor in the memory of the old one where nobody else holds that.
@@ -302,7 +371,7 @@ impl<'a> Tangents<'a> {
                     Outcome::Failed(why) => self.fall_back(why)?,
                 }
             }
-            match self.factorize(&matrix, factor, report) {
+            match self.refactorize(&matrix, Pivots::Positive, factor, report) {
                 Ok(()) => {
                     self.shift = shift;
                     let step = self.back_substitute(rhs, factor, report);

@@ -127,10 +127,12 @@ fn the_bent_branch_is_followed_from_a_perturbed_start_alone() -> Outcome {
     Ok(())
 }
 
-/// Where a tangent is indefinite on the way, it is shifted by what bending needs, which is little in slender bodies.
+/// Where a tangent is indefinite on the way, the step is cut short where that shows, and if that is not enough the tangent
+/// is shifted by what bending needs, which is little in slender bodies.
 #[test]
 fn slender_bodies_find_their_bent_state_without_load_steps() -> Outcome {
     let solid = strip(0.1, 2)?;
+    let mut shifted = 0;
     for (beta, tilt) in [(2.7, 0.001), (2.7, 0.01), (3.5, 0.01)] {
         let state = in_field(&solid, 0.1, beta, Vec3::new(-1.0, tilt, 0.0), None)?;
         let report = state.report;
@@ -139,8 +141,10 @@ fn slender_bodies_find_their_bent_state_without_load_steps() -> Outcome {
             (0, 1),
             "beta = {beta}, tilt {tilt}: {report:?}"
         );
-        assert!(report.newton < 80 && report.shifted > 0, "beta = {beta}, tilt {tilt}: {report:?}");
+        assert!(report.newton < 80, "beta = {beta}, tilt {tilt}: {report:?}");
+        shifted += report.shifted;
     }
+    assert!(shifted > 0, "none of these needed a shift");
     Ok(())
 }
 

@@ -36,8 +36,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// A member without an equilibrium is a failed trial that names it.
 ///
 /// **Memory.** A point keeps its members' states and at most one factor per member (see
-/// [`EnsemblePoint::factor_bytes`]; `factor_bytes` in reports). While an optimiser judges a trial, that has its own
-/// beside those of the present point. [`EnsembleBuilder::keep_factors`] does without.
+/// [`EnsemblePoint::factor_bytes`]; `factor_bytes` in reports), which it shares with the point it was evaluated from: a
+/// trial adds none ([`Evaluated::factor`](crate::Evaluated::factor)). [`EnsembleBuilder::keep_factors`] does without.
 ///
 /// Source: docs/model.md section 6; survey, section 4.2.3.
 ///

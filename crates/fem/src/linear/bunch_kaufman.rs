@@ -9,6 +9,7 @@ use faer::linalg::cholesky::lblt::factor as lblt;
 use faer::{ColMut, Mat, MatMut, MatRef, Par};
 
 use super::dense::{self, Slabs, Stop, Triangle};
+use super::real::Real;
 
 /// What a front stores beside its panel: `D` has the panel's diagonal and this subdiagonal (non-zero at the first column
 /// of a block of two); column `k` of the panel is column `order[k]` of the front.
@@ -116,12 +117,12 @@ impl Pivot {
     }
 
     /// `D^-1` times the block's rows.
-    pub fn divide_rows(&self, mut matrix: MatMut<'_, f64>) {
+    pub fn divide_rows<T: Real>(&self, mut matrix: MatMut<'_, T>) {
         let last = self.column + self.size() - 1;
         for j in 0..matrix.ncols() {
-            let (x, y) = self.divide(matrix[(self.column, j)], matrix[(last, j)]);
-            matrix[(last, j)] = y;
-            matrix[(self.column, j)] = x;
+            let (x, y) = self.divide(matrix[(self.column, j)].double(), matrix[(last, j)].double());
+            matrix[(last, j)] = T::of(y);
+            matrix[(self.column, j)] = T::of(x);
         }
     }
 }

@@ -12,6 +12,8 @@ use faer::linalg::triangular_solve;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use super::real::Real;
+
 /// Rows and columns of the largest tile.
 const TILE: usize = 384;
 
@@ -33,7 +35,7 @@ pub(super) enum Stop {
 }
 
 /// `[A; B] -> [L; B L^-T]` with `A = L L^T`; only the lower triangle of `A` is read.
-pub(super) fn cholesky(panel: MatMut<'_, f64>, parallel: bool) -> Result<(), Stop> {
+pub(super) fn cholesky<T: Real>(panel: MatMut<'_, T>, parallel: bool) -> Result<(), Stop> {
     let width = panel.ncols();
     if width > TILE {
         let half = width / 2;
@@ -51,11 +53,11 @@ pub(super) fn cholesky(panel: MatMut<'_, f64>, parallel: bool) -> Result<(), Sto
         return cholesky(right, parallel).map_err(|stop| stop.shifted(half));
     }
     let (mut top, bottom) = panel.split_at_row_mut(width);
-    let mut memory = MemBuffer::new(llt::cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default()));
+    let mut memory = MemBuffer::new(llt::cholesky_in_place_scratch::<T>(width, Par::Seq, Default::default()));
     let stack = MemStack::new(&mut memory);
     llt::cholesky_in_place(top.as_mut(), Default::default(), Par::Seq, stack, Default::default())
         .map_err(|llt::LltError::NonPositivePivot { index }| Stop::NotPositive(index))?;
-    if let Some(column) = (0..width).find(|&j| !top[(j, j)].is_finite()) {
+    if let Some(column) = (0..width).find(|&j| !top[(j, j)].double().is_finite()) {
         return Err(Stop::Singular(column));
     }
     solve_rows(bottom, top.as_ref(), Triangle::Lower, parallel);
@@ -79,7 +81,7 @@ pub(super) enum Triangle {
 }
 
 /// `B -> B L^-T`.
-pub(super) fn solve_rows(b: MatMut<'_, f64>, l: MatRef<'_, f64>, kind: Triangle, parallel: bool) {
+pub(super) fn solve_rows<T: Real>(b: MatMut<'_, T>, l: MatRef<'_, T>, kind: Triangle, parallel: bool) {
     let rows = b.nrows();
     if rows > TILE {
         let (upper, lower) = b.split_at_row_mut(rows / 2);
@@ -127,7 +129,7 @@ impl Slabs {
     }
 
     /// `-X Y^T`, lower triangle of a symmetric product.
-    pub fn set_minus_product(self, values: &mut [f64], x: MatRef<'_, f64>, y: MatRef<'_, f64>, parallel: bool) {
+    pub fn set_minus_product<T: Real>(self, values: &mut [T], x: MatRef<'_, T>, y: MatRef<'_, T>, parallel: bool) {
         let mut rest = values;
         let mut slabs = Vec::new();
         for (first, width) in self.slabs() {
@@ -139,7 +141,7 @@ impl Slabs {
                 y.subrows(first, width),
             ));
         }
-        let set = |(slab, x, y): (MatMut<'_, f64>, MatRef<'_, f64>, MatRef<'_, f64>)| {
+        let set = |(slab, x, y): (MatMut<'_, T>, MatRef<'_, T>, MatRef<'_, T>)| {
             let width = slab.ncols();
             let (corner, below) = slab.split_at_row_mut(width);
             let (x_corner, x_below) = x.split_at_row(width);
@@ -151,7 +153,13 @@ impl Slabs {
 }
 
 /// Lower triangle of `C = -X Y^T` or `C -= X Y^T`, for a symmetric product.
-fn minus_symmetric_product(c: MatMut<'_, f64>, accum: Accum, x: MatRef<'_, f64>, y: MatRef<'_, f64>, parallel: bool) {
+fn minus_symmetric_product<T: Real>(
+    c: MatMut<'_, T>,
+    accum: Accum,
+    x: MatRef<'_, T>,
+    y: MatRef<'_, T>,
+    parallel: bool,
+) {
     let n = c.nrows();
     if n > TILE {
         let (left, right) = c.split_at_col_mut(n / 2);
@@ -167,12 +175,12 @@ fn minus_symmetric_product(c: MatMut<'_, f64>, accum: Accum, x: MatRef<'_, f64>,
         join(parallel, triangles, || minus_product(below, accum, x_lower, y_upper, parallel));
     } else if n > 0 {
         let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-        triangular::matmul(c, lower, accum, x, full, y.transpose(), full, -1.0, Par::Seq);
+        triangular::matmul(c, lower, accum, x, full, y.transpose(), full, T::of(-1.0), Par::Seq);
     }
 }
 
 /// `C = -X Y^T` or `C -= X Y^T`.
-fn minus_product(c: MatMut<'_, f64>, accum: Accum, x: MatRef<'_, f64>, y: MatRef<'_, f64>, parallel: bool) {
+fn minus_product<T: Real>(c: MatMut<'_, T>, accum: Accum, x: MatRef<'_, T>, y: MatRef<'_, T>, parallel: bool) {
     let (rows, columns) = (c.nrows(), c.ncols());
     if rows > 2 * TILE && rows >= columns {
         let (upper, lower) = c.split_at_row_mut(rows / 2);
@@ -191,6 +199,6 @@ fn minus_product(c: MatMut<'_, f64>, accum: Accum, x: MatRef<'_, f64>, y: MatRef
             || minus_product(right, accum, x, y_right, parallel),
         );
     } else if rows > 0 && columns > 0 {
-        matmul(c, accum, x, y.transpose(), -1.0, Par::Seq);
+        matmul(c, accum, x, y.transpose(), T::of(-1.0), Par::Seq);
     }
 }

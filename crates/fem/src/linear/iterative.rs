@@ -67,8 +67,10 @@ pub fn conjugate_gradient(
 ) -> CgReport {
     let n = b.len();
     let target = tolerance * norm(b);
-    let mut r = vec![0.0; n];
-    residual(apply, b, x, &mut r);
+    let mut r = b.to_vec();
+    if x.iter().any(|&x| x != 0.0) {
+        residual(apply, b, x, &mut r);
+    }
     let (mut p, mut ap) = (vec![0.0; n], vec![0.0; n]);
     let (mut asked, mut rz_before) = (f64::INFINITY, 0.0);
     let mut iterations = 0;
@@ -117,7 +119,10 @@ pub fn conjugate_gradient(
         x.iter_mut().zip(&p).for_each(|(x, p)| *x += step * p);
         r.iter_mut().zip(&ap).for_each(|(r, ap)| *r -= step * ap);
     };
-    residual(apply, b, x, &mut r);
+    // At these two ends it has just been recomputed.
+    if !matches!(end, CgEnd::Converged | CgEnd::Stagnated) {
+        residual(apply, b, x, &mut r);
+    }
     CgReport { end, iterations, residual: relative(norm(&r), norm(b)) }
 }
 

@@ -1,9 +1,16 @@
 //! Symmetric matrices on a [`Pattern`].
 
+use std::ops::Range;
 use std::sync::Arc;
+
+use rayon::prelude::*;
 
 use super::error::FactorError;
 use super::pattern::Pattern;
+
+/// Most parts that a product is cut into, and blocks that are worth a part.
+const PARTS: usize = 8;
+const LEAST_PART: usize = 10_000;
 
 /// A symmetric matrix; see [`Pattern`] for the layout of its values.
 #[derive(Clone, Debug)]
@@ -35,29 +42,71 @@ impl SymmetricMatrix {
         self.pattern.value_index(row, column).map_or(0.0, |at| self.values[at])
     }
 
-    /// `y = A x`, always summed in the same order.
+    /// `y = A x` on one thread; the same bits as [`multiply_on`](Self::multiply_on).
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        self.multiply_on(x, y, false);
+    }
+
+    /// `y = A x`, always summed in the same order; `parallel` uses all threads of the current rayon pool.
+    pub fn multiply_on(&self, x: &[f64], y: &mut [f64], parallel: bool) {
         match self.pattern.dim() {
-            3 => self.multiply_blocks::<3>(x, y),
-            2 => self.multiply_blocks::<2>(x, y),
-            1 => self.multiply_blocks::<1>(x, y),
+            3 => self.multiply_blocks::<3>(x, y, parallel),
+            2 => self.multiply_blocks::<2>(x, y, parallel),
+            1 => self.multiply_blocks::<1>(x, y, parallel),
             _ => self.multiply_any(x, y),
         }
     }
 
-    fn multiply_blocks<const D: usize>(&self, x: &[f64], y: &mut [f64]) {
-        let (values, _) = self.values.as_chunks::<D>();
-        let (x, _) = x.as_chunks::<D>();
-        let (y, _) = y.as_chunks_mut::<D>();
+    /// Parts of the columns, each into a vector of its own, since a column adds to many rows; then their sum.
+    fn multiply_blocks<const D: usize>(&self, x: &[f64], y: &mut [f64], parallel: bool) {
         let old = self.pattern.ordering().new_to_old();
-        y.fill([0.0; D]);
+        let (x, _) = x.as_chunks::<D>();
+        let x: Vec<[f64; D]> = old.iter().map(|&node| x[node as usize]).collect();
+        let parts = self.parts();
+        // Blocks stand below the diagonal: a part adds to no row above its columns.
+        let product = |part: &Range<usize>| {
+            let mut sums = vec![[0.0; D]; old.len() - part.start];
+            self.add_columns(part.clone(), &x, &mut sums);
+            sums
+        };
+        let sums: Vec<Vec<[f64; D]>> =
+            if parallel { parts.par_iter().map(product).collect() } else { parts.iter().map(product).collect() };
+        let (y, _) = y.as_chunks_mut::<D>();
         for (j, &node) in old.iter().enumerate() {
+            let mut sum = [0.0; D];
+            for (part, sums) in parts.iter().zip(&sums).take_while(|(part, _)| part.start <= j) {
+                sum.iter_mut().zip(&sums[j - part.start]).for_each(|(s, v)| *s += v);
+            }
+            y[node as usize] = sum;
+        }
+    }
+
+    /// Ranges of columns with about as many blocks each. Their number depends on the matrix alone.
+    fn parts(&self) -> Vec<Range<usize>> {
+        let blocks = self.pattern.values() / self.pattern.dim().pow(2);
+        let number = (blocks / LEAST_PART).clamp(1, PARTS);
+        let mut parts = Vec::with_capacity(number);
+        let mut start = 0;
+        for part in 1..=number {
+            let mut end = if part == number { self.pattern.nodes() } else { start };
+            while end < self.pattern.nodes() && self.pattern.column(end).0 < part * blocks / number {
+                end += 1;
+            }
+            parts.push(start..end);
+            start = end;
+        }
+        parts
+    }
+
+    /// Adds what the columns have, and by symmetry their rows, to `sums`, whose first entry belongs to the first column.
+    fn add_columns<const D: usize>(&self, columns: Range<usize>, x: &[[f64; D]], sums: &mut [[f64; D]]) {
+        let (values, _) = self.values.as_chunks::<D>();
+        let start = columns.start;
+        for j in columns {
             let (first, rows) = self.pattern.column(j);
-            let x_j = x[node as usize];
-            let mut y_j = y[node as usize];
+            let x_j = x[j];
+            let mut y_j = sums[j - start];
             for (block, &i) in values[D * first..].chunks_exact(D).zip(rows) {
-                let other = old[i as usize] as usize;
-                let y_i = &mut y[other];
                 if i as usize == j {
                     for c in 0..D {
                         for r in 0..D {
@@ -66,7 +115,7 @@ impl SymmetricMatrix {
                     }
                     continue;
                 }
-                let x_i = x[other];
+                let (y_i, x_i) = (&mut sums[i as usize - start], x[i as usize]);
                 for c in 0..D {
                     for r in 0..D {
                         y_i[r] += block[c][r] * x_j[c];
@@ -74,7 +123,7 @@ impl SymmetricMatrix {
                     }
                 }
             }
-            y[node as usize] = y_j;
+            sums[j - start] = y_j;
         }
     }
 

@@ -41,14 +41,16 @@ mod matrix;
 mod multigrid;
 mod numeric;
 mod ordering;
+mod panel;
 mod pattern;
+mod real;
 mod rotations;
 mod schedule;
 mod solve;
 mod symbolic;
 
 pub use error::{FactorError, StructureError};
-pub use factor::{Factor, Pivots};
+pub use factor::{Factor, Pivots, Precision};
 pub use graph::Graph;
 pub use iterative::{CgEnd, CgReport, Preconditioner, conjugate_gradient, refine};
 pub use matrix::SymmetricMatrix;

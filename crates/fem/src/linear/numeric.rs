@@ -3,11 +3,10 @@
 use std::ops::Range;
 use std::sync::Mutex;
 
-use faer::MatMut;
-
-use super::bunch_kaufman::{self, Blocks};
-use super::dense::{self, Slabs, Stop};
+use super::dense::{Slabs, Stop};
 use super::locks::lock;
+use super::panel::Panel;
+use super::real::Real;
 use super::schedule;
 use super::symbolic::{Symbolic, Task};
 
@@ -18,26 +17,22 @@ pub(super) struct Breakdown {
     pub singular: bool,
 }
 
-/// The numbers of one front, borrowed from the factor: `height x width` values, and what Bunch-Kaufman adds to them.
-pub(super) struct Panel<'a> {
-    pub values: &'a mut [f64],
-    pub blocks: Option<Blocks<'a>>,
-}
-
-/// Eliminates all fronts: overwrites the panels. The bits do not depend on `parallel`.
+/// Eliminates all fronts of `scale` times the matrix: overwrites the panels. The bits do not depend on `parallel`.
 ///
 /// # Errors
 /// The first pivot, in elimination order, that cannot be used.
-pub(super) fn factorize(
+pub(super) fn factorize<P: Panel>(
     symbolic: &Symbolic,
     matrix: &[f64],
-    panels: Vec<Panel<'_>>,
+    scale: f64,
+    panels: Vec<P>,
     parallel: bool,
 ) -> Result<(), Breakdown> {
     let tasks = symbolic.tasks();
     let run = Run {
         symbolic,
         matrix,
+        scale,
         parallel,
         panels: panels.into_iter().map(Mutex::new).collect(),
         updates: symbolic.fronts().iter().map(|_| Mutex::new(Vec::new())).collect(),
@@ -49,17 +44,18 @@ pub(super) fn factorize(
     breakdown.map_or(Ok(()), Err)
 }
 
-struct Run<'a> {
+struct Run<'a, P: Panel> {
     symbolic: &'a Symbolic,
     matrix: &'a [f64],
+    scale: f64,
     parallel: bool,
-    panels: Vec<Mutex<Panel<'a>>>,
+    panels: Vec<Mutex<P>>,
     /// Update matrix that each eliminated front left for its parent, in [`Slabs`].
-    updates: Vec<Mutex<Vec<f64>>>,
+    updates: Vec<Mutex<Vec<P::Number>>>,
     breakdown: Mutex<Option<Breakdown>>,
 }
 
-impl Run<'_> {
+impl<P: Panel> Run<'_, P> {
     /// Eliminates the fronts of a task; false if it, or one that comes before it, broke down.
     fn task(&self, task: &Task) -> bool {
         let fronts = task.fronts.clone();
@@ -81,7 +77,7 @@ impl Run<'_> {
     /// Eliminates front `f` and leaves its update matrix for the parent.
     fn front(&self, f: usize) -> Result<(), Breakdown> {
         let children = self.symbolic.children(f);
-        let child_updates: Vec<Vec<f64>> =
+        let child_updates: Vec<Vec<P::Number>> =
             children.iter().map(|&child| std::mem::take(&mut *lock(&self.updates[child as usize]))).collect();
         let mut update = self.symbolic.take_buffer(Slabs::new(self.symbolic.below(f)).values());
         let eliminated = self.eliminate(f, &child_updates, &mut update);
@@ -90,20 +86,15 @@ impl Run<'_> {
         eliminated.map_err(|stop| self.breakdown_at(f, stop))
     }
 
-    fn eliminate(&self, f: usize, child_updates: &[Vec<f64>], update: &mut [f64]) -> Result<(), Stop> {
+    fn eliminate(&self, f: usize, child_updates: &[Vec<P::Number>], update: &mut [P::Number]) -> Result<(), Stop> {
         let children = || self.symbolic.children(f).iter().map(|&child| child as usize).zip(child_updates);
         let (width, below) = (self.symbolic.width(f), self.symbolic.below(f));
         let mut panel = lock(&self.panels[f]);
-        let Panel { values, blocks } = &mut *panel;
-        self.assemble(f, values);
+        self.assemble(f, panel.values());
         for (child, child_update) in children() {
-            self.extend_add_panel(f, child, child_update, values);
+            self.extend_add_panel(f, child, child_update, panel.values());
         }
-        let values = MatMut::from_column_major_slice_mut(values, width + below, width);
-        match blocks {
-            None => eliminate_positive(values, Slabs::new(below), update, self.parallel)?,
-            Some(blocks) => bunch_kaufman::eliminate(values, Slabs::new(below), update, blocks, self.parallel)?,
-        }
+        panel.eliminate(width, Slabs::new(below), update, self.parallel)?;
         for (child, child_update) in children() {
             self.extend_add_update(f, child, child_update, update);
         }
@@ -122,12 +113,12 @@ impl Run<'_> {
     }
 
     /// Copies the matrix's columns of the front into its panel.
-    fn assemble(&self, f: usize, panel: &mut [f64]) {
+    fn assemble(&self, f: usize, panel: &mut [P::Number]) {
         let pattern = self.symbolic.pattern();
         let (dim, height) = (pattern.dim(), self.symbolic.height(f));
         let columns = &self.symbolic.fronts()[f].columns;
         let rows = self.symbolic.rows(f);
-        panel.fill(0.0);
+        panel.fill(P::Number::of(0.0));
         for (local, j) in columns.clone().enumerate() {
             let (first, matrix_rows) = pattern.column(j);
             let mut at = 0;
@@ -142,14 +133,15 @@ impl Run<'_> {
                 };
                 let block = &self.matrix[dim * dim * (first + k)..][..dim * dim];
                 for (c, column) in block.chunks_exact(dim).enumerate() {
-                    panel[height * (dim * local + c) + dim * row..][..dim].copy_from_slice(column);
+                    let target = &mut panel[height * (dim * local + c) + dim * row..][..dim];
+                    target.iter_mut().zip(column).for_each(|(t, &v)| *t = P::Number::of(self.scale * v));
                 }
             }
         }
     }
 
     /// Adds the columns of a child's update matrix that front `f` eliminates to its panel.
-    fn extend_add_panel(&self, f: usize, child: usize, child_update: &[f64], panel: &mut [f64]) {
+    fn extend_add_panel(&self, f: usize, child: usize, child_update: &[P::Number], panel: &mut [P::Number]) {
         let rows = self.symbolic.rows_in_parent(child);
         let own = rows.partition_point(|&row| (row as usize) < self.symbolic.fronts()[f].columns.len());
         let height = self.symbolic.height(f);
@@ -157,7 +149,7 @@ impl Run<'_> {
     }
 
     /// Adds the other columns to the update matrix of front `f`.
-    fn extend_add_update(&self, f: usize, child: usize, child_update: &[f64], update: &mut [f64]) {
+    fn extend_add_update(&self, f: usize, child: usize, child_update: &[P::Number], update: &mut [P::Number]) {
         let rows = self.symbolic.rows_in_parent(child);
         let own = rows.partition_point(|&row| (row as usize) < self.symbolic.fronts()[f].columns.len());
         let (width, slabs) = (self.symbolic.width(f), Slabs::new(self.symbolic.below(f)));
@@ -175,8 +167,8 @@ impl Run<'_> {
         &self,
         rows: &[u32],
         columns: Range<usize>,
-        child_update: &[f64],
-        target: &mut [f64],
+        child_update: &[P::Number],
+        target: &mut [P::Number],
         place: impl Fn(usize) -> (Range<usize>, usize),
     ) {
         let dim = self.symbolic.pattern().dim();
@@ -196,7 +188,7 @@ impl Run<'_> {
                     let start = from.start.max(dim * k);
                     let to = to + (start - from.start) - first_row;
                     let source = &source[start - skipped..from.end - skipped];
-                    target[to..to + source.len()].iter_mut().zip(source).for_each(|(t, s)| *t += s);
+                    target[to..to + source.len()].iter_mut().zip(source).for_each(|(t, s)| *t += *s);
                 }
             }
         }
@@ -214,18 +206,4 @@ fn runs(rows_in_parent: &[u32], first: usize, dim: usize) -> Vec<(Range<usize>, 
         }
     }
     runs
-}
-
-/// `[A; B] -> [L; B L^-T]` and `update = -B A^-1 B^T`.
-fn eliminate_positive(
-    mut panel: MatMut<'_, f64>,
-    slabs: Slabs,
-    update: &mut [f64],
-    parallel: bool,
-) -> Result<(), Stop> {
-    let width = panel.ncols();
-    dense::cholesky(panel.as_mut(), parallel)?;
-    let below = panel.as_ref().subrows(width, panel.nrows() - width);
-    slabs.set_minus_product(update, below, below, parallel);
-    Ok(())
 }

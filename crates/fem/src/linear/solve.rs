@@ -8,28 +8,30 @@ use faer::{Accum, MatMut, Par};
 
 use super::factor::{Factor, Pivots};
 use super::locks::{lock, read, write};
+use super::real::Real;
 use super::schedule;
 
 /// Right-hand sides on their way to solutions. Every front has its own `width x columns` block, one after the other.
-struct Sweep<'a> {
+struct Sweep<'a, T> {
     factor: &'a Factor,
+    values: &'a [T],
     columns: usize,
-    blocks: Vec<RwLock<&'a mut [f64]>>,
+    blocks: Vec<RwLock<&'a mut [T]>>,
     /// What each front hands to its parent on the way up, `below x columns`.
-    updates: Vec<Mutex<Vec<f64>>>,
+    updates: Vec<Mutex<Vec<T>>>,
 }
 
 /// Overwrites the columns of `rhs` (dofs by mesh node) with solutions.
-pub(super) fn solve(factor: &Factor, rhs: &mut [f64], columns: usize, parallel: bool) {
+pub(super) fn solve<T: Real>(factor: &Factor, values: &[T], rhs: &mut [f64], columns: usize, parallel: bool) {
     let symbolic = factor.symbolic();
-    let mut x = gather(factor, rhs, columns);
+    let mut x: Vec<T> = gather(factor, rhs, columns);
     let mut rest = &mut x[..];
     let mut blocks = Vec::with_capacity(symbolic.fronts().len());
     for f in 0..symbolic.fronts().len() {
         blocks.push(RwLock::new(rest.split_off_mut(..symbolic.width(f) * columns).unwrap_or_default()));
     }
     let updates = blocks.iter().map(|_| Mutex::new(Vec::new())).collect();
-    let sweep = Sweep { factor, columns, blocks, updates };
+    let sweep = Sweep { factor, values, columns, blocks, updates };
     schedule::upwards(symbolic.tasks(), parallel, |task| {
         task.fronts.clone().for_each(|f| sweep.forward(f));
         true
@@ -38,15 +40,15 @@ pub(super) fn solve(factor: &Factor, rhs: &mut [f64], columns: usize, parallel: 
     scatter(factor, &x, rhs, columns);
 }
 
-impl Sweep<'_> {
+impl<T: Real> Sweep<'_, T> {
     /// `y = L^-1 b` for the front's own rows; what that takes off the rows below goes to the parent.
     fn forward(&self, f: usize) {
         let symbolic = self.factor.symbolic();
-        let (top, bottom) = self.factor.panel(f);
+        let (top, bottom) = self.factor.panel(f, self.values);
         let (width, below) = (symbolic.width(f), symbolic.below(f));
         let mut block = write(&self.blocks[f]);
         let mut own = MatMut::from_column_major_slice_mut(&mut block, width, self.columns);
-        let mut update = vec![0.0; below * self.columns];
+        let mut update = vec![T::of(0.0); below * self.columns];
         let mut down = MatMut::from_column_major_slice_mut(&mut update, below, self.columns);
         for &child in symbolic.children(f) {
             let from_child = std::mem::take(&mut *lock(&self.updates[child as usize]));
@@ -60,12 +62,12 @@ impl Sweep<'_> {
             }
         }
         if below > 0 {
-            matmul(down, Accum::Add, bottom, own.as_ref(), -1.0, Par::Seq);
+            matmul(down, Accum::Add, bottom, own.as_ref(), T::of(-1.0), Par::Seq);
             *lock(&self.updates[f]) = update;
         }
     }
 
-    fn add_update(&self, child: usize, update: &[f64], mut own: MatMut<'_, f64>, mut down: MatMut<'_, f64>) {
+    fn add_update(&self, child: usize, update: &[T], mut own: MatMut<'_, T>, mut down: MatMut<'_, T>) {
         let dim = self.factor.symbolic().pattern().dim();
         let rows = self.factor.symbolic().rows_in_parent(child);
         let width = own.nrows();
@@ -74,9 +76,9 @@ impl Sweep<'_> {
                 for (c, value) in node.iter().enumerate() {
                     let row = dim * row as usize + c;
                     if row < width {
-                        own[(row, column)] += value;
+                        own[(row, column)] += *value;
                     } else {
-                        down[(row - width, column)] += value;
+                        down[(row - width, column)] += *value;
                     }
                 }
             }
@@ -86,7 +88,7 @@ impl Sweep<'_> {
     /// `x = L^-T D^-1 y` for the front's own rows; the rows below are solved already.
     fn backward(&self, f: usize) {
         let symbolic = self.factor.symbolic();
-        let (top, bottom) = self.factor.panel(f);
+        let (top, bottom) = self.factor.panel(f, self.values);
         let (width, below) = (symbolic.width(f), symbolic.below(f));
         let solved = self.rows_below(f);
         let mut block = write(&self.blocks[f]);
@@ -96,7 +98,7 @@ impl Sweep<'_> {
         }
         if below > 0 {
             let solved = faer::MatRef::from_column_major_slice(&solved, below, self.columns);
-            matmul(own.as_mut(), Accum::Add, bottom.transpose(), solved, -1.0, Par::Seq);
+            matmul(own.as_mut(), Accum::Add, bottom.transpose(), solved, T::of(-1.0), Par::Seq);
         }
         match self.factor.pivots() {
             Pivots::Positive => triangular::solve_upper_triangular_in_place(top.transpose(), own, Par::Seq),
@@ -108,11 +110,11 @@ impl Sweep<'_> {
     }
 
     /// The solution at the rows below the columns of front `f`, from the blocks of its ancestors.
-    fn rows_below(&self, f: usize) -> Vec<f64> {
+    fn rows_below(&self, f: usize) -> Vec<T> {
         let symbolic = self.factor.symbolic();
         let dim = symbolic.pattern().dim();
         let below = symbolic.below(f);
-        let mut solved = vec![0.0; below * self.columns];
+        let mut solved = vec![T::of(0.0); below * self.columns];
         let (mut rest, mut first, mut ancestor) = (symbolic.rows(f), 0, symbolic.fronts()[f].parent);
         while let (Some(a), false) = (ancestor, rest.is_empty()) {
             let nodes = &symbolic.fronts()[a].columns;
@@ -133,18 +135,18 @@ impl Sweep<'_> {
 }
 
 /// Right-hand sides in the order of the fronts.
-fn gather(factor: &Factor, rhs: &[f64], columns: usize) -> Vec<f64> {
+fn gather<T: Real>(factor: &Factor, rhs: &[f64], columns: usize) -> Vec<T> {
     let mut x = Vec::with_capacity(rhs.len());
-    visit(factor, columns, |at, dim| x.extend_from_slice(&rhs[at..at + dim]));
+    visit(factor, columns, |at, dim| x.extend(rhs[at..at + dim].iter().map(|&value| T::of(value))));
     x
 }
 
 /// The inverse of [`gather`].
-fn scatter(factor: &Factor, x: &[f64], solution: &mut [f64], columns: usize) {
+fn scatter<T: Real>(factor: &Factor, x: &[T], solution: &mut [f64], columns: usize) {
     let mut rest = x;
     visit(factor, columns, |at, dim| {
         if let Some(values) = rest.split_off(..dim) {
-            solution[at..at + dim].copy_from_slice(values);
+            solution[at..at + dim].iter_mut().zip(values).for_each(|(s, x)| *s = x.double());
         }
     });
 }
