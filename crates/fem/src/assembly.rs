@@ -6,17 +6,18 @@
 use crate::body::{Body, Evaluation};
 use crate::controls::Controls;
 use crate::error::InvertedAt;
-use crate::kernel::{CellKernel, block_index, kernel};
+use crate::kernel::{CellKernel, kernel};
 use crate::linear::SymmetricMatrix;
-use crate::sampling::{Part, gather_rows, scatter_rows};
+use crate::sampling::{Part, scatter_rows};
+use crate::scratch::Scratch;
 use nastic_energy::{EnergyTerm, Points, Response, Slots, Want};
-use nastic_tensor::{Kinematics, Mat3, Tangent};
+use nastic_tensor::Kinematics;
 use rayon::prelude::*;
 
-/// Cells computed before they are added up. Large enough to keep threads busy, small enough for the cache.
-const WAVE: usize = 256;
-/// Cells one task computes.
-const CHUNK: usize = 16;
+/// Memory that the results of a wave may take, in numbers: they should still be in the cache when they are added up.
+const WAVE: usize = 1 << 16;
+/// Waves are split into this many tasks at most.
+const TASKS: usize = 16;
 
 /// How much of the response is wanted.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
@@ -27,6 +28,7 @@ pub(crate) enum Demand {
 }
 
 /// What a cell hands over to be added up.
+#[derive(Clone)]
 struct CellResult {
     energy: f64,
     energy_scale: f64,
@@ -57,29 +59,10 @@ pub(crate) fn evaluate(
     for (p, part) in disc.body().parts.iter().enumerate() {
         let Some(kernel) = kernel(part.kind) else { continue };
         let scatter = if demand == Demand::Tangent { disc.scatter(p) } else { &[] };
-        let job = Job { body, part, kernel, u, controls, demand };
-        let (mut ready, mut next) = (job.buffers(), job.buffers());
-        let waves: Vec<usize> = (0..part.cells.len()).step_by(WAVE).collect();
-        let mut done: Option<usize> = None;
-        for &start in waves.iter() {
-            let add = |results: &[CellResult], total: &mut Evaluation, tangent: &mut Option<&mut SymmetricMatrix>| {
-                done.map_or(Ok(()), |first| job.add(first, results, total, tangent.as_deref_mut(), scatter))
-            };
-            let added = if parallel {
-                let (added, ()) =
-                    rayon::join(|| add(&ready, &mut total, &mut tangent), || job.compute(start, &mut next, true));
-                added
-            } else {
-                let added = add(&ready, &mut total, &mut tangent);
-                job.compute(start, &mut next, false);
-                added
-            };
-            added?;
-            std::mem::swap(&mut ready, &mut next);
-            done = Some(start);
-        }
-        if let Some(first) = done {
-            job.add(first, &ready, &mut total, tangent.as_deref_mut(), scatter)?;
+        let job = Job { body, part, kernel, scatter, u, controls, demand };
+        match parallel && rayon::current_num_threads() > 1 {
+            true => job.in_waves(&mut total, tangent.as_deref_mut())?,
+            false => job.one_by_one(&mut total, tangent.as_deref_mut())?,
         }
     }
     Ok(total)
@@ -89,17 +72,61 @@ struct Job<'a> {
     body: &'a Body,
     part: &'a Part,
     kernel: &'static dyn CellKernel,
+    scatter: &'a [u32],
     u: &'a [f64],
     controls: &'a Controls,
     demand: Demand,
 }
 
 impl Job<'_> {
-    fn buffers(&self) -> Vec<CellResult> {
+    /// Each cell is added while it is in the innermost cache.
+    fn one_by_one(&self, total: &mut Evaluation, mut tangent: Option<&mut SymmetricMatrix>) -> Result<(), InvertedAt> {
+        let mut scratch = self.scratch();
+        let mut result = self.result();
+        for c in 0..self.part.cells.len() {
+            self.cell(c, &mut scratch, &mut result);
+            self.add(c, &result, total, tangent.as_deref_mut())?;
+        }
+        Ok(())
+    }
+
+    /// One thread adds a wave in mesh order while the others compute the next.
+    fn in_waves(&self, total: &mut Evaluation, mut tangent: Option<&mut SymmetricMatrix>) -> Result<(), InvertedAt> {
+        let first = self.result();
+        let wave = (WAVE / (first.matrix.len() + 2 * first.rows.len() + 64)).clamp(8, 256);
+        let cells: Vec<usize> = (0..self.part.cells.len()).collect();
+        let (mut ready, mut next) = (vec![first.clone(); wave], vec![first; wave]);
+        let mut done: &[usize] = &[];
+        for cells in cells.chunks(wave).chain([&[][..]]) {
+            let add = || done.iter().zip(&ready).try_for_each(|(&c, r)| self.add(c, r, total, tangent.as_deref_mut()));
+            let (added, ()) = rayon::join(add, || self.compute(cells, &mut next));
+            added?;
+            std::mem::swap(&mut ready, &mut next);
+            done = cells;
+        }
+        Ok(())
+    }
+
+    fn compute(&self, cells: &[usize], results: &mut [CellResult]) {
+        let chunk = results.len().div_ceil(TASKS);
+        let tasks = cells.par_chunks(chunk).zip(results.par_chunks_mut(chunk));
+        tasks.for_each_init(
+            || self.scratch(),
+            |scratch, (cells, results)| {
+                cells.iter().zip(results).for_each(|(&c, result)| self.cell(c, scratch, result))
+            },
+        );
+    }
+
+    fn scratch(&self) -> Scratch {
+        Scratch::new(self.part, self.body.discretization().dim())
+    }
+
+    fn result(&self) -> CellResult {
         let dim = self.body.discretization().dim();
         let rows = if self.demand >= Demand::Force { dim * self.kernel.width() } else { 0 };
         let matrix = if self.demand == Demand::Tangent { self.kernel.matrix_len() } else { 0 };
-        let empty = || CellResult {
+        CellResult {
             energy: 0.0,
             energy_scale: 0.0,
             min_j: f64::INFINITY,
@@ -107,24 +134,6 @@ impl Job<'_> {
             scale: vec![0.0; rows],
             matrix: vec![0.0; matrix],
             inverted: None,
-        };
-        (0..WAVE.min(self.part.cells.len())).map(|_| empty()).collect()
-    }
-
-    fn compute(&self, start: usize, results: &mut [CellResult], parallel: bool) {
-        let chunk = |(k, results): (usize, &mut [CellResult])| {
-            let mut scratch = Scratch::new(self.part, self.body.discretization().dim());
-            for (c, result) in results.iter_mut().enumerate() {
-                let cell = start + k * CHUNK + c;
-                if cell < self.part.cells.len() {
-                    self.cell(cell, &mut scratch, result);
-                }
-            }
-        };
-        if parallel {
-            results.par_chunks_mut(CHUNK).enumerate().for_each(chunk);
-        } else {
-            results.chunks_mut(CHUNK).enumerate().for_each(chunk);
         }
     }
 
@@ -178,238 +187,33 @@ impl Job<'_> {
 
     fn add(
         &self,
-        start: usize,
-        results: &[CellResult],
-        total: &mut Evaluation,
-        mut tangent: Option<&mut SymmetricMatrix>,
-        scatter: &[u32],
-    ) -> Result<(), InvertedAt> {
-        let (dim, width) = (self.body.discretization().dim(), self.kernel.width());
-        let cells = start..(start + results.len()).min(self.part.cells.len());
-        let per_cell = scatter.len() / self.part.cells.len();
-        for (c, result) in cells.zip(results) {
-            if let Some(inverted) = result.inverted {
-                return Err(inverted);
-            }
-            total.energy += result.energy;
-            total.energy_scale += result.energy_scale;
-            total.min_j = total.min_j.min(result.min_j);
-            let nodes = self.part.nodes_of(c);
-            if self.demand >= Demand::Force {
-                scatter_rows(&result.rows, nodes, dim, width, &mut total.force);
-                for (a, &node) in nodes.iter().enumerate() {
-                    for i in 0..dim {
-                        total.force_scale[node as usize * dim + i] += result.scale[i * width + a];
-                    }
-                }
-            }
-            if let Some(tangent) = tangent.as_deref_mut() {
-                let map = &scatter[c * per_cell..(c + 1) * per_cell];
-                match dim {
-                    2 => scatter_matrix::<2>(map, nodes.len(), width, &result.matrix, &mut tangent.values),
-                    _ => scatter_matrix::<3>(map, nodes.len(), width, &result.matrix, &mut tangent.values),
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Adds an element matrix in component blocks (see [`CellKernel`]) to the node blocks of the global one (see
-/// [`Pattern::scatter_map`](crate::linear::Pattern::scatter_map) for the codes).
-pub(crate) fn scatter_matrix<const D: usize>(
-    map: &[u32],
-    nodes: usize,
-    width: usize,
-    matrix: &[f64],
-    values: &mut [f64],
-) {
-    let (columns, _) = values.as_chunks_mut::<D>();
-    let entry = |a: usize, r: usize, b: usize, c: usize| match r <= c {
-        true => matrix[(block_index(r, c, D) * nodes + a) * width + b],
-        false => matrix[(block_index(c, r, D) * nodes + b) * width + a],
-    };
-    let pairs = (0..nodes).flat_map(|a| (0..=a).map(move |b| (a, b)));
-    for ((a, b), &code) in pairs.zip(map) {
-        let block = &mut columns[D * (code >> 1) as usize..][..D];
-        for r in 0..D {
-            for c in 0..D {
-                if code & 1 == 0 {
-                    block[c][r] += entry(a, r, b, c);
-                } else {
-                    block[r][c] += entry(a, r, b, c);
-                }
-            }
-        }
-    }
-}
-
-/// Working memory of one task.
-pub(crate) struct Scratch {
-    pub g: Vec<f64>,
-    pub rows: Vec<f64>,
-    gradients: Vec<Mat3>,
-    pub kinematics: Vec<Kinematics>,
-    energy: Vec<f64>,
-    stress: Vec<Mat3>,
-    /// Stress of the actuations alone.
-    driving: Vec<Mat3>,
-    tangent: Vec<Tangent>,
-    work: Vec<f64>,
-}
-
-impl Scratch {
-    pub fn new(part: &Part, dim: usize) -> Self {
-        let points = part.table.points;
-        Scratch {
-            g: vec![0.0; part.table.gradients.len()],
-            rows: vec![0.0; dim * part.table.width],
-            gradients: vec![Mat3::zeros(); points],
-            kinematics: Vec::with_capacity(points),
-            energy: Vec::new(),
-            stress: Vec::new(),
-            driving: Vec::new(),
-            tangent: Vec::new(),
-            work: Vec::new(),
-        }
-    }
-
-    fn clear(&mut self, want: Want) {
-        let points = self.gradients.len();
-        self.energy.clear();
-        self.energy.resize(points, 0.0);
-        if want.stress {
-            for stress in [&mut self.stress, &mut self.driving] {
-                stress.clear();
-                stress.resize(points, Mat3::zeros());
-            }
-        }
-        if want.tangent {
-            self.tangent.clear();
-            self.tangent.resize(points, Tangent::zero());
-        }
-    }
-
-    /// Shape gradients and kinematics of the c-th cell displaced by u.
-    pub fn move_to(
-        &mut self,
-        part: &Part,
-        kernel: &dyn CellKernel,
         c: usize,
-        u: &[f64],
-        dim: usize,
+        result: &CellResult,
+        total: &mut Evaluation,
+        tangent: Option<&mut SymmetricMatrix>,
     ) -> Result<(), InvertedAt> {
-        let points = part.table.points;
-        kernel.gradients(&part.table.gradients, &part.inverse[c * points..(c + 1) * points], &mut self.g);
-        gather_rows(u, part.nodes_of(c), dim, part.table.width, &mut self.rows);
-        self.gradients.fill(Mat3::identity());
-        kernel.displacement_gradients(&self.g, &self.rows, &mut self.gradients);
-        self.kinematics.clear();
-        for (q, f) in self.gradients.iter().enumerate() {
-            let kinematics = Kinematics::new(*f).map_err(|inverted| InvertedAt {
-                cell: part.cells[c] as usize,
-                point: q,
-                jacobian: inverted.jacobian,
-            })?;
-            self.kinematics.push(kinematics);
+        if let Some(inverted) = result.inverted {
+            return Err(inverted);
+        }
+        let (dim, width) = (self.body.discretization().dim(), self.kernel.width());
+        total.energy += result.energy;
+        total.energy_scale += result.energy_scale;
+        total.min_j = total.min_j.min(result.min_j);
+        if self.demand >= Demand::Force {
+            let nodes = self.part.nodes_of(c);
+            scatter_rows(&result.rows, nodes, dim, width, &mut total.force);
+            scatter_rows(&result.scale, nodes, dim, width, &mut total.force_scale);
+        }
+        if let Some(tangent) = tangent {
+            let pairs = self.scatter.len() / self.part.cells.len();
+            self.kernel.scatter(&self.scatter[c * pairs..(c + 1) * pairs], &result.matrix, &mut tangent.values);
         }
         Ok(())
     }
 }
 
-/// The longest step `s <= 1` along which no point loses more than nine tenths of its volume on the way:
-/// `det(F + t G) >= det F / 10` for all `t` in `[0, s]`, with `G = grad du`.
-///
-/// Looking at the end alone is not enough: a section turned over in both directions has J > 0 again.
-pub(crate) fn max_step(body: &Body, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
-    let disc = body.discretization();
-    let dim = disc.dim();
-    let mut least: f64 = 1.0;
-    for part in &disc.body().parts {
-        let Some(kernel) = kernel(part.kind) else { continue };
-        let chunk = |cells: &[usize]| -> Result<f64, InvertedAt> {
-            let mut scratch = Scratch::new(part, dim);
-            let mut gradients = vec![Mat3::zeros(); part.table.points];
-            let mut least: f64 = 1.0;
-            for &c in cells {
-                scratch.move_to(part, kernel, c, u, dim)?;
-                gather_rows(du, part.nodes_of(c), dim, part.table.width, &mut scratch.rows);
-                gradients.fill(Mat3::zeros());
-                kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut gradients);
-                for (kinematics, g) in scratch.kinematics.iter().zip(&gradients) {
-                    least = least.min(volume_step(kinematics, g));
-                }
-            }
-            Ok(least)
-        };
-        let cells: Vec<usize> = (0..part.cells.len()).collect();
-        let steps: Vec<Result<f64, InvertedAt>> = match parallel {
-            true => cells.par_chunks(8 * CHUNK).map(chunk).collect(),
-            false => cells.chunks(8 * CHUNK).map(chunk).collect(),
-        };
-        for step in steps {
-            least = least.min(step?);
-        }
-    }
-    Ok(least)
-}
-
-/// The condition of [`max_step`] at one point, to a factor of two: the Bernstein coefficients of the cubic
-/// `det(F + t G) - det F / 10` on `[0, s]` are positive.
-pub(crate) fn volume_step(at: &Kinematics, g: &Mat3) -> f64 {
-    let constant = 0.9 * at.j();
-    let linear = at.h().dot(g);
-    let quadratic = at.f().dot(&nastic_tensor::cofactor(g));
-    let cubic = g.determinant();
-    let mut s = 1.0;
-    for _ in 0..50 {
-        let (b, c, d) = (linear * s, quadratic * s * s, cubic * s * s * s);
-        let bernstein = [constant + b / 3.0, constant + 2.0 * b / 3.0 + c / 3.0, constant + b + c + d];
-        if bernstein.iter().all(|&coefficient| coefficient > 0.0) {
-            break;
-        }
-        s *= 0.5;
-    }
-    s
-}
-
-fn slots(controls: &Controls, k: usize, first: usize, points: usize) -> Slots<'_> {
+/// The values of the k-th actuation at the points of one cell.
+pub(crate) fn slots(controls: &Controls, k: usize, first: usize, points: usize) -> Slots<'_> {
     let width = controls.slots(k);
     Slots { values: &controls.values(k)[first * width..(first + points) * width], width }
-}
-
-pub(crate) fn pull_back(body: &Body, u: &[f64], controls: &Controls, lambda: &[f64]) -> Result<Controls, InvertedAt> {
-    let disc = body.discretization();
-    let dim = disc.dim();
-    let mut out = body.controls();
-    for part in &disc.body().parts {
-        let Some(kernel) = kernel(part.kind) else { continue };
-        let points = part.table.points;
-        let mut scratch = Scratch::new(part, dim);
-        let mut adjoint = vec![Mat3::zeros(); points];
-        for c in 0..part.cells.len() {
-            let id = part.cells[c] as usize;
-            let composition = &body.compositions[body.of_cell[id] as usize];
-            if composition.actuations.is_empty() {
-                continue;
-            }
-            scratch.move_to(part, kernel, c, u, dim)?;
-            gather_rows(lambda, part.nodes_of(c), dim, part.table.width, &mut scratch.rows);
-            adjoint.fill(Mat3::zeros());
-            kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut adjoint);
-            let first = part.first_point(c);
-            let at = Points { kinematics: &scratch.kinematics, cell: id, first };
-            for &k in &composition.actuations {
-                let width = controls.slots(k);
-                let mut by_control = vec![Mat3::zeros(); points * width];
-                body.actuations[k].law.stress_by_control(&at, slots(controls, k, first, points), &mut by_control);
-                let target = &mut out.values_mut(k)[first * width..(first + points) * width];
-                for (s, value) in target.iter_mut().enumerate() {
-                    let q = s / width;
-                    *value = disc.body().weights()[first + q] * by_control[s].dot(&adjoint[q]);
-                }
-            }
-        }
-    }
-    Ok(out)
 }

@@ -16,12 +16,13 @@
 //! Source: Huang, Tong, Zhou, Bao, Desbrun, "Interactive shape interpolation through controllable dynamic deformation",
 //! IEEE TVCG 17 (2011), section 3.2, where rotation-strain coordinates serve animation.
 
-use crate::assembly::{Scratch, scatter_matrix, volume_step};
 use crate::body::Body;
 use crate::kernel::kernel;
 use crate::linear::{Factor, Pivots, SymmetricMatrix};
 use crate::sampling::{Part, gather_rows, scatter_rows};
+use crate::scratch::Scratch;
 use crate::solid::Solid;
+use crate::volume::volume_step;
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -213,7 +214,10 @@ fn laplacian(body: &Body, mut matrix: SymmetricMatrix) -> SymmetricMatrix {
             kernel.tangent(&g, &weighted, &mut element, &mut work);
             // the first component's block: the others are the same
             let map = &maps[c * per_cell..(c + 1) * per_cell];
-            scatter_matrix::<1>(map, part.table.nodes, part.table.width, &element, &mut matrix.values);
+            let pairs = (0..part.table.nodes).flat_map(|a| (0..=a).map(move |b| (a, b)));
+            for ((a, b), &code) in pairs.zip(map) {
+                matrix.values[(code >> 1) as usize] += element[a * part.table.width + b];
+            }
         }
     }
     matrix

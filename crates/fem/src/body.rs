@@ -5,6 +5,7 @@ use crate::controls::Controls;
 use crate::discretization::Discretization;
 use crate::error::{FemError, InvertedAt};
 use crate::linear::SymmetricMatrix;
+use crate::{pull_back, volume};
 use nastic_energy::{Actuation, EnergyTerm, Place};
 use nastic_tensor::Vec3;
 use std::sync::Arc;
@@ -156,7 +157,7 @@ impl Body {
     /// # Errors
     /// [`InvertedAt`] where J <= 0 at u itself.
     pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
-        assembly::max_step(self, u, du, parallel)
+        volume::max_step(self, u, du, parallel)
     }
 
     /// The smallest convexity bound on a tension of the named direction over the given cells' points: the sharpest upper
@@ -188,6 +189,6 @@ impl Body {
     /// # Errors
     /// [`InvertedAt`] where J <= 0.
     pub fn pull_back(&self, u: &[f64], controls: &Controls, lambda: &[f64]) -> Result<Controls, InvertedAt> {
-        assembly::pull_back(self, u, controls, lambda)
+        pull_back::pull_back(self, u, controls, lambda)
     }
 }

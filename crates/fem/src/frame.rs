@@ -1,10 +1,10 @@
 //! How far every node of a body has turned.
 
-use crate::assembly::Scratch;
 use crate::body::Body;
 use crate::kernel::kernel;
 use crate::linear::Rotations;
 use crate::sampling::Part;
+use crate::scratch::Scratch;
 use nastic_tensor::Mat3;
 use rayon::prelude::*;
 

@@ -18,13 +18,16 @@ mod kernel;
 mod levels;
 pub mod linear;
 mod newton;
+mod pull_back;
 mod request;
 mod sampling;
+mod scratch;
 mod solid;
 mod solver;
 mod state;
 mod supports;
 mod tangent;
+mod volume;
 
 pub use adjoint::Adjoint;
 pub use body::{Attached, Body, Evaluation};
