@@ -53,6 +53,49 @@ impl Curvature {
     }
 }
 
+impl Block {
+    /// The block applied to a direction `B` of its columns.
+    #[inline]
+    fn apply(&self, b: &Mat3) -> Mat3 {
+        match self {
+            Block::Zero => Mat3::zeros(),
+            Block::Isotropic(c) => b * *c,
+            Block::Metric(m) => b * m,
+            Block::Full(d) => d.apply(b),
+        }
+    }
+
+    /// Its transpose applied to a direction of its rows.
+    #[inline]
+    fn apply_transposed(&self, a: &Mat3) -> Mat3 {
+        match self {
+            Block::Full(d) => d.transposed().apply(a),
+            symmetric => symmetric.apply(a),
+        }
+    }
+}
+
+impl Curvature {
+    /// The change of the conjugates when `F`, `H` and `J` change by these, each by itself.
+    #[inline]
+    fn along(&self, df: &Mat3, dh: &Mat3, dj: f64) -> Conjugates {
+        let mut change = Conjugates {
+            f: self.ff.apply(df) + self.fh.apply(dh),
+            h: self.fh.apply_transposed(df) + self.hh.apply(dh),
+            j: self.jj * dj,
+        };
+        if let Some(fj) = &self.fj {
+            change.f += fj * dj;
+            change.j += fj.dot(df);
+        }
+        if let Some(hj) = &self.hj {
+            change.h += hj * dj;
+            change.j += hj.dot(dh);
+        }
+        change
+    }
+}
+
 /// An energy density written as a function of `F`, `H` and `J`, which is polyconvex where it is convex in the three.
 ///
 /// Write the density and its partial derivatives as if the three were independent; `P` and `dP/dF` follow by the one
@@ -114,6 +157,17 @@ impl<D: ConvexDensity> EnergyTerm for D {
                     add_tangent(&self.second(place, f, h, j), &s, f, h, &mut out.tangent[q]);
                 }
             }
+        }
+    }
+
+    /// The chain rule applied to one direction: a fraction of the work of `dP/dF`.
+    fn stress_change(&self, at: &Points, _m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        for (q, (k, g)) in at.kinematics.iter().zip(change).enumerate() {
+            let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
+            let s = self.first(place, f, h, j);
+            let (dh, dj) = (cross(f, g), h.dot(g));
+            let ds = self.second(place, f, h, j).along(g, &dh, dj);
+            out[q] += ds.f + cross(&ds.h, f) + h * ds.j + cross(&s.h, g) + dh * s.j;
         }
     }
 

@@ -22,6 +22,7 @@ use crate::linear::{Factor, Pivots, SymmetricMatrix};
 use crate::sampling::{Part, gather_rows, scatter_rows};
 use crate::scratch::Scratch;
 use crate::solid::Solid;
+use crate::sweep::Cells;
 use crate::volume::volume_step;
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 use rayon::prelude::*;
@@ -152,7 +153,7 @@ fn each_point(
     let mut scratch = Scratch::new(part, disc.dim());
     let mut steps = vec![Mat3::zeros(); part.table.points];
     for &c in cells {
-        let sound = scratch.move_to(part, kernel, c, u, disc.dim()).is_ok();
+        let sound = scratch.move_to(Cells { part, kernel, dim: disc.dim() }, c, u).is_ok();
         gather_rows(du, part.nodes_of(c), disc.dim(), part.table.width, &mut scratch.rows);
         steps.fill(Mat3::zeros());
         kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut steps);

@@ -18,6 +18,7 @@ mod kernel;
 mod levels;
 pub mod linear;
 mod newton;
+mod product;
 mod pull_back;
 mod request;
 mod sampling;
@@ -26,6 +27,7 @@ mod solid;
 mod solver;
 mod state;
 mod supports;
+mod sweep;
 mod tangent;
 mod volume;
 

@@ -5,43 +5,80 @@ use crate::body::Body;
 use crate::controls::Controls;
 use crate::error::InvertedAt;
 use crate::kernel::kernel;
-use crate::sampling::gather_rows;
 use crate::scratch::Scratch;
+use crate::sweep::{CellWork, Cells, sweep};
 use nastic_energy::Points;
 use nastic_tensor::Mat3;
 
-pub(crate) fn pull_back(body: &Body, u: &[f64], controls: &Controls, lambda: &[f64]) -> Result<Controls, InvertedAt> {
+/// `int (dP/dm_k) : grad lambda dX`, split by point and slot, for every actuation.
+pub(crate) fn pull_back(
+    body: &Body,
+    at: (&[f64], &Controls),
+    lambda: &[f64],
+    parallel: bool,
+) -> Result<Controls, InvertedAt> {
     let disc = body.discretization();
-    let dim = disc.dim();
     let mut out = body.controls();
     for part in &disc.body().parts {
         let Some(kernel) = kernel(part.kind) else { continue };
-        let points = part.table.points;
-        let mut scratch = Scratch::new(part, dim);
-        let mut adjoint = vec![Mat3::zeros(); points];
-        for c in 0..part.cells.len() {
-            let id = part.cells[c] as usize;
-            let composition = &body.compositions[body.of_cell[id] as usize];
-            if composition.actuations.is_empty() {
-                continue;
+        let cells = Cells { part, kernel, dim: disc.dim() };
+        let work = PullBack { body, cells, u: at.0, controls: at.1, lambda };
+        sweep(&work, parallel, |c, values: &Vec<f64>| {
+            let mut values = values.as_slice();
+            for &k in &body.compositions[body.of_cell[part.cells[c] as usize] as usize].actuations {
+                let (width, first) = (at.1.slots(k), part.first_point(c));
+                let (own, rest) = values.split_at(width * part.table.points);
+                out.values_mut(k)[width * first..][..own.len()].copy_from_slice(own);
+                values = rest;
             }
-            scratch.move_to(part, kernel, c, u, dim)?;
-            gather_rows(lambda, part.nodes_of(c), dim, part.table.width, &mut scratch.rows);
-            adjoint.fill(Mat3::zeros());
-            kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut adjoint);
-            let first = part.first_point(c);
-            let at = Points { kinematics: &scratch.kinematics, cell: id, first };
-            for &k in &composition.actuations {
-                let width = controls.slots(k);
-                let mut by_control = vec![Mat3::zeros(); points * width];
-                body.actuations[k].law.stress_by_control(&at, slots(controls, k, first, points), &mut by_control);
-                let target = &mut out.values_mut(k)[first * width..(first + points) * width];
-                for (s, value) in target.iter_mut().enumerate() {
-                    let q = s / width;
-                    *value = disc.body().weights()[first + q] * by_control[s].dot(&adjoint[q]);
-                }
-            }
-        }
+        })?;
     }
     Ok(out)
+}
+
+struct PullBack<'a> {
+    body: &'a Body,
+    cells: Cells<'a>,
+    u: &'a [f64],
+    controls: &'a Controls,
+    lambda: &'a [f64],
+}
+
+impl CellWork for PullBack<'_> {
+    /// Of the cell's actuations one after the other, shape `[points][slots]`.
+    type Answer = Vec<f64>;
+
+    fn cells(&self) -> Cells<'_> {
+        self.cells
+    }
+
+    fn room(&self) -> (Vec<f64>, usize) {
+        let slots: usize = (0..self.controls.len()).map(|k| self.controls.slots(k)).sum();
+        (Vec::new(), slots * self.cells.part.table.points)
+    }
+
+    fn compute(&self, c: usize, scratch: &mut Scratch, values: &mut Vec<f64>) -> Result<(), InvertedAt> {
+        let (part, points) = (self.cells.part, self.cells.part.table.points);
+        let (id, first) = (part.cells[c] as usize, part.first_point(c));
+        let composition = &self.body.compositions[self.body.of_cell[id] as usize];
+        values.clear();
+        if composition.actuations.is_empty() {
+            return Ok(());
+        }
+        scratch.move_to(self.cells, c, self.u)?;
+        scratch.change_by(self.cells, c, self.lambda);
+        let at = Points { kinematics: &scratch.kinematics, cell: id, first };
+        let weights = &self.body.discretization().body().weights()[first..first + points];
+        for &k in &composition.actuations {
+            let m = slots(self.controls, k, first, points);
+            scratch.by_control.resize(points * m.width, Mat3::zeros());
+            let by_control = &mut scratch.by_control[..];
+            self.body.actuations[k].law.stress_by_control(&at, m, by_control);
+            let at_points = by_control.chunks_exact(m.width).zip(&scratch.change).zip(weights);
+            for ((by_control, change), weight) in at_points {
+                values.extend(by_control.iter().map(|stress| weight * stress.dot(change)));
+            }
+        }
+        Ok(())
+    }
 }

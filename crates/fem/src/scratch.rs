@@ -1,8 +1,8 @@
 //! [`Scratch`]: the working memory of whoever goes over cells.
 
 use crate::error::InvertedAt;
-use crate::kernel::CellKernel;
 use crate::sampling::{Part, gather_rows};
+use crate::sweep::Cells;
 use nastic_energy::Want;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
 
@@ -12,6 +12,9 @@ pub(crate) struct Scratch {
     pub rows: Vec<f64>,
     gradients: Vec<Mat3>,
     pub kinematics: Vec<Kinematics>,
+    /// Gradient of another field, see [`Scratch::change_by`].
+    pub change: Vec<Mat3>,
+    pub by_control: Vec<Mat3>,
     pub energy: Vec<f64>,
     pub stress: Vec<Mat3>,
     /// Stress of the actuations alone.
@@ -28,6 +31,8 @@ impl Scratch {
             rows: vec![0.0; dim * part.table.width],
             gradients: vec![Mat3::zeros(); points],
             kinematics: Vec::with_capacity(points),
+            change: vec![Mat3::zeros(); points],
+            by_control: Vec::new(),
             energy: Vec::new(),
             stress: Vec::new(),
             driving: Vec::new(),
@@ -42,10 +47,7 @@ impl Scratch {
         self.energy.clear();
         self.energy.resize(points, 0.0);
         if want.stress {
-            for stress in [&mut self.stress, &mut self.driving] {
-                stress.clear();
-                stress.resize(points, Mat3::zeros());
-            }
+            self.clear_stress();
         }
         if want.tangent {
             self.tangent.clear();
@@ -53,15 +55,18 @@ impl Scratch {
         }
     }
 
+    /// Zeroes the stresses.
+    pub fn clear_stress(&mut self) {
+        let points = self.gradients.len();
+        for stress in [&mut self.stress, &mut self.driving] {
+            stress.clear();
+            stress.resize(points, Mat3::zeros());
+        }
+    }
+
     /// Shape gradients and kinematics of the c-th cell displaced by u.
-    pub fn move_to(
-        &mut self,
-        part: &Part,
-        kernel: &dyn CellKernel,
-        c: usize,
-        u: &[f64],
-        dim: usize,
-    ) -> Result<(), InvertedAt> {
+    pub fn move_to(&mut self, cells: Cells, c: usize, u: &[f64]) -> Result<(), InvertedAt> {
+        let Cells { part, kernel, dim } = cells;
         let points = part.table.points;
         kernel.gradients(&part.table.gradients, &part.inverse[c * points..(c + 1) * points], &mut self.g);
         gather_rows(u, part.nodes_of(c), dim, part.table.width, &mut self.rows);
@@ -77,5 +82,11 @@ impl Scratch {
             self.kinematics.push(kinematics);
         }
         Ok(())
+    }
+    /// The gradient of another nodal field at the points of the cell that was moved to.
+    pub fn change_by(&mut self, cells: Cells, c: usize, v: &[f64]) {
+        gather_rows(v, cells.part.nodes_of(c), cells.dim, cells.part.table.width, &mut self.rows);
+        self.change.fill(Mat3::zeros());
+        cells.kernel.displacement_gradients(&self.g, &self.rows, &mut self.change);
     }
 }

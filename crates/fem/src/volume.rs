@@ -5,6 +5,7 @@ use crate::error::InvertedAt;
 use crate::kernel::kernel;
 use crate::sampling::gather_rows;
 use crate::scratch::Scratch;
+use crate::sweep::Cells;
 use nastic_tensor::{Kinematics, Mat3};
 use rayon::prelude::*;
 
@@ -26,7 +27,7 @@ pub(crate) fn max_step(body: &Body, u: &[f64], du: &[f64], parallel: bool) -> Re
             let mut gradients = vec![Mat3::zeros(); part.table.points];
             let mut least: f64 = 1.0;
             for &c in cells {
-                scratch.move_to(part, kernel, c, u, dim)?;
+                scratch.move_to(Cells { part, kernel, dim }, c, u)?;
                 gather_rows(du, part.nodes_of(c), dim, part.table.width, &mut scratch.rows);
                 gradients.fill(Mat3::zeros());
                 kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut gradients);

@@ -28,14 +28,18 @@ fn driven(kind: CellKind) -> Outcome<(Solid, Vec<f64>, Controls)> {
 }
 
 #[test]
-fn energy_force_and_tangent_have_the_same_bits_for_any_number_of_threads() -> Outcome {
+fn every_sum_has_the_same_bits_for_any_number_of_threads() -> Outcome {
     let pools = [1, 2, 3].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build());
     for kind in kinds() {
         let (solid, u, controls) = driven(kind)?;
         let sums = |parallel: bool| -> Outcome<_> {
             let mut matrix = solid.discretization().matrix();
             let sums = solid.body().evaluate_tangent(&u, &controls, &mut matrix, parallel)?;
-            Ok((sums.energy, sums.energy_scale, sums.min_j, sums.force, sums.force_scale, matrix.values))
+            let mut product = vec![0.0; u.len()];
+            solid.body().tangent_product(&u, &controls, &u, &mut product, parallel)?;
+            let pulled = solid.body().pull_back(&u, &controls, &u, parallel)?;
+            let numbers = [sums.energy, sums.energy_scale, sums.min_j];
+            Ok((numbers, sums.force, sums.force_scale, matrix.values, product, pulled))
         };
         let alone = sums(false)?;
         for pool in &pools {
