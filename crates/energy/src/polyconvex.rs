@@ -55,7 +55,7 @@ impl Curvature {
 
 impl Block {
     /// The block applied to a direction `B` of its columns.
-    #[inline]
+    #[inline(always)]
     fn apply(&self, b: &Mat3) -> Mat3 {
         match self {
             Block::Zero => Mat3::zeros(),
@@ -66,7 +66,7 @@ impl Block {
     }
 
     /// Its transpose applied to a direction of its rows.
-    #[inline]
+    #[inline(always)]
     fn apply_transposed(&self, a: &Mat3) -> Mat3 {
         match self {
             Block::Full(d) => d.transposed().apply(a),
@@ -76,6 +76,18 @@ impl Block {
 }
 
 impl Curvature {
+    /// `W_FF`, `W_HH` and `W_JJ` where the first two are multiples of the identity and nothing is mixed.
+    #[inline]
+    fn isotropic(&self) -> Option<[f64; 3]> {
+        let factor = |block: &Block| match block {
+            Block::Zero => Some(0.0),
+            Block::Isotropic(c) => Some(*c),
+            _ => None,
+        };
+        let split = matches!(self.fh, Block::Zero) && self.fj.is_none() && self.hj.is_none();
+        split.then_some([factor(&self.ff)?, factor(&self.hh)?, self.jj])
+    }
+
     /// The change of the conjugates when `F`, `H` and `J` change by these, each by itself.
     #[inline]
     fn along(&self, df: &Mat3, dh: &Mat3, dj: f64) -> Conjugates {
@@ -190,7 +202,11 @@ impl<D: ConvexDensity> EnergyTerm for D {
 
 #[inline]
 fn add_tangent(w: &Curvature, s: &Conjugates, f: &Mat3, h: &Mat3, out: &mut Tangent) {
-    out.add_cross(&(s.h + f * s.j), 1.0);
+    let geometric = s.h + f * s.j;
+    if let Some(factors) = w.isotropic() {
+        return out.add_isotropic(f, h, &geometric, factors);
+    }
+    out.add_cross(&geometric, 1.0);
     out.add_outer(h, h, w.jj);
     match &w.ff {
         Block::Zero => {}

@@ -14,6 +14,7 @@ use nastic_mesh::CellKind;
 use nastic_tensor::{Mat3, Tangent};
 use pulp::{Arch, Simd, WithSimd};
 use scatter::scatter;
+use std::array::from_fn;
 
 /// The sizes of one cell kind and its arithmetic. `D` components, `N` nodes, rows padded to `width()`.
 ///
@@ -92,20 +93,6 @@ impl<const N: usize, const NP: usize, const D: usize> CellKernel for Sized<N, NP
     }
 }
 
-/// `a b + c`, fused where the processor fuses: without the instruction `mul_add` is a slow library call.
-#[inline(always)]
-fn fused<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
-    if S::IS_SCALAR { a * b + c } else { a.mul_add(b, c) }
-}
-
-/// `row += a * x`.
-#[inline(always)]
-fn axpy<S: Simd, const NP: usize>(a: f64, x: &[f64; NP], row: &mut [f64; NP]) {
-    for (r, &x) in row.iter_mut().zip(x) {
-        *r = fused::<S>(a, x, *r);
-    }
-}
-
 struct Gradients<'a, const NP: usize, const D: usize> {
     reference: &'a [f64],
     inverse: &'a [[f64; 9]],
@@ -116,14 +103,21 @@ impl<const NP: usize, const D: usize> WithSimd for Gradients<'_, NP, D> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let (reference, _) = self.reference.as_chunks::<NP>();
         let (g, _) = self.g.as_chunks_mut::<NP>();
-        for ((reference, inverse), g) in reference.chunks_exact(D).zip(self.inverse).zip(g.chunks_exact_mut(D)) {
-            for (j, row) in g.iter_mut().enumerate() {
-                row.fill(0.0);
-                for (k, reference) in reference.iter().enumerate() {
-                    axpy::<S, NP>(inverse[3 * k + j], reference, row);
+        let points = reference.as_chunks::<D>().0.iter().zip(self.inverse);
+        for ((reference, inverse), g) in points.zip(g.as_chunks_mut::<D>().0) {
+            let inverse = |k: usize, j: usize| simd.splat_f64s(inverse[3 * k + j]);
+            let inverse: [[S::f64s; D]; D] = from_fn(|k| from_fn(|j| inverse(k, j)));
+            for v in 0..NP / S::F64_LANES {
+                let reference: [S::f64s; D] = from_fn(|k| vectors::<S, NP, 1>(&reference[k], v)[0]);
+                for (j, row) in g.iter_mut().enumerate() {
+                    let mut sum = simd.mul_f64s(inverse[0][j], reference[0]);
+                    for k in 1..D {
+                        sum = simd.mul_add_e_f64s(inverse[k][j], reference[k], sum);
+                    }
+                    S::as_mut_simd_f64s(row).0[v] = sum;
                 }
             }
         }
@@ -143,19 +137,21 @@ impl<const NP: usize, const D: usize> WithSimd for DisplacementGradients<'_, NP,
     fn with_simd<S: Simd>(self, simd: S) {
         let (g, _) = self.g.as_chunks::<NP>();
         let (rows, _) = self.rows.as_chunks::<NP>();
-        for (g, out) in g.chunks_exact(D).zip(self.out) {
+        let Some(rows) = rows.first_chunk::<D>() else { return };
+        for (g, out) in g.as_chunks::<D>().0.iter().zip(self.out) {
             let mut sums = [[simd.splat_f64s(0.0); D]; D];
             for v in 0..NP / S::F64_LANES {
-                for (sums, row) in sums.iter_mut().zip(rows) {
-                    let row = vectors::<S, NP, 1>(row, v)[0];
-                    for (sum, g) in sums.iter_mut().zip(g) {
-                        *sum = simd.mul_add_e_f64s(row, vectors::<S, NP, 1>(g, v)[0], *sum);
+                let g: [S::f64s; D] = from_fn(|j| vectors::<S, NP, 1>(&g[j], v)[0]);
+                for i in 0..D {
+                    let row = vectors::<S, NP, 1>(&rows[i], v)[0];
+                    for j in 0..D {
+                        sums[i][j] = simd.mul_add_e_f64s(row, g[j], sums[i][j]);
                     }
                 }
             }
-            for (i, sums) in sums.iter().enumerate() {
-                for (j, &sum) in sums.iter().enumerate() {
-                    out[(i, j)] += simd.reduce_sum_f64s(sum);
+            for i in 0..D {
+                for j in 0..D {
+                    out[(i, j)] += simd.reduce_sum_f64s(sums[i][j]);
                 }
             }
         }
@@ -199,13 +195,13 @@ fn force_columns<S: Simd, const NP: usize, const D: usize, const V: usize>(
     rows: &mut [[f64; NP]],
 ) -> usize {
     let mut sums = [[simd.splat_f64s(0.0); V]; D];
-    for (g, stress) in g.chunks_exact(D).zip(stress) {
-        for (j, g) in g.iter().enumerate() {
-            let g = vectors::<S, NP, V>(g, v);
-            for (i, sums) in sums.iter_mut().enumerate() {
+    for (g, stress) in g.as_chunks::<D>().0.iter().zip(stress) {
+        for j in 0..D {
+            let g = vectors::<S, NP, V>(&g[j], v);
+            for i in 0..D {
                 let stress = simd.splat_f64s(stress[(i, j)]);
-                for (sum, &g) in sums.iter_mut().zip(&g) {
-                    *sum = simd.mul_add_e_f64s(stress, g, *sum);
+                for k in 0..V {
+                    sums[i][k] = simd.mul_add_e_f64s(stress, g[k], sums[i][k]);
                 }
             }
         }
@@ -229,5 +225,5 @@ fn widest<S: Simd>() -> usize {
 #[inline(always)]
 fn vectors<S: Simd, const NP: usize, const V: usize>(row: &[f64; NP], v: usize) -> [S::f64s; V] {
     let (row, _) = S::as_simd_f64s(row);
-    std::array::from_fn(|k| row[v + k])
+    from_fn(|k| row[v + k])
 }

@@ -3,6 +3,7 @@
 use super::{block_index, vectors, widest};
 use nastic_tensor::Tangent;
 use pulp::{Simd, WithSimd};
+use std::array::from_fn;
 
 /// See [`CellKernel::tangent`](super::CellKernel::tangent).
 pub(super) struct Matrix<'a, const N: usize, const NP: usize, const D: usize> {
@@ -41,11 +42,10 @@ fn contract<S: Simd, const NP: usize, const D: usize>(
     k: usize,
     t: &mut [[f64; NP]],
 ) {
-    for ((g, c), t) in g.chunks_exact(D).zip(tangents).zip(t.chunks_exact_mut(D)) {
-        let c: [[S::f64s; D]; D] =
-            std::array::from_fn(|j| std::array::from_fn(|l| simd.splat_f64s(c.0[9 * (3 * i + j) + 3 * k + l])));
+    for ((g, c), t) in g.as_chunks::<D>().0.iter().zip(tangents).zip(t.as_chunks_mut::<D>().0) {
+        let c: [[S::f64s; D]; D] = from_fn(|j| from_fn(|l| simd.splat_f64s(c.0[9 * (3 * i + j) + 3 * k + l])));
         for v in 0..NP / S::F64_LANES {
-            let g: [S::f64s; D] = std::array::from_fn(|l| vectors::<S, NP, 1>(&g[l], v)[0]);
+            let g: [S::f64s; D] = from_fn(|l| vectors::<S, NP, 1>(&g[l], v)[0]);
             for (row, c) in t.iter_mut().zip(&c) {
                 let mut sum = simd.mul_f64s(c[0], g[0]);
                 for l in 1..D {
