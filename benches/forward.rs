@@ -37,7 +37,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let gradient = median(repeat, || {
         let adjoint = body.adjoint(state, &[&wish], &how)?;
         substitutions = adjoint.report.back_substitutions;
-        body.body().pull_back(&state.u, &controls, &adjoint.lambda[0]).map_err(Box::<dyn std::error::Error>::from)?;
+        body.body()
+            .pull_back(&state.u, &controls, &adjoint.lambda[0], true)
+            .map_err(Box::<dyn std::error::Error>::from)?;
         Ok::<(), Box<dyn std::error::Error>>(())
     })?;
     let memory = peak_memory();

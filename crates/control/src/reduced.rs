@@ -328,7 +328,7 @@ impl Reduced {
         let how = StateRequest { factor: point.factor.get(), parallel: self.parallel, ..StateRequest::default() };
         let adjoint = self.solid.adjoint(&point.state, &[&rhs], &how)?;
         let lambda = adjoint.lambda.into_iter().next().unwrap_or_default();
-        let by_point = self.solid.body().pull_back(&point.state.u, &point.state.controls, &lambda)?;
+        let by_point = self.solid.body().pull_back(&point.state.u, &point.state.controls, &lambda, self.parallel)?;
         for (d, through_state) in derivative.iter_mut().zip(self.layout.pull_back(&point.m, &by_point)) {
             *d += through_state;
         }

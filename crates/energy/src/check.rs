@@ -33,7 +33,7 @@ pub use accumulation::accumulation;
 pub use control::{control_derivative, drives};
 pub use convexity::{ellipticity, growth};
 pub use density::{fiber_limit, hessian, partials, polyconvexity};
-pub use derivative::{stress, tangent};
+pub use derivative::{stress, stress_change, tangent};
 pub use free_cube::free_cube;
 pub use rest::{moduli, rest};
 pub use states::{rotations, states};
@@ -143,6 +143,7 @@ pub fn passive(law: &dyn EnergyTerm, at: Place) -> Result<Report, Violation> {
         accumulation(law, at, &[])?,
         stress(law, at, &[])?,
         tangent(law, at, &[])?,
+        stress_change(law, at, &[])?,
         major_symmetry(law, at, &[])?,
         objectivity(law, at, &[], &|_, _| {})?,
         rest(law, at)?,
@@ -175,6 +176,7 @@ pub fn actuation(term: &dyn Actuation, at: Place, m: &[f64]) -> Result<Report, V
             accumulation(term, at, m)?,
             stress(term, at, m)?,
             tangent(term, at, m)?,
+            stress_change(term, at, m)?,
             major_symmetry(term, at, m)?,
             objectivity(term, at, m, &|q, m| term.turn(q, m))?,
             control_derivative(term, at, m)?,

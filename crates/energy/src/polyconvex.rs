@@ -53,6 +53,61 @@ impl Curvature {
     }
 }
 
+impl Block {
+    /// The block applied to a direction `B` of its columns.
+    #[inline(always)]
+    fn apply(&self, b: &Mat3) -> Mat3 {
+        match self {
+            Block::Zero => Mat3::zeros(),
+            Block::Isotropic(c) => b * *c,
+            Block::Metric(m) => b * m,
+            Block::Full(d) => d.apply(b),
+        }
+    }
+
+    /// Its transpose applied to a direction of its rows.
+    #[inline(always)]
+    fn apply_transposed(&self, a: &Mat3) -> Mat3 {
+        match self {
+            Block::Full(d) => d.transposed().apply(a),
+            symmetric => symmetric.apply(a),
+        }
+    }
+}
+
+impl Curvature {
+    /// `W_FF`, `W_HH` and `W_JJ` where the first two are multiples of the identity and nothing is mixed.
+    #[inline]
+    fn isotropic(&self) -> Option<[f64; 3]> {
+        let factor = |block: &Block| match block {
+            Block::Zero => Some(0.0),
+            Block::Isotropic(c) => Some(*c),
+            _ => None,
+        };
+        let split = matches!(self.fh, Block::Zero) && self.fj.is_none() && self.hj.is_none();
+        split.then_some([factor(&self.ff)?, factor(&self.hh)?, self.jj])
+    }
+
+    /// The change of the conjugates when `F`, `H` and `J` change by these, each by itself.
+    #[inline]
+    fn along(&self, df: &Mat3, dh: &Mat3, dj: f64) -> Conjugates {
+        let mut change = Conjugates {
+            f: self.ff.apply(df) + self.fh.apply(dh),
+            h: self.fh.apply_transposed(df) + self.hh.apply(dh),
+            j: self.jj * dj,
+        };
+        if let Some(fj) = &self.fj {
+            change.f += fj * dj;
+            change.j += fj.dot(df);
+        }
+        if let Some(hj) = &self.hj {
+            change.h += hj * dj;
+            change.j += hj.dot(dh);
+        }
+        change
+    }
+}
+
 /// An energy density written as a function of `F`, `H` and `J`, which is polyconvex where it is convex in the three.
 ///
 /// Write the density and its partial derivatives as if the three were independent; `P` and `dP/dF` follow by the one
@@ -117,6 +172,17 @@ impl<D: ConvexDensity> EnergyTerm for D {
         }
     }
 
+    /// The chain rule applied to one direction: a fraction of the work of `dP/dF`.
+    fn stress_change(&self, at: &Points, _m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        for (q, (k, g)) in at.kinematics.iter().zip(change).enumerate() {
+            let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
+            let s = self.first(place, f, h, j);
+            let (dh, dj) = (cross(f, g), h.dot(g));
+            let ds = self.second(place, f, h, j).along(g, &dh, dj);
+            out[q] += ds.f + cross(&ds.h, f) + h * ds.j + cross(&s.h, g) + dh * s.j;
+        }
+    }
+
     fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {
         self.tension_bound(at, a)
     }
@@ -136,7 +202,11 @@ impl<D: ConvexDensity> EnergyTerm for D {
 
 #[inline]
 fn add_tangent(w: &Curvature, s: &Conjugates, f: &Mat3, h: &Mat3, out: &mut Tangent) {
-    out.add_cross(&(s.h + f * s.j), 1.0);
+    let geometric = s.h + f * s.j;
+    if let Some(factors) = w.isotropic() {
+        return out.add_isotropic(f, h, &geometric, factors);
+    }
+    out.add_cross(&geometric, 1.0);
     out.add_outer(h, h, w.jj);
     match &w.ff {
         Block::Zero => {}

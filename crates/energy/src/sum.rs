@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use nastic_tensor::Vec3;
+use nastic_tensor::{Mat3, Vec3};
 
 use crate::{EnergyError, EnergyTerm, Moduli, Place, Points, Response, Slots, Want};
 
@@ -44,6 +44,12 @@ impl EnergyTerm for Sum {
     fn respond(&self, at: &Points, _m: Slots, want: Want, out: &mut Response) {
         for term in &self.terms {
             term.respond(at, Slots::none(), want, out);
+        }
+    }
+
+    fn stress_change(&self, at: &Points, _m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        for term in &self.terms {
+            term.stress_change(at, Slots::none(), change, out);
         }
     }
 

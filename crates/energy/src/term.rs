@@ -29,6 +29,12 @@ impl Points<'_> {
         self.kinematics.is_empty()
     }
 
+    /// The `q`-th point by itself.
+    #[inline]
+    pub fn only(&self, q: usize) -> Points<'_> {
+        Points { kinematics: &self.kinematics[q..=q], cell: self.cell, first: self.first + q }
+    }
+
     /// The place of the `q`-th point, for fields.
     #[inline]
     pub fn place(&self, q: usize) -> Place {
@@ -49,6 +55,12 @@ impl Slots<'_> {
     /// What a passive term gets.
     pub const fn none() -> Self {
         Slots { values: &[], width: 0 }
+    }
+
+    /// The slots of the `q`-th point alone.
+    #[inline]
+    pub fn only(&self, q: usize) -> Slots<'_> {
+        Slots { values: &self.values[q * self.width..(q + 1) * self.width], width: self.width }
     }
 
     /// Slot `k` at the `q`-th point; zero where nothing drives it, as when an actuation is used as a passive term.
@@ -98,6 +110,18 @@ pub struct Response<'a> {
 pub trait EnergyTerm: Debug + Send + Sync {
     /// Adds energy, `P` and `dP/dF`, as wanted, at all points of one cell.
     fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response);
+
+    /// Adds the change of stress `dP/dF : G` (Pa) for a change `G` of `F` at every point of one cell: all that a product with
+    /// the tangent matrix asks of a law. Derived from [`respond`](Self::respond); a law that knows a cheaper way says it here.
+    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        let want = Want { energy: false, stress: false, tangent: true };
+        for (q, (change, out)) in change.iter().zip(out).enumerate() {
+            let mut tangent = [Tangent::zero()];
+            let mut response = Response { energy: &mut [], stress: &mut [], tangent: &mut tangent };
+            self.respond(&at.only(q), m.only(q), want, &mut response);
+            *out += tangent[0].apply(change);
+        }
+    }
 
     /// Largest fibre tension `m` (Pa) along the unit vector `a` for which this law with `-(m/2) |F a|^2` added stays
     /// polyconvex. `None` where the law makes no statement.
@@ -149,6 +173,10 @@ pub trait Actuation: EnergyTerm {
 impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
     fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
         (**self).respond(at, m, want, out);
+    }
+
+    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        (**self).stress_change(at, m, change, out);
     }
 
     fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {

@@ -42,8 +42,8 @@ fn fails(fault: impl Fn(&Points, Want, &mut Response) + Send + Sync) -> String {
 fn nothing_is_found_without_a_fault() {
     let law = Faulty(MooneyRivlin::new(1e5, 2e4, 1e6).unwrap(), |_: &Points, _: Want, _: &mut Response| {});
     let report = check::passive(&law, HERE).unwrap();
-    assert_eq!(report.findings.len(), 9);
-    assert_eq!(report.to_string().lines().count(), 9);
+    assert_eq!(report.findings.len(), 10);
+    assert_eq!(report.to_string().lines().count(), 10);
 }
 
 #[test]
@@ -113,6 +113,30 @@ fn volumetric(w: fn(f64) -> [f64; 3]) -> impl Fn(&Points, Want, &mut Response) +
     }
 }
 
+/// A law whose shortcut for changes of stress forgets a part of its tangent.
+#[derive(Debug)]
+struct Forgetful(MooneyRivlin);
+
+impl EnergyTerm for Forgetful {
+    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+        self.0.respond(at, m, want, out);
+    }
+
+    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        self.0.stress_change(at, m, change, out);
+        out[0] -= cross(at.kinematics[0].h(), &change[0]);
+    }
+}
+
+#[test]
+fn wrong_change_of_stress() {
+    let error = check::passive(&Forgetful(MooneyRivlin::new(1e5, 2e4, 1e6).unwrap()), HERE).unwrap_err();
+    assert!(
+        matches!(error, Violation::Exceeds { check: "the change of P is dP/dF applied to that of F", .. }),
+        "{error}"
+    );
+}
+
 #[test]
 fn prestress_energy_at_rest_and_wrong_moduli() {
     assert_eq!(fails(volumetric(|j| [j - 1.0, 1.0, 0.0])), "the rest state has no energy and no stress");
@@ -178,6 +202,7 @@ fn densities() {
     // The chain rule is exact for mixed parts all the same.
     check::stress(&Product { mixed: true }, HERE, &[]).unwrap();
     check::tangent(&Product { mixed: true }, HERE, &[]).unwrap();
+    check::stress_change(&Product { mixed: true }, HERE, &[]).unwrap();
     assert!(check::tangent(&Product { mixed: false }, HERE, &[]).is_err());
 }
 
@@ -219,6 +244,7 @@ fn every_block_goes_through_the_chain_rule() {
     check::partials(&law, HERE).unwrap();
     check::stress(&law, HERE, &[]).unwrap();
     check::tangent(&law, HERE, &[]).unwrap();
+    check::stress_change(&law, HERE, &[]).unwrap();
     check::major_symmetry(&law, HERE, &[]).unwrap();
 }
 

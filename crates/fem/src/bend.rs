@@ -17,12 +17,14 @@
 //! Source: Huang, Tong, Zhou, Bao, Desbrun, "Interactive shape interpolation through controllable dynamic deformation",
 //! IEEE TVCG 17 (2011), section 3.2, where rotation-strain coordinates serve animation.
 
-use crate::assembly::{Scratch, scatter_matrix, volume_step};
 use crate::body::Body;
 use crate::kernel::kernel;
 use crate::linear::{Factor, SymmetricMatrix};
 use crate::sampling::{Part, gather_rows, scatter_rows};
+use crate::scratch::Scratch;
 use crate::solid::Solid;
+use crate::sweep::Cells;
+use crate::volume::volume_step;
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -152,7 +154,7 @@ fn each_point(
     let mut scratch = Scratch::new(part, disc.dim());
     let mut steps = vec![Mat3::zeros(); part.table.points];
     for &c in cells {
-        let sound = scratch.move_to(part, kernel, c, u, disc.dim()).is_ok();
+        let sound = scratch.move_to(Cells { part, kernel, dim: disc.dim() }, c, u).is_ok();
         gather_rows(du, part.nodes_of(c), disc.dim(), part.table.width, &mut scratch.rows);
         steps.fill(Mat3::zeros());
         kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut steps);
@@ -214,7 +216,10 @@ fn laplacian(body: &Body, mut matrix: SymmetricMatrix) -> SymmetricMatrix {
             kernel.tangent(&g, &weighted, &mut element, &mut work);
             // the first component's block: the others are the same
             let map = &maps[c * per_cell..(c + 1) * per_cell];
-            scatter_matrix::<1>(map, part.table.nodes, part.table.width, &element, &mut matrix.values);
+            let pairs = (0..part.table.nodes).flat_map(|a| (0..=a).map(move |b| (a, b)));
+            for ((a, b), &code) in pairs.zip(map) {
+                matrix.values[(code >> 1) as usize] += element[a * part.table.width + b];
+            }
         }
     }
     matrix

@@ -5,6 +5,7 @@ use crate::controls::Controls;
 use crate::discretization::Discretization;
 use crate::error::{FemError, InvertedAt};
 use crate::linear::SymmetricMatrix;
+use crate::{product, pull_back, volume};
 use nastic_energy::{Actuation, EnergyTerm, Place};
 use nastic_tensor::Vec3;
 use std::sync::Arc;
@@ -156,7 +157,7 @@ impl Body {
     /// # Errors
     /// [`InvertedAt`] where J <= 0 at u itself.
     pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
-        assembly::max_step(self, u, du, parallel)
+        volume::max_step(self, u, du, parallel)
     }
 
     /// The smallest convexity bound on a tension of the named direction over the given cells' points: the sharpest upper
@@ -182,12 +183,35 @@ impl Body {
         least
     }
 
+    /// `out = K(u, m) v`, the product with the tangent of [`evaluate_tangent`](Self::evaluate_tangent) (supports not
+    /// eliminated) for which no matrix is assembled: at every point the change of stress `dP/dF : grad v`, spread like a
+    /// stress. `v` and `out` are flat, `dim` per node. The same bits for any number of threads.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn tangent_product(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        v: &[f64],
+        out: &mut [f64],
+        parallel: bool,
+    ) -> Result<(), InvertedAt> {
+        product::tangent_product(self, (u, controls), v, out, parallel)
+    }
+
     /// Derivative of the body's virtual work with respect to the controls at the points: for every actuation,
     /// `int (dP/dm_k) : grad lambda dX` split by point, shape `[points][slots]`; weights included.
     ///
     /// # Errors
     /// [`InvertedAt`] where J <= 0.
-    pub fn pull_back(&self, u: &[f64], controls: &Controls, lambda: &[f64]) -> Result<Controls, InvertedAt> {
-        assembly::pull_back(self, u, controls, lambda)
+    pub fn pull_back(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        lambda: &[f64],
+        parallel: bool,
+    ) -> Result<Controls, InvertedAt> {
+        pull_back::pull_back(self, (u, controls), lambda, parallel)
     }
 }

@@ -1,10 +1,11 @@
 //! How far every node of a body has turned.
 
-use crate::assembly::Scratch;
 use crate::body::Body;
 use crate::kernel::kernel;
 use crate::linear::Rotations;
 use crate::sampling::Part;
+use crate::scratch::Scratch;
+use crate::sweep::Cells;
 use nastic_tensor::Mat3;
 use rayon::prelude::*;
 
@@ -34,7 +35,7 @@ fn means(body: &Body, part: &Part, cells: &[usize], u: &[f64]) -> Vec<Mat3> {
     let disc = body.discretization();
     let Some(kernel) = kernel(part.kind) else { return vec![Mat3::zeros(); cells.len()] };
     let mut scratch = Scratch::new(part, disc.dim());
-    let mean = |&c: &usize| match scratch.move_to(part, kernel, c, u, disc.dim()) {
+    let mean = |&c: &usize| match scratch.move_to(Cells { part, kernel, dim: disc.dim() }, c, u) {
         Ok(()) => {
             let weights = &disc.body().weights()[part.first_point(c)..][..part.table.points];
             scratch.kinematics.iter().zip(weights).map(|(at, &w)| at.f() * w).sum()

@@ -6,9 +6,15 @@
 //!
 //! [`pulp`] picks the widest instruction set of the processor at run time; a plain build is fast everywhere.
 
+mod matrix;
+mod scatter;
+
+use matrix::Matrix;
 use nastic_mesh::CellKind;
 use nastic_tensor::{Mat3, Tangent};
 use pulp::{Arch, Simd, WithSimd};
+use scatter::scatter;
+use std::array::from_fn;
 
 /// The sizes of one cell kind and its arithmetic. `D` components, `N` nodes, rows padded to `width()`.
 ///
@@ -27,6 +33,9 @@ pub trait CellKernel: Send + Sync {
     fn force(&self, g: &[f64], weighted_stress: &[Mat3], rows: &mut [f64]);
     /// Sets the element matrix; the tangents carry their quadrature weight. `scratch` is resized as needed.
     fn tangent(&self, g: &[f64], weighted: &[Tangent], matrix: &mut [f64], scratch: &mut Vec<f64>);
+    /// Adds an element matrix to the node blocks of the global one, see
+    /// [`Pattern::scatter_map`](crate::linear::Pattern::scatter_map) for the codes.
+    fn scatter(&self, map: &[u32], matrix: &[f64], values: &mut [f64]);
 }
 
 /// The kernel of a cell kind; `None` for lines, which are no bodies.
@@ -78,32 +87,10 @@ impl<const N: usize, const NP: usize, const D: usize> CellKernel for Sized<N, NP
     fn tangent(&self, g: &[f64], weighted: &[Tangent], matrix: &mut [f64], scratch: &mut Vec<f64>) {
         Arch::new().dispatch(Matrix::<N, NP, D> { g, tangents: weighted, matrix, scratch });
     }
-}
 
-/// `a b + c`, fused where the processor fuses: without the instruction `mul_add` is a slow library call.
-#[inline(always)]
-fn fused<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
-    if S::IS_SCALAR { a * b + c } else { a.mul_add(b, c) }
-}
-
-/// `row += a * x`.
-#[inline(always)]
-fn axpy<S: Simd, const NP: usize>(a: f64, x: &[f64; NP], row: &mut [f64; NP]) {
-    for (r, &x) in row.iter_mut().zip(x) {
-        *r = fused::<S>(a, x, *r);
+    fn scatter(&self, map: &[u32], matrix: &[f64], values: &mut [f64]) {
+        scatter::<N, NP, D>(map, matrix, values);
     }
-}
-
-/// Sum of products in eight lanes, folded in a fixed order: strict summation would not vectorise.
-#[inline(always)]
-fn dot<S: Simd, const NP: usize>(a: &[f64; NP], b: &[f64; NP]) -> f64 {
-    let mut lanes = [0.0; 8];
-    for (a, b) in a.chunks_exact(8).zip(b.chunks_exact(8)) {
-        for l in 0..8 {
-            lanes[l] = fused::<S>(a[l], b[l], lanes[l]);
-        }
-    }
-    ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]))
 }
 
 struct Gradients<'a, const NP: usize, const D: usize> {
@@ -116,14 +103,21 @@ impl<const NP: usize, const D: usize> WithSimd for Gradients<'_, NP, D> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let (reference, _) = self.reference.as_chunks::<NP>();
         let (g, _) = self.g.as_chunks_mut::<NP>();
-        for ((reference, inverse), g) in reference.chunks_exact(D).zip(self.inverse).zip(g.chunks_exact_mut(D)) {
-            for (j, row) in g.iter_mut().enumerate() {
-                row.fill(0.0);
-                for (k, reference) in reference.iter().enumerate() {
-                    axpy::<S, NP>(inverse[3 * k + j], reference, row);
+        let points = reference.as_chunks::<D>().0.iter().zip(self.inverse);
+        for ((reference, inverse), g) in points.zip(g.as_chunks_mut::<D>().0) {
+            let inverse = |k: usize, j: usize| simd.splat_f64s(inverse[3 * k + j]);
+            let inverse: [[S::f64s; D]; D] = from_fn(|k| from_fn(|j| inverse(k, j)));
+            for v in 0..NP / S::F64_LANES {
+                let reference: [S::f64s; D] = from_fn(|k| vectors::<S, NP, 1>(&reference[k], v)[0]);
+                for (j, row) in g.iter_mut().enumerate() {
+                    let mut sum = simd.mul_f64s(inverse[0][j], reference[0]);
+                    for k in 1..D {
+                        sum = simd.mul_add_e_f64s(inverse[k][j], reference[k], sum);
+                    }
+                    S::as_mut_simd_f64s(row).0[v] = sum;
                 }
             }
         }
@@ -140,13 +134,24 @@ impl<const NP: usize, const D: usize> WithSimd for DisplacementGradients<'_, NP,
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let (g, _) = self.g.as_chunks::<NP>();
         let (rows, _) = self.rows.as_chunks::<NP>();
-        for (g, out) in g.chunks_exact(D).zip(self.out) {
+        let Some(rows) = rows.first_chunk::<D>() else { return };
+        for (g, out) in g.as_chunks::<D>().0.iter().zip(self.out) {
+            let mut sums = [[simd.splat_f64s(0.0); D]; D];
+            for v in 0..NP / S::F64_LANES {
+                let g: [S::f64s; D] = from_fn(|j| vectors::<S, NP, 1>(&g[j], v)[0]);
+                for i in 0..D {
+                    let row = vectors::<S, NP, 1>(&rows[i], v)[0];
+                    for j in 0..D {
+                        sums[i][j] = simd.mul_add_e_f64s(row, g[j], sums[i][j]);
+                    }
+                }
+            }
             for i in 0..D {
                 for j in 0..D {
-                    out[(i, j)] += dot::<S, NP>(&rows[i], &g[j]);
+                    out[(i, j)] += simd.reduce_sum_f64s(sums[i][j]);
                 }
             }
         }
@@ -163,85 +168,62 @@ impl<const NP: usize, const D: usize> WithSimd for Force<'_, NP, D> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let (g, _) = self.g.as_chunks::<NP>();
         let (rows, _) = self.rows.as_chunks_mut::<NP>();
-        for (i, row) in rows.iter_mut().take(D).enumerate() {
-            for (g, stress) in g.chunks_exact(D).zip(self.stress) {
-                for (j, g) in g.iter().enumerate() {
-                    axpy::<S, NP>(stress[(i, j)], g, row);
+        let vectors = NP / S::F64_LANES;
+        let mut v = 0;
+        while v < vectors {
+            // as many columns at a time as leave all sums in registers
+            v += match (vectors - v).min(widest::<S>()) {
+                4 => force_columns::<S, NP, D, 4>(simd, g, self.stress, v, rows),
+                3 => force_columns::<S, NP, D, 3>(simd, g, self.stress, v, rows),
+                2 => force_columns::<S, NP, D, 2>(simd, g, self.stress, v, rows),
+                _ => force_columns::<S, NP, D, 1>(simd, g, self.stress, v, rows),
+            };
+        }
+    }
+}
+
+/// `V` vectors of every row of the force, from vector `v` on; returns `V`.
+#[inline(always)]
+fn force_columns<S: Simd, const NP: usize, const D: usize, const V: usize>(
+    simd: S,
+    g: &[[f64; NP]],
+    stress: &[Mat3],
+    v: usize,
+    rows: &mut [[f64; NP]],
+) -> usize {
+    let mut sums = [[simd.splat_f64s(0.0); V]; D];
+    for (g, stress) in g.as_chunks::<D>().0.iter().zip(stress) {
+        for j in 0..D {
+            let g = vectors::<S, NP, V>(&g[j], v);
+            for i in 0..D {
+                let stress = simd.splat_f64s(stress[(i, j)]);
+                for k in 0..V {
+                    sums[i][k] = simd.mul_add_e_f64s(stress, g[k], sums[i][k]);
                 }
             }
         }
     }
-}
-
-struct Matrix<'a, const N: usize, const NP: usize, const D: usize> {
-    g: &'a [f64],
-    tangents: &'a [Tangent],
-    matrix: &'a mut [f64],
-    scratch: &'a mut Vec<f64>,
-}
-
-impl<const N: usize, const NP: usize, const D: usize> WithSimd for Matrix<'_, N, NP, D> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        self.scratch.resize(self.tangents.len() * D * NP, 0.0);
-        let (g, _) = self.g.as_chunks::<NP>();
-        let (t, _) = self.scratch.as_chunks_mut::<NP>();
-        let (blocks, _) = self.matrix.as_chunks_mut::<NP>();
-        for i in 0..D {
-            for k in i..D {
-                contract::<S, NP, D>(g, self.tangents, i, k, t);
-                let start = block_index(i, k, D) * N;
-                product::<S, N, NP>(g, t, &mut blocks[start..start + N]);
-            }
+    for (row, sums) in rows.iter_mut().zip(&sums) {
+        let (row, _) = S::as_mut_simd_f64s(row);
+        for (r, &sum) in row[v..v + V].iter_mut().zip(sums) {
+            *r = simd.add_f64s(*r, sum);
         }
     }
+    V
 }
 
-/// `t_J = sum_L C_iJkL g_L` at every point.
+/// How many vectors of a row are summed at a time: all sums have to stay in the 32 registers of AVX-512, the 16 of others.
 #[inline(always)]
-fn contract<S: Simd, const NP: usize, const D: usize>(
-    g: &[[f64; NP]],
-    tangents: &[Tangent],
-    i: usize,
-    k: usize,
-    t: &mut [[f64; NP]],
-) {
-    for ((g, c), t) in g.chunks_exact(D).zip(tangents).zip(t.chunks_exact_mut(D)) {
-        for (j, row) in t.iter_mut().enumerate() {
-            row.fill(0.0);
-            for (l, g) in g.iter().enumerate() {
-                axpy::<S, NP>(c.0[9 * (3 * i + j) + 3 * k + l], g, row);
-            }
-        }
-    }
+fn widest<S: Simd>() -> usize {
+    if S::F64_LANES == 8 { 4 } else { 2 }
 }
 
-/// `block[a][b] = sum_d g[d][a] t[d][b]`: a small matrix product, four rows at a time so that the sums stay in
-/// registers.
+/// `V` vectors of a row from vector `v` on.
 #[inline(always)]
-fn product<S: Simd, const N: usize, const NP: usize>(g: &[[f64; NP]], t: &[[f64; NP]], block: &mut [[f64; NP]]) {
-    let mut a = 0;
-    while a + 4 <= N {
-        let mut sums = [[0.0; NP]; 4];
-        for (g, t) in g.iter().zip(t) {
-            for (r, sum) in sums.iter_mut().enumerate() {
-                axpy::<S, NP>(g[a + r], t, sum);
-            }
-        }
-        block[a..a + 4].copy_from_slice(&sums);
-        a += 4;
-    }
-    while a < N {
-        let mut sum = [0.0; NP];
-        for (g, t) in g.iter().zip(t) {
-            axpy::<S, NP>(g[a], t, &mut sum);
-        }
-        block[a] = sum;
-        a += 1;
-    }
+fn vectors<S: Simd, const NP: usize, const V: usize>(row: &[f64; NP], v: usize) -> [S::f64s; V] {
+    let (row, _) = S::as_simd_f64s(row);
+    from_fn(|k| row[v + k])
 }

@@ -18,13 +18,18 @@ mod kernel;
 mod levels;
 pub mod linear;
 mod newton;
+mod product;
+mod pull_back;
 mod request;
 mod sampling;
+mod scratch;
 mod solid;
 mod solver;
 mod state;
 mod supports;
+mod sweep;
 mod tangent;
+mod volume;
 
 pub use adjoint::Adjoint;
 pub use body::{Attached, Body, Evaluation};

@@ -132,6 +132,21 @@ fn the_tangent_is_the_derivative_of_the_force() -> Outcome {
     Ok(())
 }
 
+/// Without a matrix, and with one.
+#[test]
+fn a_product_with_the_tangent_needs_no_matrix() -> Outcome {
+    for (name, solid, controls) in kinds().map(solids).collect::<Outcome<Vec<_>>>()?.concat() {
+        let u = configuration(solid.mesh());
+        let v: Vec<f64> = (0..u.len()).map(|n| noise(n + 3000)).collect();
+        let (mut expected, mut found) = (vec![0.0; u.len()], vec![1.0; u.len()]);
+        tangent(&solid, &u, &controls)?.multiply(&v, &mut expected);
+        solid.body().tangent_product(&u, &controls, &v, &mut found, false)?;
+        let error = common::distance(&found, &expected) / common::largest(&expected);
+        assert!(error < 1e-13, "{name}: {error:e}");
+    }
+    Ok(())
+}
+
 /// The unknowns of the nodes of one cell: each meets every other one of the cell, and those of its neighbours.
 fn probed(solid: &Solid) -> Vec<usize> {
     let (mesh, dim) = (solid.mesh(), solid.mesh().dim());
@@ -148,7 +163,7 @@ fn pulling_back_is_the_derivative_of_the_force_by_the_controls() -> Outcome {
         }
         let u = configuration(solid.mesh());
         let lambda: Vec<f64> = (0..u.len()).map(|n| noise(n + 2000)).collect();
-        let pulled = solid.body().pull_back(&u, &controls, &lambda)?;
+        let pulled = solid.body().pull_back(&u, &controls, &lambda, false)?;
         let (first, count) = solid.discretization().points_of_cells()[1];
         let width = controls.slots(0);
         for entry in first * width..(first + count) * width {

@@ -171,7 +171,7 @@ fn an_actuation_acts_in_its_region_alone() -> Outcome {
     let other = solid.solve(&controls, &STRICT)?.state;
     assert_eq!(state.u, other.u);
     let lambda = vec![1.0; state.u.len()];
-    let pulled = solid.body().pull_back(&state.u, &controls, &lambda)?;
+    let pulled = solid.body().pull_back(&state.u, &controls, &lambda, false)?;
     let idle = pulled.values(0).iter().zip(solid.discretization().body().cells());
     assert!(idle.filter(|(_, cell)| solid.mesh().regions()["left"].contains(cell)).all(|(v, _)| *v == 0.0));
     Ok(())

@@ -127,7 +127,8 @@ impl Tangent {
     pub fn add_cross(&mut self, a: &Mat3, s: f64) {
         let a = rows(a);
         for (i, k, m) in CYCLIC {
-            let block = spin(&a[m].map(|x| s * x));
+            let [x, y, z] = a[m];
+            let block = spin(&[s * x, s * y, s * z]);
             self.add_block(i, k, &block);
             self.subtract_block(k, i, &block);
         }
@@ -150,6 +151,35 @@ impl Tangent {
             }
             self.add_block(i, i, &own);
             self.add_block(k, k, &own);
+            self.add_block(i, k, &mixed);
+            self.add_block(k, i, &transposed(&mixed));
+        }
+    }
+
+    /// `+ X(A) + ff I + hh X(F) X(F) + jj H(.)H` in one go: the tangent of an energy whose second derivatives by `F` and by
+    /// `H` are multiples `ff`, `hh` of the identity, with `A` from its first derivatives.
+    ///
+    /// Block by block, each written once; see [`add_cross`](Self::add_cross) and [`add_cross_squared`](Self::add_cross_squared).
+    #[inline]
+    pub fn add_isotropic(&mut self, f: &Mat3, h: &Mat3, a: &Mat3, [ff, hh, jj]: [f64; 3]) {
+        let (r, h, a) = (rows(f), rows(h), rows(a));
+        let squares = [hh * dot(&r[0], &r[0]), hh * dot(&r[1], &r[1]), hh * dot(&r[2], &r[2])];
+        for (i, k, m) in CYCLIC {
+            let mut own = dyad(&h[i], &h[i], jj);
+            let mut mixed = dyad(&h[i], &h[k], jj);
+            let product = hh * dot(&r[i], &r[k]);
+            for j in 0..3 {
+                for l in 0..3 {
+                    own[j][l] -= hh * (r[k][j] * r[k][l] + r[m][j] * r[m][l]);
+                    mixed[j][l] += hh * r[i][j] * r[k][l];
+                }
+                own[j][j] += ff + squares[k] + squares[m];
+                mixed[j][j] -= product;
+                let (n, o) = ((j + 1) % 3, (j + 2) % 3); // S(a)_jn = a_o
+                mixed[j][n] += a[m][o];
+                mixed[n][j] -= a[m][o];
+            }
+            self.add_block(i, i, &own);
             self.add_block(i, k, &mixed);
             self.add_block(k, i, &transposed(&mixed));
         }
@@ -243,7 +273,9 @@ fn spin(r: &[f64; 3]) -> Rows {
 
 #[inline(always)]
 fn dyad(a: &[f64; 3], b: &[f64; 3], s: f64) -> Rows {
-    a.map(|a| b.map(|b| s * a * b))
+    // written out: `map` of arrays is not always inlined
+    let row = |a: f64| [a * b[0], a * b[1], a * b[2]];
+    [row(s * a[0]), row(s * a[1]), row(s * a[2])]
 }
 
 #[inline(always)]
@@ -261,5 +293,5 @@ fn vector_cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
 fn between_spins(a: &[f64; 3], m: &Rows, b: &[f64; 3]) -> Rows {
     // Columns of S(a) M are m_L x a (m_L a row of M, by symmetry); rows v of the product become -(v x b).
     let left = transposed(&[vector_cross(&m[0], a), vector_cross(&m[1], a), vector_cross(&m[2], a)]);
-    left.map(|v| vector_cross(b, &v))
+    [vector_cross(b, &left[0]), vector_cross(b, &left[1]), vector_cross(b, &left[2])]
 }

@@ -101,3 +101,16 @@ fn every_accumulation_is_the_map_it_names() {
     same(&Tangent::from_map(|b| cross(&f, b)), |b| cross(&f, b));
     same(&build(&|t| (0..2).for_each(|_| t.add(&full))), |b| full.apply(b) * 2.0);
 }
+
+#[test]
+fn the_isotropic_tangent_is_the_sum_of_its_parts() {
+    for seed in 0..3 {
+        let (f, a) = (sample(seed), sample(seed + 3));
+        let h = cofactor(&f);
+        let (ff, hh, jj) = (0.7, 1.9, -1.3);
+        let mut once = Tangent::zero();
+        once.add_identity(0.5); // adds to what is there
+        once.add_isotropic(&f, &h, &a, [ff, hh, jj]);
+        same(&once, |b| b * (0.5 + ff) + cross(&a, b) + cross(&f, &cross(&f, b)) * hh + h * (jj * h.dot(b)));
+    }
+}

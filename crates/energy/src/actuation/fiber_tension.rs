@@ -61,6 +61,13 @@ impl EnergyTerm for FiberTension {
         }
     }
 
+    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        for (q, (g, out)) in change.iter().zip(out).enumerate() {
+            let a = self.direction.at(at.place(q));
+            *out -= (g * a) * (a * m.get(q, 0)).transpose();
+        }
+    }
+
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
         self.direction.check_len(Self::NAME, "direction", cells, points)
     }

@@ -1,4 +1,4 @@
-use nastic_tensor::Mat3;
+use nastic_tensor::{Mat3, cross};
 
 use crate::{Actuation, EnergyTerm, Points, Response, Slot, Slots, Want};
 
@@ -41,6 +41,12 @@ impl EnergyTerm for Turgor {
             if want.tangent {
                 out.tangent[q].add_cross(k.f(), -pressure);
             }
+        }
+    }
+
+    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        for (q, (k, g)) in at.kinematics.iter().zip(change).enumerate() {
+            out[q] -= cross(k.f(), g) * m.get(q, 0);
         }
     }
 }

@@ -1,7 +1,7 @@
 use nastic_tensor::{Kinematics, Mat3};
 
 use super::{Evaluation, Finding, Violation, Worst, evaluate, kinematics, norm, states};
-use crate::{EnergyTerm, Place};
+use crate::{EnergyTerm, Place, Points, Slots};
 
 /// `P` is the derivative of the energy by `F`.
 ///
@@ -34,6 +34,27 @@ pub fn tangent(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Finding, V
         for (unit, _, _) in units() {
             let slope = along(check, &k, &unit, |k| evaluate(term, at, k, m).stress)?;
             worst.see((slope - here.tangent.apply(&unit)).norm(), scale, k.f())?;
+        }
+    }
+    Ok(worst.finding())
+}
+
+/// [`EnergyTerm::stress_change`] adds `dP/dF : G`.
+///
+/// # Errors
+/// A [`Violation`] at the first state where it does not.
+pub fn stress_change(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Finding, Violation> {
+    let mut worst = Worst::new("the change of P is dP/dF applied to that of F", 1e-13);
+    for k in states() {
+        let tangent = evaluate(term, at, &k, m).tangent;
+        let scale = norm(&tangent);
+        let points = Points { kinematics: &[k], cell: at.cell, first: at.point };
+        for (unit, _, _) in units() {
+            // a start value of the size of the answer, so that an overwritten start shows and no digits are lost
+            let mut change = [k.f() * scale];
+            term.stress_change(&points, Slots { values: m, width: m.len() }, &[unit], &mut change);
+            let expected = k.f() * scale + tangent.apply(&unit);
+            worst.see((change[0] - expected).norm(), scale * (1.0 + k.f().norm()), k.f())?;
         }
     }
     Ok(worst.finding())

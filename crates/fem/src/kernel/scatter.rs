@@ -1,0 +1,34 @@
+//! From element matrices in component blocks to the node blocks of the global one.
+
+use super::block_index;
+
+/// See [`CellKernel::scatter`](super::CellKernel::scatter).
+pub(super) fn scatter<const N: usize, const NP: usize, const D: usize>(
+    map: &[u32],
+    matrix: &[f64],
+    values: &mut [f64],
+) {
+    let (rows, _) = matrix.as_chunks::<NP>();
+    let (blocks, _) = rows.as_chunks::<N>();
+    let blocks = &blocks[..=block_index(D - 1, D - 1, D)]; // one check of the length for all
+    let (columns, _) = values.as_chunks_mut::<D>();
+    let (targets, _) = columns.as_chunks_mut::<D>();
+    let mut codes = map.iter();
+    for a in 0..N {
+        for (b, &code) in (0..=a).zip(&mut codes) {
+            let target = &mut targets[(code >> 1) as usize];
+            let transposed = code & 1 == 1;
+            for i in 0..D {
+                target[i][i] += blocks[block_index(i, i, D)][a][b];
+                for k in i + 1..D {
+                    // K_ab and K_ba of block (i, k): entries (i, k) and (k, i) of the node block
+                    let block = &blocks[block_index(i, k, D)];
+                    let (upper, lower) = (block[a][b], block[b][a]);
+                    let (upper, lower) = if transposed { (lower, upper) } else { (upper, lower) };
+                    target[k][i] += upper;
+                    target[i][k] += lower;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Sums over the cells do not depend on who computes them.
+
+mod common;
+
+use common::{Outcome, kinds, laws, noise, regular};
+use nastic_energy::FiberTension;
+use nastic_fem::{Controls, Solid};
+use nastic_mesh::CellKind;
+use nastic_tensor::Vec3;
+
+/// Enough cells for several waves of every kind, driven, in a configuration without a pattern.
+fn driven(kind: CellKind) -> Outcome<(Solid, Vec<f64>, Controls)> {
+    let cells = match (kind.dim(), kind.nodes()) {
+        (2, _) => [20, 20, 1],
+        (_, 0..=8) => [7, 6, 7],
+        _ => [4, 3, 3],
+    };
+    let (_, law) = laws()?.remove(0);
+    let solid = Solid::new(regular(kind, [1.0, 0.9, 0.8], cells)?)?.material_dyn("body", law)?.actuate(
+        "body",
+        "tension",
+        FiberTension::along(Vec3::new(0.6, 0.8, 0.0))?,
+    )?;
+    let u = (0..solid.discretization().dofs()).map(|n| 0.004 * noise(n)).collect();
+    let mut controls = solid.controls();
+    controls.values_mut(0).iter_mut().enumerate().for_each(|(n, m)| *m = 1e3 * noise(n));
+    Ok((solid, u, controls))
+}
+
+#[test]
+fn every_sum_has_the_same_bits_for_any_number_of_threads() -> Outcome {
+    let pools = [1, 2, 3].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build());
+    for kind in kinds() {
+        let (solid, u, controls) = driven(kind)?;
+        let sums = |parallel: bool| -> Outcome<_> {
+            let mut matrix = solid.discretization().matrix();
+            let sums = solid.body().evaluate_tangent(&u, &controls, &mut matrix, parallel)?;
+            let mut product = vec![0.0; u.len()];
+            solid.body().tangent_product(&u, &controls, &u, &mut product, parallel)?;
+            let pulled = solid.body().pull_back(&u, &controls, &u, parallel)?;
+            let numbers = [sums.energy, sums.energy_scale, sums.min_j];
+            Ok((numbers, sums.force, sums.force_scale, matrix.values, product, pulled))
+        };
+        let alone = sums(false)?;
+        for pool in &pools {
+            let pool = pool.as_ref().map_err(|e| e.to_string())?;
+            let together = pool.install(|| sums(true).map_err(|e| e.to_string()))?;
+            assert!(alone == together, "{kind}, {} threads", pool.current_num_threads());
+        }
+    }
+    Ok(())
+}
+
+/// The same cell is blamed, the first in the mesh, whoever finds another one earlier.
+#[test]
+fn the_first_inverted_cell_is_blamed_for_any_number_of_threads() -> Outcome {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
+    let (solid, mut u, controls) = driven(CellKind::Hex8)?;
+    // one node of the face x = 0 and the last one, at a corner, pushed through the cells behind them
+    let (middle, last) = (3 * (u.len() / 6), u.len() - 1);
+    u[middle] += 0.5;
+    u[last] -= 0.5;
+    let blamed = |parallel: bool| solid.body().evaluate(&u, &controls, true, parallel).err();
+    let alone = blamed(false).ok_or("nothing is inverted")?;
+    let nodes = |cell: usize| solid.mesh().cell(cell).nodes.to_vec();
+    let first = (0..solid.mesh().cells()).find(|&c| nodes(c).contains(&(middle as u32 / 3)));
+    assert_eq!(Some(alone.cell), first);
+    assert_eq!(Some(alone), pool.install(|| blamed(true)));
+    Ok(())
+}
