@@ -127,7 +127,7 @@ impl<'a> Tangents<'a> {
             let (step, cg) = self.precondition(matrix, kept, rhs, tolerance, self.worth());
             report.back_substitutions += cg.iterations;
             self.spent += cg.iterations;
-            if cg.converged() || (cg.end == CgEnd::Exhausted && cg.residual <= ENOUGH) {
+            if cg.converged() || (matches!(cg.end, CgEnd::Exhausted | CgEnd::Stagnated) && cg.residual <= ENOUGH) {
                 report.reused += 1;
                 return Ok((step, Curvature::Positive));
             }
@@ -140,7 +140,9 @@ impl<'a> Tangents<'a> {
         self.spent = 0;
         if !indefinite && self.precision == Precision::Single {
             match self.approximate(matrix, rhs, tolerance, factor, report) {
-                Ok((step, cg)) if cg.converged() => return Ok((step, Curvature::Positive)),
+                Ok((step, cg)) if cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= ENOUGH) => {
+                    return Ok((step, Curvature::Positive));
+                }
                 Ok((_, cg)) => indefinite = matches!(cg.end, CgEnd::NegativeCurvature { .. }),
                 Err(FactorError::NotPositive { .. }) => indefinite = true,
                 Err(other) => return Err(other.to_string()),
@@ -204,13 +206,13 @@ impl<'a> Tangents<'a> {
         if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
             let (x, cg) = self.precondition(matrix, kept, b, tolerance, self.worth());
             report.back_substitutions += cg.iterations;
-            if cg.converged() {
+            if exact(&cg, tolerance) {
                 return Ok(x);
             }
         }
         if self.precision == Precision::Single
             && let Ok((x, cg)) = self.approximate(matrix, b, tolerance, factor, report)
-            && cg.converged()
+            && exact(&cg, tolerance)
         {
             return Ok(x);
         }
@@ -385,6 +387,11 @@ impl<'a> Tangents<'a> {
         }
         Err("the tangent stays indefinite under any shift".to_owned())
     }
+}
+
+/// Whether the tolerance is met, or double precision allows no more not far from it.
+fn exact(cg: &CgReport, tolerance: f64) -> bool {
+    cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= 1e2 * tolerance)
 }
 
 /// Whether the factor's correction of x is below [`SETTLED`] of it: an estimate of the error, not of the residual.
