@@ -11,6 +11,7 @@
 mod common;
 
 use common::Arguments;
+use common::process::{last_json, number, own};
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::Command;
@@ -134,13 +135,6 @@ fn scenarios() -> Result<(), Failure> {
     Ok(())
 }
 
-/// One of our own bench programs, and the JSON it prints last.
-fn own(bench: &str, arguments: &[&str]) -> Result<Value, Failure> {
-    let mut command = Command::new(std::env::var("CARGO").unwrap_or("cargo".to_owned()));
-    command.args(["bench", "--quiet", "--locked", "--bench", bench, "--"]).args(arguments);
-    Ok(last_json(command)?)
-}
-
 impl Peers {
     /// On the ranks of `launch` with one thread each, else on one rank with two threads.
     fn run_parallel(&self, script: &str, arguments: &[&str]) -> Result<Value, String> {
@@ -159,21 +153,6 @@ impl Peers {
         command.current_dir(scripts).arg(script).args(arguments);
         last_json(command)
     }
-}
-
-fn last_json(mut command: Command) -> Result<Value, String> {
-    let done = command.output().map_err(|e| format!("{command:?}: {e}"))?;
-    let text = String::from_utf8_lossy(&done.stdout).into_owned();
-    let line = text.lines().rev().find(|line| line.starts_with('{'));
-    let found = line.and_then(|line| serde_json::from_str(line).ok());
-    found.ok_or_else(|| {
-        let why = String::from_utf8_lossy(&done.stderr).lines().last().unwrap_or_default().to_owned();
-        format!("{command:?} printed no result: {why}")
-    })
-}
-
-fn number(value: &Value, key: &str) -> f64 {
-    value[key].as_f64().unwrap_or(f64::NAN)
 }
 
 fn tell(peer: &Result<Value, String>, key: &str, digits: usize) -> String {

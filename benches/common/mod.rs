@@ -2,6 +2,8 @@
 
 #![allow(dead_code)] // every program uses some of it
 
+pub mod process;
+
 use nastic::fem::Controls;
 use nastic::prelude::*;
 use std::collections::BTreeMap;
