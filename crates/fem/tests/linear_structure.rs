@@ -174,6 +174,27 @@ fn fill_stays_low() {
     let flipped = Ordering::given(&graph, best.old_to_new()).unwrap();
     assert!(flipped.nonzeros() > 3.0 * best.nonzeros());
     let [geometric, multilevel] = [Ordering::geometric(&graph, &grid.points).unwrap(), Ordering::multilevel(&graph)];
-    assert_eq!(best.nonzeros(), geometric.nonzeros().min(multilevel.nonzeros()));
+    let least = geometric.nonzeros().min(multilevel.nonzeros());
+    #[cfg(feature = "metis")]
+    let least = least.min(Ordering::metis(&graph).unwrap().nonzeros());
+    assert_eq!(best.nonzeros(), least);
     assert_eq!((geometric.method(), multilevel.method()), (Method::Geometric, Method::Multilevel));
+}
+
+/// METIS numbers by new positions and by old ones: the wrong one of the two is legal, and costs several times as much.
+#[cfg(feature = "metis")]
+#[test]
+fn fill_of_metis_is_no_more_than_that_of_others() {
+    for grid in [Grid::hexahedra([15, 15, 15], 1), Grid::hexahedra([6, 6, 6], 2), Grid::tetrahedra([9, 9, 9])] {
+        let graph = grid.graph();
+        let metis = Ordering::metis(&graph).unwrap();
+        let multilevel = Ordering::multilevel(&graph);
+        assert_eq!(metis.method(), Method::Metis);
+        assert!(
+            metis.nonzeros() < 1.05 * multilevel.nonzeros(),
+            "{} where another multilevel dissection has {}",
+            metis.nonzeros(),
+            multilevel.nonzeros()
+        );
+    }
 }

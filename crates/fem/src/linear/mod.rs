@@ -38,6 +38,8 @@ mod graph;
 mod iterative;
 mod locks;
 mod matrix;
+#[cfg(feature = "metis")]
+mod metis;
 mod multigrid;
 mod numeric;
 mod ordering;

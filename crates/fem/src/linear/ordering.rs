@@ -25,19 +25,28 @@ pub enum Method {
     Geometric,
     /// Multilevel nested dissection of the graph alone.
     Multilevel,
+    /// That of METIS.
+    #[cfg(feature = "metis")]
+    Metis,
     /// Handed in.
     Given,
 }
 
 impl Ordering {
-    /// The better of [`Ordering::geometric`] and [`Ordering::multilevel`] by the entries of the factor.
+    /// The better of [`Ordering::geometric`] and [`Ordering::multilevel`] by the entries of the factor; with the feature
+    /// `metis`, the best of the two and of METIS.
     ///
     /// # Errors
     /// [`StructureError::Length`] when there is not one point per node.
     pub fn best(graph: &Graph, points: &[[f64; 3]]) -> Result<Self, StructureError> {
         let geometric = Self::geometric(graph, points)?;
         let multilevel = Self::multilevel(graph);
-        Ok(if multilevel.nonzeros < geometric.nonzeros { multilevel } else { geometric })
+        let best = if multilevel.nonzeros < geometric.nonzeros { multilevel } else { geometric };
+        #[cfg(feature = "metis")]
+        if let Some(metis) = Self::metis(graph).filter(|metis| metis.nonzeros < best.nonzeros) {
+            return Ok(metis);
+        }
+        Ok(best)
     }
 
     /// Geometric nested dissection; `points` are the nodes' positions (z = 0 in two dimensions).
@@ -54,15 +63,17 @@ impl Ordering {
 
     /// Multilevel nested dissection of the graph.
     pub fn multilevel(graph: &Graph) -> Self {
-        let mut starts = vec![0i32];
-        let mut rows = Vec::with_capacity(2 * graph.edges());
-        for node in 0..graph.nodes() {
-            rows.extend(graph.neighbours(node).iter().map(|&other| other as i32));
-            starts.push(rows.len() as i32);
-        }
+        let (starts, rows) = compressed(graph);
         let natural = || (0..graph.nodes() as u32).collect();
         let order = dissection::multilevel(&starts, &rows, graph.nodes()).unwrap_or_else(natural);
         Self::refined(graph, order, Method::Multilevel)
+    }
+
+    /// METIS' nested dissection of the graph; nothing if it refuses.
+    #[cfg(feature = "metis")]
+    pub fn metis(graph: &Graph) -> Option<Self> {
+        let (starts, rows) = compressed(graph);
+        Some(Self::refined(graph, super::metis::nested_dissection(&starts, &rows)?, Method::Metis))
     }
 
     /// A given elimination order: `new_to_old[k]` is the k-th node to go. Nodes are renumbered within what leaves the
@@ -140,6 +151,17 @@ impl Ordering {
     pub fn work(&self) -> f64 {
         self.work
     }
+}
+
+/// The neighbours of every node one after the other, and where each node's begin.
+fn compressed(graph: &Graph) -> (Vec<i32>, Vec<i32>) {
+    let mut starts = vec![0i32];
+    let mut rows = Vec::with_capacity(2 * graph.edges());
+    for node in 0..graph.nodes() {
+        rows.extend(graph.neighbours(node).iter().map(|&other| other as i32));
+        starts.push(rows.len() as i32);
+    }
+    (starts, rows)
 }
 
 fn inverted(order: &[u32]) -> Vec<u32> {

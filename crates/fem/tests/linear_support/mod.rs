@@ -59,6 +59,8 @@ impl Grid {
         vec![
             Ordering::geometric(&graph, &self.points).unwrap(),
             Ordering::multilevel(&graph),
+            #[cfg(feature = "metis")]
+            Ordering::metis(&graph).unwrap(),
             Ordering::given(&graph, &natural).unwrap(),
         ]
     }
