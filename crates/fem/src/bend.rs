@@ -81,29 +81,57 @@ impl Fit {
     }
 }
 
-/// The longest `s <= 1` for which `det(1 + t e) >= 1/10` on `[0, s]` at every point; nothing for a step that turns the body
-/// too little for a curve to be worth it.
-pub(crate) fn reach(body: &Body, u: &[f64], du: &[f64], parallel: bool) -> Option<f64> {
-    let of = |part: &Part, cells: &[usize]| {
-        let (mut angle, mut longest) = (0.0, 1.0);
-        each_point(body, part, cells, u, du, |_, _, _, (_, g)| {
-            angle = f64::max(angle, axial(&g).norm());
-            longest = f64::min(longest, volume_step(&Kinematics::rest(), &symmetric(&g)));
-        });
-        (angle, longest)
-    };
-    let (mut angle, mut longest) = (0.0, 1.0);
-    for part in &body.discretization().body().parts {
-        let cells: Vec<usize> = (0..part.cells.len()).collect();
-        let found: Vec<(f64, f64)> = match parallel {
-            true => cells.par_chunks(CHUNK).map(|cells| of(part, cells)).collect(),
-            false => cells.chunks(CHUNK).map(|cells| of(part, cells)).collect(),
+/// How far a step may be taken.
+pub(crate) struct Reach {
+    /// The longest `s <= 1` for which `det(1 + t G) >= 1/10` on `[0, s]` at every point; see [`Body::max_step`].
+    pub straight: f64,
+    /// The same along the curve, with e in the place of G; nothing for a step that turns the body too little for a curve to
+    /// be worth it.
+    pub curved: Option<f64>,
+}
+
+impl Reach {
+    pub fn of(body: &Body, u: &[f64], du: &[f64], parallel: bool) -> Self {
+        let of = |part: &Part, cells: &[usize]| {
+            let mut found = Found::default();
+            each_point(body, part, cells, u, du, |_, _, _, (_, g)| {
+                let longest = |g: &Mat3| volume_step(&Kinematics::rest(), g);
+                found.add(&Found { angle: axial(&g).norm(), straight: longest(&g), curved: longest(&symmetric(&g)) });
+            });
+            found
         };
-        for (a, s) in found {
-            (angle, longest) = (f64::max(angle, a), f64::min(longest, s));
+        let mut worst = Found::default();
+        for part in &body.discretization().body().parts {
+            let cells: Vec<usize> = (0..part.cells.len()).collect();
+            let found: Vec<Found> = match parallel {
+                true => cells.par_chunks(CHUNK).map(|cells| of(part, cells)).collect(),
+                false => cells.chunks(CHUNK).map(|cells| of(part, cells)).collect(),
+            };
+            found.iter().for_each(|found| worst.add(found));
         }
+        Self { straight: worst.straight, curved: (worst.angle > STRAIGHT).then_some(worst.curved) }
     }
-    (angle > STRAIGHT).then_some(longest)
+}
+
+/// The largest angle and the shortest steps so far.
+struct Found {
+    angle: f64,
+    straight: f64,
+    curved: f64,
+}
+
+impl Default for Found {
+    fn default() -> Self {
+        Found { angle: 0.0, straight: 1.0, curved: 1.0 }
+    }
+}
+
+impl Found {
+    fn add(&mut self, other: &Found) {
+        self.angle = self.angle.max(other.angle);
+        self.straight = self.straight.min(other.straight);
+        self.curved = self.curved.min(other.curved);
+    }
 }
 
 /// `int (F(s) - F - s grad du) : grad N_a dX`, flat.

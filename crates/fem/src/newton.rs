@@ -1,6 +1,6 @@
 //! Newton's method with a line search on the total potential.
 
-use crate::bend::{self, Fit};
+use crate::bend::{Fit, Reach};
 use crate::body::Evaluation;
 use crate::controls::Controls;
 use crate::error::InvertedAt;
@@ -190,7 +190,8 @@ impl Newton<'_> {
     /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
     fn downhill(&self, here: &Here, step: &[f64], fit: &mut Option<Fit>) -> Result<(f64, Next), Stop> {
         let parallel = self.request.parallel;
-        if let Some(longest) = bend::reach(self.solid.body(), here.u, step, parallel) {
+        let reach = Reach::of(self.solid.body(), here.u, step, parallel);
+        if let Some(longest) = reach.curved {
             if fit.is_none() {
                 *fit = Fit::new(self.solid, parallel);
             }
@@ -205,8 +206,7 @@ impl Newton<'_> {
                 }
             }
         }
-        let longest = self.longest(here, step)?;
-        self.energy_search(here, step, &|s| moved(here.u, step, s), longest)
+        self.energy_search(here, step, &|s| moved(here.u, step, s), reach.straight)
     }
 
     /// The longest of a few step lengths along a path that starts in the direction of `step` which lowers the potential
