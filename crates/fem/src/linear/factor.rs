@@ -250,8 +250,12 @@ impl Factor {
     /// The panel of front `f` among the factor's values: its square top and what stands below.
     pub(super) fn panel<'a, T>(&self, f: usize, values: &'a [T]) -> (MatRef<'a, T>, MatRef<'a, T>) {
         let (width, height) = (self.symbolic.width(f), self.symbolic.height(f));
-        let values = &values[self.symbolic.fronts()[f].panel.clone()];
-        MatRef::from_column_major_slice(values, height, width).split_at_row(width)
+        MatRef::from_column_major_slice(self.panel_values(f, values), height, width).split_at_row(width)
+    }
+
+    /// The same, column by column.
+    pub(super) fn panel_values<'a, T>(&self, f: usize, values: &'a [T]) -> &'a [T] {
+        &values[self.symbolic.fronts()[f].panel.clone()]
     }
 
     fn first_dof(&self, f: usize) -> usize {

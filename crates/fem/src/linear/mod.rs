@@ -29,6 +29,7 @@
 //! ```
 
 mod bunch_kaufman;
+mod columns;
 mod dense;
 mod dissection;
 mod elimination;

@@ -6,6 +6,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve as triangular;
 use faer::{Accum, MatMut, Par};
 
+use super::columns;
 use super::factor::{Factor, Pivots};
 use super::locks::{lock, read, write};
 use super::real::Real;
@@ -43,6 +44,9 @@ pub(super) fn solve<T: Real>(factor: &Factor, values: &[T], rhs: &mut [f64], col
 impl<T: Real> Sweep<'_, T> {
     /// `y = L^-1 b` for the front's own rows; what that takes off the rows below goes to the parent.
     fn forward(&self, f: usize) {
+        if self.columns == 1 && self.factor.pivots() == Pivots::Positive {
+            return self.forward_one(f);
+        }
         let symbolic = self.factor.symbolic();
         let (top, bottom) = self.factor.panel(f, self.values);
         let (width, below) = (symbolic.width(f), symbolic.below(f));
@@ -67,6 +71,41 @@ impl<T: Real> Sweep<'_, T> {
         }
     }
 
+    /// [`forward`](Self::forward) of a single right-hand side.
+    fn forward_one(&self, f: usize) {
+        let symbolic = self.factor.symbolic();
+        let (width, below) = (symbolic.width(f), symbolic.below(f));
+        let mut block = write(&self.blocks[f]);
+        let mut work = vec![T::of(0.0); width + below];
+        work[..width].copy_from_slice(&block);
+        for &child in symbolic.children(f) {
+            let from_child = std::mem::take(&mut *lock(&self.updates[child as usize]));
+            let dim = symbolic.pattern().dim();
+            for (&row, node) in symbolic.rows_in_parent(child as usize).iter().zip(from_child.chunks_exact(dim)) {
+                let target = &mut work[dim * row as usize..][..dim];
+                target.iter_mut().zip(node).for_each(|(t, v)| *t += *v);
+            }
+        }
+        columns::forward(self.factor.panel_values(f, self.values), width, &mut work);
+        block.copy_from_slice(&work[..width]);
+        if below > 0 {
+            work.drain(..width);
+            *lock(&self.updates[f]) = work;
+        }
+    }
+
+    /// [`backward`](Self::backward) of a single right-hand side.
+    fn backward_one(&self, f: usize) {
+        let width = self.factor.symbolic().width(f);
+        let solved = self.rows_below(f);
+        let mut block = write(&self.blocks[f]);
+        let mut work = Vec::with_capacity(width + solved.len());
+        work.extend_from_slice(&block);
+        work.extend_from_slice(&solved);
+        columns::backward(self.factor.panel_values(f, self.values), width, &mut work);
+        block.copy_from_slice(&work[..width]);
+    }
+
     fn add_update(&self, child: usize, update: &[T], mut own: MatMut<'_, T>, mut down: MatMut<'_, T>) {
         let dim = self.factor.symbolic().pattern().dim();
         let rows = self.factor.symbolic().rows_in_parent(child);
@@ -87,6 +126,9 @@ impl<T: Real> Sweep<'_, T> {
 
     /// `x = L^-T D^-1 y` for the front's own rows; the rows below are solved already.
     fn backward(&self, f: usize) {
+        if self.columns == 1 && self.factor.pivots() == Pivots::Positive {
+            return self.backward_one(f);
+        }
         let symbolic = self.factor.symbolic();
         let (top, bottom) = self.factor.panel(f, self.values);
         let (width, below) = (symbolic.width(f), symbolic.below(f));
