@@ -9,7 +9,7 @@ use crate::scratch::Scratch;
 use rayon::prelude::*;
 
 /// Memory that the results of a wave may take, in numbers: they should still be in the cache when they are taken up.
-const WAVE: usize = 1 << 16;
+const WAVE: usize = 1 << 17;
 /// Waves are split into this many tasks at most.
 const TASKS: usize = 16;
 

@@ -13,7 +13,7 @@ fn driven(kind: CellKind) -> Outcome<(Solid, Vec<f64>, Controls)> {
     let cells = match (kind.dim(), kind.nodes()) {
         (2, _) => [20, 20, 1],
         (_, 0..=8) => [7, 6, 7],
-        _ => [4, 3, 3],
+        _ => [4, 4, 4],
     };
     let (_, law) = laws()?.remove(0);
     let solid = Solid::new(regular(kind, [1.0, 0.9, 0.8], cells)?)?.material_dyn("body", law)?.actuate(
