@@ -10,6 +10,7 @@ use super::lanes::{Machine, WIDTH};
 use super::plan::{Kept, Pair, Plan};
 use super::pull::{FIELD, FIELDS, Field, PULL, Pull, WidePull, collect};
 use super::side::padded;
+use super::single::{SinglePull, View};
 use super::sums::{Half, Log2Sums, tilt};
 use super::transform::{Proxy, Tables, add_from_nodes, expand};
 
@@ -129,6 +130,9 @@ impl<'a> Adjoint<'a> {
         if self.rows.floor.wide[pair.row as usize] || self.columns.floor.wide[pair.column as usize] {
             return self.wide(pair, &mut work.point_sums);
         }
+        if pair.single {
+            return self.single(pair, &mut work.point_sums);
+        }
         let gap = self.rows.side.boxes[pair.row as usize].gap(&self.columns.side.boxes[pair.column as usize]);
         let shift = self.kernel.at(gap);
         let row_factor = (shift - self.rows.lower(pair.row)).exp2();
@@ -169,6 +173,21 @@ impl<'a> Adjoint<'a> {
             tilt(values, row_proxy);
             add_from_nodes(self.tables, via.orders, values, kept, coefficients, scratch);
         }
+    }
+
+    fn single(&self, pair: &Pair, out: &mut [f64]) {
+        let (rows, columns) = (self.rows.side.node(pair.row), self.columns.side.node(pair.column));
+        let view = View::of(&self.rows.side.boxes[pair.row as usize], &self.columns.side.boxes[pair.column as usize]);
+        self.machine.run(SinglePull {
+            view,
+            rows: self.rows.side.rows(pair.row),
+            pull: &self.row_charge[rows.range()],
+            columns: self.columns.side.columns(pair.column),
+            charge: &self.column_charge[padded(columns)],
+            row_factor: (view.shift - self.rows.lower(pair.row)).exp2(),
+            column_factor: (view.shift - self.columns.lower(pair.column)).exp2(),
+            out,
+        });
     }
 
     fn wide(&self, pair: &Pair, out: &mut [f64]) {

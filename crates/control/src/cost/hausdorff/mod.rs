@@ -19,6 +19,8 @@ mod phi;
 mod plan;
 mod pull;
 mod side;
+mod single;
+mod single_lanes;
 mod smoothing;
 mod sums;
 mod tile;

@@ -50,9 +50,11 @@ const FAR_FROM: f64 = 1e10;
 impl Method {
     fn accuracy(self, pairs: f64) -> Result<Accuracy, HausdorffError> {
         Ok(match self {
-            Self::Auto => Accuracy { tolerance: TOLERANCE, far: pairs > FAR_FROM },
-            Self::Direct => Accuracy { tolerance: f64::EPSILON / 16.0, far: false },
-            Self::Tree { tolerance } => Accuracy { tolerance: positive("tolerance", tolerance)?.max(1e-14), far: true },
+            Self::Auto => Accuracy { tolerance: TOLERANCE, far: pairs > FAR_FROM, single: true },
+            Self::Direct => Accuracy { tolerance: f64::EPSILON / 16.0, far: false, single: false },
+            Self::Tree { tolerance } => {
+                Accuracy { tolerance: positive("tolerance", tolerance)?.max(1e-14), far: true, single: true }
+            }
         })
     }
 }
@@ -106,6 +108,8 @@ pub struct Counts {
     pub all: f64,
     /// Summed one by one.
     pub near: f64,
+    /// Of these, in single precision.
+    pub single: f64,
     /// Summed through Chebyshev grids.
     pub far: f64,
     /// Pairs of grid nodes (or of nodes and points) that stand for the far ones.
@@ -186,13 +190,19 @@ impl Pairs {
 
     /// How the sums are formed, in numbers of pairs.
     pub fn counts(&self) -> Counts {
-        let mut counts =
-            Counts { all: self.body().len() as f64 * self.target().len() as f64, near: 0.0, far: 0.0, grid: 0.0 };
+        let mut counts = Counts {
+            all: self.body().len() as f64 * self.target().len() as f64,
+            near: 0.0,
+            single: 0.0,
+            far: 0.0,
+            grid: 0.0,
+        };
         for pair in self.plan.panels.iter().flatten() {
             let (m, n) = (self.body.node(pair.row).count as usize, self.target.node(pair.column).count as usize);
             let on = |via: Option<Via>, points: usize| via.map_or(points, |via| nodes(via.orders));
             if pair.row_grid.is_none() && pair.column_grid.is_none() {
                 counts.near += (m * n) as f64;
+                counts.single += if pair.single { (m * n) as f64 } else { 0.0 };
             } else {
                 counts.far += (m * n) as f64;
                 counts.grid += (on(pair.row_grid, m) * on(pair.column_grid, n)) as f64;

@@ -9,9 +9,10 @@
 //!    centres times the waves (`chebyshev`), and the waves within their height.
 //! 3. On grids, measured by E: the interpolation errs by at most tol/2 E, for E falls short of its waves by the dip at
 //!    most.
-//! 4. Point by point: exact.
+//! 4. Point by point in single precision: its error times the largest E is at most tol/2 L (`single`).
+//! 5. Point by point: exact.
 //!
-//! Kinds 1 and 2 together err by at most sum w tol/2 L <= tol/2 S, kind 3 by sum w tol/2 E <= tol/2 S. A grid's error is
+//! Kinds 1, 2 and 4 together err by at most sum w tol/2 L <= tol/2 S, kind 3 by sum w tol/2 E <= tol/2 S. A grid's error is
 //! shared out: three quarters for the interpolation, a quarter for the rounding that its Lebesgue constants amplify. The
 //! derivative's functions are E times at most the slope S' of log E, with errors in the same proportion to S' E or S' L;
 //! divided by the sums and summed over the rows this is the bound on `Method`, the other half of it being the error of the
@@ -22,6 +23,7 @@ use super::chebyshev::{FarPair, Grid, Orders, Wave, lebesgue, nodes};
 use super::frame::{Frame, frames};
 use super::kernel::Kernel;
 use super::side::{Floor, Side};
+use super::single;
 use rayon::prelude::*;
 
 /// Row nodes (of about equal size) that are worked on independently; fixed, so that sums do not depend on threads.
@@ -34,6 +36,9 @@ const PANEL: usize = 256;
 const OVERHEAD_NODE: usize = 12;
 const OVERHEAD: usize = 300;
 
+/// Pairs in single precision that cost what one in double precision does.
+const SINGLE: usize = 3;
+
 const LOG2_4_3: f64 = 0.41503749927884376;
 
 /// A pair of nodes and how each side enters: through a grid, or point by point (then it is a leaf).
@@ -43,6 +48,8 @@ pub(super) struct Pair<G = Via> {
     pub column: u32,
     pub row_grid: Option<G>,
     pub column_grid: Option<G>,
+    /// Point by point in single precision.
+    pub single: bool,
 }
 
 /// A grid of a pair: no finer in any direction than the one that is kept, whose number this is in `Plan`.
@@ -67,6 +74,8 @@ pub(super) struct Accuracy {
     pub tolerance: f64,
     /// Grids are used.
     pub far: bool,
+    /// Single precision is used.
+    pub single: bool,
 }
 
 /// All pairs of nodes to be summed.
@@ -91,6 +100,7 @@ impl Plan {
             columns: columns.0,
             column_floor: columns.1,
             log_tolerance: accuracy.tolerance.log2(),
+            single: accuracy.single && kernel.is_exponential(),
             far: accuracy.far.then(|| Far { row_frames: frames(rows.0), column_frames: frames(columns.0) }),
         };
         let share = rows.0.cloud.len().div_ceil(PANELS).max(PANEL);
@@ -102,6 +112,7 @@ impl Plan {
             column: pair.column,
             row_grid: via(&row_grids, pair.row, pair.row_grid),
             column_grid: via(&column_grids, pair.column, pair.column_grid),
+            single: pair.single,
         };
         let panels = panels.par_iter().map(|panel| panel.iter().map(number).collect()).collect();
         let (row_frames, column_frames) =
@@ -138,6 +149,7 @@ struct Planner<'a> {
     columns: &'a Side,
     column_floor: &'a Floor,
     log_tolerance: f64,
+    single: bool,
     far: Option<Far>,
 }
 
@@ -217,10 +229,16 @@ impl Planner<'_> {
             return Choice::Skip;
         }
         let (r, c) = (self.rows.node(row), self.columns.node(column));
-        let near = Pair { row, column, row_grid: None, column_grid: None };
-        let near_cost = r.count as usize * c.count as usize;
-        let best = if r.is_leaf() && c.is_leaf() { Choice::Sum(near, near_cost) } else { Choice::Split(near_cost) };
         let wide = self.row_floor.wide[row as usize] || self.column_floor.wide[column as usize];
+        let mut near_cost = r.count as usize * c.count as usize;
+        let best = if r.is_leaf() && c.is_leaf() {
+            let enough = |error: f64| highest + error.log2() < lowest + self.log_tolerance - 1.0;
+            let single = self.single && !wide && single::error(here, there, gap).is_some_and(enough);
+            near_cost = if single { near_cost / SINGLE } else { near_cost };
+            Choice::Sum(Pair { row, column, row_grid: None, column_grid: None, single }, near_cost)
+        } else {
+            Choice::Split(near_cost)
+        };
         let Some(far) = self.far.as_ref().filter(|_| !wide) else { return best };
         match self.far(far, row, column, gaps, lowest) {
             Some((pair, cost)) if cost < near_cost => Choice::Sum(pair, cost),
@@ -262,7 +280,7 @@ impl Planner<'_> {
         }
         let size = |grid: Option<Grid>, count: u32| grid.map_or(count as usize, |(_, orders)| nodes(orders));
         let (m, n) = (size(row_grid, r.count), size(column_grid, c.count));
-        Some((Pair { row, column, row_grid, column_grid }, cost(m, n)))
+        Some((Pair { row, column, row_grid, column_grid, single: false }, cost(m, n)))
     }
 }
 

@@ -10,6 +10,7 @@ use super::kernel::{Kernel, with_form};
 use super::lanes::{Machine, WIDTH};
 use super::plan::{Kept, Pair, Plan, Via};
 use super::side::{Floor, Side, padded};
+use super::single::{SingleSums, View};
 use super::tile::{Slab, Sums, WideSums};
 use super::transform::{Patch, Proxy, Tables, add_from_nodes, expand, moments};
 
@@ -191,6 +192,11 @@ impl<'a> Summation<'a> {
             with_form!(self.kernel, form => self.machine.run(WideSums {
                 form, rows, columns, row_scale, column_scale, row_sums, column_sums,
             }));
+        } else if pair.single {
+            let view = View::of(&self.rows.side.boxes[row], &self.columns.side.boxes[column]);
+            let row_factor = (view.shift - self.rows.lower(pair.row)).exp2();
+            let column_factor = (view.shift - self.columns.lower(pair.column)).exp2();
+            self.machine.run(SingleSums { view, rows, columns, row_factor, column_factor, row_sums, column_sums });
         } else {
             let shift = self.kernel.at(self.rows.side.boxes[row].gap(&self.columns.side.boxes[column]));
             let row_factor = (shift - self.rows.lower(pair.row)).exp2();
