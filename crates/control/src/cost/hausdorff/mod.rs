@@ -3,6 +3,7 @@
 //! It knows no finite elements: a body is its quadrature points with their deformed weights. The formulas are on
 //! `Evaluation`, the sums over all pairs on `Pairs`, the functions phi on `Phi`.
 
+mod account;
 mod adjoint;
 mod aligned;
 mod blocks;
@@ -11,9 +12,11 @@ mod chebyshev;
 mod cloud;
 mod distance;
 mod error;
+mod floor;
 mod frame;
 mod kernel;
 mod lanes;
+mod mask;
 mod pairs;
 mod phi;
 mod plan;

@@ -6,11 +6,12 @@ use super::adjoint::Adjoint;
 use super::chebyshev::nodes;
 use super::cloud::Cloud;
 use super::error::{HausdorffError, positive};
+use super::floor::Floor;
 use super::kernel::Kernel;
 use super::lanes::Machine;
 use super::phi::Phi;
 use super::plan::{Accuracy, Plan, Via};
-use super::side::{Floor, Side, in_cloud_order, in_tree_order};
+use super::side::{Side, in_cloud_order, in_tree_order};
 use super::sums::{Half, Log2Sums, Summation};
 use super::transform::Tables;
 
@@ -29,7 +30,8 @@ use super::transform::Tables;
 /// is smaller, a hundredth of the bound and less.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Method {
-    /// Relative error of every sum below 1e-11: pairs that cannot matter are left out and, where there are more than
+    /// Relative error of every sum below 1e-11: pairs that cannot matter are left out, those of which a few digits matter
+    /// are summed in single precision (for the exponential) and, where there are more than
     /// 1e10 pairs, distant groups act on each other through Chebyshev grids wherever a count of operations says that
     /// it pays. The choice depends on numbers of points and on bounds, never on time.
     #[default]
@@ -201,8 +203,8 @@ impl Pairs {
             let (m, n) = (self.body.node(pair.row).count as usize, self.target.node(pair.column).count as usize);
             let on = |via: Option<Via>, points: usize| via.map_or(points, |via| nodes(via.orders));
             if pair.row_grid.is_none() && pair.column_grid.is_none() {
-                counts.near += (m * n) as f64;
-                counts.single += if pair.single { (m * n) as f64 } else { 0.0 };
+                counts.near += pair.double.join(pair.single).pairs(m, n) as f64;
+                counts.single += pair.single.pairs(m, n) as f64;
             } else {
                 counts.far += (m * n) as f64;
                 counts.grid += (on(pair.row_grid, m) * on(pair.column_grid, n)) as f64;
