@@ -93,8 +93,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         let share = |pairs: f64| pairs / counts.all;
         line += &format!(
-            r#","near":{:.4},"far":{:.4},"grid":{:.5}"#,
+            r#","near":{:.4},"single":{:.4},"far":{:.4},"grid":{:.5}"#,
             share(counts.near),
+            share(counts.single),
             share(counts.far),
             share(counts.grid)
         );

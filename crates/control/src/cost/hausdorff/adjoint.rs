@@ -7,10 +7,12 @@ use super::blocks::Blocks;
 use super::chebyshev::nodes;
 use super::kernel::{Kernel, with_form};
 use super::lanes::{Machine, WIDTH};
+use super::mask::Mask;
 use super::plan::{Kept, Pair, Plan};
 use super::pull::{FIELD, FIELDS, Field, PULL, Pull, WidePull, collect};
 use super::side::padded;
-use super::sums::{Half, Log2Sums, tilt};
+use super::single::{Rounded, SinglePull};
+use super::sums::{Half, Log2Sums, single_tile, tilt};
 use super::transform::{Proxy, Tables, add_from_nodes, expand};
 
 /// Per row: the force (units of `Kernel::gradient_factor`) and the mass, see `pull`.
@@ -29,6 +31,9 @@ pub(super) struct Adjoint<'a> {
     /// seed / sum at the points, in powers of two of the leaf.
     row_charge: Vec<f64>,
     column_charge: Aligned,
+    /// The same in single precision.
+    rounded_pull: Rounded,
+    rounded_charge: Rounded,
     column_moments: Vec<Vec<f64>>,
     charge_moments: Vec<Vec<f64>>,
 }
@@ -63,7 +68,8 @@ impl<'a> Adjoint<'a> {
             half.side.leaves().par_iter().map(|&leaf| charge(half, seed, log2, leaf)).collect::<Vec<_>>().concat()
         };
         let row_charge = by_leaf(rows, row_seed, &log2.rows);
-        let column_charge = by_leaf(columns, column_seed, &log2.columns).into_iter().collect();
+        let column_charge: Aligned = by_leaf(columns, column_seed, &log2.columns).into_iter().collect();
+        let (rounded_pull, rounded_charge) = (Rounded::new(&row_charge), Rounded::new(&column_charge));
         let column_moments = columns.moments(machine, |node| columns.side.columns(node).weight.to_vec());
         let charge_moments = columns.moments(machine, |node| charge(columns, column_seed, &log2.columns, node));
         Self {
@@ -77,6 +83,8 @@ impl<'a> Adjoint<'a> {
             log2,
             row_charge,
             column_charge,
+            rounded_pull,
+            rounded_charge,
             column_moments,
             charge_moments,
         }
@@ -129,6 +137,12 @@ impl<'a> Adjoint<'a> {
         if self.rows.floor.wide[pair.row as usize] || self.columns.floor.wide[pair.column as usize] {
             return self.wide(pair, &mut work.point_sums);
         }
+        if pair.single != Mask::NONE {
+            self.single(pair, &mut work.point_sums);
+        }
+        if pair.double == Mask::NONE {
+            return;
+        }
         let gap = self.rows.side.boxes[pair.row as usize].gap(&self.columns.side.boxes[pair.column as usize]);
         let shift = self.kernel.at(gap);
         let row_factor = (shift - self.rows.lower(pair.row)).exp2();
@@ -152,7 +166,7 @@ impl<'a> Adjoint<'a> {
             let rows = self.rows.side.rows(pair.row);
             let pull = &self.row_charge[self.rows.side.node(pair.row).range()];
             with_form!(self.kernel, form => self.machine.run(Pull {
-                form, rows, pull, columns, charge, shift, row_factor, column_factor, out: point_sums,
+                form, rows, pull, columns, charge, mask: pair.double, shift, row_factor, column_factor, out: point_sums,
             }));
             return;
         };
@@ -169,6 +183,22 @@ impl<'a> Adjoint<'a> {
             tilt(values, row_proxy);
             add_from_nodes(self.tables, via.orders, values, kept, coefficients, scratch);
         }
+    }
+
+    fn single(&self, pair: &Pair, out: &mut [f64]) {
+        let (rows, columns) = (self.rows.side, self.columns.side);
+        let (row, column) = (rows.first(pair.row), columns.first(pair.column));
+        let tile = single_tile(rows, columns, pair);
+        self.machine.run(SinglePull {
+            tile,
+            row_weights: rows.rounded_weight.leaf(row),
+            pull: self.rounded_pull.leaf(row),
+            column_weights: columns.rounded_weight.leaf(column),
+            charge: self.rounded_charge.leaf(column),
+            row_factor: (tile.shift - self.rows.lower(pair.row)).exp2(),
+            column_factor: (tile.shift - self.columns.lower(pair.column)).exp2(),
+            out,
+        });
     }
 
     fn wide(&self, pair: &Pair, out: &mut [f64]) {

@@ -15,9 +15,8 @@
 //!    A = a (rho + 1/rho) / 2 and b = a (rho - 1/rho) / 2, the coefficients of f are at most 2 M rho^(-k), and
 //!    interpolation maps T_k, k >= p, to a T_j or zero: it errs by at most 4 M rho^(1-p) / (rho - 1) (the same, ch. 8).
 //! 3. M. Let m = |Re X| and eta = |Im X|, Im X = eta e along the axis e. From
-//!    |X.X|^2 = (m^2 + eta^2)^2 - 4 |Re X x Im X|^2 and 2 (Re r)^2 = |X.X| + m^2 - eta^2 follows
-//!    (Re r)^2 >= m^2 - c with c the lesser of eta^2 and 2 eta^2 |Re X x e|^2 / m^2. Where c < m^2 therefore Re r > 0,
-//!    E is analytic, and log2 |E| exceeds log2 E(m) by at most `Kernel::loss`. The smooth kernel is a function of
+//!    |X.X|^2 = (m^2 + eta^2)^2 - 4 |Re X x Im X|^2 >= (m^2 - eta^2)^2 and 2 (Re r)^2 = |X.X| + m^2 - eta^2 follows
+//!    (Re r)^2 >= m^2 - c with c = eta^2 |Re X x e|^2 / m^2 <= eta^2. Where c < m^2 therefore Re r > 0, E is analytic, and log2 |E| exceeds log2 E(m) by at most `Kernel::loss`. The smooth kernel is a function of
 //!    s^2 = r^2 + 1: its lengths here are s, which never vanish, |s^2| >= m^2 + 1 - eta^2, and c is eta^2.
 //! 4. At real arguments the second derivative of log2 E in any direction is within -`Kernel::dip` and
 //!    `Kernel::bulge`, which bounds log2 E by its tangent at X0. What the waves leave of the tangent is the residue.
@@ -216,7 +215,7 @@ impl<'a> FarPair<'a> {
                 let eta = b * sine_to;
                 let mut c = eta * eta;
                 if soft2 == 0.0 && across < near {
-                    c = c.min(2.0 * (across / near * eta).powi(2));
+                    c = (across / near * eta).powi(2);
                 }
                 if near2 <= c {
                     rise = f64::INFINITY;

@@ -297,6 +297,11 @@ impl Kernel {
         with_form!(self, form => form.loss(near, c))
     }
 
+    /// 2^(-r), which tiles in single precision are written for.
+    pub fn is_exponential(&self) -> bool {
+        matches!(self.kind, Kind::Exponential(_))
+    }
+
     /// grad_x E in 1/metres is this times g(r) E (x - y), with x - y in units.
     pub fn gradient_factor(&self) -> f64 {
         -with_form!(self, form => form.factor()) / self.unit

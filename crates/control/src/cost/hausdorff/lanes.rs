@@ -5,6 +5,8 @@
 use pulp::x86::{V3, V4};
 use pulp::{Scalar, Simd, WithSimd};
 
+use super::single_lanes::SingleLanes;
+
 /// Width that columns of numbers are padded to; every machine's vector length divides it.
 pub(super) const WIDTH: usize = 8;
 
@@ -13,7 +15,7 @@ pub(super) const WIDTH: usize = 8;
 pub(super) const EXP2_MIN: f64 = -960.0;
 
 /// The vector machine in use.
-pub(super) trait Lanes: Simd {
+pub(super) trait Lanes: SingleLanes {
     /// 1 / sqrt(x), for normal positive x.
     fn rsqrt(self, x: Self::f64s) -> Self::f64s;
 

@@ -3,6 +3,7 @@
 //! It knows no finite elements: a body is its quadrature points with their deformed weights. The formulas are on
 //! `Evaluation`, the sums over all pairs on `Pairs`, the functions phi on `Phi`.
 
+mod account;
 mod adjoint;
 mod aligned;
 mod blocks;
@@ -11,14 +12,18 @@ mod chebyshev;
 mod cloud;
 mod distance;
 mod error;
+mod floor;
 mod frame;
 mod kernel;
 mod lanes;
+mod mask;
 mod pairs;
 mod phi;
 mod plan;
 mod pull;
 mod side;
+mod single;
+mod single_lanes;
 mod smoothing;
 mod sums;
 mod tile;

@@ -6,11 +6,12 @@ use super::adjoint::Adjoint;
 use super::chebyshev::nodes;
 use super::cloud::Cloud;
 use super::error::{HausdorffError, positive};
+use super::floor::Floor;
 use super::kernel::Kernel;
 use super::lanes::Machine;
 use super::phi::Phi;
 use super::plan::{Accuracy, Plan, Via};
-use super::side::{Floor, Side, in_cloud_order, in_tree_order};
+use super::side::{Side, in_cloud_order, in_tree_order};
 use super::sums::{Half, Log2Sums, Summation};
 use super::transform::Tables;
 
@@ -29,7 +30,8 @@ use super::transform::Tables;
 /// is smaller, a hundredth of the bound and less.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Method {
-    /// Relative error of every sum below 1e-11: pairs that cannot matter are left out and, where there are more than
+    /// Relative error of every sum below 1e-11: pairs that cannot matter are left out, those of which a few digits matter
+    /// are summed in single precision (for the exponential) and, where there are more than
     /// 1e10 pairs, distant groups act on each other through Chebyshev grids wherever a count of operations says that
     /// it pays. The choice depends on numbers of points and on bounds, never on time.
     #[default]
@@ -50,9 +52,11 @@ const FAR_FROM: f64 = 1e10;
 impl Method {
     fn accuracy(self, pairs: f64) -> Result<Accuracy, HausdorffError> {
         Ok(match self {
-            Self::Auto => Accuracy { tolerance: TOLERANCE, far: pairs > FAR_FROM },
-            Self::Direct => Accuracy { tolerance: f64::EPSILON / 16.0, far: false },
-            Self::Tree { tolerance } => Accuracy { tolerance: positive("tolerance", tolerance)?.max(1e-14), far: true },
+            Self::Auto => Accuracy { tolerance: TOLERANCE, far: pairs > FAR_FROM, single: true },
+            Self::Direct => Accuracy { tolerance: f64::EPSILON / 16.0, far: false, single: false },
+            Self::Tree { tolerance } => {
+                Accuracy { tolerance: positive("tolerance", tolerance)?.max(1e-14), far: true, single: true }
+            }
         })
     }
 }
@@ -106,6 +110,8 @@ pub struct Counts {
     pub all: f64,
     /// Summed one by one.
     pub near: f64,
+    /// Of these, in single precision.
+    pub single: f64,
     /// Summed through Chebyshev grids.
     pub far: f64,
     /// Pairs of grid nodes (or of nodes and points) that stand for the far ones.
@@ -186,13 +192,19 @@ impl Pairs {
 
     /// How the sums are formed, in numbers of pairs.
     pub fn counts(&self) -> Counts {
-        let mut counts =
-            Counts { all: self.body().len() as f64 * self.target().len() as f64, near: 0.0, far: 0.0, grid: 0.0 };
+        let mut counts = Counts {
+            all: self.body().len() as f64 * self.target().len() as f64,
+            near: 0.0,
+            single: 0.0,
+            far: 0.0,
+            grid: 0.0,
+        };
         for pair in self.plan.panels.iter().flatten() {
             let (m, n) = (self.body.node(pair.row).count as usize, self.target.node(pair.column).count as usize);
             let on = |via: Option<Via>, points: usize| via.map_or(points, |via| nodes(via.orders));
             if pair.row_grid.is_none() && pair.column_grid.is_none() {
-                counts.near += (m * n) as f64;
+                counts.near += pair.double.join(pair.single).pairs(m, n) as f64;
+                counts.single += pair.single.pairs(m, n) as f64;
             } else {
                 counts.far += (m * n) as f64;
                 counts.grid += (on(pair.row_grid, m) * on(pair.column_grid, n)) as f64;

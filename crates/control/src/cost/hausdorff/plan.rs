@@ -4,24 +4,34 @@
 //! (`Floor`), and recall that the weights of the other side add up to one. Every pair of points is in exactly one pair of
 //! nodes of the plan, which is of one of these kinds:
 //!
-//! 1. Left out: E <= tol/2 L for all pairs of points, by the least distance of their boxes.
+//! 1. Left out: E <= tol/2 L for all pairs of points, by the least distance of their boxes, nodes or blocks of a tile.
 //! 2. On grids, measured by the sums: the interpolation errs by at most tol/2 L, being within 2^budget of E between the
 //!    centres times the waves (`chebyshev`), and the waves within their height.
 //! 3. On grids, measured by E: the interpolation errs by at most tol/2 E, for E falls short of its waves by the dip at
 //!    most.
-//! 4. Point by point: exact.
+//! 4. Point by point in single precision: its error times the largest E is at most tol/2 L (`single`), with E and L of
+//!    blocks of a tile: a few points on either side (`mask`).
+//! 5. Point by point: exact.
 //!
-//! Kinds 1 and 2 together err by at most sum w tol/2 L <= tol/2 S, kind 3 by sum w tol/2 E <= tol/2 S. A grid's error is
+//! The bounds tol/2 L of kinds 1 and 4 hold each pair to its weight's part of the error; most pairs stay far below theirs.
+//! Where there are no grids they are therefore raised to 2^`RAISED` as much at first, and what the pairs may err by is
+//! added up (`account`): while that exceeds tol/2 S anywhere, all is planned anew with lower bounds, at last as they are.
+//!
+//! Kinds 1, 2 and 4 together err by at most sum w tol/2 L <= tol/2 S, kind 3 by sum w tol/2 E <= tol/2 S. A grid's error is
 //! shared out: three quarters for the interpolation, a quarter for the rounding that its Lebesgue constants amplify. The
 //! derivative's functions are E times at most the slope S' of log E, with errors in the same proportion to S' E or S' L;
 //! divided by the sums and summed over the rows this is the bound on `Method`, the other half of it being the error of the
 //! sums themselves.
 
+use super::account::{Account, Holder};
 use super::bounds::norm;
 use super::chebyshev::{FarPair, Grid, Orders, Wave, lebesgue, nodes};
+use super::floor::Floor;
 use super::frame::{Frame, frames};
 use super::kernel::Kernel;
-use super::side::{Floor, Side};
+use super::mask::Mask;
+use super::side::Side;
+use super::single;
 use rayon::prelude::*;
 
 /// Row nodes (of about equal size) that are worked on independently; fixed, so that sums do not depend on threads.
@@ -34,6 +44,14 @@ const PANEL: usize = 256;
 const OVERHEAD_NODE: usize = 12;
 const OVERHEAD: usize = 300;
 
+/// Pairs in single precision that cost what one in double precision does.
+const SINGLE: usize = 3;
+
+/// Powers of two by which bounds are raised at first, and lowered by as long as they allow too much: on skins a little
+/// more than the first passes.
+const RAISED: f64 = 4.0;
+const LOWERED: f64 = 2.0;
+
 const LOG2_4_3: f64 = 0.41503749927884376;
 
 /// A pair of nodes and how each side enters: through a grid, or point by point (then it is a leaf).
@@ -43,6 +61,9 @@ pub(super) struct Pair<G = Via> {
     pub column: u32,
     pub row_grid: Option<G>,
     pub column_grid: Option<G>,
+    /// What is summed in double and in single precision. What is in neither is too small to count.
+    pub double: Mask,
+    pub single: Mask,
 }
 
 /// A grid of a pair: no finer in any direction than the one that is kept, whose number this is in `Plan`.
@@ -67,6 +88,8 @@ pub(super) struct Accuracy {
     pub tolerance: f64,
     /// Grids are used.
     pub far: bool,
+    /// Single precision is used.
+    pub single: bool,
 }
 
 /// All pairs of nodes to be summed.
@@ -84,17 +107,23 @@ pub(super) struct Plan {
 
 impl Plan {
     pub fn new(kernel: &Kernel, rows: (&Side, &Floor), columns: (&Side, &Floor), accuracy: Accuracy) -> Self {
-        let planner = Planner {
+        let holder = |(side, floor)| Holder { side, floor };
+        let mut planner = Planner {
             kernel,
-            rows: rows.0,
-            row_floor: rows.1,
-            columns: columns.0,
-            column_floor: columns.1,
+            rows: holder(rows),
+            columns: holder(columns),
+            raised: if accuracy.far { 0.0 } else { RAISED },
             log_tolerance: accuracy.tolerance.log2(),
+            single: accuracy.single && kernel.is_exponential(),
             far: accuracy.far.then(|| Far { row_frames: frames(rows.0), column_frames: frames(columns.0) }),
         };
         let share = rows.0.cloud.len().div_ceil(PANELS).max(PANEL);
-        let panels = planner.panels(rows.0.tree().cut(share));
+        let roots = rows.0.tree().cut(share);
+        let (mut panels, mut error) = planner.panels(&roots);
+        while error > 0.5 * accuracy.tolerance && planner.raised > 0.0 {
+            planner.raised -= LOWERED;
+            (panels, error) = planner.panels(&roots);
+        }
         let row_grids = kept(&panels, |pair| (pair.row, pair.row_grid));
         let column_grids = kept(&panels, |pair| (pair.column, pair.column_grid));
         let number = |pair: &Pair<Grid>| Pair {
@@ -102,6 +131,8 @@ impl Plan {
             column: pair.column,
             row_grid: via(&row_grids, pair.row, pair.row_grid),
             column_grid: via(&column_grids, pair.column, pair.column_grid),
+            double: pair.double,
+            single: pair.single,
         };
         let panels = panels.par_iter().map(|panel| panel.iter().map(number).collect()).collect();
         let (row_frames, column_frames) =
@@ -133,11 +164,12 @@ fn via(grids: &[Kept], node: u32, grid: Option<Grid>) -> Option<Via> {
 
 struct Planner<'a> {
     kernel: &'a Kernel,
-    rows: &'a Side,
-    row_floor: &'a Floor,
-    columns: &'a Side,
-    column_floor: &'a Floor,
+    rows: Holder<'a>,
+    columns: Holder<'a>,
     log_tolerance: f64,
+    /// Powers of two by which the bounds of kinds 1 and 4 are raised, subject to the account.
+    raised: f64,
+    single: bool,
     far: Option<Far>,
 }
 
@@ -167,60 +199,98 @@ impl Choice {
     }
 }
 
+/// What one panel comes to.
+struct Found {
+    pairs: Vec<Pair<Grid>>,
+    /// If bounds are raised.
+    account: Option<Account>,
+}
+
 impl Planner<'_> {
-    fn panels(&self, roots: Vec<u32>) -> Vec<Vec<Pair<Grid>>> {
+    /// The pairs of every panel, and what the sums may err by if bounds are raised.
+    fn panels(&self, roots: &[u32]) -> (Vec<Vec<Pair<Grid>>>, f64) {
         let panel = |&root: &u32| {
-            let mut pairs = Vec::new();
-            self.visit(root, 0, self.choose(root, 0), &mut pairs);
-            pairs.sort_unstable();
-            pairs
+            let account = (self.raised > 0.0).then(|| Account::new(self.rows.side, self.columns.side));
+            let mut found = Found { pairs: Vec::new(), account };
+            self.visit(root, 0, self.choose(root, 0), &mut found);
+            found.pairs.sort_unstable();
+            found
         };
-        roots.par_iter().map(panel).collect()
+        let found: Vec<Found> = roots.par_iter().map(panel).collect();
+        let mut all = Account::new(self.rows.side, self.columns.side);
+        found.iter().filter_map(|found| found.account.as_ref()).for_each(|account| all.add(account));
+        (found.into_iter().map(|found| found.pairs).collect(), all.worst())
     }
 
-    fn visit(&self, row: u32, column: u32, choice: Choice, out: &mut Vec<Pair<Grid>>) {
+    fn visit(&self, row: u32, column: u32, choice: Choice, out: &mut Found) {
         if let Choice::Skip = choice {
-            return;
+            return self.account(row, column, (Mask::NONE, Mask::NONE), out);
         }
         let parts = self.split(row, column).map(|parts| parts.map(|(r, c)| (r, c, self.choose(r, c))));
         match (choice, parts) {
-            (Choice::Sum(pair, _), None) => out.push(pair),
-            (Choice::Sum(pair, cost), Some(parts)) if cost <= parts.iter().map(|p| p.2.cost()).sum() => out.push(pair),
+            (Choice::Sum(pair, _), None) => {
+                self.account(row, column, (pair.double, pair.single), out);
+                out.pairs.push(pair);
+            }
+            (Choice::Sum(pair, cost), Some(parts)) if cost <= parts.iter().map(|p| p.2.cost()).sum() => {
+                out.pairs.push(pair);
+            }
             (_, Some(parts)) => parts.into_iter().for_each(|(r, c, choice)| self.visit(r, c, choice, out)),
             (_, None) => {}
         }
     }
 
+    fn account(&self, row: u32, column: u32, blocks: (Mask, Mask), out: &mut Found) {
+        let Some(account) = &mut out.account else { return };
+        let (rows, columns) = ((self.rows, row), (self.columns, column));
+        let leaves = self.rows.side.node(row).is_leaf() && self.columns.side.node(column).is_leaf();
+        if leaves && blocks.0 != Mask::ALL {
+            let error = single::error(&self.rows.side.boxes[row as usize], &self.columns.side.boxes[column as usize]);
+            account.tile(self.kernel, rows, columns, blocks, error.unwrap_or(1.0));
+        } else if !leaves {
+            account.leave_out(self.kernel, rows, columns);
+        }
+    }
+
     /// The pair with its larger node split, unless both are leaves.
     fn split(&self, row: u32, column: u32) -> Option<[(u32, u32); 2]> {
-        let (r, c) = (self.rows.node(row), self.columns.node(column));
-        let size = |side: &Side, node: u32| side.boxes[node as usize].reach(&side.boxes[node as usize]);
+        let (r, c) = (self.rows.side.node(row), self.columns.side.node(column));
+        let size = |of: Holder, node: u32| of.side.boxes[node as usize].reach(&of.side.boxes[node as usize]);
         let row_first = !r.is_leaf() && (c.is_leaf() || size(self.rows, row) >= size(self.columns, column));
         if row_first {
-            Some(self.rows.tree().children(row).map(|child| (child, column)))
+            Some(self.rows.side.tree().children(row).map(|child| (child, column)))
         } else if !c.is_leaf() {
-            Some(self.columns.tree().children(column).map(|child| (row, child)))
+            Some(self.columns.side.tree().children(column).map(|child| (row, child)))
         } else {
             None
         }
     }
 
     fn choose(&self, row: u32, column: u32) -> Choice {
-        let (here, there) = (&self.rows.boxes[row as usize], &self.columns.boxes[column as usize]);
+        let (here, there) = (&self.rows.side.boxes[row as usize], &self.columns.side.boxes[column as usize]);
         let gaps = here.gaps(there);
         let gap = norm(gaps);
         let highest = self.kernel.at(gap);
-        let (low_row, low_column) = (self.row_floor.lower[row as usize], self.column_floor.lower[column as usize]);
+        let (low_row, low_column) = (self.rows.floor.lower[row as usize], self.columns.floor.lower[column as usize]);
         let lowest = low_row.min(low_column);
         // Half of the error is for what is left out; the shares of the columns add up to one.
         if highest < lowest + self.log_tolerance - 1.0 {
             return Choice::Skip;
         }
-        let (r, c) = (self.rows.node(row), self.columns.node(column));
-        let near = Pair { row, column, row_grid: None, column_grid: None };
-        let near_cost = r.count as usize * c.count as usize;
-        let best = if r.is_leaf() && c.is_leaf() { Choice::Sum(near, near_cost) } else { Choice::Split(near_cost) };
-        let wide = self.row_floor.wide[row as usize] || self.column_floor.wide[column as usize];
+        let (r, c) = (self.rows.side.node(row), self.columns.side.node(column));
+        let wide = self.rows.floor.wide[row as usize] || self.columns.floor.wide[column as usize];
+        let all_pairs = r.count as usize * c.count as usize;
+        let (best, near_cost) = if r.is_leaf() && c.is_leaf() {
+            let (double, single) = if wide { (Mask::ALL, Mask::NONE) } else { self.precision(row, column) };
+            if double.join(single) == Mask::NONE {
+                return Choice::Skip;
+            }
+            let cost = |mask: Mask| mask.blocks() * all_pairs / Mask::ALL.blocks();
+            let cost = cost(double) + cost(single) / SINGLE;
+            (Choice::Sum(Pair { row, column, row_grid: None, column_grid: None, double, single }, cost), cost)
+        } else {
+            (Choice::Split(all_pairs), all_pairs)
+        };
         let Some(far) = self.far.as_ref().filter(|_| !wide) else { return best };
         match self.far(far, row, column, gaps, lowest) {
             Some((pair, cost)) if cost < near_cost => Choice::Sum(pair, cost),
@@ -228,9 +298,34 @@ impl Planner<'_> {
         }
     }
 
+    /// The blocks of a tile in double and in single precision.
+    fn precision(&self, row: u32, column: u32) -> (Mask, Mask) {
+        let (here, there) = (&self.rows.side.boxes[row as usize], &self.columns.side.boxes[column as usize]);
+        let single_from = self.log_tolerance - 1.0 + self.raised;
+        let error = if self.single { single::error(here, there) } else { None };
+        let double_from = single_from - error.map_or(0.0, f64::log2);
+        let (mut double, mut single) = (Mask::NONE, Mask::NONE);
+        for (i, row) in self.rows.side.chunks_of(row).enumerate() {
+            for (j, column) in self.columns.side.chunks_of(column).enumerate() {
+                let gap = self.rows.side.chunks[row].gap(&self.columns.side.chunks[column]);
+                let share = self.kernel.at(gap) - self.rows.floor.chunks[row].min(self.columns.floor.chunks[column]);
+                if share >= double_from || share >= single_from && gap < single::NEAREST {
+                    double.insert(i, j);
+                } else if share >= single_from {
+                    single.insert(i, j);
+                }
+            }
+        }
+        // One block is not worth the change of precision.
+        if single.blocks() == 1 {
+            (double, single) = (double.join(single), Mask::NONE);
+        }
+        (double, single)
+    }
+
     /// The smallest grids that keep the error within the other half of the tolerance.
     fn far(&self, far: &Far, row: u32, column: u32, gaps: [f64; 3], lowest: f64) -> Option<(Pair<Grid>, usize)> {
-        let (r, c) = (self.rows.node(row), self.columns.node(column));
+        let (r, c) = (self.rows.side.node(row), self.columns.side.node(column));
         let near_cost = r.count as usize * c.count as usize;
         let frames = [&far.row_frames[row as usize], &far.column_frames[column as usize]];
         let pair = FarPair::new(self.kernel, frames, gaps)?;
@@ -262,7 +357,8 @@ impl Planner<'_> {
         }
         let size = |grid: Option<Grid>, count: u32| grid.map_or(count as usize, |(_, orders)| nodes(orders));
         let (m, n) = (size(row_grid, r.count), size(column_grid, c.count));
-        Some((Pair { row, column, row_grid, column_grid }, cost(m, n)))
+        let (double, single) = (Mask::ALL, Mask::NONE);
+        Some((Pair { row, column, row_grid, column_grid, double, single }, cost(m, n)))
     }
 }
 

@@ -8,6 +8,7 @@
 
 use super::kernel::Form;
 use super::lanes::{Lanes, Task, WIDTH};
+use super::mask::Mask;
 use super::tile::{Slab, apart, coordinates, splat, vectors};
 
 /// Numbers kept per row by `Pull` and `WidePull`: force and mass, each spread over `WIDTH` numbers.
@@ -25,6 +26,7 @@ pub(super) struct Pull<'a, F> {
     pub pull: &'a [f64],
     pub columns: Slab<'a>,
     pub charge: &'a [f64],
+    pub mask: Mask,
     pub shift: f64,
     pub row_factor: f64,
     pub column_factor: f64,
@@ -41,21 +43,24 @@ impl<F: Form> Task for Pull<'_, F> {
         let weights = vectors::<S>(self.columns.weight, n);
         let charges = vectors::<S>(self.charge, n);
         let base = s.splat_f64s(-self.shift);
+        let runs = self.mask.runs(n, S::F64_LANES);
         for (q, out) in self.out.chunks_exact_mut(PULL).enumerate() {
             let x = splat(s, &self.rows.x, q);
             let by_charge = s.splat_f64s(self.rows.weight[q] * self.column_factor);
             let by_weight = s.splat_f64s(self.pull[q] * self.row_factor);
             let mut sum = [s.splat_f64s(0.0); 4];
-            for t in 0..n {
-                let (r2, d) = apart(s, x, [y[0][t], y[1][t], y[2][t]]);
-                let (z, g) = self.form.log2_and_slope(s, r2, base);
-                let e = s.exp2(z);
-                let k = s.mul_add_e_f64s(by_weight, weights[t], s.mul_f64s(by_charge, charges[t]));
-                let k = s.mul_f64s(k, s.mul_f64s(e, g));
-                for c in 0..3 {
-                    sum[c] = s.mul_add_e_f64s(k, d[c], sum[c]);
+            for (first, end) in runs.of(q) {
+                for t in first..end {
+                    let (r2, d) = apart(s, x, [y[0][t], y[1][t], y[2][t]]);
+                    let (z, g) = self.form.log2_and_slope(s, r2, base);
+                    let e = s.exp2(z);
+                    let k = s.mul_add_e_f64s(by_weight, weights[t], s.mul_f64s(by_charge, charges[t]));
+                    let k = s.mul_f64s(k, s.mul_f64s(e, g));
+                    for c in 0..3 {
+                        sum[c] = s.mul_add_e_f64s(k, d[c], sum[c]);
+                    }
+                    sum[3] = s.mul_add_e_f64s(charges[t], e, sum[3]);
                 }
-                sum[3] = s.mul_add_e_f64s(charges[t], e, sum[3]);
             }
             sum[3] = s.mul_f64s(sum[3], s.splat_f64s(self.column_factor));
             add(s, out, &sum);

@@ -5,11 +5,14 @@ use rayon::prelude::*;
 use super::aligned::Aligned;
 use super::blocks::Blocks;
 use super::chebyshev::nodes;
+use super::floor::Floor;
 use super::frame::Frame;
 use super::kernel::{Kernel, with_form};
 use super::lanes::{Machine, WIDTH};
+use super::mask::Mask;
 use super::plan::{Kept, Pair, Plan, Via};
-use super::side::{Floor, Side, padded};
+use super::side::{Side, padded};
+use super::single::{SingleSums, SingleTile};
 use super::tile::{Slab, Sums, WideSums};
 use super::transform::{Patch, Proxy, Tables, add_from_nodes, expand, moments};
 
@@ -191,12 +194,27 @@ impl<'a> Summation<'a> {
             with_form!(self.kernel, form => self.machine.run(WideSums {
                 form, rows, columns, row_scale, column_scale, row_sums, column_sums,
             }));
-        } else {
+            return;
+        }
+        if pair.single != Mask::NONE {
+            let tile = single_tile(self.rows.side, self.columns.side, pair);
+            self.machine.run(SingleSums {
+                tile,
+                row_weights: self.rows.side.rounded_weight.leaf(self.rows.side.first(pair.row)),
+                column_weights: self.columns.side.rounded_weight.leaf(self.columns.side.first(pair.column)),
+                row_factor: (tile.shift - self.rows.lower(pair.row)).exp2(),
+                column_factor: (tile.shift - self.columns.lower(pair.column)).exp2(),
+                row_sums: &mut *row_sums,
+                column_sums: &mut *column_sums,
+            });
+        }
+        if pair.double != Mask::NONE {
+            let mask = pair.double;
             let shift = self.kernel.at(self.rows.side.boxes[row].gap(&self.columns.side.boxes[column]));
             let row_factor = (shift - self.rows.lower(pair.row)).exp2();
             let column_factor = (shift - self.columns.lower(pair.column)).exp2();
             with_form!(self.kernel, form => self.machine.run(Sums {
-                form, rows, columns, shift, row_factor, column_factor, row_sums, column_sums,
+                form, rows, columns, mask, shift, row_factor, column_factor, row_sums, column_sums,
             }));
         }
     }
@@ -233,6 +251,18 @@ impl<'a> Summation<'a> {
             sums
         };
         half.side.leaves().par_iter().map(leaf).collect::<Vec<_>>().concat()
+    }
+}
+
+/// The part of a pair of leaves that is summed in single precision.
+pub(super) fn single_tile<'a>(rows: &'a Side, columns: &'a Side, pair: &Pair) -> SingleTile<'a> {
+    let (here, there) = (&rows.boxes[pair.row as usize], &columns.boxes[pair.column as usize]);
+    SingleTile {
+        rows: rows.rows(pair.row).x,
+        columns: columns.local.leaf(columns.first(pair.column)),
+        origin: there.centre(),
+        mask: pair.single,
+        shift: -here.gap(there).floor(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::kernel::{Form, TINY};
 use super::lanes::{Lanes, Task, WIDTH};
+use super::mask::Mask;
 
 /// Points with weights, one array per coordinate, in units of the kernel. As columns their number is a multiple of
 /// `WIDTH`, and what pads them has weight zero.
@@ -49,6 +50,7 @@ pub(super) struct Sums<'a, F> {
     pub form: F,
     pub rows: Slab<'a>,
     pub columns: Slab<'a>,
+    pub mask: Mask,
     pub shift: f64,
     pub row_factor: f64,
     pub column_factor: f64,
@@ -66,19 +68,25 @@ impl<F: Form> Task for Sums<'_, F> {
         let y = coordinates::<S>(&self.columns, n);
         let weights = vectors::<S>(self.columns.weight, n);
         let base = s.splat_f64s(-self.shift);
+        let runs = self.mask.runs(n, S::F64_LANES);
         for (q, row_sums) in self.row_sums.chunks_exact_mut(WIDTH).enumerate() {
             let x = splat(s, &self.rows.x, q);
             let weight = s.splat_f64s(self.rows.weight[q] * self.column_factor);
             let mut sum = s.splat_f64s(0.0);
-            // The logarithm is formed one vector ahead of its exponential: two short chains of operations in flight
-            // instead of a long one.
-            let mut ahead = log2(s, self.form, x, y, 0, base);
-            for t in 0..n {
-                let z = ahead;
-                ahead = log2(s, self.form, x, y, (t + 1).min(n - 1), base);
-                let e = s.exp2(z);
-                sum = s.mul_add_e_f64s(weights[t], e, sum);
-                sums[t] = s.mul_add_e_f64s(weight, e, sums[t]);
+            for (first, end) in runs.of(q) {
+                if first == end {
+                    continue;
+                }
+                // The logarithm is formed one vector ahead of its exponential: two short chains of operations in flight
+                // instead of a long one.
+                let mut ahead = log2(s, self.form, x, y, first, base);
+                for t in first..end {
+                    let z = ahead;
+                    ahead = log2(s, self.form, x, y, (t + 1).min(n - 1), base);
+                    let e = s.exp2(z);
+                    sum = s.mul_add_e_f64s(weights[t], e, sum);
+                    sums[t] = s.mul_add_e_f64s(weight, e, sums[t]);
+                }
             }
             let row = head::<S>(row_sums);
             *row = s.mul_add_e_f64s(sum, s.splat_f64s(self.row_factor), *row);

@@ -8,6 +8,9 @@ use rayon::join;
 /// Points in a leaf: the side of a tile of pairs. All leaves but the last are full.
 pub(super) const LEAF: usize = 64;
 
+/// Points of a leaf that are near each other: the first so many, the next, and so on.
+pub(super) const CHUNK: usize = 16;
+
 /// Below this many points a subtree is built by one thread.
 const PARALLEL: usize = 1 << 13;
 
@@ -84,13 +87,7 @@ fn build(points: &[[f64; 3]], order: &mut [u32], nodes: &mut [Node], mut root: N
     if all > 1 {
         let half = all.div_ceil(2);
         let at = half * LEAF;
-        let axis = longest_axis(points, order);
-        let key = |&i: &u32| (points[i as usize][axis], i);
-        order.select_nth_unstable_by(at, |a, b| {
-            let ((x, i), (y, j)) = (key(a), key(b));
-            x.total_cmp(&y).then(i.cmp(&j))
-        });
-        let (left, right) = order.split_at_mut(at);
+        let (left, right) = split(points, order, at);
         root.right = id + 2 * half as u32;
         let (first, second) = nodes[1..].split_at_mut(2 * half - 1);
         let on_left = Node { first: root.first, count: at as u32, right: 0, parent: id };
@@ -102,9 +99,31 @@ fn build(points: &[[f64; 3]], order: &mut [u32], nodes: &mut [Node], mut root: N
             build(points, right, second, on_right, root.right);
         }
     } else {
-        order.sort_unstable();
+        sort_leaf(points, order);
     }
     nodes[0] = root;
+}
+
+/// The `at` points that lie lowest along the longest side, and the others.
+fn split<'a>(points: &[[f64; 3]], order: &'a mut [u32], at: usize) -> (&'a mut [u32], &'a mut [u32]) {
+    let axis = longest_axis(points, order);
+    let key = |&i: &u32| (points[i as usize][axis], i);
+    order.select_nth_unstable_by(at, |a, b| {
+        let ((x, i), (y, j)) = (key(a), key(b));
+        x.total_cmp(&y).then(i.cmp(&j))
+    });
+    order.split_at_mut(at)
+}
+
+/// Into chunks, each in the order of the cloud.
+fn sort_leaf(points: &[[f64; 3]], order: &mut [u32]) {
+    if order.len() <= CHUNK {
+        return order.sort_unstable();
+    }
+    let at = order.len().div_ceil(CHUNK).div_ceil(2) * CHUNK;
+    let (left, right) = split(points, order, at);
+    sort_leaf(points, left);
+    sort_leaf(points, right);
 }
 
 fn longest_axis(points: &[[f64; 3]], order: &[u32]) -> usize {

@@ -76,7 +76,7 @@ fn bits(values: &[f64]) -> Vec<u64> {
 fn same_bits_for_any_number_of_threads() {
     let (body, target) = bars(1500, 1300);
     for (phi, alpha) in [(Phi::Exponential { length: 0.1 }, 6.0), (Phi::SmoothInverse { eps: 0.01 }, 800.0)] {
-        for method in [Method::Direct, Method::Tree { tolerance: 1e-6 }] {
+        for method in [Method::Direct, Method::Auto, Method::Tree { tolerance: 1e-6 }] {
             let run = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| {

@@ -8,6 +8,7 @@ mod input;
 mod invariance;
 mod lanes;
 mod reference;
+mod single;
 mod sweep;
 
 use super::{Cloud, Evaluation, Method, Phi, Smoothing};
