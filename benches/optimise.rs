@@ -16,8 +16,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::read()?;
     let across = arguments.number("n", 8)?;
     let method = arguments.text("method", "lbfgs");
-    let options =
-        Options { max_iterations: arguments.number("iterations", 20)?, tolerance: 1e-12, accuracy: arguments.text("accuracy", "1e-8").parse()?, ..Options::default() };
+    let options = Options {
+        max_iterations: arguments.number("iterations", 20)?,
+        tolerance: 1e-12,
+        accuracy: arguments.text("accuracy", "1e-8").parse()?,
+        ..Options::default()
+    };
     arguments.use_threads()?;
 
     let (s, c) = 0.55f64.sin_cos();
