@@ -76,7 +76,7 @@ impl Solid {
     /// The tangent K(u, m) at a state, supports not eliminated.
     fn tangent(&self, state: &State, parallel: bool) -> Result<SymmetricMatrix, StateError> {
         let mut matrix = self.discretization().matrix();
-        let evaluated = self.body().evaluate_tangent(&state.u, &state.controls, &mut matrix, parallel);
+        let evaluated = self.body().add_tangent(&state.u, &state.controls, &mut matrix, parallel);
         evaluated.map_err(|at| StateError::Inverted {
             at,
             load: state.load,

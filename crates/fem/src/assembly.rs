@@ -12,12 +12,12 @@ use crate::sweep::{CellWork, Cells, sweep};
 use nastic_energy::{EnergyTerm, Points, Response, Slots, Want};
 use nastic_tensor::Kinematics;
 
-/// How much of the response is wanted.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
-pub(crate) enum Demand {
-    Energy,
-    Force,
-    Tangent,
+/// What is wanted: the tangent alone is had without the others.
+#[derive(Clone, Copy)]
+pub(crate) struct Demand {
+    pub energy: bool,
+    pub force: bool,
+    pub tangent: bool,
 }
 
 /// What a cell hands over to be added up.
@@ -41,7 +41,7 @@ pub(crate) fn evaluate(
     parallel: bool,
 ) -> Result<Evaluation, InvertedAt> {
     let disc = body.discretization();
-    let dofs = if demand >= Demand::Force { disc.dofs() } else { 0 };
+    let dofs = if demand.force { disc.dofs() } else { 0 };
     let mut total = Evaluation {
         min_j: f64::INFINITY,
         force: vec![0.0; dofs],
@@ -50,7 +50,7 @@ pub(crate) fn evaluate(
     };
     for (p, part) in disc.body().parts.iter().enumerate() {
         let Some(kernel) = kernel(part.kind) else { continue };
-        let scatter = if demand == Demand::Tangent { disc.scatter(p) } else { &[] };
+        let scatter = if demand.tangent { disc.scatter(p) } else { &[] };
         let cells = Cells { part, kernel, dim: disc.dim() };
         let job = Job { body, cells, scatter, u, controls, demand };
         sweep(&job, parallel, |c, result| job.add(c, result, &mut total, tangent.as_deref_mut()))?;
@@ -75,8 +75,8 @@ impl CellWork for Job<'_> {
     }
 
     fn room(&self) -> (CellResult, usize) {
-        let rows = if self.demand >= Demand::Force { self.cells.rows() } else { Vec::new() };
-        let matrix = if self.demand == Demand::Tangent { self.cells.kernel.matrix_len() } else { 0 };
+        let rows = if self.demand.force { self.cells.rows() } else { Vec::new() };
+        let matrix = if self.demand.tangent { self.cells.kernel.matrix_len() } else { 0 };
         let size = matrix + 2 * rows.len();
         let (scale, matrix) = (rows.clone(), vec![0.0; matrix]);
         (CellResult { energy: 0.0, energy_scale: 0.0, min_j: f64::INFINITY, rows, scale, matrix }, size)
@@ -87,7 +87,8 @@ impl CellWork for Job<'_> {
         let points = part.table.points;
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
         scratch.move_to(self.cells, c, self.u)?;
-        let want = Want { energy: true, stress: self.demand >= Demand::Force, tangent: self.demand == Demand::Tangent };
+        let Demand { energy, force, tangent } = self.demand;
+        let want = Want { energy, stress: force, tangent };
         scratch.clear(want);
         let at = Points { kinematics: &scratch.kinematics, cell: id, first };
         let mut out =
@@ -134,7 +135,7 @@ impl Job<'_> {
         total.energy += result.energy;
         total.energy_scale += result.energy_scale;
         total.min_j = total.min_j.min(result.min_j);
-        if self.demand >= Demand::Force {
+        if self.demand.force {
             self.cells.scatter(c, &result.rows, &mut total.force);
             self.cells.scatter(c, &result.scale, &mut total.force_scale);
         }

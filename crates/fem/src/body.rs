@@ -134,7 +134,7 @@ impl Body {
         force: bool,
         parallel: bool,
     ) -> Result<Evaluation, InvertedAt> {
-        let demand = if force { Demand::Force } else { Demand::Energy };
+        let demand = Demand { energy: true, force, tangent: false };
         assembly::evaluate(self, u, controls, demand, None, parallel)
     }
 
@@ -149,7 +149,23 @@ impl Body {
         tangent: &mut SymmetricMatrix,
         parallel: bool,
     ) -> Result<Evaluation, InvertedAt> {
-        assembly::evaluate(self, u, controls, Demand::Tangent, Some(tangent), parallel)
+        let demand = Demand { energy: true, force: true, tangent: true };
+        assembly::evaluate(self, u, controls, demand, Some(tangent), parallel)
+    }
+
+    /// The tangent alone, added to `tangent`: the bits of [`evaluate_tangent`](Self::evaluate_tangent) for less.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn add_tangent(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        tangent: &mut SymmetricMatrix,
+        parallel: bool,
+    ) -> Result<(), InvertedAt> {
+        let demand = Demand { energy: false, force: false, tangent: true };
+        assembly::evaluate(self, u, controls, demand, Some(tangent), parallel).map(drop)
     }
 
     /// The longest step `s <= 1` from u along du on which no point loses more than nine tenths of its volume.

@@ -65,6 +65,7 @@ impl Newton<'_> {
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
         let mut tangents = Tangents::new(self.solid, self.request);
+        let mut matrix = None;
         let mut now = self.evaluate(&u)?;
         let mut jump = self.jump(&u);
         let mut before = f64::INFINITY;
@@ -80,14 +81,13 @@ impl Newton<'_> {
                 return Ok(u);
             }
             before = relative;
-            let mut matrix = self.tangent(&u)?;
-            let rhs = self.right_hand_side(&matrix, &residual, jump.as_deref());
-            let scale = self.energy_scale(&matrix, &u, &now);
-            tangents.eliminate(&mut matrix);
+            let matrix = self.tangent(&u, &mut matrix)?;
+            let rhs = self.right_hand_side(matrix, &residual, jump.as_deref());
+            let scale = self.energy_scale(matrix, &u, &now);
+            tangents.eliminate(matrix);
             tangents.stand_at(&u);
             let accuracy = forcing(relative, self.request.accuracy);
-            let (mut step, curvature) =
-                tangents.solve(&matrix, &rhs, accuracy, factor, report).map_err(Stop::Linear)?;
+            let (mut step, curvature) = tangents.solve(matrix, &rhs, accuracy, factor, report).map_err(Stop::Linear)?;
             report.newton += 1;
             let here = Here { u: &u, now: &now, residual: &residual, scale };
             let (length, next) = if let Some(jump) = jump.take() {
@@ -98,7 +98,7 @@ impl Newton<'_> {
             } else if let Some(found) = self.residual_search(&here, &step)? {
                 found
             } else {
-                step = tangents.solve_shifted(matrix, &rhs, factor, report).map_err(Stop::Linear)?;
+                step = tangents.solve_shifted(matrix.clone(), &rhs, factor, report).map_err(Stop::Linear)?;
                 self.downhill(&here, &step, &mut fit)?
             };
             let tiny = curvature == Curvature::Positive && largest(&step) <= RESOLUTION * self.solid.mesh().diagonal();
@@ -117,9 +117,15 @@ impl Newton<'_> {
         self.solid.body().evaluate(u, self.controls, true, self.request.parallel)
     }
 
-    fn tangent(&self, u: &[f64]) -> Result<SymmetricMatrix, InvertedAt> {
-        let mut matrix = self.solid.discretization().matrix();
-        self.solid.body().evaluate_tangent(u, self.controls, &mut matrix, self.request.parallel)?;
+    /// The tangent at u in the memory of the one before.
+    fn tangent<'m>(
+        &self,
+        u: &[f64],
+        memory: &'m mut Option<SymmetricMatrix>,
+    ) -> Result<&'m mut SymmetricMatrix, InvertedAt> {
+        let matrix = memory.get_or_insert_with(|| self.solid.discretization().matrix());
+        matrix.clear();
+        self.solid.body().add_tangent(u, self.controls, matrix, self.request.parallel)?;
         Ok(matrix)
     }
 

@@ -29,7 +29,7 @@ pub struct Options {
     pub stagnation: f64,
     /// See `stagnation`.
     pub window: usize,
-    /// Relative accuracy asked of state solves.
+    /// Relative accuracy asked of state solves, at the end: see [`accuracy_at`](Self::accuracy_at).
     pub accuracy: f64,
     /// How steps are accepted and shortened.
     pub line_search: LineSearch,
@@ -47,6 +47,18 @@ impl Default for Options {
             accuracy: DEFAULT_ACCURACY,
             line_search: LineSearch::default(),
         }
+    }
+}
+
+/// Accuracy of states per remaining share of the projected gradient, and the coarsest.
+const ACCURACY_PER_GRADIENT: f64 = 1e-5;
+const COARSEST: f64 = 1e-7;
+
+impl Options {
+    /// Relative accuracy asked of trials while the projected gradient is `relative` of the stage's first: as far below as
+    /// `1e-5 relative`, between `1e-7` and [`accuracy`](Self::accuracy). Far from the optimum more is of no use.
+    pub fn accuracy_at(&self, relative: f64) -> f64 {
+        (ACCURACY_PER_GRADIENT * relative).clamp(self.accuracy, COARSEST.max(self.accuracy))
     }
 }
 

@@ -106,7 +106,9 @@ impl<'a, O: Objective> Run<'a, O> {
     ) -> Result<Self, RunError> {
         let setting = Setting { objective, set, metric, options: *optimizer.options(), cancel: None };
         check(&setting, start)?;
-        let (point, cost) = setting.evaluate(start, None, 0).map_err(RunError::Start)?;
+        let (point, cost) = setting
+            .evaluate(start, &Request { near: None, accuracy: setting.options.accuracy, stage: 0 })
+            .map_err(RunError::Start)?;
         let current = setting.differentiate(start.to_vec(), point, cost).map_err(|(_, f)| RunError::Start(f))?;
         let progress = Progress { counts: Counts { derivatives: 1, ..Counts::default() }, ..Progress::default() };
         let (name, method) = (optimizer.name(), optimizer.method());

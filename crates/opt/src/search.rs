@@ -47,9 +47,8 @@ impl<O: Objective> Setting<'_, O> {
     }
 
     /// The point and its cost, which must be a number.
-    pub fn evaluate(&self, m: &[f64], near: Option<&O::Point>, stage: usize) -> Result<(O::Point, f64), Failed> {
-        let how = Request { near, accuracy: self.options.accuracy, stage };
-        let point = self.objective.evaluate(m, &how)?;
+    pub fn evaluate(&self, m: &[f64], how: &Request<'_, O::Point>) -> Result<(O::Point, f64), Failed> {
+        let point = self.objective.evaluate(m, how)?;
         let cost = self.finite_cost(&point)?;
         Ok((point, cost))
     }
@@ -119,6 +118,8 @@ impl<O: Objective> Setting<'_, O> {
         let rules = &self.options.line_search;
         let here = self.here(at);
         let invisible = 0.25 * f64::EPSILON * at.cost.abs();
+        let accuracy = self.options.accuracy_at(progress.relative(at.gradient_norm));
+        let how = Request { near: Some(&at.point), accuracy, stage: progress.stage };
         let mut promised = None;
         let mut tried: Option<Vec<f64>> = None;
         let limit = line.trials + rules.max_trials;
@@ -146,7 +147,7 @@ impl<O: Objective> Setting<'_, O> {
             progress.counts.trials += 1;
             let step = method.step(line.fraction);
 
-            let (point, cost) = match self.evaluate(&m, Some(&at.point), progress.stage) {
+            let (point, cost) = match self.evaluate(&m, &how) {
                 Ok(evaluated) => evaluated,
                 Err(failed) => {
                     let reason = Reason::Failed(failed.why);
