@@ -40,7 +40,8 @@ fn main() -> Result<(), Failure> {
     }
     for n in arguments.text("cells", "5,7,12,18,30").split(',') {
         let n: usize = n.parse()?;
-        put("forward", own("forward", &["element=hex8", &format!("n={n}"), "repeat=3", "threads=2"]))?;
+        let repeat = if n > 20 { "repeat=1" } else { "repeat=3" };
+        put("forward", own("forward", &["element=hex8", &format!("n={n}"), repeat, "threads=2"]))?;
         if n.is_multiple_of(2) && n <= 18 {
             put("forward", own("forward", &["element=hex27", &format!("n={}", n / 2), "repeat=3", "threads=2"]))?;
         }

@@ -77,9 +77,14 @@ fn optimise(peers: &Peers) -> Result<(), Failure> {
     println!(
         "\n| 20 iterations, 9,963 unknowns | seconds | cost at the end | evaluations | ratio |\n|---|---|---|---|---|"
     );
-    let ours = own("optimise", &["method=lbfgs", "threads=2"])?;
-    let seconds = number(&ours, "opt_s");
-    println!("| nastic, `lbfgs` | {seconds:.2} | {:.2e} | {} | 1 |", number(&ours, "J1"), number(&ours, "opt_evals"));
+    let mut ours = Vec::new();
+    for _ in 0..5 {
+        ours.push(own("optimise", &["method=lbfgs", "threads=2"])?);
+    }
+    ours.sort_by(|a, b| number(a, "opt_s").total_cmp(&number(b, "opt_s")));
+    let ours = &ours[2];
+    let seconds = number(ours, "opt_s");
+    println!("| nastic, `lbfgs` | {seconds:.2} | {:.2e} | {} | 1 |", number(ours, "J1"), number(ours, "opt_evals"));
     let peer = peers.run("dolfinx_peer.py", &["n=8", "opt=20", "solver=mumps", "threads=2"]);
     let cost = peer.as_ref().map_or("-".to_owned(), |p| format!("{:.2e}", number(p, "J1")));
     println!(
