@@ -10,12 +10,16 @@ use std::sync::Arc;
 
 /// Load steps shorter than this share of the way are given up on.
 const SHORTEST: f64 = 1.0 / 4096.0;
+/// A warm start is left for the way from rest at the first step that fails after so many times the iterations allowed for
+/// one: a state nearby that takes more is not nearby.
+const WARM: usize = 3;
 
 impl Solid {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
     /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method fails,
-    /// the step is halved, and doubled again after a success. When a warm start leads nowhere, the way from rest is tried.
+    /// the step is halved, and doubled again after a success. When a warm start leads nowhere, or needs more iterations than
+    /// three load steps may take, the way from rest is tried.
     ///
     /// # Errors
     /// A typed [`StateError`]; where there was progress it holds the last equilibrium.
@@ -23,12 +27,18 @@ impl Solid {
         self.check()?;
         self.check_controls(controls)?;
         let rest = self.rest();
-        let Some(near) = how.near.filter(|near| self.fits(near)) else { return self.walk(&rest, controls, how) };
-        match self.walk(near, controls, how) {
+        let Some(near) = how.near.filter(|near| self.fits(near)) else {
+            return self.walk(&rest, controls, how, usize::MAX, &mut SolveReport::default());
+        };
+        let mut spent = SolveReport::default();
+        match self.walk(near, controls, how, WARM * how.max_newton, &mut spent) {
             Err(StateError::Cancelled) => Err(StateError::Cancelled),
             Err(failed) => {
                 let how = Request { near: None, factor: None, ..how.clone() };
-                self.walk(&rest, controls, &how).map_err(|_| failed)
+                let found = self.walk(&rest, controls, &how, usize::MAX, &mut SolveReport::default());
+                let mut solved = found.map_err(|_| failed)?;
+                solved.state.report.add_work(&spent);
+                Ok(solved)
             }
             solved => solved,
         }
@@ -60,8 +70,15 @@ impl Solid {
         Ok(())
     }
 
-    fn walk(&self, from: &State, to: &Controls, how: &Request) -> Result<Solved, StateError> {
-        let mut report = SolveReport::default();
+    /// In as few load steps as it takes; given up on at the first that fails after `most` iterations.
+    fn walk(
+        &self,
+        from: &State,
+        to: &Controls,
+        how: &Request,
+        most: usize,
+        report: &mut SolveReport,
+    ) -> Result<Solved, StateError> {
         let mut factor = how.factor.clone();
         let mut here = from.clone();
         let (mut done, mut step) = (0.0, 1.0_f64);
@@ -71,16 +88,16 @@ impl Solid {
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
             let newton = Newton { solid: self, controls: &controls, load, path, request: how };
-            match newton.solve(here.u.to_vec(), &mut factor, &mut report) {
+            match newton.solve(here.u.to_vec(), &mut factor, report) {
                 Ok(u) => {
                     report.load_steps += 1;
-                    here = State { u: Arc::new(u), controls: Arc::new(controls), load, report };
+                    here = State { u: Arc::new(u), controls: Arc::new(controls), load, report: *report };
                     done = path;
                     step *= 2.0;
                 }
                 Err(Stop::Cancelled) => return Err(StateError::Cancelled),
                 Err(Stop::Linear(why)) => return Err(StateError::Linear { why }),
-                Err(stop) if step <= SHORTEST => return Err(give_up(stop, path, &report, here)),
+                Err(stop) if step <= SHORTEST || report.newton > most => return Err(give_up(stop, path, report, here)),
                 Err(_) => {
                     report.cuts += 1;
                     step *= 0.5;
@@ -88,7 +105,7 @@ impl Solid {
                 }
             }
         }
-        here.report = report;
+        here.report = *report;
         Ok(Solved { state: here, factor })
     }
 }
