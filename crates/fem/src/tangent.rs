@@ -21,7 +21,8 @@ const ENOUGH: f64 = 0.1;
 /// Iterations after which a new factor in single precision is too coarse: where it is not, two or three are enough.
 const FRESH: usize = 12;
 /// Back substitutions that cost as much as factorising, per flop of the factorisation and entry of the factor: a
-/// back substitution is bound by memory, a factorisation by arithmetic (measured: 1/27 of it at 95k unknowns in 3D).
+/// back substitution is bound by memory, a factorisation by arithmetic (measured in 3D, single precision, with the product
+/// that goes with it: 1/12 of it at 31k unknowns, 1/16 at 98k).
 const FLOPS_PER_ENTRY: f64 = 60.0;
 
 /// Solves the tangent systems of one Newton run and decides, from counts alone, when to factorise.

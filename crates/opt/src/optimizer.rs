@@ -58,7 +58,8 @@ impl Options {
     /// Relative accuracy asked of trials while the projected gradient is `relative` of the stage's first: as far below as
     /// `1e-5 relative`, between `1e-7` and [`accuracy`](Self::accuracy). Far from the optimum more is of no use.
     pub fn accuracy_at(&self, relative: f64) -> f64 {
-        (ACCURACY_PER_GRADIENT * relative).clamp(self.accuracy, COARSEST.max(self.accuracy))
+        // not `clamp`, which panics where an accuracy is no number
+        (ACCURACY_PER_GRADIENT * relative).min(COARSEST).max(self.accuracy)
     }
 }
 
