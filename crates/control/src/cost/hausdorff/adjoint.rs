@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::aligned::Aligned;
 use super::blocks::Blocks;
+use super::brief::BriefPull;
 use super::chebyshev::nodes;
 use super::kernel::{Kernel, with_form};
 use super::lanes::{Machine, WIDTH};
@@ -12,7 +13,7 @@ use super::plan::{Kept, Pair, Plan};
 use super::pull::{FIELD, FIELDS, Field, PULL, Pull, WidePull, collect};
 use super::side::padded;
 use super::single::{Rounded, SinglePull};
-use super::sums::{Half, Log2Sums, single_tile, tilt};
+use super::sums::{Half, Log2Sums, brief_tile, single_tile, tilt};
 use super::transform::{Proxy, Tables, add_from_nodes, expand};
 
 /// Per row: the force (units of `Kernel::gradient_factor`) and the mass, see `pull`.
@@ -143,6 +144,9 @@ impl<'a> Adjoint<'a> {
         if pair.double == Mask::NONE {
             return;
         }
+        if pair.brief {
+            return self.brief(pair, &mut work.point_sums);
+        }
         let gap = self.rows.side.boxes[pair.row as usize].gap(&self.columns.side.boxes[pair.column as usize]);
         let shift = self.kernel.at(gap);
         let row_factor = (shift - self.rows.lower(pair.row)).exp2();
@@ -183,6 +187,21 @@ impl<'a> Adjoint<'a> {
             tilt(values, row_proxy);
             add_from_nodes(self.tables, via.orders, values, kept, coefficients, scratch);
         }
+    }
+
+    fn brief(&self, pair: &Pair, out: &mut [f64]) {
+        let (rows, columns) = (self.rows.side, self.columns.side);
+        let tile = brief_tile(rows, columns, pair);
+        self.machine.run(BriefPull {
+            tile,
+            row_weights: rows.rows(pair.row).weight,
+            pull: &self.row_charge[rows.node(pair.row).range()],
+            column_weights: columns.columns(pair.column).weight,
+            charge: &self.column_charge[padded(columns.node(pair.column))],
+            row_factor: (tile.shift - self.rows.lower(pair.row)).exp2(),
+            column_factor: (tile.shift - self.columns.lower(pair.column)).exp2(),
+            out,
+        });
     }
 
     fn single(&self, pair: &Pair, out: &mut [f64]) {

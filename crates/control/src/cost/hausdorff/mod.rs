@@ -8,6 +8,8 @@ mod adjoint;
 mod aligned;
 mod blocks;
 mod bounds;
+mod brief;
+mod brief_lanes;
 mod chebyshev;
 mod cloud;
 mod distance;

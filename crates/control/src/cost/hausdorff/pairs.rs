@@ -30,9 +30,9 @@ use super::transform::Tables;
 /// is smaller, a hundredth of the bound and less.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Method {
-    /// Relative error of every sum below 1e-11: pairs that cannot matter are left out, those of which a few digits matter
+    /// Relative error of every sum below 1e-10: pairs that cannot matter are left out, those of which a few digits matter
     /// are summed in single precision (for the exponential) and, where there are more than
-    /// 1e10 pairs, distant groups act on each other through Chebyshev grids wherever a count of operations says that
+    /// 3e10 pairs, distant groups act on each other through Chebyshev grids wherever a count of operations says that
     /// it pays. The choice depends on numbers of points and on bounds, never on time.
     #[default]
     Auto,
@@ -45,9 +45,9 @@ pub enum Method {
     },
 }
 
-const TOLERANCE: f64 = 1e-11;
+const TOLERANCE: f64 = 1e-10;
 /// Up to here grids have been measured to cost about what they save.
-const FAR_FROM: f64 = 1e10;
+const FAR_FROM: f64 = 3e10;
 
 impl Method {
     fn accuracy(self, pairs: f64) -> Result<Accuracy, HausdorffError> {

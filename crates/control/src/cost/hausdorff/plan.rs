@@ -11,7 +11,8 @@
 //!    most.
 //! 4. Point by point in single precision: its error times the largest E is at most tol/2 L (`single`), with E and L of
 //!    blocks of a tile: a few points on either side (`mask`).
-//! 5. Point by point: exact.
+//! 5. Point by point in brief: errs by at most `brief::ERROR` of itself, which tol is taken to be without.
+//! 6. Point by point: exact.
 //!
 //! The bounds tol/2 L of kinds 1 and 4 hold each pair to its weight's part of the error; most pairs stay far below theirs.
 //! Where there are no grids they are therefore raised to 2^`RAISED` as much at first, and what the pairs may err by is
@@ -25,6 +26,7 @@
 
 use super::account::{Account, Holder};
 use super::bounds::norm;
+use super::brief;
 use super::chebyshev::{FarPair, Grid, Orders, Wave, lebesgue, nodes};
 use super::floor::Floor;
 use super::frame::{Frame, frames};
@@ -52,6 +54,9 @@ const SINGLE: usize = 3;
 const RAISED: f64 = 4.0;
 const LOWERED: f64 = 2.0;
 
+/// The least tolerance with which tiles are summed in brief.
+const BRIEF_FROM: f64 = 1e-10;
+
 const LOG2_4_3: f64 = 0.41503749927884376;
 
 /// A pair of nodes and how each side enters: through a grid, or point by point (then it is a leaf).
@@ -64,6 +69,8 @@ pub(super) struct Pair<G = Via> {
     /// What is summed in double and in single precision. What is in neither is too small to count.
     pub double: Mask,
     pub single: Mask,
+    /// In double precision eleven digits are enough, and come from `brief`.
+    pub brief: bool,
 }
 
 /// A grid of a pair: no finer in any direction than the one that is kept, whose number this is in `Plan`.
@@ -92,6 +99,13 @@ pub(super) struct Accuracy {
     pub single: bool,
 }
 
+impl Accuracy {
+    /// The tolerance is wide enough for tiles in brief, whose error comes off it.
+    fn brief(&self) -> bool {
+        self.single && self.tolerance >= BRIEF_FROM
+    }
+}
+
 /// All pairs of nodes to be summed.
 #[derive(Debug)]
 pub(super) struct Plan {
@@ -107,20 +121,23 @@ pub(super) struct Plan {
 
 impl Plan {
     pub fn new(kernel: &Kernel, rows: (&Side, &Floor), columns: (&Side, &Floor), accuracy: Accuracy) -> Self {
+        let brief = accuracy.brief() && kernel.is_exponential();
+        let tolerance = accuracy.tolerance - if brief { brief::ERROR } else { 0.0 };
         let holder = |(side, floor)| Holder { side, floor };
         let mut planner = Planner {
             kernel,
             rows: holder(rows),
             columns: holder(columns),
             raised: if accuracy.far { 0.0 } else { RAISED },
-            log_tolerance: accuracy.tolerance.log2(),
+            log_tolerance: tolerance.log2(),
+            brief,
             single: accuracy.single && kernel.is_exponential(),
             far: accuracy.far.then(|| Far { row_frames: frames(rows.0), column_frames: frames(columns.0) }),
         };
         let share = rows.0.cloud.len().div_ceil(PANELS).max(PANEL);
         let roots = rows.0.tree().cut(share);
         let (mut panels, mut error) = planner.panels(&roots);
-        while error > 0.5 * accuracy.tolerance && planner.raised > 0.0 {
+        while error > 0.5 * tolerance && planner.raised > 0.0 {
             planner.raised -= LOWERED;
             (panels, error) = planner.panels(&roots);
         }
@@ -133,6 +150,7 @@ impl Plan {
             column_grid: via(&column_grids, pair.column, pair.column_grid),
             double: pair.double,
             single: pair.single,
+            brief: pair.brief,
         };
         let panels = panels.par_iter().map(|panel| panel.iter().map(number).collect()).collect();
         let (row_frames, column_frames) =
@@ -170,6 +188,7 @@ struct Planner<'a> {
     /// Powers of two by which the bounds of kinds 1 and 4 are raised, subject to the account.
     raised: f64,
     single: bool,
+    brief: bool,
     far: Option<Far>,
 }
 
@@ -285,9 +304,10 @@ impl Planner<'_> {
             if double.join(single) == Mask::NONE {
                 return Choice::Skip;
             }
+            let brief = self.brief && !wide && brief::fits(here, there);
             let cost = |mask: Mask| mask.blocks() * all_pairs / Mask::ALL.blocks();
             let cost = cost(double) + cost(single) / SINGLE;
-            (Choice::Sum(Pair { row, column, row_grid: None, column_grid: None, double, single }, cost), cost)
+            (Choice::Sum(Pair { row, column, row_grid: None, column_grid: None, double, single, brief }, cost), cost)
         } else {
             (Choice::Split(all_pairs), all_pairs)
         };
@@ -358,7 +378,7 @@ impl Planner<'_> {
         let size = |grid: Option<Grid>, count: u32| grid.map_or(count as usize, |(_, orders)| nodes(orders));
         let (m, n) = (size(row_grid, r.count), size(column_grid, c.count));
         let (double, single) = (Mask::ALL, Mask::NONE);
-        Some((Pair { row, column, row_grid, column_grid, double, single }, cost(m, n)))
+        Some((Pair { row, column, row_grid, column_grid, double, single, brief: false }, cost(m, n)))
     }
 }
 

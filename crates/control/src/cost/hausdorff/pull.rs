@@ -160,7 +160,7 @@ impl<F: Form> Task for Field<'_, F> {
 
 /// Adds vector c to the c-th group of `WIDTH` numbers.
 #[inline(always)]
-fn add<S: Lanes, const N: usize>(s: S, out: &mut [f64], sum: &[S::f64s; N]) {
+pub(super) fn add<S: Lanes, const N: usize>(s: S, out: &mut [f64], sum: &[S::f64s; N]) {
     for (group, &sum) in out.chunks_exact_mut(WIDTH).zip(sum) {
         let group = &mut S::as_mut_simd_f64s(group).0[0];
         *group = s.add_f64s(*group, sum);

@@ -2,6 +2,7 @@
 
 use super::aligned::Aligned;
 use super::bounds::{Bounds, norm};
+use super::brief::Centred;
 use super::cloud::{Cloud, fit};
 use super::lanes::WIDTH;
 use super::single::{Local, Rounded};
@@ -20,6 +21,8 @@ pub(super) struct Side {
     /// Per chunk of points: its box, the sum of its weights.
     pub chunks: Vec<Bounds>,
     pub chunk_share: Vec<f64>,
+    /// Coordinates for tiles in brief.
+    pub centred: Centred,
     /// In single precision.
     pub local: Local,
     pub rounded_weight: Rounded,
@@ -41,8 +44,9 @@ impl Side {
         let chunks = (0..order.len()).step_by(CHUNK).map(chunk).collect();
         let chunk_share = weight[..order.len()].chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
         let local = Local::new(cloud.tree(), &boxes, [&x[0], &x[1], &x[2]]);
+        let centred = Centred::new(cloud.tree(), &boxes, [&x[0], &x[1], &x[2]]);
         let rounded_weight = Rounded::new(&weight[..order.len()]);
-        Self { cloud: cloud.clone(), x, weight, boxes, chunks, chunk_share, local, rounded_weight, clusters }
+        Self { cloud: cloud.clone(), x, weight, boxes, chunks, chunk_share, centred, local, rounded_weight, clusters }
     }
 
     pub fn tree(&self) -> &Tree {

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::aligned::Aligned;
 use super::blocks::Blocks;
+use super::brief::{BriefSums, BriefTile};
 use super::chebyshev::nodes;
 use super::floor::Floor;
 use super::frame::Frame;
@@ -210,6 +211,19 @@ impl<'a> Summation<'a> {
         }
         if pair.double != Mask::NONE {
             let mask = pair.double;
+            if pair.brief {
+                let tile = brief_tile(self.rows.side, self.columns.side, pair);
+                self.machine.run(BriefSums {
+                    tile,
+                    row_weights: rows.weight,
+                    column_weights: columns.weight,
+                    row_factor: (tile.shift - self.rows.lower(pair.row)).exp2(),
+                    column_factor: (tile.shift - self.columns.lower(pair.column)).exp2(),
+                    row_sums,
+                    column_sums,
+                });
+                return;
+            }
             let shift = self.kernel.at(self.rows.side.boxes[row].gap(&self.columns.side.boxes[column]));
             let row_factor = (shift - self.rows.lower(pair.row)).exp2();
             let column_factor = (shift - self.columns.lower(pair.column)).exp2();
@@ -262,6 +276,18 @@ pub(super) fn single_tile<'a>(rows: &'a Side, columns: &'a Side, pair: &Pair) ->
         columns: columns.local.leaf(columns.first(pair.column)),
         origin: there.centre(),
         mask: pair.single,
+        shift: -here.gap(there).floor(),
+    }
+}
+
+/// The part of a pair of leaves that is summed in double precision, in brief.
+pub(super) fn brief_tile<'a>(rows: &'a Side, columns: &'a Side, pair: &Pair) -> BriefTile<'a> {
+    let (here, there) = (&rows.boxes[pair.row as usize], &columns.boxes[pair.column as usize]);
+    BriefTile {
+        rows: rows.rows(pair.row).x,
+        columns: columns.centred.leaf(padded(columns.node(pair.column))),
+        origin: there.centre(),
+        mask: pair.double,
         shift: -here.gap(there).floor(),
     }
 }

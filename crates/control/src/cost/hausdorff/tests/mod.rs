@@ -1,6 +1,7 @@
 //! Tests of the smoothed Hausdorff distance.
 
 mod bound;
+mod brief;
 mod closed_forms;
 mod derivative;
 mod far;

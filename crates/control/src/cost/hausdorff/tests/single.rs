@@ -117,17 +117,17 @@ fn the_automatic_choice_keeps_its_bound_on_every_machine() {
             let sums = pairs.log_sums();
             let all = sums.target.iter().zip(&exact.target).chain(sums.body.iter().zip(&exact.body));
             let off = all.map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max);
-            assert!(off < 1e-11, "{phi:?} {machine:?}: {off:.1e}");
+            assert!(off < 1e-10, "{phi:?} {machine:?}: {off:.1e}");
             let mut stream = Stream::new(99);
             let mut seed = |n: usize| (0..n).map(|_| 2.0 * stream.next() - 1.0).collect::<Vec<_>>();
             let (by_target, by_body) = (seed(target.len()), seed(body.len()));
             let pulled = pairs.pull_back(&sums, &by_target, &by_body).unwrap();
             let pairs_of = pulled.points.iter().flatten().zip(pulled_exact.points.iter().flatten());
             let off: f64 = pairs_of.map(|(a, b)| (a - b).abs()).sum();
-            assert!(off < 1e-11 * slope * seeds, "{phi:?} {machine:?}: {:.1e}", off / (slope * seeds));
+            assert!(off < 1e-10 * slope * seeds, "{phi:?} {machine:?}: {:.1e}", off / (slope * seeds));
             let weights = pulled.weights.iter().zip(&pulled_exact.weights).zip(body.weights());
             let off: f64 = weights.map(|((a, b), w)| (a - b).abs() * w).sum();
-            assert!(off < 1e-11 * seeds, "{phi:?} {machine:?}: {:.1e}", off / seeds);
+            assert!(off < 1e-10 * seeds, "{phi:?} {machine:?}: {:.1e}", off / seeds);
         }
     }
 }
@@ -136,14 +136,14 @@ fn the_automatic_choice_keeps_its_bound_on_every_machine() {
 #[test]
 fn what_is_left_out_is_added_up() {
     let at = |x: f64, n: usize| (0..n).map(move |k| [x + 1e-9 * k as f64, 0.0, 0.0]);
-    let body = Cloud::new(at(0.0, 64).chain(at(39.5, 64)).collect(), vec![1.0; 128]).unwrap();
-    // At the first 64 points sums of about 2^-5 from the near ones, and 2^-39.5 from the others.
-    let target = Cloud::new(at(0.0, 64).chain(at(39.5, 2048)).collect(), vec![1.0; 2112]).unwrap();
+    let body = Cloud::new(at(0.0, 64).chain(at(36.2, 64)).collect(), vec![1.0; 128]).unwrap();
+    // At the first 64 points sums of about 2^-5 from the near ones, and 2^-36.2 from the others.
+    let target = Cloud::new(at(0.0, 64).chain(at(36.2, 2048)).collect(), vec![1.0; 2112]).unwrap();
     let (phi, alpha) = (Phi::Exponential { length: 1.0 }, std::f64::consts::LN_2);
     let (_, exact, _) = run(&body, &target, phi, alpha, Method::Direct);
     let (_, sums, _) = run(&body, &target, phi, alpha, Method::Auto);
     let off = sums.body.iter().zip(&exact.body).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(off < 1e-11, "{off:.1e}");
+    assert!(off < 1e-10, "{off:.1e}");
 }
 
 #[test]
