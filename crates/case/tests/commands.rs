@@ -228,7 +228,8 @@ fn a_run_starts_where_another_ended() {
     let start = r#"controls/0/start={"file": "kept/optimum.vtu", "array": "tension"}"#;
     let second = place.run(Command::Gradient, BAR, &[start]).unwrap().result;
     let (a, b) = (number(&first, "cost/total"), number(&second, "cost/total"));
-    assert!((a - b).abs() < 1e-9 * a, "{a:e} and {b:e}");
+    // what trials are solved to
+    assert!((a - b).abs() < 1e-8 * a, "{a:e} and {b:e}");
     // a field by cell or one for all takes the means
     for space in ["cell", "uniform", "region"] {
         let space = format!("controls/0/space={space}");

@@ -15,6 +15,7 @@ mod reduced;
 pub mod risk;
 mod snapshot;
 pub mod stochastic;
+mod trail;
 
 pub use cost::hausdorff::Phi;
 pub use cost::{

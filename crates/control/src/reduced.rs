@@ -6,6 +6,7 @@ use crate::inner_product::{Metric, inner_product};
 use crate::kept_factor::KeptFactor;
 use crate::layout::Layout;
 use crate::map::Space;
+use crate::trail::Trail;
 use nastic_fem::linear::Factor;
 use nastic_fem::{Request as StateRequest, Solid, SolveReport, Solved, State};
 use nastic_opt::{Failed, InnerProduct, Objective, Problem, Report, Request};
@@ -49,6 +50,8 @@ pub struct Evaluated {
     pub work: SolveReport,
     /// Shared with the point it was evaluated from.
     factor: KeptFactor,
+    /// The points it was evaluated from, one after the other.
+    trail: Trail,
     adjoint: OnceLock<AdjointPart>,
 }
 
@@ -94,9 +97,10 @@ impl Evaluated {
         self.factor.bytes()
     }
 
-    /// Parts with its factor, which is large: for points that are kept to be looked at.
+    /// Parts with its factor, which is large, and with the states before it: for points that are kept to be looked at.
     pub fn without_factors(mut self) -> Self {
         self.factor = KeptFactor::default();
+        self.trail = Trail::default();
         self
     }
 }
@@ -261,7 +265,10 @@ impl Reduced {
         accuracy: f64,
     ) -> Result<Evaluated, ControlError> {
         let controls = self.layout.to_points(m)?;
+        let trail = near.map(|point| point.trail.then(&point.m, &point.state.u)).unwrap_or_default();
+        let guess = trail.guess(m);
         let how = StateRequest {
+            guess: guess.as_deref(),
             near: near.map(|point| &point.state),
             factor: near.and_then(|point| point.factor.get()),
             parallel: self.parallel,
@@ -276,7 +283,7 @@ impl Reduced {
         if let Some(newest) = factor.filter(|_| self.keep_factors) {
             kept.replace(newest);
         }
-        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor: kept, adjoint: OnceLock::new() })
+        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor: kept, trail, adjoint: OnceLock::new() })
     }
 
     fn terms(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<f64>, ControlError> {
@@ -295,8 +302,9 @@ impl Reduced {
     pub fn try_restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
         let terms = self.terms(&point.state, &point.m, stage)?;
         let (m, state, factor) = (point.m.clone(), point.state.clone(), point.factor.clone());
+        let trail = point.trail.clone();
         let work = SolveReport::default();
-        Ok(Evaluated { m, state, terms, stage, work, factor, adjoint: OnceLock::new() })
+        Ok(Evaluated { m, state, terms, stage, work, factor, trail, adjoint: OnceLock::new() })
     }
 
     /// Partial derivatives of the cost (all terms, or one of them).

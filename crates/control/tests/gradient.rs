@@ -152,3 +152,27 @@ fn gradients_represent_the_derivative_in_their_product() -> Outcome {
     }
     Ok(())
 }
+
+/// Three points on a line tell where the state of a fourth is, nearly; a step across the line gets no guess.
+#[test]
+fn a_point_knows_the_way_it_came() -> Outcome {
+    let problem = tracked(CellKind::Hex8, 2)?;
+    let along = |t: f64| -> Vec<f64> {
+        problem.layout().blocks()[0].map.positions().iter().map(|x| -1e5 * t * x[2] / 0.2).collect()
+    };
+    let evaluate = |m: &[f64], near| problem.try_evaluate(m, &Request { near, accuracy: 1e-6, stage: 0 });
+    let first = evaluate(&along(1.0), None)?;
+    let second = evaluate(&along(1.1), Some(&first))?;
+    let third = evaluate(&along(1.2), Some(&second))?;
+    let forgetful = third.clone().without_factors();
+    let without = evaluate(&along(1.3), Some(&forgetful))?;
+    let with = evaluate(&along(1.3), Some(&third))?;
+    assert!(with.work.newton < without.work.newton, "{:?}, {:?}", with.work, without.work);
+    assert!((with.cost() / without.cost() - 1.0).abs() < 1e-6, "{:e}, {:e}", with.cost(), without.cost());
+
+    let across: Vec<f64> = along(1.2).iter().enumerate().map(|(i, m)| m - 1e4 * (i as f64).sin()).collect();
+    let turned = evaluate(&across, Some(&third))?;
+    let alone = evaluate(&across, Some(&forgetful))?;
+    assert!((turned.cost() / alone.cost() - 1.0).abs() < 1e-6, "{:e}, {:e}", turned.cost(), alone.cost());
+    Ok(())
+}

@@ -13,12 +13,14 @@ const SHORTEST: f64 = 1.0 / 4096.0;
 /// A warm start is left for the way from rest at the first step that fails after so many times the iterations allowed for
 /// one: a state nearby that takes more is not nearby.
 const WARM: usize = 3;
+/// Iterations after which a guess was a poor one.
+const GUESS: usize = 15;
 
 impl Solid {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
     /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method fails,
-    /// the step is halved, and doubled again after a success. When a warm start leads nowhere, or needs more iterations than
+    /// the step is halved, and doubled again after a success. A guess beside `how.near` is tried before all. When a warm start leads nowhere, or needs more iterations than
     /// three load steps may take, the way from rest is tried.
     ///
     /// # Errors
@@ -31,6 +33,10 @@ impl Solid {
             return self.walk(&rest, controls, how, usize::MAX, &mut SolveReport::default());
         };
         let mut spent = SolveReport::default();
+        let guess = how.guess.filter(|guess| guess.len() == near.u.len());
+        if let Some(found) = guess.and_then(|guess| self.jump(guess, controls, how, &mut spent).transpose()) {
+            return found;
+        }
         match self.walk(near, controls, how, WARM * how.max_newton, &mut spent) {
             Err(StateError::Cancelled) => Err(StateError::Cancelled),
             Err(failed) => {
@@ -41,6 +47,28 @@ impl Solid {
                 Ok(solved)
             }
             solved => solved,
+        }
+    }
+
+    /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.
+    fn jump(
+        &self,
+        guess: &[f64],
+        controls: &Controls,
+        how: &Request,
+        report: &mut SolveReport,
+    ) -> Result<Option<Solved>, StateError> {
+        let mut factor = how.factor.clone();
+        let brief = Request { max_newton: how.max_newton.min(GUESS), ..how.clone() };
+        let newton = Newton { solid: self, controls, load: 1.0, path: 1.0, request: &brief };
+        match newton.solve(guess.to_vec(), &mut factor, report) {
+            Ok(u) => {
+                report.load_steps += 1;
+                let (u, controls) = (Arc::new(u), Arc::new(controls.clone()));
+                Ok(Some(Solved { state: State { u, controls, load: 1.0, report: *report }, factor }))
+            }
+            Err(Stop::Cancelled) => Err(StateError::Cancelled),
+            Err(_) => Ok(None),
         }
     }
 

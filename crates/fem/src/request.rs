@@ -12,6 +12,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Request<'a> {
     /// Start from this state (its controls and load are where the path begins). Default: from rest.
     pub near: Option<&'a State>,
+    /// A guess of the equilibrium, flat displacements, from which the first attempt begins; where that leads nowhere, it is
+    /// as if none had been given. Used beside `near` alone.
+    pub guess: Option<&'a [f64]>,
     /// A factor of a tangent near the expected ones; used as preconditioner while that is cheaper than a new one.
     pub factor: Option<Arc<Factor>>,
     /// By what tangent systems are solved. Default: what [`Solver::cheaper`] expects to be cheaper.
@@ -47,6 +50,7 @@ impl Default for Request<'_> {
     fn default() -> Self {
         Request {
             near: None,
+            guess: None,
             factor: None,
             solver: None,
             accuracy: 1e-11,
@@ -73,6 +77,7 @@ impl fmt::Debug for Request<'_> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.debug_struct("Request")
             .field("near", &self.near.is_some())
+            .field("guess", &self.guess.is_some())
             .field("factor", &self.factor.is_some())
             .field("solver", &self.solver)
             .field("accuracy", &self.accuracy)

@@ -263,3 +263,33 @@ fn progress_is_told_after_every_iteration() -> Outcome {
     assert!(largest(&state.u) > 0.1);
     Ok(())
 }
+
+/// A guess shortens the way and decides nothing else; a bad one costs a little work.
+#[test]
+fn a_guess_shortens_the_way_and_a_bad_one_does_no_harm() -> Outcome {
+    let solid = cantilever(CellKind::Hex8, 2)?;
+    let near = solid.solve(&tension(&solid, -1.2e5)?, &Request::default())?.state;
+    let controls = tension(&solid, -1.5e5)?;
+    let without = solid.solve(&controls, &Request::near(&near))?.state;
+    let from = |guess: &[f64]| -> Outcome<State> {
+        Ok(solid.solve(&controls, &Request { guess: Some(guess), ..Request::near(&near) })?.state)
+    };
+    let size = largest(&without.u);
+
+    let exact = from(&without.u)?;
+    assert_eq!((exact.report.newton, exact.report.factorisations), (0, 0), "{:?}", exact.report);
+    let close: Vec<f64> = without.u.iter().zip(near.u.iter()).map(|(u, v)| u + 0.01 * (v - u)).collect();
+    let found = from(&close)?;
+    assert!(found.report.newton < without.report.newton, "{:?}, {:?}", found.report, without.report);
+    assert!(distance(&found.u, &without.u) <= 1e-9 * size);
+
+    // too short, inside out, not a number: as without
+    let inside_out: Vec<f64> = without.u.iter().map(|u| -20.0 * u).collect();
+    let no_number = vec![f64::NAN; without.u.len()];
+    for bad in [&close[..5], &inside_out, &no_number] {
+        let found = from(bad)?;
+        assert!(distance(&found.u, &without.u) <= 1e-9 * size);
+        assert_eq!(found.load, 1.0);
+    }
+    Ok(())
+}

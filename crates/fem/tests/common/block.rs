@@ -11,6 +11,7 @@ use std::sync::Arc;
 /// Converged to the last digits.
 pub const STRICT: Request = Request {
     near: None,
+    guess: None,
     factor: None,
     solver: None,
     accuracy: 1e-13,
