@@ -3,8 +3,8 @@
 use crate::frame;
 use crate::levels::{Levels, Outcome};
 use crate::linear::{
-    CgEnd, CgReport, Factor, FactorError, Pivots, Precision, Rotations, SymmetricMatrix, Turned, conjugate_gradient,
-    refine,
+    Aim, CgEnd, CgReport, Factor, FactorError, Pivots, Precision, Rotations, SymmetricMatrix, Turned,
+    conjugate_gradient, refine,
 };
 use crate::request::Request;
 use crate::solid::Solid;
@@ -13,6 +13,8 @@ use crate::state::SolveReport;
 use std::cell::OnceCell;
 use std::sync::Arc;
 
+/// Of a solution that counts as exact: strains, and with them a gradient, are known to `1e-8`, with a margin of ten.
+const EXACT: Aim = Aim::Error(1e-9);
 /// Relative error of a solution that rounding alone may leave.
 const SETTLED: f64 = 1e-7;
 /// Relative residual with which a step is taken when the iterations that are worth it are used up: the work is done, and the
@@ -125,7 +127,7 @@ impl<'a> Tangents<'a> {
         report.solver = Solver::Direct;
         let mut indefinite = false;
         if let Some(kept) = factor.as_deref().filter(|f| self.spent < self.worth() && f.pivots() == Pivots::Positive) {
-            let (step, cg) = self.precondition(matrix, kept, rhs, tolerance, self.worth());
+            let (step, cg) = self.precondition(matrix, kept, rhs, tolerance.into(), self.worth());
             report.back_substitutions += cg.iterations;
             self.spent += cg.iterations;
             if cg.converged() || (matches!(cg.end, CgEnd::Exhausted | CgEnd::Stagnated) && cg.residual <= ENOUGH) {
@@ -140,7 +142,7 @@ impl<'a> Tangents<'a> {
         }
         self.spent = 0;
         if !indefinite && self.precision == Precision::Single {
-            match self.approximate(matrix, rhs, tolerance, factor, report) {
+            match self.approximate(matrix, rhs, tolerance.into(), factor, report) {
                 Ok((step, cg)) if cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= ENOUGH) => {
                     return Ok((step, Curvature::Positive));
                 }
@@ -205,14 +207,14 @@ impl<'a> Tangents<'a> {
             report.solver = Solver::Direct;
         }
         if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
-            let (x, cg) = self.precondition(matrix, kept, b, tolerance, self.worth());
+            let (x, cg) = self.precondition(matrix, kept, b, EXACT, self.worth());
             report.back_substitutions += cg.iterations;
             if exact(&cg, tolerance) {
                 return Ok(x);
             }
         }
         if self.precision == Precision::Single
-            && let Ok((x, cg)) = self.approximate(matrix, b, tolerance, factor, report)
+            && let Ok((x, cg)) = self.approximate(matrix, b, EXACT, factor, report)
             && exact(&cg, tolerance)
         {
             return Ok(x);
@@ -279,13 +281,13 @@ impl<'a> Tangents<'a> {
         matrix: &SymmetricMatrix,
         factor: &Factor,
         b: &[f64],
-        tolerance: f64,
+        aim: Aim,
         most: usize,
     ) -> (Vec<f64>, CgReport) {
         let mut x = vec![0.0; b.len()];
         let turned = Turned::new(factor, self.rotations(), self.solid.supports().fixed());
         let apply = |v: &[f64], out: &mut [f64]| matrix.multiply_on(v, out, self.parallel);
-        let report = conjugate_gradient(&apply, &turned, b, &mut x, tolerance, most);
+        let report = conjugate_gradient(&apply, &turned, b, &mut x, aim, most);
         (x, report)
     }
 
@@ -301,7 +303,7 @@ impl<'a> Tangents<'a> {
         &self,
         matrix: &SymmetricMatrix,
         rhs: &[f64],
-        tolerance: f64,
+        aim: Aim,
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, CgReport), FactorError> {
@@ -311,7 +313,7 @@ impl<'a> Tangents<'a> {
             _ => self.solid.discretization().symbolic().approximate(matrix, self.parallel)?,
         };
         fresh.stand_in(self.rotations().clone());
-        let (x, cg) = self.precondition(matrix, &fresh, rhs, tolerance, FRESH);
+        let (x, cg) = self.precondition(matrix, &fresh, rhs, aim, FRESH);
         report.back_substitutions += cg.iterations;
         *factor = Some(Arc::new(fresh));
         Ok((x, cg))
