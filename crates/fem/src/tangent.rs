@@ -22,10 +22,13 @@ const SETTLED: f64 = 1e-7;
 const ENOUGH: f64 = 0.1;
 /// Iterations after which a new factor in single precision is too coarse: where it is not, two or three are enough.
 const FRESH: usize = 12;
-/// Back substitutions that cost as much as factorising, per flop of the factorisation and entry of the factor: a
-/// back substitution is bound by memory, a factorisation by arithmetic (measured in 3D, single precision, with the product
-/// that goes with it: 1/12 of it at 31k unknowns, 1/16 at 98k).
-const FLOPS_PER_ENTRY: f64 = 60.0;
+/// Iterations that cost as much as factorising, per square root of the flops per entry of the factor: an iteration is bound by
+/// memory, a factorisation by arithmetic, which is the faster the larger the fronts are (measured on hex8 in single precision with
+/// the product that goes with it: 7 at 10k unknowns, 11 at 31k, 15 at 98k).
+const FACTORISING: f64 = 0.4;
+
+/// Accuracy of a step from which the equilibrium is in sight.
+const IN_SIGHT: f64 = 1e-3;
 
 /// Solves the tangent systems of one Newton run and decides, from counts alone, when to factorise.
 pub(crate) struct Tangents<'a> {
@@ -126,7 +129,9 @@ impl<'a> Tangents<'a> {
         }
         report.solver = Solver::Direct;
         let mut indefinite = false;
-        if let Some(kept) = factor.as_deref().filter(|f| self.spent < self.worth() && f.pivots() == Pivots::Positive) {
+        if let Some(kept) =
+            factor.as_deref().filter(|f| self.spent < self.patience(tolerance) && f.pivots() == Pivots::Positive)
+        {
             let (step, cg) = self.precondition(matrix, kept, rhs, tolerance.into(), self.worth());
             report.back_substitutions += cg.iterations;
             self.spent += cg.iterations;
@@ -294,8 +299,14 @@ impl<'a> Tangents<'a> {
     /// Iterations with a kept factor that are worth it instead of a factorisation.
     fn worth(&self) -> usize {
         let symbolic = self.solid.discretization().symbolic();
-        let ratio = symbolic.flops() / (FLOPS_PER_ENTRY * (symbolic.nonzeros() as f64).max(1.0));
-        ratio.clamp(5.0, 40.0) as usize
+        let ratio = FACTORISING * (symbolic.flops() / (symbolic.nonzeros() as f64).max(1.0)).sqrt();
+        ratio.round().clamp(5.0, 40.0) as usize
+    }
+
+    /// Iterations so far from which a new factor is due. Made with the equilibrium in sight it serves the adjoint and the next
+    /// solve nearby as well, which take some six iterations more with an old one: it is due earlier.
+    fn patience(&self, tolerance: f64) -> usize {
+        if tolerance <= IN_SIGHT { 2 * self.worth() / 5 } else { self.worth() }
     }
 
     /// A new factor in single precision, and what conjugate gradients make of it.
