@@ -27,7 +27,7 @@ pub(crate) fn rotations(body: &Body, u: &[f64], parallel: bool) -> Rotations {
             part.nodes_of(c).iter().for_each(|&node| sums[node as usize] += mean);
         }
     }
-    Rotations(sums.iter().map(rotation).collect())
+    Rotations(if parallel { sums.par_iter().map(rotation).collect() } else { sums.iter().map(rotation).collect() })
 }
 
 /// `int F dX` of each cell.
@@ -48,13 +48,15 @@ fn means(body: &Body, part: &Part, cells: &[usize], u: &[f64]) -> Vec<Mat3> {
 /// The rotation R of `F = R U`, by Newton's iteration `R <- (R + R^-T) / 2` (Higham, SIAM J. Sci. Stat. Comput. 7, 1986);
 /// the identity where there is none.
 fn rotation(f: &Mat3) -> Mat3 {
-    let mut r = f / f.norm().max(f64::MIN_POSITIVE);
+    // the size of a rotation
+    let mut r = f * (3.0_f64.sqrt() / f.norm().max(f64::MIN_POSITIVE));
     for _ in 0..30 {
         let Some(inverse) = r.try_inverse() else { return Mat3::identity() };
         let next = 0.5 * (r + inverse.transpose());
         let change = (next - r).norm();
         r = next;
-        if change <= 1e-14 {
+        // squared by the next iteration, which nobody needs then
+        if change <= 1e-8 {
             break;
         }
     }

@@ -56,6 +56,10 @@ const ROUNDING: f64 = 1e-10;
 /// A full step shorter than this share of the body's size is below what double precision resolves.
 const RESOLUTION: f64 = 1e-12;
 
+/// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
+/// measure it by.
+const JUMP: f64 = 1e-2;
+
 impl Newton<'_> {
     /// From u to equilibrium. The factor that served last is left in `factor`.
     pub fn solve(
@@ -86,7 +90,7 @@ impl Newton<'_> {
             let scale = self.energy_scale(matrix, &u, &now);
             tangents.eliminate(matrix);
             tangents.stand_at(&u);
-            let accuracy = forcing(relative, self.request.accuracy);
+            let accuracy = if jump.is_some() { JUMP } else { forcing(relative, self.request.accuracy) };
             let (mut step, curvature) = tangents.solve(matrix, &rhs, accuracy, factor, report).map_err(Stop::Linear)?;
             report.newton += 1;
             let here = Here { u: &u, now: &now, residual: &residual, scale };
@@ -283,10 +287,10 @@ impl Newton<'_> {
     }
 }
 
-/// Relative residual wanted of a Newton step: as small as the residual itself, for that keeps convergence quadratic, and no
-/// smaller than a thousandth of what the end asks for. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
+/// Relative residual wanted of a Newton step: a tenth at most and ten times the residual itself, for that keeps convergence
+/// quadratic, and no smaller than a thousandth of what the end asks for. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
 fn forcing(relative: f64, accuracy: f64) -> f64 {
-    relative.clamp(1e-10, 1e-2).max(1e-3 * accuracy / relative)
+    (10.0 * relative).clamp(1e-10, 0.1).max(1e-3 * accuracy / relative)
 }
 
 fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {

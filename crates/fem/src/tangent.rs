@@ -3,8 +3,8 @@
 use crate::frame;
 use crate::levels::{Levels, Outcome};
 use crate::linear::{
-    CgEnd, CgReport, Factor, FactorError, Pivots, Precision, Rotations, SymmetricMatrix, Turned, conjugate_gradient,
-    refine,
+    Aim, CgEnd, CgReport, Factor, FactorError, Pivots, Precision, Rotations, SymmetricMatrix, Turned,
+    conjugate_gradient, refine,
 };
 use crate::request::Request;
 use crate::solid::Solid;
@@ -13,6 +13,8 @@ use crate::state::SolveReport;
 use std::cell::OnceCell;
 use std::sync::Arc;
 
+/// Of a solution that counts as exact: strains, and with them a gradient, are known to `1e-8`, with a margin of ten.
+const EXACT: Aim = Aim::Error(1e-9);
 /// Relative error of a solution that rounding alone may leave.
 const SETTLED: f64 = 1e-7;
 /// Relative residual with which a step is taken when the iterations that are worth it are used up: the work is done, and the
@@ -20,10 +22,13 @@ const SETTLED: f64 = 1e-7;
 const ENOUGH: f64 = 0.1;
 /// Iterations after which a new factor in single precision is too coarse: where it is not, two or three are enough.
 const FRESH: usize = 12;
-/// Back substitutions that cost as much as factorising, per flop of the factorisation and entry of the factor: a
-/// back substitution is bound by memory, a factorisation by arithmetic (measured in 3D, single precision, with the product
-/// that goes with it: 1/12 of it at 31k unknowns, 1/16 at 98k).
-const FLOPS_PER_ENTRY: f64 = 60.0;
+/// Iterations that cost as much as factorising, per square root of the flops per entry of the factor: an iteration is bound by
+/// memory, a factorisation by arithmetic, which is the faster the larger the fronts are (measured on hex8 in single precision with
+/// the product that goes with it: 7 at 10k unknowns, 11 at 31k, 15 at 98k).
+const FACTORISING: f64 = 0.4;
+
+/// Accuracy of a step from which the equilibrium is in sight.
+const IN_SIGHT: f64 = 1e-3;
 
 /// Solves the tangent systems of one Newton run and decides, from counts alone, when to factorise.
 pub(crate) struct Tangents<'a> {
@@ -124,8 +129,10 @@ impl<'a> Tangents<'a> {
         }
         report.solver = Solver::Direct;
         let mut indefinite = false;
-        if let Some(kept) = factor.as_deref().filter(|f| self.spent < self.worth() && f.pivots() == Pivots::Positive) {
-            let (step, cg) = self.precondition(matrix, kept, rhs, tolerance, self.worth());
+        if let Some(kept) =
+            factor.as_deref().filter(|f| self.spent < self.patience(tolerance) && f.pivots() == Pivots::Positive)
+        {
+            let (step, cg) = self.precondition(matrix, kept, rhs, tolerance.into(), self.worth());
             report.back_substitutions += cg.iterations;
             self.spent += cg.iterations;
             if cg.converged() || (matches!(cg.end, CgEnd::Exhausted | CgEnd::Stagnated) && cg.residual <= ENOUGH) {
@@ -140,7 +147,7 @@ impl<'a> Tangents<'a> {
         }
         self.spent = 0;
         if !indefinite && self.precision == Precision::Single {
-            match self.approximate(matrix, rhs, tolerance, factor, report) {
+            match self.approximate(matrix, rhs, tolerance.into(), factor, report) {
                 Ok((step, cg)) if cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= ENOUGH) => {
                     return Ok((step, Curvature::Positive));
                 }
@@ -205,14 +212,14 @@ impl<'a> Tangents<'a> {
             report.solver = Solver::Direct;
         }
         if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
-            let (x, cg) = self.precondition(matrix, kept, b, tolerance, self.worth());
+            let (x, cg) = self.precondition(matrix, kept, b, EXACT, self.worth());
             report.back_substitutions += cg.iterations;
             if exact(&cg, tolerance) {
                 return Ok(x);
             }
         }
         if self.precision == Precision::Single
-            && let Ok((x, cg)) = self.approximate(matrix, b, tolerance, factor, report)
+            && let Ok((x, cg)) = self.approximate(matrix, b, EXACT, factor, report)
             && exact(&cg, tolerance)
         {
             return Ok(x);
@@ -279,21 +286,27 @@ impl<'a> Tangents<'a> {
         matrix: &SymmetricMatrix,
         factor: &Factor,
         b: &[f64],
-        tolerance: f64,
+        aim: Aim,
         most: usize,
     ) -> (Vec<f64>, CgReport) {
         let mut x = vec![0.0; b.len()];
         let turned = Turned::new(factor, self.rotations(), self.solid.supports().fixed());
         let apply = |v: &[f64], out: &mut [f64]| matrix.multiply_on(v, out, self.parallel);
-        let report = conjugate_gradient(&apply, &turned, b, &mut x, tolerance, most);
+        let report = conjugate_gradient(&apply, &turned, b, &mut x, aim, most);
         (x, report)
     }
 
     /// Iterations with a kept factor that are worth it instead of a factorisation.
     fn worth(&self) -> usize {
         let symbolic = self.solid.discretization().symbolic();
-        let ratio = symbolic.flops() / (FLOPS_PER_ENTRY * (symbolic.nonzeros() as f64).max(1.0));
-        ratio.clamp(5.0, 40.0) as usize
+        let ratio = FACTORISING * (symbolic.flops() / (symbolic.nonzeros() as f64).max(1.0)).sqrt();
+        ratio.round().clamp(5.0, 40.0) as usize
+    }
+
+    /// Iterations so far from which a new factor is due. Made with the equilibrium in sight it serves the adjoint and the next
+    /// solve nearby as well, which take some six iterations more with an old one: it is due earlier.
+    fn patience(&self, tolerance: f64) -> usize {
+        if tolerance <= IN_SIGHT { 2 * self.worth() / 5 } else { self.worth() }
     }
 
     /// A new factor in single precision, and what conjugate gradients make of it.
@@ -301,7 +314,7 @@ impl<'a> Tangents<'a> {
         &self,
         matrix: &SymmetricMatrix,
         rhs: &[f64],
-        tolerance: f64,
+        aim: Aim,
         factor: &mut Option<Arc<Factor>>,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, CgReport), FactorError> {
@@ -311,7 +324,7 @@ impl<'a> Tangents<'a> {
             _ => self.solid.discretization().symbolic().approximate(matrix, self.parallel)?,
         };
         fresh.stand_in(self.rotations().clone());
-        let (x, cg) = self.precondition(matrix, &fresh, rhs, tolerance, FRESH);
+        let (x, cg) = self.precondition(matrix, &fresh, rhs, aim, FRESH);
         report.back_substitutions += cg.iterations;
         *factor = Some(Arc::new(fresh));
         Ok((x, cg))

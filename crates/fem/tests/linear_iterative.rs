@@ -5,7 +5,7 @@
 mod linear_support;
 
 use linear_support::{Grid, Random, relative_difference};
-use nastic_fem::linear::{CgEnd, Factor, Pattern, Pivots, Symbolic, SymmetricMatrix, conjugate_gradient, refine};
+use nastic_fem::linear::{Aim, CgEnd, Factor, Pattern, Pivots, Symbolic, SymmetricMatrix, conjugate_gradient, refine};
 use std::sync::Arc;
 
 struct Case {
@@ -81,6 +81,40 @@ fn conjugate_gradients_reach_the_tolerance_with_a_nearby_factor() {
     let report = conjugate_gradient(&apply(&matrix), &factor, &b, &mut x, 1e-12, 3);
     assert_eq!((report.end, report.iterations), (CgEnd::Exhausted, 3));
     assert!(report.residual > 1e-12 && report.residual < 1.0);
+}
+
+/// `|x - A^-1 b|_A` relative to the solution: what is asked for, and not far less.
+#[test]
+fn an_error_aimed_at_is_that_of_the_energy_norm() {
+    let case = Case::new();
+    let matrix = case.matrix(0.5);
+    let (b, exact) = case.system(&matrix);
+    let energy = |v: &[f64]| {
+        let mut product = vec![0.0; v.len()];
+        matrix.multiply(v, &mut product);
+        v.iter().zip(&product).map(|(v, p)| v * p).sum::<f64>().sqrt()
+    };
+    for shift in [0.6, 2.0, 8.0, 30.0] {
+        let factor = case.factor(shift, Pivots::Positive);
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            let mut x = vec![0.0; b.len()];
+            let report = conjugate_gradient(&apply(&matrix), &factor, &b, &mut x, Aim::Error(tolerance), 200);
+            let difference: Vec<f64> = x.iter().zip(&exact).map(|(x, e)| x - e).collect();
+            let error = energy(&difference) / energy(&exact);
+            assert!(
+                report.converged() && error <= tolerance && error >= 1e-3 * tolerance,
+                "{shift}: {error:e} for {tolerance:e}, {report:?}"
+            );
+        }
+    }
+    // An error below what double precision resolves: the corrections end it, not the limit of iterations.
+    let factor = case.factor(2.0, Pivots::Positive);
+    let mut x = vec![0.0; b.len()];
+    let report = conjugate_gradient(&apply(&matrix), &factor, &b, &mut x, Aim::Error(1e-17), 200);
+    assert!(report.end != CgEnd::Exhausted && relative_difference(&x, &exact) < 1e-13, "{report:?}");
+    let mut x = vec![0.0; b.len()];
+    let none = conjugate_gradient(&apply(&matrix), &factor, &vec![0.0; b.len()], &mut x, Aim::Error(1e-9), 5);
+    assert!(none.converged() && none.iterations == 0, "{none:?}");
 }
 
 #[test]

@@ -55,7 +55,7 @@ mod symbolic;
 pub use error::{FactorError, StructureError};
 pub use factor::{Factor, Pivots, Precision};
 pub use graph::Graph;
-pub use iterative::{CgEnd, CgReport, Preconditioner, conjugate_gradient, refine};
+pub use iterative::{Aim, CgEnd, CgReport, Preconditioner, conjugate_gradient, refine};
 pub use matrix::SymmetricMatrix;
 pub use multigrid::{Corners, Geometry, Multigrid};
 pub use ordering::{Method, Ordering};
