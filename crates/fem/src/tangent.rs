@@ -132,7 +132,7 @@ impl<'a> Tangents<'a> {
         if let Some(kept) =
             factor.as_deref().filter(|f| self.spent < self.patience(tolerance) && f.pivots() == Pivots::Positive)
         {
-            let (step, cg) = self.precondition(matrix, kept, rhs, tolerance.into(), self.worth());
+            let (step, cg) = self.precondition(&self.product(matrix), kept, rhs, tolerance.into(), self.worth());
             report.back_substitutions += cg.iterations;
             self.spent += cg.iterations;
             if cg.converged() || (matches!(cg.end, CgEnd::Exhausted | CgEnd::Stagnated) && cg.residual <= ENOUGH) {
@@ -195,6 +195,24 @@ impl<'a> Tangents<'a> {
         Ok(solutions)
     }
 
+    /// [`solve_exactly`](Self::solve_exactly) with the tangent as a product, zero on the supports, and a factor that is good
+    /// enough for so many iterations; `None` where it is not.
+    pub fn solve_by_products(
+        &self,
+        product: &dyn Fn(&[f64], &mut [f64]),
+        b: &[f64],
+        factor: &Factor,
+        most: usize,
+        report: &mut SolveReport,
+    ) -> Option<Vec<f64>> {
+        if self.levels.is_some() || factor.pivots() != Pivots::Positive {
+            return None;
+        }
+        let (x, cg) = self.precondition(product, factor, b, EXACT, most);
+        report.back_substitutions += cg.iterations;
+        cg.converged().then_some(x)
+    }
+
     fn solve_one_exactly(
         &mut self,
         matrix: &SymmetricMatrix,
@@ -212,7 +230,7 @@ impl<'a> Tangents<'a> {
             report.solver = Solver::Direct;
         }
         if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
-            let (x, cg) = self.precondition(matrix, kept, b, EXACT, self.worth());
+            let (x, cg) = self.precondition(&self.product(matrix), kept, b, EXACT, self.worth());
             report.back_substitutions += cg.iterations;
             if exact(&cg, tolerance) {
                 return Ok(x);
@@ -280,10 +298,15 @@ impl<'a> Tangents<'a> {
         matrix.eliminate(self.solid.supports().fixed(), diagonal);
     }
 
+    fn product<'m>(&self, matrix: &'m SymmetricMatrix) -> impl Fn(&[f64], &mut [f64]) + use<'m> {
+        let parallel = self.parallel;
+        move |v, out| matrix.multiply_on(v, out, parallel)
+    }
+
     /// As far as conjugate gradients with a factor come in so many iterations.
     fn precondition(
         &self,
-        matrix: &SymmetricMatrix,
+        product: &dyn Fn(&[f64], &mut [f64]),
         factor: &Factor,
         b: &[f64],
         aim: Aim,
@@ -291,8 +314,7 @@ impl<'a> Tangents<'a> {
     ) -> (Vec<f64>, CgReport) {
         let mut x = vec![0.0; b.len()];
         let turned = Turned::new(factor, self.rotations(), self.solid.supports().fixed());
-        let apply = |v: &[f64], out: &mut [f64]| matrix.multiply_on(v, out, self.parallel);
-        let report = conjugate_gradient(&apply, &turned, b, &mut x, aim, most);
+        let report = conjugate_gradient(product, &turned, b, &mut x, aim, most);
         (x, report)
     }
 
@@ -324,7 +346,7 @@ impl<'a> Tangents<'a> {
             _ => self.solid.discretization().symbolic().approximate(matrix, self.parallel)?,
         };
         fresh.stand_in(self.rotations().clone());
-        let (x, cg) = self.precondition(matrix, &fresh, rhs, aim, FRESH);
+        let (x, cg) = self.precondition(&self.product(matrix), &fresh, rhs, aim, FRESH);
         report.back_substitutions += cg.iterations;
         *factor = Some(Arc::new(fresh));
         Ok((x, cg))
