@@ -20,7 +20,7 @@ impl Solid {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
     /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method fails,
-    /// the step is halved, and doubled again after a success. A guess beside `how.near` is tried before all. When a warm start leads nowhere, or needs more iterations than
+    /// the step is halved, and doubled again after a success. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or needs more iterations than
     /// three load steps may take, the way from rest is tried.
     ///
     /// # Errors
@@ -29,14 +29,14 @@ impl Solid {
         self.check()?;
         self.check_controls(controls)?;
         let rest = self.rest();
-        let Some(near) = how.near.filter(|near| self.fits(near)) else {
-            return self.walk(&rest, controls, how, usize::MAX, &mut SolveReport::default());
-        };
         let mut spent = SolveReport::default();
-        let guess = how.guess.filter(|guess| guess.len() == near.u.len());
+        let guess = how.guess.filter(|guess| guess.len() == rest.u.len());
         if let Some(found) = guess.and_then(|guess| self.jump(guess, controls, how, &mut spent).transpose()) {
             return found;
         }
+        let Some(near) = how.near.filter(|near| self.fits(near)) else {
+            return self.walk(&rest, controls, how, usize::MAX, &mut spent);
+        };
         match self.walk(near, controls, how, WARM * how.max_newton, &mut spent) {
             Err(StateError::Cancelled) => Err(StateError::Cancelled),
             Err(failed) => {

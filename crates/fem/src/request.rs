@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Request<'a> {
     /// Start from this state (its controls and load are where the path begins). Default: from rest.
     pub near: Option<&'a State>,
-    /// A guess of the equilibrium, flat displacements, from which the first attempt begins; where that leads nowhere, it is
-    /// as if none had been given. Used beside `near` alone.
+    /// A guess of the equilibrium, flat displacements, from which the first attempt begins; where that leads nowhere, or has
+    /// another length than the body's displacements, it is as if none had been given.
     pub guess: Option<&'a [f64]>,
     /// A factor of a tangent near the expected ones; used as preconditioner while that is cheaper than a new one.
     pub factor: Option<Arc<Factor>>,

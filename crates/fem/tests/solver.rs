@@ -282,6 +282,8 @@ fn a_guess_shortens_the_way_and_a_bad_one_does_no_harm() -> Outcome {
     let found = from(&close)?;
     assert!(found.report.newton < without.report.newton, "{:?}, {:?}", found.report, without.report);
     assert!(distance(&found.u, &without.u) <= 1e-9 * size);
+    let alone = solid.solve(&controls, &Request { guess: Some(&close), ..Request::default() })?.state;
+    assert_eq!((alone.report.newton, alone.load), (found.report.newton, 1.0));
 
     // too short, inside out, not a number: as without
     let inside_out: Vec<f64> = without.u.iter().map(|u| -20.0 * u).collect();

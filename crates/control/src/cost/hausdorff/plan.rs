@@ -11,7 +11,7 @@
 //!    most.
 //! 4. Point by point in single precision: its error times the largest E is at most tol/2 L (`single`), with E and L of
 //!    blocks of a tile: a few points on either side (`mask`).
-//! 5. Point by point in brief: errs by at most `brief::ERROR` of itself, which tol is taken to be without.
+//! 5. Point by point in brief: errs by at most `brief::ERROR` of itself, which comes off tol before it is shared out.
 //! 6. Point by point: exact.
 //!
 //! The bounds tol/2 L of kinds 1 and 4 hold each pair to its weight's part of the error; most pairs stay far below theirs.

@@ -1,57 +1,12 @@
-//! Tiles in brief: the functions, one tile, and where tiles are left to full precision.
+//! Tiles in brief: one tile, and where tiles are left to full precision.
 
 use super::super::brief::{BriefPull, BriefSums, BriefTile, ERROR, fits};
-use super::super::brief_lanes::{POWER_ERROR, ROOT_ERROR};
 use super::super::kernel::Kernel;
-use super::super::lanes::{Lanes, Machine, Task, WIDTH};
+use super::super::lanes::{Machine, WIDTH};
 use super::super::mask::Mask;
 use super::super::pull::{PULL, collect};
 use super::super::side::Side;
 use super::{Phi, Stream, cloud, distance};
-
-#[derive(Clone, Copy)]
-enum Function {
-    Root,
-    Inverse,
-    /// 2^(base - x)
-    Power(f64),
-}
-
-struct Apply<'a>(Function, &'a mut [f64]);
-
-impl Task for Apply<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Lanes>(self, s: S) {
-        for x in S::as_mut_simd_f64s(self.1).0 {
-            *x = match self.0 {
-                Function::Root => s.roots_brief(*x).0,
-                Function::Inverse => s.roots_brief(*x).1,
-                Function::Power(base) => s.power_brief(base, *x),
-            };
-        }
-    }
-}
-
-#[test]
-fn functions_in_brief() {
-    let error = |machine: Machine, f: Function, exact: fn(f64) -> f64, from: f64, to: f64| {
-        let x: Vec<f64> = (0..1 << 14).map(|k| from + (to - from) * f64::from(k) / 16384.0).collect();
-        let mut y = x.clone();
-        machine.run(Apply(f, &mut y));
-        x.iter().zip(&y).map(|(&x, &y)| (y / exact(x) - 1.0).abs()).fold(0.0, f64::max)
-    };
-    for machine in Machine::all() {
-        for (from, to) in [(1.0, 4.0), (1e-6, 1.0), (1.0, 1e4)] {
-            assert!(error(machine, Function::Root, f64::sqrt, from, to) < ROOT_ERROR, "{machine:?}");
-            assert!(error(machine, Function::Inverse, |x| 1.0 / x.sqrt(), from, to) < ROOT_ERROR, "{machine:?}");
-        }
-        assert!(error(machine, Function::Power(0.0), |r| (-r).exp2(), 0.0, 100.0) < POWER_ERROR, "{machine:?}");
-        assert!(error(machine, Function::Power(57.0), |r| (57.0 - r).exp2(), 57.0, 99.0) < POWER_ERROR, "{machine:?}");
-        assert!(error(machine, Function::Power(3.0), |r| (3.0 - r).exp2(), 0.0, 4.0) < POWER_ERROR, "{machine:?}");
-    }
-}
 
 #[test]
 fn a_tile_within_its_bound() {

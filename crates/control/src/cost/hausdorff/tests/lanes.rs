@@ -1,5 +1,6 @@
 //! The elementary functions on every machine that runs here, against the standard library.
 
+use super::super::brief_lanes::{POWER_ERROR, ROOT_ERROR};
 use super::super::lanes::{Lanes, Machine, Task};
 
 #[derive(Clone, Copy)]
@@ -7,6 +8,10 @@ enum Function {
     Rsqrt,
     Exp2,
     Log2,
+    RootBrief,
+    InverseRootBrief,
+    /// 2^(base - x)
+    PowerBrief(f64),
 }
 
 struct Apply<'a>(Function, &'a mut [f64]);
@@ -21,6 +26,9 @@ impl Task for Apply<'_> {
                 Function::Rsqrt => s.rsqrt(*x),
                 Function::Exp2 => s.exp2(*x),
                 Function::Log2 => s.log2(*x),
+                Function::RootBrief => s.roots_brief(*x).0,
+                Function::InverseRootBrief => s.roots_brief(*x).1,
+                Function::PowerBrief(base) => s.power_brief(base, *x),
             };
         }
     }
@@ -45,6 +53,20 @@ fn elementary_functions_are_accurate() {
         assert!(e(Function::Exp2, f64::exp2, |t| -1.0 + 2.0 * t) < 5e-15, "{machine:?}");
         assert!(e(Function::Log2, f64::log2, |t| 1e300f64.powf(t)) < 1e-15, "{machine:?}");
         assert!(e(Function::Log2, |x| (x - 1.0).ln_1p() / std::f64::consts::LN_2, |t| 1.0 + t.powi(8)) < 1e-15);
+    }
+}
+
+#[test]
+fn functions_in_brief_are_accurate_to_eleven_digits() {
+    for machine in Machine::all() {
+        let e = |f, exact: fn(f64) -> f64, arguments: fn(f64) -> f64| error(machine, f, exact, arguments);
+        for arguments in [|t| 1.0 + 3.0 * t, |t| 1e-6 + t, |t| 1.0 + 1e4 * t] {
+            assert!(e(Function::RootBrief, f64::sqrt, arguments) < ROOT_ERROR, "{machine:?}");
+            assert!(e(Function::InverseRootBrief, |x| 1.0 / x.sqrt(), arguments) < ROOT_ERROR, "{machine:?}");
+        }
+        assert!(e(Function::PowerBrief(0.0), |r| (-r).exp2(), |t| 100.0 * t) < POWER_ERROR, "{machine:?}");
+        assert!(e(Function::PowerBrief(57.0), |r| (57.0 - r).exp2(), |t| 57.0 + 42.0 * t) < POWER_ERROR, "{machine:?}");
+        assert!(e(Function::PowerBrief(3.0), |r| (3.0 - r).exp2(), |t| 4.0 * t) < POWER_ERROR, "{machine:?}");
     }
 }
 
