@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     })?;
     let force = least(repeat, || body.evaluate(&u, &controls, true, true).map(drop))?;
     let energy = least(repeat, || body.evaluate(&u, &controls, false, true).map(drop))?;
-    let pull_back = least(repeat, || body.pull_back(&u, &controls, &v, true).map(drop))?;
+    let control_vjp = least(repeat, || body.control_vjp(&u, &controls, &v, true).map(drop))?;
     let mut product = vec![0.0; disc.dofs()];
     let direct = least(repeat, || body.tangent_product(&u, &controls, &v, &mut product, true))?;
     let assembled = least(repeat, || {
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let cells = solid.mesh().cells();
     println!(
         "{{\"element\": \"{}\", \"cells\": {cells}, \"ndof\": {}, \"threads\": {}, \"tangent_s\": {tangent:.5}, \
-         \"of_which_clear_s\": {clear:.5}, \"force_s\": {force:.5}, \"energy_s\": {energy:.5}, \"pull_back_s\": {pull_back:.5}, \
+         \"of_which_clear_s\": {clear:.5}, \"force_s\": {force:.5}, \"energy_s\": {energy:.5}, \"pull_back_s\": {control_vjp:.5}, \
          \"product_s\": {direct:.5}, \"assembled_product_s\": {assembled:.5}, \"max_step_s\": {max_step:.5}, \"tangent_us_per_cell\": {:.2}}}",
         kind.name(),
         disc.dofs(),

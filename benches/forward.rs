@@ -9,8 +9,8 @@
 mod common;
 
 use common::{Arguments, cantilever, median, peak_memory};
-use nastic::fem::linear::{Pivots, Precision};
 use nastic::fem::{Request, Solver};
+use nastic::linear::{Pivots, Precision};
 use nastic::prelude::*;
 use std::time::Instant;
 
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let adjoint = body.adjoint(state, &[&wish], &how)?;
         substitutions = adjoint.report.back_substitutions;
         body.body()
-            .pull_back(&state.u, &controls, &adjoint.lambda[0], true)
+            .control_vjp(&state.u, &controls, &adjoint.lambda[0], true)
             .map_err(Box::<dyn std::error::Error>::from)?;
         Ok::<(), Box<dyn std::error::Error>>(())
     })?;

@@ -7,7 +7,7 @@ mod bent_skins;
 
 use bent_skins::BentSkins;
 use divan::Bencher;
-use nastic::control::cost::hausdorff::Method;
+use nastic::hausdorff::Method;
 
 const PHIS: [&str; 3] = ["exp", "rat", "smooth"];
 const ALPHA: f64 = 60.0;

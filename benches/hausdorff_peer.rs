@@ -10,7 +10,7 @@
 mod bent_skins;
 
 use bent_skins::BentSkins;
-use nastic::control::cost::hausdorff::Method;
+use nastic::hausdorff::Method;
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;

@@ -10,10 +10,10 @@
 mod common;
 
 use common::{Arguments, median, peak_memory, threads};
-use nastic::control::risk::Mean;
 use nastic::fem::Discretization;
 use nastic::opt::{Objective, Request};
 use nastic::prelude::*;
+use nastic::uncertainty::risk::Mean;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::read()?;

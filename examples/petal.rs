@@ -7,8 +7,8 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::io::picture::{Body, Colour, Look, Picture, View};
 use nastic::opt::{Options, Trial};
+use nastic::picture::{Body, Colour, Look, Picture, View};
 use nastic::prelude::*;
 
 const REMANENCE: f64 = 0.1; // T, everywhere

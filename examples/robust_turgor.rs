@@ -14,12 +14,12 @@
 
 #![allow(clippy::print_stdout, clippy::print_stderr)] // programs talk, libraries do not
 
-use nastic::control::risk::{self, Estimate, conditional_value_at_risk, deviation};
-use nastic::control::stochastic::{Beta, Gamma, Inadmissible, MaterialScenarios, Sample, StochasticMooneyRivlin};
-use nastic::control::{Ensemble, EnsemblePoint, Finished, Risk};
+use nastic::control::{Ensemble, EnsemblePoint, Finished};
 use nastic::fem::Discretization;
 use nastic::opt::{Options, Request, Trial};
 use nastic::prelude::*;
+use nastic::uncertainty::risk::{self, Estimate, conditional_value_at_risk, deviation};
+use nastic::uncertainty::{Beta, Gamma, Inadmissible, MaterialScenarios, Risk, Sample, StochasticMooneyRivlin};
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -7,11 +7,11 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::control::risk::Mean;
 use nastic::fem::Discretization;
-use nastic::io::picture::{Body, Colour, Look, Picture, View};
 use nastic::opt::Options;
+use nastic::picture::{Body, Colour, Look, Picture, View};
 use nastic::prelude::*;
+use nastic::uncertainty::risk::Mean;
 use std::sync::Arc;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;

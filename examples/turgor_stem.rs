@@ -10,8 +10,8 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::io::picture::{Body, Colour, Field, Look, Picture};
 use nastic::opt::Trial;
+use nastic::picture::{Body, Colour, Field, Look, Picture};
 use nastic::prelude::*;
 
 const LENGTH: f64 = 0.1;

@@ -24,8 +24,12 @@
 //! | [`tensor`] | 3x3 kinematics, the tensor cross product |
 //! | [`energy`] | passive laws and actuations, contract checks for your own |
 //! | [`mesh`] | elements, meshes, quality, exact distances |
-//! | [`io`] | Gmsh and VTU in; VTU, PVD and pictures out |
+//! | [`io`] | Gmsh and VTU in; VTU and PVD out |
+//! | [`picture`] | pictures of bodies, PNG and SVG |
+//! | [`numeric`], [`linear`] | vectors, sparse matrices, factorisation, iterative solvers, multigrid |
 //! | [`fem`] | bodies, equilibria, adjoints |
+//! | [`hausdorff`] | the smoothed Hausdorff distance of point clouds |
+//! | [`uncertainty`] | random parameters, rules over them, measures of risk |
 //! | [`opt`] | admissible sets, optimisers, the Taylor test |
 //! | [`control`] | control fields, costs, reduced problems |
 //! | [`case`] | case files and what the command line does with them |
@@ -34,10 +38,15 @@ pub use nastic_case as case;
 pub use nastic_control as control;
 pub use nastic_energy as energy;
 pub use nastic_fem as fem;
+pub use nastic_hausdorff as hausdorff;
 pub use nastic_io as io;
+pub use nastic_linear as linear;
 pub use nastic_mesh as mesh;
+pub use nastic_numeric as numeric;
 pub use nastic_opt as opt;
+pub use nastic_picture as picture;
 pub use nastic_tensor as tensor;
+pub use nastic_uncertainty as uncertainty;
 
 /// What most programs need.
 pub mod prelude {

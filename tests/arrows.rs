@@ -7,16 +7,38 @@ use std::path::Path;
 
 /// Who may depend on whom; `nastic` is the facade.
 const ALLOWED: &[(&str, &[&str])] = &[
+    ("numeric", &[]),
     ("tensor", &[]),
+    ("hausdorff", &[]),
     ("energy", &["tensor"]),
-    ("mesh", &[]),
+    ("mesh", &["numeric"]),
+    ("linear", &["numeric", "tensor"]),
     ("io", &["mesh"]),
-    ("fem", &["tensor", "energy", "mesh"]),
-    ("opt", &[]),
-    ("control", &["tensor", "energy", "mesh", "fem", "opt"]),
-    ("case", &["tensor", "energy", "mesh", "io", "fem", "opt", "control"]),
+    ("picture", &["mesh", "io"]),
+    ("opt", &["numeric"]),
+    ("uncertainty", &["numeric", "energy", "mesh"]),
+    ("fem", &["numeric", "tensor", "energy", "mesh", "linear"]),
+    ("control", &["numeric", "tensor", "energy", "mesh", "linear", "fem", "opt", "hausdorff", "uncertainty"]),
+    ("case", &["numeric", "tensor", "energy", "mesh", "io", "picture", "fem", "opt", "uncertainty", "control"]),
     ("cli", &["case"]),
-    ("nastic", &["tensor", "energy", "mesh", "io", "fem", "opt", "control", "case"]),
+    (
+        "nastic",
+        &[
+            "numeric",
+            "tensor",
+            "hausdorff",
+            "energy",
+            "mesh",
+            "linear",
+            "io",
+            "picture",
+            "opt",
+            "uncertainty",
+            "fem",
+            "control",
+            "case",
+        ],
+    ),
 ];
 
 /// Our crates named in the `[dependencies]` of a manifest; development dependencies may point anywhere.

@@ -5,7 +5,7 @@
 //! I(y) = (1/N sum_x phi(|y - x|)^alpha)^(1/alpha),    rho = mean_y (phi(0) - I(y)) + the same with x and y exchanged
 //! ```
 
-use nastic::control::cost::hausdorff::{Cloud, HausdorffError, Method, Pairs, Phi};
+use nastic::hausdorff::{Cloud, HausdorffError, Method, Pairs, Phi};
 
 /// The angle per length by which the body is bent.
 const BEND: f64 = 0.6;
@@ -104,7 +104,7 @@ impl BentSkins {
         let sums = pairs.log_sums();
         let (to_body, by_target) = self.side(&sums.target);
         let (to_target, by_body) = self.side(&sums.body);
-        Ok((to_body + to_target, pairs.pull_back(&sums, &by_target, &by_body)?.points))
+        Ok((to_body + to_target, pairs.vjp(&sums, &by_target, &by_body)?.points))
     }
 
     /// One of the two means, and its derivative by the logarithms.

@@ -27,7 +27,7 @@ mod variant;
 
 pub use control::{Admitted, ControlField};
 pub use cost::TargetShape;
-pub use member::Member;
+pub use member::CaseMember;
 pub use probe::LocatedProbe;
 pub(crate) use variant::file_name;
 

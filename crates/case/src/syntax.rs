@@ -14,6 +14,6 @@ pub(crate) use quote::quoted;
 
 pub use diagnostic::{Diagnostic, Diagnostics};
 pub use document::Document;
-pub use node::{Member, Node, Place, Value};
+pub use node::{Node, Place, Property, Value};
 pub use path::At;
 pub use setting::Setting;

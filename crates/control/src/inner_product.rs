@@ -3,8 +3,8 @@
 use crate::error::ControlError;
 use crate::layout::Layout;
 use crate::map::{ControlMap, Space};
-use nastic_fem::linear::{Factor, Graph, Ordering, Pattern, Pivots, Symbolic, SymmetricMatrix};
 use nastic_fem::{Discretization, Solid};
+use nastic_linear::{Factor, Graph, Ordering, Pattern, Pivots, Symbolic, SymmetricMatrix};
 use nastic_opt::{Diagonal, InnerProduct};
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! [`KeptFactor`]: the one factor that neighbouring points hold together.
 
-use nastic_fem::linear::Factor;
+use nastic_linear::Factor;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -63,7 +63,7 @@ impl ControlBlock {
     }
 
     /// The transpose: adds to the derivative by the field's unknowns.
-    fn pull_back(&self, by_point: &[f64], stride: usize, out: &mut [f64]) {
+    fn control_vjp(&self, by_point: &[f64], stride: usize, out: &mut [f64]) {
         let Some(direction) = self.direction else {
             for c in 0..self.components {
                 self.map.from_points(by_point, stride, self.slot + c, self.components, c, out);
@@ -246,13 +246,13 @@ impl Layout {
     }
 
     /// The transpose of the derivative at m: derivative by control vector from the derivative by values at the points.
-    pub fn pull_back(&self, m: &[f64], by_point: &Controls) -> Vec<f64> {
+    pub fn control_vjp(&self, m: &[f64], by_point: &Controls) -> Vec<f64> {
         let mut out = vec![0.0; self.len];
         for block in &self.blocks {
             let stride = by_point.slots(block.actuation);
             let mut values = by_point.values(block.actuation).to_vec();
             block.unscale(m, stride, &mut values);
-            block.pull_back(&values, stride, &mut out[block.first..block.first + block.len()]);
+            block.control_vjp(&values, stride, &mut out[block.first..block.first + block.len()]);
         }
         out
     }

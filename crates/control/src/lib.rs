@@ -4,7 +4,7 @@
 //! actuations are controlled and how ([`Space`]), and adds up [`Cost`]s. It is an
 //! [`Objective`](nastic_opt::Objective), so every optimiser of `nastic-opt` drives it.
 
-pub mod cost;
+mod cost;
 mod ensemble;
 mod error;
 mod inner_product;
@@ -12,22 +12,19 @@ mod kept_factor;
 mod layout;
 mod map;
 mod reduced;
-pub mod risk;
 mod snapshot;
-pub mod stochastic;
-mod trail;
+mod state_predictor;
 
-pub use cost::hausdorff::Phi;
 pub use cost::{
-    BoundHausdorff, BoundTracking, ControlNorm, ControlSmoothness, Cost, IntoCost, Partials, Sight, SmoothedHausdorff,
-    Target, Tracking,
+    BoundHausdorff, BoundTracking, ControlNorm, ControlSmoothness, Cost, CostContext, IntoCost, Partials,
+    SmoothedHausdorff, Target, Tracking,
 };
 pub use ensemble::{
-    Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, Finished, LoadCase, Measured, Part,
+    Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, Finished, LoadCase, Measured, Member,
 };
 pub use error::ControlError;
 pub use inner_product::{Metric, inner_product};
 pub use layout::{ControlBlock, Layout};
 pub use map::{ControlMap, Space};
+pub use nastic_hausdorff::Phi;
 pub use reduced::{Evaluated, Reduced};
-pub use risk::Risk;

@@ -1,14 +1,14 @@
 //! [`Reduced`]: the cost as a function of the controls alone.
 
-use crate::cost::{Cost, IntoCost, Partials, Sight};
+use crate::cost::{Cost, CostContext, IntoCost, Partials};
 use crate::error::ControlError;
 use crate::inner_product::{Metric, inner_product};
 use crate::kept_factor::KeptFactor;
 use crate::layout::Layout;
 use crate::map::Space;
-use crate::trail::Trail;
-use nastic_fem::linear::Factor;
+use crate::state_predictor::StatePredictor;
 use nastic_fem::{Request as StateRequest, Solid, SolveReport, Solved, State};
+use nastic_linear::Factor;
 use nastic_opt::{Failed, InnerProduct, Objective, Problem, Report, Request};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
@@ -51,7 +51,7 @@ pub struct Evaluated {
     /// Shared with the point it was evaluated from.
     factor: KeptFactor,
     /// The points it was evaluated from, one after the other.
-    trail: Trail,
+    predictor: StatePredictor,
     adjoint: OnceLock<AdjointPart>,
 }
 
@@ -100,7 +100,7 @@ impl Evaluated {
     /// Parts with its factor, which is large, and with the states before it: for points that are kept to be looked at.
     pub fn without_factors(mut self) -> Self {
         self.factor = KeptFactor::default();
-        self.trail = Trail::default();
+        self.predictor = StatePredictor::default();
         self
     }
 }
@@ -265,8 +265,8 @@ impl Reduced {
         accuracy: f64,
     ) -> Result<Evaluated, ControlError> {
         let controls = self.layout.to_points(m)?;
-        let trail = near.map(|point| point.trail.then(&point.m, &point.state.u)).unwrap_or_default();
-        let guess = trail.guess(m);
+        let predictor = near.map(|point| point.predictor.then(&point.m, &point.state.u)).unwrap_or_default();
+        let guess = predictor.guess(m);
         let how = StateRequest {
             guess: guess.as_deref(),
             near: near.map(|point| &point.state),
@@ -283,16 +283,16 @@ impl Reduced {
         if let Some(newest) = factor.filter(|_| self.keep_factors) {
             kept.replace(newest);
         }
-        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor: kept, trail, adjoint: OnceLock::new() })
+        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor: kept, predictor, adjoint: OnceLock::new() })
     }
 
     fn terms(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<f64>, ControlError> {
-        let sight = self.sight(state, m, stage);
-        self.costs.iter().map(|cost| cost.value(&sight)).collect()
+        let context = self.context(state, m, stage);
+        self.costs.iter().map(|cost| cost.value(&context)).collect()
     }
 
-    fn sight<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> Sight<'a> {
-        Sight { solid: &self.solid, layout: &self.layout, u: &state.u, m, stage }
+    fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {
+        CostContext { solid: &self.solid, layout: &self.layout, u: &state.u, m, stage }
     }
 
     /// [`Objective::restage`] with the typed error.
@@ -302,9 +302,9 @@ impl Reduced {
     pub fn try_restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
         let terms = self.terms(&point.state, &point.m, stage)?;
         let (m, state, factor) = (point.m.clone(), point.state.clone(), point.factor.clone());
-        let trail = point.trail.clone();
+        let predictor = point.predictor.clone();
         let work = SolveReport::default();
-        Ok(Evaluated { m, state, terms, stage, work, factor, trail, adjoint: OnceLock::new() })
+        Ok(Evaluated { m, state, terms, stage, work, factor, predictor, adjoint: OnceLock::new() })
     }
 
     /// Partial derivatives of the cost (all terms, or one of them).
@@ -313,10 +313,10 @@ impl Reduced {
     /// A cost that is not defined there.
     pub fn partials(&self, point: &Evaluated, term: Option<usize>) -> Result<Partials, ControlError> {
         let mut partials = Partials { u: vec![0.0; point.state.u.len()], m: vec![0.0; point.m.len()] };
-        let sight = self.sight(&point.state, &point.m, point.stage);
+        let context = self.context(&point.state, &point.m, point.stage);
         for (k, cost) in self.costs.iter().enumerate() {
             if term.is_none_or(|t| t == k) {
-                cost.partials(&sight, &mut partials)?;
+                cost.partials(&context, &mut partials)?;
             }
         }
         Ok(partials)
@@ -336,8 +336,8 @@ impl Reduced {
         let how = StateRequest { factor: point.factor.get(), parallel: self.parallel, ..StateRequest::default() };
         let adjoint = self.solid.adjoint(&point.state, &[&rhs], &how)?;
         let lambda = adjoint.lambda.into_iter().next().unwrap_or_default();
-        let by_point = self.solid.body().pull_back(&point.state.u, &point.state.controls, &lambda, self.parallel)?;
-        for (d, through_state) in derivative.iter_mut().zip(self.layout.pull_back(&point.m, &by_point)) {
+        let by_point = self.solid.body().control_vjp(&point.state.u, &point.state.controls, &lambda, self.parallel)?;
+        for (d, through_state) in derivative.iter_mut().zip(self.layout.control_vjp(&point.m, &by_point)) {
             *d += through_state;
         }
         if term.is_none() {
@@ -364,10 +364,10 @@ impl Reduced {
     /// # Errors
     /// Where a cost cannot.
     pub fn figures(&self, point: &Evaluated) -> Result<Vec<(String, f64)>, ControlError> {
-        let sight = self.sight(&point.state, &point.m, point.stage);
+        let context = self.context(&point.state, &point.m, point.stage);
         let mut out = Vec::new();
         for cost in &self.costs {
-            out.extend(cost.figures(&sight)?);
+            out.extend(cost.figures(&context)?);
         }
         Ok(out)
     }

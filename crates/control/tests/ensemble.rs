@@ -1,6 +1,5 @@
 //! One control for several bodies.
 
-use nastic_control::risk::{CATALOGUE, Cvar, Mean, MeanDeviation, Risk, WorstCase, by_name};
 use nastic_control::{
     ControlNorm, Ensemble, EnsembleError, EnsemblePoint, LoadCase, Metric, Reduced, Space, Target, Tracking,
 };
@@ -11,6 +10,7 @@ use nastic_opt::{
     Bounds, InnerProduct, Objective, Optimizer, Options, Problem, ProjectedGradient, Request, Taylor, Verdict,
 };
 use nastic_tensor::Vec3;
+use nastic_uncertainty::risk::{CATALOGUE, Cvar, Mean, MeanDeviation, Risk, WorstCase, by_name};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -285,7 +285,7 @@ fn at_most_one_factor_per_member_is_kept_and_reported() -> Outcome {
     Ok(())
 }
 
-fn identity(disc: &Discretization) -> nastic_fem::linear::SymmetricMatrix {
+fn identity(disc: &Discretization) -> nastic_linear::SymmetricMatrix {
     let mut matrix = disc.matrix();
     matrix.eliminate(&vec![true; disc.dofs()], 1.0);
     matrix

@@ -1,6 +1,5 @@
 //! Hard magnets as a design and a control: derivatives along spheres, lengths kept, known answers found again.
 
-use nastic_control::risk::Mean;
 use nastic_control::{Ensemble, LoadCase, Metric, Reduced, Space, Target, Tracking};
 use nastic_energy::{Actuation, Magnet, MagnetIsochoric, MagnetRotation, MooneyRivlin};
 use nastic_fem::{Discretization, Solid};
@@ -9,6 +8,7 @@ use nastic_opt::{
     Admissible, Ball, Best, CATALOGUE, Lbfgs, Objective, Optimizer, Options, Problem, Product, Request, Run, Sphere,
     Taylor, Trial, Verdict,
 };
+use nastic_uncertainty::risk::Mean;
 use std::sync::Arc;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;

@@ -1,9 +1,9 @@
 //! What can go wrong in building a problem and in solving it.
 
-use crate::linear::StructureError;
-use crate::sampling::Sampling;
-use crate::state::State;
+use crate::discretization::quadrature_points::QuadraturePoints;
+use crate::solution::state::State;
 use nastic_energy::EnergyError;
+use nastic_linear::StructureError;
 use nastic_mesh::MeshError;
 
 /// A deformation gradient that turns matter inside out: J <= 0, which no law is ever asked about.
@@ -19,7 +19,7 @@ pub struct InvertedAt {
 }
 
 impl InvertedAt {
-    pub(crate) fn new(sampling: &Sampling, point: usize, jacobian: f64) -> Self {
+    pub(crate) fn new(sampling: &QuadraturePoints, point: usize, jacobian: f64) -> Self {
         for part in sampling.parts.iter().rev() {
             if point >= part.first {
                 let local = point - part.first;

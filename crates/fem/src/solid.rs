@@ -1,11 +1,11 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
-use crate::body::{Attached, Body};
-use crate::controls::Controls;
+use crate::contributions::body_energy::{Attached, Body};
+use crate::contributions::controls::Controls;
 use crate::discretization::Discretization;
+use crate::discretization::quadrature_points::QuadraturePoints;
+use crate::discretization::supports::Supports;
 use crate::error::FemError;
-use crate::sampling::Sampling;
-use crate::supports::Supports;
 use nastic_energy::{Actuation, EnergyTerm};
 use nastic_mesh::{Facet, Mesh};
 use nastic_tensor::Vec3;
@@ -139,7 +139,7 @@ impl Solid {
     /// The name is unknown, or a component is not finite.
     pub fn traction(mut self, surface: &str, traction: Vec3) -> Result<Self, FemError> {
         let facets: Vec<Facet> = self.mesh().surface(surface)?.to_vec();
-        let sampling = Sampling::of_facets(self.mesh(), &facets, |kind| kind.rule().clone());
+        let sampling = QuadraturePoints::of_facets(self.mesh(), &facets, |kind| kind.rule().clone());
         self.add_dead_load(&format!("traction on \"{surface}\""), &sampling, traction)?;
         Ok(self)
     }
@@ -150,13 +150,13 @@ impl Solid {
     /// The name is unknown, or a component is not finite.
     pub fn body_force(mut self, region: &str, force: Vec3) -> Result<Self, FemError> {
         let cells = self.mesh().region(region)?.to_vec();
-        let sampling = Sampling::of_cells(self.mesh(), cells, |kind| kind.rule().clone())?;
+        let sampling = QuadraturePoints::of_cells(self.mesh(), cells, |kind| kind.rule().clone())?;
         self.add_dead_load(&format!("body force on \"{region}\""), &sampling, force)?;
         Ok(self)
     }
 
-    fn add_dead_load(&mut self, what: &str, sampling: &Sampling, density: Vec3) -> Result<(), FemError> {
-        crate::controls::check_finite(what, density.as_slice())?;
+    fn add_dead_load(&mut self, what: &str, sampling: &QuadraturePoints, density: Vec3) -> Result<(), FemError> {
+        crate::contributions::controls::check_finite(what, density.as_slice())?;
         let dim = self.mesh().dim();
         if dim == 2 && density.z != 0.0 {
             return Err(FemError::Meaningless { what: format!("{what} has a z component on a plane-strain body") });
@@ -176,7 +176,7 @@ impl Solid {
             let (found, expected) = (force.len(), self.dead_load.len());
             return Err(FemError::Length { what: "nodal force".to_owned(), found, expected });
         }
-        crate::controls::check_finite("nodal force", force)?;
+        crate::contributions::controls::check_finite("nodal force", force)?;
         for (total, f) in self.dead_load.iter_mut().zip(force) {
             *total += f;
         }

@@ -99,7 +99,7 @@ fn the_reduced_derivative_is_that_of_the_solutions() -> Outcome {
         solid.supports().clear(&mut cost);
         let minus: Vec<f64> = cost.iter().map(|c| -c).collect();
         let lambda = solid.adjoint(&state, &[&minus], &Request::default())?.lambda.remove(0);
-        let derivative = solid.body().pull_back(&state.u, &state.controls, &lambda, false)?;
+        let derivative = solid.body().control_vjp(&state.u, &state.controls, &lambda, false)?;
         for k in 0..2 {
             let direction: Vec<f64> = (0..derivative.values(k).len()).map(noise).collect();
             let value = |t: f64| -> Outcome<f64> {

@@ -76,7 +76,7 @@ fn wishes(solid: &Solid) -> Vec<Vec<f64>> {
 }
 
 fn gradient(solid: &Solid, state: &State, lambda: &[f64]) -> Outcome<Controls> {
-    Ok(solid.body().pull_back(&state.u, &state.controls, lambda, false)?)
+    Ok(solid.body().control_vjp(&state.u, &state.controls, lambda, false)?)
 }
 
 /// The adjoint corrected by adjoints of what is left of its residual, until that is rounding.

@@ -37,7 +37,7 @@ fn every_sum_has_the_same_bits_for_any_number_of_threads() -> Outcome {
             let sums = solid.body().evaluate_tangent(&u, &controls, &mut matrix, parallel)?;
             let mut product = vec![0.0; u.len()];
             solid.body().tangent_product(&u, &controls, &u, &mut product, parallel)?;
-            let pulled = solid.body().pull_back(&u, &controls, &u, parallel)?;
+            let pulled = solid.body().control_vjp(&u, &controls, &u, parallel)?;
             let mut tangent = solid.discretization().matrix();
             solid.body().add_tangent(&u, &controls, &mut tangent, parallel)?;
             assert!(tangent.values == matrix.values, "{kind}: the tangent alone differs");

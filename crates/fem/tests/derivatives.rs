@@ -5,8 +5,8 @@ mod common;
 
 use common::{Outcome, kinds, laws, nodal, noise, regular};
 use nastic_energy::catalogue;
-use nastic_fem::linear::SymmetricMatrix;
 use nastic_fem::{Controls, Solid};
+use nastic_linear::SymmetricMatrix;
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::Mat3;
 
@@ -163,7 +163,7 @@ fn pulling_back_is_the_derivative_of_the_force_by_the_controls() -> Outcome {
         }
         let u = configuration(solid.mesh());
         let lambda: Vec<f64> = (0..u.len()).map(|n| noise(n + 2000)).collect();
-        let pulled = solid.body().pull_back(&u, &controls, &lambda, false)?;
+        let pulled = solid.body().control_vjp(&u, &controls, &lambda, false)?;
         let (first, count) = solid.discretization().points_of_cells()[1];
         let width = controls.slots(0);
         for entry in first * width..(first + count) * width {

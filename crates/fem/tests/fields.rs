@@ -6,7 +6,7 @@ use common::block::STRICT;
 use common::{Outcome, curved, distorted, unit};
 use nastic_energy::check::evaluate;
 use nastic_energy::{EnergyTerm, FiberTension, Field, Place, TransverseMooneyRivlin, Turgor};
-use nastic_fem::{Sampling, Solid};
+use nastic_fem::{QuadraturePoints, Solid};
 use nastic_mesh::CellKind;
 use nastic_tensor::{Mat3, Vec3};
 
@@ -32,7 +32,7 @@ fn averages_are_integrals_over_the_cell() -> Outcome {
         assert_eq!(fields.j.len(), solid.mesh().cells());
         for cell in 0..solid.mesh().cells() {
             // the cell by itself, with the body's rule
-            let alone = Sampling::of_cells(solid.mesh(), [cell as u32], |kind| kind.rule().clone())?;
+            let alone = QuadraturePoints::of_cells(solid.mesh(), [cell as u32], |kind| kind.rule().clone())?;
             let (first, _) = solid.discretization().points_of_cells()[cell];
             let (mut j, mut energy, mut piola, mut cauchy) = (0.0, 0.0, Mat3::zeros(), Mat3::zeros());
             for (q, (k, w)) in alone.kinematics(&state.u)?.iter().zip(alone.weights()).enumerate() {

@@ -7,10 +7,10 @@ mod common;
 use common::block::STRICT;
 use common::{Outcome, distance, largest, noise, regular};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
-use nastic_fem::linear::{
+use nastic_fem::{Controls, Request, Solid, Solver, State, StateError};
+use nastic_linear::{
     CgEnd, CgReport, FactorError, Geometry, Multigrid, Pivots, Preconditioner, SymmetricMatrix, conjugate_gradient,
 };
-use nastic_fem::{Controls, Request, Solid, Solver, State, StateError};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 

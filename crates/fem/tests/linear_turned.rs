@@ -1,8 +1,8 @@
 //! A factor at rest serves in the bent body when it is turned along.
 
 use nastic_energy::{FiberTension, MooneyRivlin};
-use nastic_fem::linear::{Pivots, Rotations, SymmetricMatrix, Turned, conjugate_gradient};
 use nastic_fem::{Controls, Request, Solid};
+use nastic_linear::{CorotatedPreconditioner, Pivots, Rotations, SymmetricMatrix, conjugate_gradient};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_tensor::{Mat3, Vec3};
 use std::sync::Arc;
@@ -55,7 +55,7 @@ fn a_rigid_turn_needs_one_iteration() -> Outcome {
     let mut factor = solid.discretization().symbolic().factorize(&at_rest, Pivots::Positive, false)?;
     factor.stand_in(Arc::new(Rotations(vec![Mat3::identity(); nodes])));
     let free = vec![false; rest.len()];
-    let preconditioner = Turned::new(&factor, &Rotations(vec![turn; nodes]), &free);
+    let preconditioner = CorotatedPreconditioner::new(&factor, &Rotations(vec![turn; nodes]), &free);
     let b: Vec<f64> = (0..rest.len()).map(|i| (i as f64).sin()).collect();
     let apply = |v: &[f64], out: &mut [f64]| turned.multiply(v, out);
     let mut x = vec![0.0; b.len()];

@@ -10,7 +10,7 @@ mod common;
 use common::{Outcome, nodal, prescribe, unit, with_node_sets};
 use nastic_energy::check::{Evaluation, evaluate};
 use nastic_energy::{MooneyRivlin, Place};
-use nastic_fem::{Request, Sampling, Solid, SolveReport, State};
+use nastic_fem::{QuadraturePoints, Request, Solid, SolveReport, State};
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 use std::f64::consts::{LN_2, PI};
@@ -81,12 +81,17 @@ fn bent(mesh: Mesh) -> Outcome<Mesh> {
 }
 
 /// Quadrature that adds nothing to the errors measured.
-fn fine(mesh: &Mesh) -> Outcome<Sampling> {
-    Ok(Sampling::of_cells(mesh, 0..mesh.cells() as u32, |kind| kind.rule_of_degree(2 * kind.order() + 4))?)
+fn fine(mesh: &Mesh) -> Outcome<QuadraturePoints> {
+    Ok(QuadraturePoints::of_cells(mesh, 0..mesh.cells() as u32, |kind| kind.rule_of_degree(2 * kind.order() + 4))?)
 }
 
 /// Nodal forces of a density given at the points of a sampling.
-fn spread(sampling: &Sampling, mesh: &Mesh, density: impl Fn(Vec3) -> Outcome<Vec3>, nodal: &mut [f64]) -> Outcome {
+fn spread(
+    sampling: &QuadraturePoints,
+    mesh: &Mesh,
+    density: impl Fn(Vec3) -> Outcome<Vec3>,
+    nodal: &mut [f64],
+) -> Outcome {
     let dim = mesh.dim();
     let mut values = Vec::with_capacity(dim * sampling.len());
     for (x, w) in sampling.positions(mesh, None).into_iter().zip(sampling.weights()) {
@@ -107,7 +112,7 @@ fn errors(kind: CellKind, cells: usize) -> Outcome<[f64; 2]> {
 
     let mut force = vec![0.0; mesh.dim() * mesh.points().len()];
     spread(&fine(&mesh)?, &mesh, |x| wave.body_force(&law, x), &mut force)?;
-    let side = Sampling::of_facets(&mesh, &loaded, |kind| kind.rule_of_degree(2 * kind.order() + 4));
+    let side = QuadraturePoints::of_facets(&mesh, &loaded, |kind| kind.rule_of_degree(2 * kind.order() + 4));
     spread(&side, &mesh, |x| Ok(wave.respond(&law, x)?.stress.column(0).into()), &mut force)?;
 
     let solid = Solid::new(mesh)?.material("body", law)?.nodal_force(&force)?;

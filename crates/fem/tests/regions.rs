@@ -6,7 +6,7 @@ use common::block::STRICT;
 use common::homogeneous::{mooney_rivlin, neo_hooke, relaxed};
 use common::{Outcome, boundary_nodes, distance, nodal, prescribe, regular, unit, with_node_sets};
 use nastic_energy::{FiberTension, Field, MooneyRivlin, NeoHooke, TransverseMooneyRivlin, Turgor};
-use nastic_fem::{Sampling, Solid, State};
+use nastic_fem::{QuadraturePoints, Solid, State};
 use nastic_mesh::{CellKind, Mesh, RawMesh};
 use nastic_tensor::{Mat3, Vec3};
 
@@ -171,7 +171,7 @@ fn an_actuation_acts_in_its_region_alone() -> Outcome {
     let other = solid.solve(&controls, &STRICT)?.state;
     assert_eq!(state.u, other.u);
     let lambda = vec![1.0; state.u.len()];
-    let pulled = solid.body().pull_back(&state.u, &controls, &lambda, false)?;
+    let pulled = solid.body().control_vjp(&state.u, &controls, &lambda, false)?;
     let idle = pulled.values(0).iter().zip(solid.discretization().body().cells());
     assert!(idle.filter(|(_, cell)| solid.mesh().regions()["left"].contains(cell)).all(|(v, _)| *v == 0.0));
     Ok(())
@@ -215,11 +215,11 @@ fn curved_cells_and_facets_have_their_measures() -> Outcome {
         [(CellKind::Quad9, 3e-6), (CellKind::Tri6, 3e-6), (CellKind::Hex27, 3e-6), (CellKind::Tet10, 3e-6)]
     {
         let mesh = regular(kind, [1.0; 3], [4, 12, 2])?.mapped(bend)?;
-        let all = Sampling::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
+        let all = QuadraturePoints::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
         assert!((all.measure() / (0.75 * PI) - 1.0).abs() < error, "{kind}: volume {}", all.measure());
         for (side, exact) in [("x-", 0.5 * PI), ("x+", PI), ("y-", 1.0)] {
             let facets = mesh.surface(side)?;
-            let sampling = Sampling::of_facets(&mesh, facets, |kind| kind.rule().clone());
+            let sampling = QuadraturePoints::of_facets(&mesh, facets, |kind| kind.rule().clone());
             assert!((sampling.measure() / exact - 1.0).abs() < error, "{kind} {side}: {}", sampling.measure());
         }
     }

@@ -91,7 +91,7 @@ fn the_bits_do_not_depend_on_the_threads() -> Outcome {
             Ok((state, lambda))
         };
         let (state, lambda) = pool.install(solve)?;
-        let pulled = solid.body().pull_back(&state.u, &controls, &lambda, parallel)?;
+        let pulled = solid.body().control_vjp(&state.u, &controls, &lambda, parallel)?;
         Ok((state, lambda, pulled))
     };
     let (state, lambda, pulled) = work(1, true)?;

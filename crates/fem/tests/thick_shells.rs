@@ -6,7 +6,7 @@ mod common;
 use common::block::STRICT;
 use common::{Outcome, regular};
 use nastic_energy::{MooneyRivlin, Turgor};
-use nastic_fem::{Sampling, Solid};
+use nastic_fem::{QuadraturePoints, Solid};
 use nastic_mesh::{CellKind, Mesh, RawMesh};
 use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
@@ -145,7 +145,7 @@ fn deformed_radius(solid: &Solid, u: &[f64], at: f64) -> f64 {
 fn assert_inflated(mesh: Mesh, inner: &str, p: f64, tolerance: f64) -> Outcome {
     let dim = mesh.dim();
     let facets = mesh.surface(inner)?;
-    let sampling = Sampling::of_facets(&mesh, facets, |kind| kind.rule_of_degree(6));
+    let sampling = QuadraturePoints::of_facets(&mesh, facets, |kind| kind.rule_of_degree(6));
     let push = |(x, w): ([f64; 3], &f64)| (Vec3::from(x).normalize() * p * *w).as_slice()[..dim].to_vec();
     let values: Vec<f64> = sampling.positions(&mesh, None).into_iter().zip(sampling.weights()).flat_map(push).collect();
     let mut force = vec![0.0; dim * mesh.points().len()];

@@ -1,4 +1,4 @@
-//! Gmsh and VTU in; VTU, PVD and pictures out.
+//! Gmsh and VTU in; VTU and PVD out.
 //!
 //! ```no_run
 //! let mesh = nastic_io::read_gmsh("meshes/cantilever.msh")?;
@@ -11,7 +11,6 @@
 mod atomic;
 mod error;
 mod gmsh;
-pub mod picture;
 mod pvd;
 mod vtu;
 
@@ -23,7 +22,7 @@ pub use atomic::write_atomically;
 pub use error::{At, ReadError, WriteError};
 pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
 pub use pvd::write_pvd;
-pub use vtu::{Entity, FileArray, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled, write_vtu};
+pub use vtu::{Entity, FileArray, escape, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled, write_vtu};
 
 /// Reads a mesh from a `.msh` (Gmsh) or `.vtu` (VTK) file, all lengths multiplied by `scale`.
 ///

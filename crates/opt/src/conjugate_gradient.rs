@@ -1,6 +1,6 @@
 //! Preconditioned conjugate gradients on operators given as closures.
 
-use crate::vector::{axpy, dot};
+use nastic_numeric::vector::{axpy, dot};
 
 /// Solves A x = b to a relative residual in the preconditioner's norm. Every iterate x satisfies b . x > 0 (b != 0), so
 /// a solve that ends early still gives a descent direction.

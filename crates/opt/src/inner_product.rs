@@ -1,6 +1,6 @@
 //! Inner products of the control space: what turns a derivative into a gradient.
 
-use crate::vector::dot;
+use nastic_numeric::vector::dot;
 use std::fmt::Debug;
 use thiserror::Error;
 

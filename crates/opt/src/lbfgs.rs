@@ -4,7 +4,7 @@ use crate::inner_product::InnerProduct;
 use crate::method::{Here, Memory, Method, Secant};
 use crate::model::{Curvature, Steepest, minimise};
 use crate::optimizer::{Optimizer, Options};
-use crate::vector::{axpy, dot, scale};
+use nastic_numeric::vector::{axpy, dot, scale};
 use std::collections::VecDeque;
 
 /// Limited-memory BFGS in the control's inner product. Each iteration minimises the quasi-Newton model over the local

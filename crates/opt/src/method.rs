@@ -2,7 +2,7 @@
 
 use crate::admissible::Admissible;
 use crate::inner_product::InnerProduct;
-use crate::vector::dot;
+use nastic_numeric::vector::dot;
 use std::fmt::Debug;
 
 /// An accepted control with what is known there.

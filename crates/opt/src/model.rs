@@ -3,7 +3,7 @@
 use crate::admissible::{Admissible, Face};
 use crate::conjugate_gradient::conjugate_gradient;
 use crate::inner_product::InnerProduct;
-use crate::vector::{add, axpy, dot, scale, sub};
+use nastic_numeric::vector::{add, axpy, dot, scale, sub};
 
 /// A symmetric positive definite bilinear form B, close to theta G.
 pub(crate) trait Curvature {

@@ -8,7 +8,7 @@ use crate::observer::{Observer, Reason, Trial};
 use crate::optimizer::Options;
 use crate::state::Progress;
 use crate::stop::{Stall, Stop};
-use crate::vector::{dot, sub};
+use nastic_numeric::vector::{dot, sub};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -6,8 +6,8 @@ pub use report::{Row, TaylorDirection, TaylorReport, Verdict};
 
 use crate::admissible::{Admissible, Outside};
 use crate::objective::{Failed, Objective, Request};
-use crate::random::Random;
-use crate::vector::{dot, max_abs};
+use nastic_numeric::Random;
+use nastic_numeric::vector::{dot, max_abs};
 use std::ops::Range;
 use thiserror::Error;
 

@@ -229,7 +229,7 @@ fn product_of_sets() {
 #[test]
 fn bounds_are_reached_exactly() {
     let set = Bounds::new(-0.3, 190000.7).unwrap();
-    let mut random = nastic_opt::Random::new(3);
+    let mut random = nastic_numeric::Random::new(3);
     let m: Vec<f64> = (0..1000).map(|_| 1e5 * random.unit()).collect();
     let mut d: Vec<f64> = (0..1000).map(|_| 1e6 * random.symmetric()).collect();
     let ends: Vec<f64> = d.iter().zip(&m).map(|(d, m)| (m + d).clamp(-0.3, 190000.7)).collect();
@@ -259,7 +259,7 @@ fn every_set_keeps_what_it_promises() {
         Box::new(Ball::new(3, 2e-2).unwrap()),
         Box::new(Product::new().block(6, Sphere::new(3, 0.1).unwrap()).block(6, Ball::new(2, 3.0).unwrap())),
     ];
-    let mut random = nastic_opt::Random::new(7);
+    let mut random = nastic_numeric::Random::new(7);
     for set in &sets {
         for size in [1e-9, 1e-2, 1.0, 1e6] {
             let mut m: Vec<f64> = (0..12).map(|_| size * random.symmetric()).collect();

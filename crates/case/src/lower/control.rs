@@ -10,7 +10,8 @@ use crate::result::snapshot::RESERVED;
 use crate::schema::{Case, Control, Parameter, Space as SpaceBlock, Start, vector_at};
 use crate::syntax::At;
 use nastic_control::{ControlBlock, Reduced, Space};
-use nastic_opt::{Admissible, Ball, Bounds, Limit, Outside, Product, Random, Sphere};
+use nastic_numeric::Random;
+use nastic_opt::{Admissible, Ball, Bounds, Limit, Outside, Product, Sphere};
 
 /// A control field as the case describes it; its place in the control vector is that of the same number in the layout.
 #[derive(Clone, PartialEq, Debug)]

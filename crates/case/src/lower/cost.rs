@@ -6,8 +6,8 @@ use crate::expression::EvaluationError;
 use crate::schema::{self, Case, Cost as Block, Phi as PhiBlock, Target as TargetBlock, vector_at};
 use crate::syntax::At;
 use nastic_control::{
-    ControlError, ControlNorm, ControlSmoothness, Cost, IntoCost, Partials, Phi, Reduced, Sight, SmoothedHausdorff,
-    Target, Tracking,
+    ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, IntoCost, Partials, Phi, Reduced,
+    SmoothedHausdorff, Target, Tracking,
 };
 use nastic_fem::Solid;
 use nastic_mesh::{Mesh, MeshError};
@@ -313,11 +313,11 @@ impl Cost for Named {
         &self.name
     }
 
-    fn value(&self, at: &Sight) -> Result<f64, ControlError> {
+    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
         self.cost.value(at)
     }
 
-    fn partials(&self, at: &Sight, out: &mut Partials) -> Result<f64, ControlError> {
+    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
         self.cost.partials(at, out)
     }
 
@@ -325,7 +325,7 @@ impl Cost for Named {
         self.cost.stages()
     }
 
-    fn figures(&self, at: &Sight) -> Result<Vec<(String, f64)>, ControlError> {
+    fn figures(&self, at: &CostContext) -> Result<Vec<(String, f64)>, ControlError> {
         self.cost.figures(at)
     }
 

@@ -5,7 +5,7 @@ use super::context::Context;
 use crate::schema::{Case, Parameter, VectorField, vector_at};
 use crate::syntax::At;
 use nastic_energy::Field;
-use nastic_fem::{Discretization, Sampling};
+use nastic_fem::{Discretization, QuadraturePoints};
 use nastic_mesh::Mesh;
 use nastic_tensor::Vec3;
 
@@ -13,7 +13,7 @@ use nastic_tensor::Vec3;
 pub(super) struct Points<'a> {
     pub case: &'a Case,
     pub mesh: &'a Mesh,
-    sampling: &'a Sampling,
+    sampling: &'a QuadraturePoints,
     positions: Vec<[f64; 3]>,
     wanted: Vec<bool>,
 }
@@ -28,7 +28,7 @@ impl<'a> Points<'a> {
     }
 
     /// All points of a sampling.
-    pub fn of(case: &'a Case, mesh: &'a Mesh, sampling: &'a Sampling) -> Self {
+    pub fn of(case: &'a Case, mesh: &'a Mesh, sampling: &'a QuadraturePoints) -> Self {
         let positions = sampling.positions(mesh, None);
         let wanted = vec![true; positions.len()];
         Self { case, mesh, sampling, positions, wanted }

@@ -5,7 +5,7 @@ use super::field::Points;
 use super::named::attempt;
 use crate::schema::{Case, VectorField};
 use crate::syntax::At;
-use nastic_fem::{Sampling, Solid};
+use nastic_fem::{QuadraturePoints, Solid};
 use nastic_tensor::Vec3;
 
 /// Gauss points more than the shape functions need, for loads that vary.
@@ -35,7 +35,8 @@ fn add_traction(
         attempt(solid, at, context, |solid| solid.traction(name, Vec3::from(constant)));
         return;
     }
-    let sampling = Sampling::of_facets(&mesh, facets, |kind| kind.rule_of_points(kind.order() + 1 + MORE_POINTS));
+    let sampling =
+        QuadraturePoints::of_facets(&mesh, facets, |kind| kind.rule_of_points(kind.order() + 1 + MORE_POINTS));
     add_sampled(case, &sampling, traction, &at.key("traction"), solid, context);
 }
 
@@ -47,7 +48,7 @@ fn add_body_force(case: &Case, name: &str, force: &VectorField, at: &At, solid: 
         return;
     }
     let rule = |kind: nastic_mesh::CellKind| kind.rule_of_points(kind.order() + 1 + MORE_POINTS);
-    let sampling = Sampling::of_cells(&mesh, cells.iter().copied(), rule);
+    let sampling = QuadraturePoints::of_cells(&mesh, cells.iter().copied(), rule);
     let Some(sampling) = context.take(at, sampling) else { return };
     add_sampled(case, &sampling, force, &at.key("body_force"), solid, context);
 }
@@ -55,7 +56,7 @@ fn add_body_force(case: &Case, name: &str, force: &VectorField, at: &At, solid: 
 /// The nodal force of a density at the points of a sampling.
 fn add_sampled(
     case: &Case,
-    sampling: &Sampling,
+    sampling: &QuadraturePoints,
     density: &VectorField,
     at: &At,
     solid: &mut Solid,

@@ -3,7 +3,7 @@
 use super::cost::TargetShape;
 use super::{ControlField, Problem};
 use crate::schema::Case;
-use nastic_control::{ControlBlock, ControlError, Layout, Part, Reduced, Sight};
+use nastic_control::{ControlBlock, ControlError, CostContext, Layout, Member, Reduced};
 use nastic_fem::{Solid, State};
 use nastic_mesh::Mesh;
 use std::sync::Arc;
@@ -27,26 +27,26 @@ pub(super) struct Label {
 
 /// One member: a body with its costs. A plain case has one, without a name.
 #[derive(Clone, Copy, Debug)]
-pub struct Member<'p> {
+pub struct CaseMember<'p> {
     problem: &'p Problem,
     index: usize,
 }
 
 impl Problem {
     /// All members, scenario by scenario, load case by load case.
-    pub fn members(&self) -> impl Iterator<Item = Member<'_>> {
-        (0..self.labels.len()).map(|index| Member { problem: self, index })
+    pub fn members(&self) -> impl Iterator<Item = CaseMember<'_>> {
+        (0..self.labels.len()).map(|index| CaseMember { problem: self, index })
     }
 
     /// The members of the first scenario: one for every load case.
-    pub fn leads(&self) -> impl Iterator<Item = Member<'_>> {
+    pub fn leads(&self) -> impl Iterator<Item = CaseMember<'_>> {
         self.members().take_while(|member| member.part().scenario() == 0)
     }
 
     /// The member of this number.
     #[must_use]
-    pub fn member(&self, index: usize) -> Member<'_> {
-        Member { problem: self, index: index.min(self.labels.len() - 1) }
+    pub fn member(&self, index: usize) -> CaseMember<'_> {
+        CaseMember { problem: self, index: index.min(self.labels.len() - 1) }
     }
 
     /// Whether there are no scenarios and no load cases.
@@ -62,7 +62,7 @@ impl Problem {
     }
 }
 
-impl<'p> Member<'p> {
+impl<'p> CaseMember<'p> {
     /// The problem.
     #[must_use]
     pub fn problem(&self) -> &'p Problem {
@@ -81,7 +81,7 @@ impl<'p> Member<'p> {
 
     /// The library's view of it.
     #[must_use]
-    pub fn part(&self) -> &'p Part {
+    pub fn part(&self) -> &'p Member {
         &self.problem.ensemble.parts()[self.index]
     }
 
@@ -165,11 +165,11 @@ impl<'p> Member<'p> {
 
     /// What its costs may look at in a state; `m` is its own control vector.
     #[must_use]
-    pub fn sight<'a>(&self, state: &'a State, m: &'a [f64], stage: usize) -> Sight<'a>
+    pub fn context<'a>(&self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a>
     where
         'p: 'a,
     {
-        Sight { solid: self.solid(), layout: self.layout(), u: &state.u, m, stage }
+        CostContext { solid: self.solid(), layout: self.layout(), u: &state.u, m, stage }
     }
 
     /// The values of all its cost terms, weights included.
@@ -177,7 +177,7 @@ impl<'p> Member<'p> {
     /// # Errors
     /// A cost that is not defined there.
     pub fn terms(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<f64>, ControlError> {
-        let sight = self.sight(state, m, stage);
-        self.reduced().costs().iter().map(|cost| cost.value(&sight)).collect()
+        let context = self.context(state, m, stage);
+        self.reduced().costs().iter().map(|cost| cost.value(&context)).collect()
     }
 }

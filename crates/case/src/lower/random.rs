@@ -6,9 +6,9 @@ use super::scenario::World;
 use super::variant::{read, set_field};
 use crate::schema::{Case, Inadmissible, Parameter, RandomParameter, RandomScenarios, Rule};
 use crate::syntax::{At, Document, Node, Place, Setting, Value};
-use nastic_control::stochastic::{Beta, Gamma, Law, LogNormalField, Modes, Normal, Sample, StochasticError};
 use nastic_energy::{EnergyError, Field};
 use nastic_fem::Discretization;
+use nastic_uncertainty::{Beta, Gamma, Law, LogNormalField, Modes, Normal, Sample, StochasticError};
 use serde_json::{Map, json};
 
 /// The nodes of the rule as worlds; `None` after a complaint.

@@ -4,8 +4,8 @@ use super::context::Context;
 use super::random;
 use crate::schema::{Case, Risk as RiskBlock, Scenario, Scenarios};
 use crate::syntax::{At, Document, Setting};
-use nastic_control::risk::{Cvar, Mean, MeanDeviation, Risk, WorstCase};
 use nastic_fem::Discretization;
+use nastic_uncertainty::risk::{Cvar, Mean, MeanDeviation, Risk, WorstCase};
 use serde_json::{Map, Value};
 use std::sync::Arc;
 

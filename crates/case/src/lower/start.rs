@@ -3,7 +3,8 @@
 use super::context::Context;
 use super::{Admitted, ControlField, Problem};
 use crate::schema::Case;
-use nastic_opt::{Bounds, Random};
+use nastic_numeric::Random;
+use nastic_opt::Bounds;
 
 /// Complains about controls that have no random start where the case asks for some.
 pub(super) fn check(case: &Case, controls: &[ControlField], context: &mut Context<'_>) {

@@ -2,11 +2,11 @@
 
 use super::files::Directory;
 use super::snapshot;
-use crate::lower::Member;
+use crate::lower::CaseMember;
 use nastic_control::Space;
 use nastic_io::WriteError;
-use nastic_io::picture::{Body, Colour, Field, Look, Picture};
 use nastic_mesh::Snapshot;
+use nastic_picture::{Body, Colour, Field, Look, Picture};
 
 /// What is drawn.
 pub(crate) struct Drawing<'a> {
@@ -19,7 +19,7 @@ pub(crate) struct Drawing<'a> {
 }
 
 /// Writes `picture.png` and `picture.svg`; their names begin with the member's load case.
-pub(crate) fn write(member: Member<'_>, drawing: &Drawing<'_>, to: &Directory) -> Result<(), WriteError> {
+pub(crate) fn write(member: CaseMember<'_>, drawing: &Drawing<'_>, to: &Directory) -> Result<(), WriteError> {
     let mut picture =
         Picture::new(&drawing.title).subtitle(&drawing.subtitle).length_unit(member.problem().units().length().symbol);
     if let Some((label, ghost)) = drawing.ghost {
@@ -37,7 +37,7 @@ pub(crate) fn write(member: Member<'_>, drawing: &Drawing<'_>, to: &Directory) -
 }
 
 /// Coloured by the first scalar control, else by J.
-fn look(member: Member<'_>, body: &Snapshot) -> Look {
+fn look(member: CaseMember<'_>, body: &Snapshot) -> Look {
     for (block, field) in member.fields() {
         if block.components == 1 {
             let array = match block.map.space() {

@@ -1,16 +1,16 @@
 //! States of all members as results show them.
 
 use super::summary;
-use crate::lower::{Member, Problem};
-use nastic_control::risk::deviation;
+use crate::lower::{CaseMember, Problem};
 use nastic_control::{ControlError, EnsemblePoint};
 use nastic_fem::{SolveReport, State};
+use nastic_uncertainty::risk::deviation;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 /// A state of one member, with the values of its costs.
 pub(crate) struct Shown<'a> {
-    pub member: Member<'a>,
+    pub member: CaseMember<'a>,
     pub state: &'a State,
     /// Its own control vector.
     pub m: Vec<f64>,
@@ -34,7 +34,7 @@ pub(crate) type MemberError = (usize, ControlError);
 
 /// The states of an evaluated control, with the work of its evaluation.
 pub(crate) fn of_point<'a>(problem: &'a Problem, point: &'a EnsemblePoint) -> Vec<Shown<'a>> {
-    let of = |(member, at): (Member<'a>, &'a nastic_control::Evaluated)| Shown {
+    let of = |(member, at): (CaseMember<'a>, &'a nastic_control::Evaluated)| Shown {
         member,
         state: &at.state,
         m: at.m.clone(),

@@ -1,6 +1,6 @@
 //! States as snapshots: everything a viewer may want to see.
 
-use crate::lower::{Member, TargetShape};
+use crate::lower::{CaseMember, TargetShape};
 use nastic_control::{ControlBlock, Space};
 use nastic_fem::State;
 use nastic_mesh::{Mesh, MeshError, Snapshot};
@@ -23,7 +23,7 @@ pub(crate) const RESERVED: [&str; 10] =
 
 /// The snapshot of a state: point data displacement, adjoint, nodal controls and their gradients; cell data the other
 /// controls and gradients, J, stresses, energy and directions, averaged over each cell's reference volume.
-pub(crate) fn snapshot(member: Member<'_>, view: &View<'_>) -> Result<Snapshot, MeshError> {
+pub(crate) fn snapshot(member: CaseMember<'_>, view: &View<'_>) -> Result<Snapshot, MeshError> {
     let (mesh, dim) = (member.mesh(), member.mesh().dim());
     let mut out = Snapshot::new(mesh.clone()).with_points("displacement", 3, padded(&view.state.u, dim))?;
     if let Some(adjoint) = view.adjoint {
@@ -42,7 +42,7 @@ pub(crate) fn snapshot(member: Member<'_>, view: &View<'_>) -> Result<Snapshot, 
 /// A control field, or its gradient.
 fn with_field(
     out: Snapshot,
-    member: Member<'_>,
+    member: CaseMember<'_>,
     block: &ControlBlock,
     name: &str,
     m: &[f64],
@@ -82,7 +82,7 @@ fn nodal(mesh: &Mesh, cells: &[u32], block: &ControlBlock, values: &[f64]) -> Ve
 }
 
 /// A field that is constant in each cell; zero where it does not act.
-fn by_cell(member: Member<'_>, block: &ControlBlock, values: &[f64]) -> Vec<f64> {
+fn by_cell(member: CaseMember<'_>, block: &ControlBlock, values: &[f64]) -> Vec<f64> {
     let n = block.components;
     let mut out = vec![0.0; member.mesh().cells() * n];
     for (cell, (first, _)) in member.solid().discretization().points_of_cells().into_iter().enumerate() {
@@ -94,7 +94,7 @@ fn by_cell(member: Member<'_>, block: &ControlBlock, values: &[f64]) -> Vec<f64>
 }
 
 /// Slots nobody controls, and the fields of magnets.
-fn with_fixed(mut out: Snapshot, member: Member<'_>, state: &State) -> Result<Snapshot, MeshError> {
+fn with_fixed(mut out: Snapshot, member: CaseMember<'_>, state: &State) -> Result<Snapshot, MeshError> {
     let disc = member.solid().discretization();
     let cells = member.mesh().cells();
     let (mut remanence, mut field) = (None::<Vec<f64>>, None::<Vec<f64>>);
@@ -125,7 +125,7 @@ fn with_fixed(mut out: Snapshot, member: Member<'_>, state: &State) -> Result<Sn
 }
 
 /// What follows from the state alone; a state with an inverted cell has no such thing.
-fn with_state(mut out: Snapshot, member: Member<'_>, state: &State) -> Result<Snapshot, MeshError> {
+fn with_state(mut out: Snapshot, member: CaseMember<'_>, state: &State) -> Result<Snapshot, MeshError> {
     let Ok(fields) = member.solid().cell_fields(state) else { return Ok(out) };
     out = out.with_cells("J", 1, fields.j)?.with_cells("P", 9, fields.piola)?;
     out = out.with_cells("cauchy_stress", 9, fields.cauchy)?.with_cells("energy", 1, fields.energy)?;

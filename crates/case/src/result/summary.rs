@@ -1,7 +1,7 @@
 //! The parts of `result.json`.
 
 use super::shown::Shown;
-use crate::lower::{Admitted, ControlField, Member, Problem};
+use crate::lower::{Admitted, CaseMember, ControlField, Problem};
 use nastic_control::{ControlBlock, ControlError, EnsembleBlock};
 use nastic_fem::{InvertedAt, SolveReport, State};
 use nastic_opt::Problem as _;
@@ -17,11 +17,11 @@ pub(crate) fn cost(shown: &Shown<'_>) -> Value {
 
 /// `{ "smoothed": ..., "true": ..., "self": ... }` of the first such cost, and of each under its name where there are
 /// several; null without one.
-pub(crate) fn hausdorff(member: Member<'_>, state: &State, m: &[f64], stage: usize) -> Result<Value, ControlError> {
-    let sight = member.sight(state, m, stage);
+pub(crate) fn hausdorff(member: CaseMember<'_>, state: &State, m: &[f64], stage: usize) -> Result<Value, ControlError> {
+    let context = member.context(state, m, stage);
     let mut all = Vec::new();
     for (name, cost) in member.reduced().term_names().into_iter().zip(member.reduced().costs()) {
-        let figures = cost.figures(&sight)?;
+        let figures = cost.figures(&context)?;
         let own = figures
             .into_iter()
             .filter_map(|(key, value)| Some((key.strip_prefix("hausdorff/")?.to_owned(), json!(value))));
@@ -45,7 +45,7 @@ pub(crate) fn derivative_norm(problem: &Problem, derivative: &[f64]) -> Value {
 }
 
 /// `{ NAME: { "point": [...], "displacement": [...], "position": [...] } }`
-fn probes(member: Member<'_>, state: &State) -> Value {
+fn probes(member: CaseMember<'_>, state: &State) -> Value {
     let dim = member.mesh().dim();
     let of = |probe: &crate::lower::LocatedProbe| {
         let u = probe.displacement(&state.u, dim);
@@ -88,7 +88,7 @@ fn is_active(unknown: usize, value: f64, field: &ControlField) -> bool {
 }
 
 /// `{ SUPPORT: [x, y, z] }`: the forces the supports exert on the body.
-fn reactions(member: Member<'_>, state: &State) -> Result<Value, InvertedAt> {
+fn reactions(member: CaseMember<'_>, state: &State) -> Result<Value, InvertedAt> {
     let solid = member.solid();
     let force = solid.body().evaluate(&state.u, &state.controls, true, true)?.force;
     let net: Vec<f64> = force.iter().zip(solid.dead_load()).map(|(f, d)| f - state.load * d).collect();
@@ -97,7 +97,7 @@ fn reactions(member: Member<'_>, state: &State) -> Result<Value, InvertedAt> {
 }
 
 /// What a state says of itself: `min_J`, `inertia`, `energy`, reactions, probes.
-pub(crate) fn state(member: Member<'_>, state: &State) -> Map<String, Value> {
+pub(crate) fn state(member: CaseMember<'_>, state: &State) -> Map<String, Value> {
     let mut out = Map::new();
     out.insert("min_J".into(), json!(state.report.min_j));
     out.insert("residual".into(), json!(state.report.residual));

@@ -1,6 +1,7 @@
 //! The short gradient check that an optimisation begins with.
 
-use nastic_opt::{Admissible, Objective, Random, Request, Taylor, TaylorError, TaylorReport, Verdict};
+use nastic_numeric::Random;
+use nastic_opt::{Admissible, Objective, Request, Taylor, TaylorError, TaylorReport, Verdict};
 
 /// What a short check found.
 #[derive(Clone, PartialEq, Debug)]

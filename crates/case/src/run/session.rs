@@ -4,7 +4,7 @@ use super::error::{Exit, RunError};
 use super::roll::Roll;
 use super::{Options, number};
 use crate::console::Console;
-use crate::lower::{Member, Problem};
+use crate::lower::{CaseMember, Problem};
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::snapshot::{self, View};
@@ -198,7 +198,7 @@ impl<'c> Session<'c> {
 
     fn write_failure(
         &self,
-        member: Member<'_>,
+        member: CaseMember<'_>,
         last: &State,
         cell: Option<usize>,
     ) -> Result<Option<PathBuf>, RunError> {

@@ -3,7 +3,7 @@
 use super::error::{Exit, RunError};
 use super::number::{scientific, short, vector};
 use super::session::Session;
-use crate::lower::{Member, Problem, TargetShape, file_name};
+use crate::lower::{CaseMember, Problem, TargetShape, file_name};
 use crate::result::files::Directory;
 use crate::result::picture::{self, Drawing};
 use crate::result::shown::{self, Detail, MemberError, Shown};
@@ -27,8 +27,8 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
 /// The equilibria of all members, side by side; the first that fails, in their order, ends it.
 fn equilibria(session: &Session<'_>) -> Result<Vec<State>, MemberError> {
     let problem = &session.problem;
-    let members: Vec<Member<'_>> = problem.members().collect();
-    let solve = |member: &Member<'_>| -> Result<State, MemberError> {
+    let members: Vec<CaseMember<'_>> = problem.members().collect();
+    let solve = |member: &CaseMember<'_>| -> Result<State, MemberError> {
         let failed = |error| (member.index(), error);
         let name = member.name();
         let name = if name.is_empty() { name } else { format!(" {name}") };
@@ -67,7 +67,7 @@ fn report(session: &mut Session<'_>, states: &[State]) -> Result<(), RunError> {
 }
 
 fn shown<'a>(problem: &'a Problem, states: &'a [State]) -> Result<Vec<Shown<'a>>, MemberError> {
-    let of = |(member, state): (Member<'a>, &'a State)| {
+    let of = |(member, state): (CaseMember<'a>, &'a State)| {
         let m = member.local(&problem.start);
         let terms = member.terms(state, &m, 0).map_err(|error| (member.index(), error))?;
         Ok(Shown { member, state, m, terms, stage: 0, work: state.report })
@@ -281,7 +281,7 @@ pub(super) fn target_files(problem: &Problem) -> Vec<String> {
 fn named_targets(problem: &Problem) -> Vec<(String, &TargetShape)> {
     let mut out: Vec<(String, &TargetShape)> = Vec::new();
     for member in problem.members() {
-        let same = |other: &Member<'_>| {
+        let same = |other: &CaseMember<'_>| {
             other.targets().len() == member.targets().len()
                 && other.targets().iter().zip(member.targets()).all(|(a, b)| a.is_same(b))
         };
@@ -306,7 +306,7 @@ pub(super) fn write_collections(problem: &Problem, what: &str, out: &Directory) 
     let mut files = Vec::new();
     for lead in problem.leads().filter(|_| problem.has_scenarios()) {
         let own = problem.members().filter(|member| member.load_case() == lead.load_case());
-        let entry = |member: Member<'_>| (member.part().scenario() as f64, member.file(&format!("{what}.vtu")));
+        let entry = |member: CaseMember<'_>| (member.part().scenario() as f64, member.file(&format!("{what}.vtu")));
         let entries: Vec<(f64, String)> = own.map(entry).collect();
         let name = lead.case_file("scenarios.pvd");
         nastic_io::write_pvd(out.file(&name), &entries)?;
@@ -316,7 +316,7 @@ pub(super) fn write_collections(problem: &Problem, what: &str, out: &Directory) 
 }
 
 /// The title of pictures.
-pub(super) fn title(member: Member<'_>) -> String {
+pub(super) fn title(member: CaseMember<'_>) -> String {
     let problem = member.problem();
     let title = problem.case.title.clone().unwrap_or_else(|| problem.document.name().to_owned());
     let name = member.name();

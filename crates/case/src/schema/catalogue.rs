@@ -5,7 +5,7 @@ use crate::quantity::Want;
 use crate::schema::field::{Parameter, VectorField, check_unit};
 use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
-use crate::syntax::{At, Member, Node};
+use crate::syntax::{At, Node, Property};
 use nastic_energy::catalogue::{self, ActuationRow, Takes};
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
@@ -103,7 +103,7 @@ fn read_input(parameter: &catalogue::Parameter, node: &Node, at: &At, reader: &m
 }
 
 /// True if all keys belong to one form and none of its own is missing.
-fn check_form(owner: &str, forms: Forms, node: &Node, members: &[Member], at: &At, reader: &mut Reader<'_>) -> bool {
+fn check_form(owner: &str, forms: Forms, node: &Node, members: &[Property], at: &At, reader: &mut Reader<'_>) -> bool {
     let has = |name: &str| members.iter().any(|member| member.key == name);
     let given: Vec<&str> = keys(forms).iter().map(|p| p.name).filter(|name| has(name)).collect();
     let missing = |form: &[catalogue::Parameter]| -> Vec<&str> {

@@ -2,7 +2,7 @@
 
 use crate::quantity::{Units, Want};
 use crate::schema::json::Definitions;
-use crate::syntax::{At, Diagnostic, Document, Member, Node, Value, nearest, quoted};
+use crate::syntax::{At, Diagnostic, Document, Node, Property, Value, nearest, quoted};
 use serde_json::Value as Json;
 
 /// A type a key may have.
@@ -124,7 +124,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The members of an object.
-    pub(crate) fn members<'n>(&mut self, node: &'n Node, at: &At) -> Option<&'n [Member]> {
+    pub(crate) fn members<'n>(&mut self, node: &'n Node, at: &At) -> Option<&'n [Property]> {
         match &node.value {
             Value::Object(members) => Some(members),
             _ => {
@@ -159,7 +159,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Complains about every key that is not known.
-    pub(crate) fn refuse_unknown(&mut self, members: &[Member], at: &At, known: &[&str]) {
+    pub(crate) fn refuse_unknown(&mut self, members: &[Property], at: &At, known: &[&str]) {
         for member in members {
             if !known.contains(&member.key.as_str()) {
                 let clause = nearest::clause(&member.key, known);

@@ -1,7 +1,7 @@
 //! A case file as a tree.
 
 use super::diagnostic::{Diagnostic, Diagnostics};
-use super::node::{Member, Node, Place, Value};
+use super::node::{Node, Place, Property, Value};
 use super::parse::parse;
 use super::path::At;
 use super::setting::{Setting, complaint};
@@ -140,6 +140,6 @@ impl Document {
         }
         let place = setting.node.place.clone();
         let node = Node { value: Value::Object(Vec::new()), place: place.clone() };
-        members.push(Member { key: block.to_string(), place, node });
+        members.push(Property { key: block.to_string(), place, node });
     }
 }

@@ -40,12 +40,12 @@ pub enum Value {
     /// [...]
     Array(Vec<Node>),
     /// {...}
-    Object(Vec<Member>),
+    Object(Vec<Property>),
 }
 
 /// A key and its value.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Member {
+pub struct Property {
     /// The key.
     pub key: String,
     /// Where the key stands.

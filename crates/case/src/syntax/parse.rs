@@ -1,7 +1,7 @@
 //! Text to nodes.
 
 use super::diagnostic::Diagnostic;
-use super::node::{Member, Node, Place, Value};
+use super::node::{Node, Place, Property, Value};
 use super::path::At;
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, ast, parse_to_ast};
@@ -62,15 +62,15 @@ impl Reading<'_> {
         Node { value, place: self.lines.place(from.start()) }
     }
 
-    fn members(&mut self, object: &ast::Object<'_>, at: &At) -> Vec<Member> {
-        let mut members: Vec<Member> = Vec::with_capacity(object.properties.len());
+    fn members(&mut self, object: &ast::Object<'_>, at: &At) -> Vec<Property> {
+        let mut members: Vec<Property> = Vec::with_capacity(object.properties.len());
         for property in &object.properties {
             let key = property.name.as_str().to_string();
             let start = property.name.start();
             let own = at.key(&key);
             let node = self.node(&property.value, &own);
             match members.iter().find(|member| member.key == key) {
-                None => members.push(Member { key, place: self.lines.place(start), node }),
+                None => members.push(Property { key, place: self.lines.place(start), node }),
                 Some(first) => {
                     let line = if let Place::Text { line, .. } = first.place { line } else { 0 };
                     self.complain(start, &own, format!("this key was given before, in line {line}"));

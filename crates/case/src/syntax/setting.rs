@@ -2,7 +2,7 @@
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::nearest;
-use super::node::{Member, Node, Place, Value};
+use super::node::{Node, Place, Property, Value};
 use super::parse::parse;
 use super::path::behind;
 
@@ -94,7 +94,7 @@ fn put(node: &mut Node, path: &str, done: &str, new: &Node) -> Result<(), String
                 return put(&mut member.node, rest, &done, new);
             }
             let Some((missing, _)) = path.split_once('/') else {
-                members.push(Member { key: path.to_string(), place: new.place.clone(), node: new.clone() });
+                members.push(Property { key: path.to_string(), place: new.place.clone(), node: new.clone() });
                 return Ok(());
             };
             let known: Vec<&str> = members.iter().map(|m| m.key.as_str()).collect();

@@ -1,6 +1,5 @@
 //! Costs: how far a body is from the wish.
 
-pub mod hausdorff;
 mod regularization;
 mod smoothed_hausdorff;
 mod tracking;
@@ -16,7 +15,7 @@ use std::fmt::Debug;
 
 /// What a cost may look at.
 #[derive(Clone, Copy)]
-pub struct Sight<'a> {
+pub struct CostContext<'a> {
     /// The body.
     pub solid: &'a Solid,
     /// The control fields.
@@ -50,13 +49,13 @@ pub trait Cost: Debug + Send + Sync {
     ///
     /// # Errors
     /// Where the cost is not defined.
-    fn value(&self, at: &Sight) -> Result<f64, ControlError>;
+    fn value(&self, at: &CostContext) -> Result<f64, ControlError>;
 
     /// Adds the partial derivatives and returns the value.
     ///
     /// # Errors
     /// Where the cost is not defined.
-    fn partials(&self, at: &Sight, out: &mut Partials) -> Result<f64, ControlError>;
+    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError>;
 
     /// Number of continuation stages.
     fn stages(&self) -> usize {
@@ -67,7 +66,7 @@ pub trait Cost: Debug + Send + Sync {
     ///
     /// # Errors
     /// Where they are not defined.
-    fn figures(&self, _at: &Sight) -> Result<Vec<(String, f64)>, ControlError> {
+    fn figures(&self, _at: &CostContext) -> Result<Vec<(String, f64)>, ControlError> {
         Ok(vec![])
     }
 

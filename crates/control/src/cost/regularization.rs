@@ -1,6 +1,6 @@
 //! Costs of the control itself: [`ControlNorm`] and [`ControlSmoothness`].
 
-use super::{Cost, Partials, Sight, check_weight};
+use super::{Cost, CostContext, Partials, check_weight};
 use crate::error::ControlError;
 use crate::inner_product::{mass_product, stiffness_product};
 
@@ -29,11 +29,11 @@ impl Cost for ControlNorm {
         "control_norm"
     }
 
-    fn value(&self, at: &Sight) -> Result<f64, ControlError> {
+    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
         quadratic(at, &self.of, self.weight, mass_product, None)
     }
 
-    fn partials(&self, at: &Sight, out: &mut Partials) -> Result<f64, ControlError> {
+    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
         quadratic(at, &self.of, self.weight, mass_product, Some(out))
     }
 }
@@ -65,11 +65,11 @@ impl Cost for ControlSmoothness {
         "control_smoothness"
     }
 
-    fn value(&self, at: &Sight) -> Result<f64, ControlError> {
+    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
         quadratic(at, &self.of, self.weight, stiffness_product, None)
     }
 
-    fn partials(&self, at: &Sight, out: &mut Partials) -> Result<f64, ControlError> {
+    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
         quadratic(at, &self.of, self.weight, stiffness_product, Some(out))
     }
 }
@@ -78,7 +78,7 @@ type Product = fn(&nastic_fem::Discretization, &crate::map::ControlMap, &[f64]) 
 
 /// `(weight/2) m . A m` summed over the components, and its derivative `weight A m`.
 fn quadratic(
-    at: &Sight,
+    at: &CostContext,
     of: &str,
     weight: f64,
     product: Product,

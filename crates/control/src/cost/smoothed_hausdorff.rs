@@ -1,9 +1,9 @@
 //! [`SmoothedHausdorff`]: how far the deformed body is from a target domain.
 
-use super::hausdorff::{Cloud, Evaluation, Method, Phi, Smoothing};
-use super::{Cost, IntoCost, Partials, Sight, check_weight};
+use super::{Cost, CostContext, IntoCost, Partials, check_weight};
 use crate::error::ControlError;
-use nastic_fem::{Sampling, Solid};
+use nastic_fem::{QuadraturePoints, Solid};
+use nastic_hausdorff::{Cloud, Evaluation, Method, Phi, Smoothing};
 use nastic_mesh::Mesh;
 use nastic_mesh::{Hausdorff, Shape, hausdorff};
 use nastic_tensor::Mat3;
@@ -135,7 +135,7 @@ impl IntoCost for SmoothedHausdorff {
     }
 }
 
-fn sample(mesh: &Mesh, region: Option<&str>, points: usize) -> Result<Sampling, ControlError> {
+fn sample(mesh: &Mesh, region: Option<&str>, points: usize) -> Result<QuadraturePoints, ControlError> {
     let cells = match region {
         Some(name) => mesh.region(name)?.to_vec(),
         None => (0..mesh.cells() as u32).collect(),
@@ -143,13 +143,13 @@ fn sample(mesh: &Mesh, region: Option<&str>, points: usize) -> Result<Sampling, 
     if cells.is_empty() {
         return Err(ControlError::Cost { what: format!("{} has no cells to measure a distance to", mesh.name()) });
     }
-    Ok(Sampling::of_cells(mesh, cells, |kind| kind.rule_of_points(points))?)
+    Ok(QuadraturePoints::of_cells(mesh, cells, |kind| kind.rule_of_points(points))?)
 }
 
 /// [`SmoothedHausdorff`] bound to a body.
 #[derive(Debug)]
 pub struct BoundHausdorff {
-    body: Sampling,
+    body: QuadraturePoints,
     region: Option<String>,
     target: Arc<Mesh>,
     cloud: Cloud,
@@ -165,11 +165,11 @@ impl BoundHausdorff {
         self.stages[stage.min(self.stages.len() - 1)]
     }
 
-    fn evaluation(&self, at: &Sight) -> Result<(Evaluation, Vec<Mat3>), ControlError> {
+    fn evaluation(&self, at: &CostContext) -> Result<(Evaluation, Vec<Mat3>), ControlError> {
         let kinematics = self.body.kinematics(at.u)?;
         let weights: Vec<f64> = self.body.weights().iter().zip(&kinematics).map(|(w, k)| w * k.j()).collect();
         let positions = self.body.positions(at.solid.mesh(), Some(at.u));
-        let fail = |e: super::hausdorff::HausdorffError| ControlError::Cost { what: e.to_string() };
+        let fail = |e: nastic_hausdorff::HausdorffError| ControlError::Cost { what: e.to_string() };
         let cloud = Cloud::new(positions, weights).map_err(fail)?;
         let evaluation = Evaluation::new(&cloud, &self.cloud, self.smoothing(at.stage), Method::Auto).map_err(fail)?;
         let cofactors = kinematics.iter().map(|k| *k.h()).collect();
@@ -211,11 +211,11 @@ impl Cost for BoundHausdorff {
         "smoothed_hausdorff"
     }
 
-    fn value(&self, at: &Sight) -> Result<f64, ControlError> {
+    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
         Ok(self.weight * self.evaluation(at)?.0.distance().rho)
     }
 
-    fn partials(&self, at: &Sight, out: &mut Partials) -> Result<f64, ControlError> {
+    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
         let (evaluation, cofactors) = self.evaluation(at)?;
         let partials = evaluation.partials().map_err(|e| ControlError::Cost { what: e.to_string() })?;
         let dim = at.solid.discretization().dim();
@@ -234,7 +234,7 @@ impl Cost for BoundHausdorff {
         self.stages.len()
     }
 
-    fn figures(&self, at: &Sight) -> Result<Vec<(String, f64)>, ControlError> {
+    fn figures(&self, at: &CostContext) -> Result<Vec<(String, f64)>, ControlError> {
         Ok(vec![
             ("hausdorff/smoothed".to_owned(), self.evaluation(at)?.0.distance().rho),
             ("hausdorff/true".to_owned(), self.true_distance(at.solid, at.u)?.distance),

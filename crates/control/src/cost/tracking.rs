@@ -1,8 +1,8 @@
 //! [`Tracking`]: the mean squared distance of a surface, region or node set from wanted positions.
 
-use super::{Cost, IntoCost, Partials, Sight, check_weight};
+use super::{Cost, CostContext, IntoCost, Partials, check_weight};
 use crate::error::ControlError;
-use nastic_fem::{Sampling, Solid};
+use nastic_fem::{QuadraturePoints, Solid};
 use nastic_mesh::Mesh;
 use std::fmt;
 use std::sync::Arc;
@@ -110,12 +110,12 @@ impl Tracking {
         let mesh = solid.mesh();
         // Two points more than the shape functions need: targets are curved.
         let points = match &self.place {
-            Place::Surface(name) => {
-                Look::Points(Sampling::of_facets(mesh, mesh.surface(name)?, |k| k.rule_of_points(k.order() + 2)))
-            }
+            Place::Surface(name) => Look::Points(QuadraturePoints::of_facets(mesh, mesh.surface(name)?, |k| {
+                k.rule_of_points(k.order() + 2)
+            })),
             Place::Region(name) => {
                 let cells = mesh.region(name)?.to_vec();
-                Look::Points(Sampling::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?)
+                Look::Points(QuadraturePoints::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?)
             }
             Place::Nodes(name) => Look::Nodes(solid.nodes_of(name)?),
         };
@@ -134,7 +134,7 @@ pub struct BoundTracking {
 
 #[derive(Debug)]
 enum Look {
-    Points(Sampling),
+    Points(QuadraturePoints),
     Nodes(Vec<u32>),
 }
 
@@ -203,7 +203,7 @@ impl Look {
 
 impl BoundTracking {
     /// Distance vectors `x - x_target` at the points.
-    fn gaps(&self, at: &Sight) -> Vec<[f64; 3]> {
+    fn gaps(&self, at: &CostContext) -> Vec<[f64; 3]> {
         let x = self.points.positions(at.solid, Some(at.u));
         x.iter().zip(&self.target).map(|(x, t)| [x[0] - t[0], x[1] - t[1], x[2] - t[2]]).collect()
     }
@@ -220,11 +220,11 @@ impl Cost for BoundTracking {
         "tracking"
     }
 
-    fn value(&self, at: &Sight) -> Result<f64, ControlError> {
+    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
         Ok(self.sum(&self.gaps(at)))
     }
 
-    fn partials(&self, at: &Sight, out: &mut Partials) -> Result<f64, ControlError> {
+    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
         let dim = at.solid.discretization().dim();
         let gaps = self.gaps(at);
         let weighted = |(q, gap): (usize, &[f64; 3])| {

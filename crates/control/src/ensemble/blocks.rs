@@ -1,7 +1,7 @@
 //! [`EnsembleBlock`]: the control fields of an ensemble, each once, in one vector.
 
 use super::error::EnsembleError;
-use super::part::Part;
+use super::part::Member;
 use crate::layout::ControlBlock;
 
 /// One control field of an ensemble, used by some of its members.
@@ -29,8 +29,8 @@ impl EnsembleBlock {
 /// Enters the control fields of `part` (names as the ensemble has them) after those of the parts before it.
 pub(super) fn enter(
     blocks: &mut Vec<EnsembleBlock>,
-    before: &[Part],
-    part: &mut Part,
+    before: &[Member],
+    part: &mut Member,
     names: Vec<String>,
 ) -> Result<(), EnsembleError> {
     for (field, name) in names.into_iter().enumerate() {
@@ -70,12 +70,12 @@ fn difference(a: &ControlBlock, b: &ControlBlock) -> Option<&'static str> {
 }
 
 /// The control vector of one member.
-pub(super) fn gather(blocks: &[EnsembleBlock], part: &Part, m: &[f64]) -> Vec<f64> {
+pub(super) fn gather(blocks: &[EnsembleBlock], part: &Member, m: &[f64]) -> Vec<f64> {
     part.blocks.iter().flat_map(|&block| blocks[block].of(m)).copied().collect()
 }
 
 /// Adds `weight` times a member's dual vector to the ensemble's.
-pub(super) fn scatter(blocks: &[EnsembleBlock], part: &Part, weight: f64, from: &[f64], out: &mut [f64]) {
+pub(super) fn scatter(blocks: &[EnsembleBlock], part: &Member, weight: f64, from: &[f64], out: &mut [f64]) {
     for (local, &block) in part.problem.layout().blocks().iter().zip(&part.blocks) {
         let block = &blocks[block];
         let place = &mut out[block.first..block.first + block.len];

@@ -2,11 +2,11 @@
 
 use super::blocks::enter;
 use super::error::EnsembleError;
-use super::part::{LoadCase, Part};
+use super::part::{LoadCase, Member};
 use super::{Ensemble, Finished, Watch};
 use crate::error::ControlError;
 use crate::reduced::Reduced;
-use crate::risk::Risk;
+use nastic_uncertainty::risk::Risk;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -78,7 +78,7 @@ impl EnsembleBuilder {
         for (scenario, (name, _, cases)) in self.scenarios.into_iter().enumerate() {
             for case in cases {
                 let fields = field_names(&case).map_err(|e| EnsembleError::member(&label(&name, &case.name), e))?;
-                let mut part = Part {
+                let mut part = Member {
                     name: label(&name, &case.name),
                     case: case.name,
                     scenario,

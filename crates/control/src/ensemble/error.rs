@@ -1,7 +1,7 @@
 //! What can go wrong with an ensemble.
 
 use crate::error::ControlError;
-use crate::risk::RiskError;
+use nastic_uncertainty::risk::RiskError;
 use thiserror::Error;
 
 /// An ensemble that cannot be built, or a member that cannot be evaluated.

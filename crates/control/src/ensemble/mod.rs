@@ -11,14 +11,14 @@ mod shape;
 pub use blocks::EnsembleBlock;
 pub use builder::EnsembleBuilder;
 pub use error::EnsembleError;
-pub use part::{LoadCase, Part};
+pub use part::{LoadCase, Member};
 pub use report::Measured;
 
 use crate::error::ControlError;
 use crate::reduced::Evaluated;
-use crate::risk::Risk;
 use blocks::{gather, scatter};
 use nastic_opt::{Failed, Objective, Report, Request};
+use nastic_uncertainty::risk::Risk;
 use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
@@ -42,7 +42,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Source: docs/model.md section 6; survey, section 4.2.3.
 ///
 /// ```
-/// use nastic_control::{Ensemble, Reduced, Space, Target, Tracking, risk::MeanDeviation};
+/// use nastic_control::{Ensemble, Reduced, Space, Target, Tracking};
+/// use nastic_uncertainty::risk::MeanDeviation;
 /// use nastic_energy::{MooneyRivlin, Turgor};
 /// use nastic_fem::{Discretization, Solid};
 /// use nastic_mesh::{CellKind, box_mesh};
@@ -67,7 +68,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// ```
 #[derive(Debug)]
 pub struct Ensemble {
-    parts: Vec<Part>,
+    parts: Vec<Member>,
     names: Vec<String>,
     probabilities: Vec<f64>,
     blocks: Vec<EnsembleBlock>,
@@ -140,7 +141,7 @@ impl Ensemble {
     }
 
     /// The members, scenario by scenario, load case by load case.
-    pub fn parts(&self) -> &[Part] {
+    pub fn parts(&self) -> &[Member] {
         &self.parts
     }
 
@@ -197,7 +198,7 @@ impl Ensemble {
     ///
     /// # Errors
     /// [`EnsembleError::Length`].
-    pub fn local(&self, part: &Part, m: &[f64]) -> Result<Vec<f64>, EnsembleError> {
+    pub fn local(&self, part: &Member, m: &[f64]) -> Result<Vec<f64>, EnsembleError> {
         self.check_len(m)?;
         Ok(gather(&self.blocks, part, m))
     }
@@ -243,10 +244,10 @@ impl Ensemble {
     /// first in order, whoever was first on the clock.
     fn side_by_side<T: Send>(
         &self,
-        each: impl Fn(usize, &Part) -> Result<T, ControlError> + Sync,
+        each: impl Fn(usize, &Member) -> Result<T, ControlError> + Sync,
     ) -> Result<Vec<T>, EnsembleError> {
         let failed = AtomicUsize::new(usize::MAX);
-        let run = |(index, part): (usize, &Part)| {
+        let run = |(index, part): (usize, &Member)| {
             if index > failed.load(Ordering::Relaxed) {
                 return None;
             }
@@ -313,7 +314,7 @@ impl Ensemble {
     /// The first member, in order, whose adjoint cannot be had.
     pub fn try_derivative(&self, point: &EnsemblePoint) -> Result<Vec<f64>, EnsembleError> {
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
-        let weight = |part: &Part| by_cost[part.scenario] * part.weight;
+        let weight = |part: &Member| by_cost[part.scenario] * part.weight;
         let derivatives = self.side_by_side(|index, part| match (weight(part), point.parts.get(index)) {
             (weight, Some(at)) if weight != 0.0 => part.problem.derivative_of(at, None).map(Some),
             _ => Ok(None),

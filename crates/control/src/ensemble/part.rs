@@ -1,4 +1,4 @@
-//! [`LoadCase`] and [`Part`]: the problems an ensemble is made of.
+//! [`LoadCase`] and [`Member`]: the problems an ensemble is made of.
 
 use crate::reduced::Reduced;
 use std::collections::BTreeSet;
@@ -28,7 +28,7 @@ impl LoadCase {
 
 /// A member as the ensemble keeps it: one load case of one scenario.
 #[derive(Debug)]
-pub struct Part {
+pub struct Member {
     pub(super) name: String,
     pub(super) case: String,
     pub(super) scenario: usize,
@@ -38,7 +38,7 @@ pub struct Part {
     pub(super) blocks: Vec<usize>,
 }
 
-impl Part {
+impl Member {
     /// `SCENARIO`, `LOAD_CASE` or `SCENARIO/LOAD_CASE`.
     pub fn name(&self) -> &str {
         &self.name

@@ -1,9 +1,9 @@
 //! What is reported of an ensemble: every risk, every scenario, the work of all.
 
 use super::{Ensemble, EnsemblePoint};
-use crate::risk::{CATALOGUE, Risk, deviation};
 use nastic_fem::SolveReport;
 use nastic_opt::Report;
+use nastic_uncertainty::risk::{CATALOGUE, Risk, deviation};
 
 /// A measure of risk at a point.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! The mean shape of an ensemble, and how far single scenarios lie from it.
 
-use super::{Ensemble, EnsembleError, EnsemblePoint, Part};
+use super::{Ensemble, EnsembleError, EnsemblePoint, Member};
 use crate::error::ControlError;
 use crate::reduced::Evaluated;
 use nastic_mesh::Snapshot;
@@ -15,7 +15,7 @@ impl Ensemble {
     /// # Errors
     /// [`EnsembleError::Shape`] for an unknown load case, or scenarios on different meshes.
     pub fn mean_shape(&self, point: &EnsemblePoint, load_case: &str) -> Result<Snapshot, EnsembleError> {
-        let members: Vec<(&Part, &Evaluated)> =
+        let members: Vec<(&Member, &Evaluated)> =
             self.parts.iter().zip(&point.parts).filter(|(part, _)| part.case == load_case).collect();
         let Some((first, at)) = members.first() else {
             return Err(EnsembleError::Shape { what: format!("there is no load case \"{load_case}\"") });
@@ -28,7 +28,7 @@ impl Ensemble {
                 return Err(EnsembleError::Shape { what });
             }
         }
-        let p = |part: &Part| self.probabilities[part.scenario];
+        let p = |part: &Member| self.probabilities[part.scenario];
         let mut mean = vec![0.0; at.state.u.len()];
         for (part, at) in &members {
             mean.iter_mut().zip(at.state.u.iter()).for_each(|(mean, u)| *mean += p(part) * u);

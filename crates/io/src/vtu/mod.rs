@@ -12,4 +12,4 @@ mod xml;
 
 pub use read::{Entity, FileArray, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled};
 pub use write::write_vtu;
-pub(crate) use xml::escape;
+pub use xml::escape;

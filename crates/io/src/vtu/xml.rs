@@ -296,8 +296,8 @@ fn unescape(text: &str) -> Option<Cow<'_, str>> {
     Some(Cow::Owned(out))
 }
 
-/// Text that may stand in an attribute.
-pub(crate) fn escape(text: &str) -> String {
+/// Text that may stand in an attribute of XML.
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -1,7 +1,7 @@
 //! The ball per point: |m_p| <= radius at every point p.
 
 use super::{Admissible, Face, Outside, SetError, check_radius, length};
-use crate::vector::{add, dot};
+use nastic_numeric::vector::{add, dot};
 
 /// Vectors of `dim` components, one per point and stored point by point, each no longer than a given radius: an applied
 /// field.

@@ -2,7 +2,7 @@
 
 use crate::conjugate_gradient::conjugate_gradient;
 use crate::inner_product::InnerProduct;
-use crate::vector::dot;
+use nastic_numeric::vector::dot;
 
 /// A subspace of control vectors: some components fixed, at some points one direction barred. Its Euclidean-orthogonal
 /// projector P is used on directions and derivatives alike.

@@ -1,7 +1,7 @@
 //! The sphere per point: |m_p| = radius at every point p.
 
 use super::{Admissible, Face, Outside, SetError, check_radius, length};
-use crate::random::Random;
+use nastic_numeric::Random;
 
 /// Vectors of `dim` components, one per point and stored point by point, each of the same given length: a magnetisation.
 /// The retraction is (m + t d) radius/|m + t d|, the transport the projection onto the new tangent plane.

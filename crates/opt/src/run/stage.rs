@@ -6,7 +6,7 @@ use crate::observer::{Observer, Reason};
 use crate::optimizer::Options;
 use crate::state::{Progress, StageEnd};
 use crate::stop::{Stall, Stop};
-use crate::vector::sub;
+use nastic_numeric::vector::sub;
 
 /// Flat steps in a row before a stage is given up.
 const FLAT: usize = 3;

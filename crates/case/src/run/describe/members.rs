@@ -70,7 +70,7 @@ pub(super) fn json(problem: &Problem) -> Map<String, Value> {
     let mut out = Map::new();
     let ensemble = &problem.ensemble;
     if problem.leads().any(|member| member.load_case().is_some()) {
-        let of = |member: crate::lower::Member<'_>| {
+        let of = |member: crate::lower::CaseMember<'_>| {
             let own = member.fields().filter(|(_, field)| field.load_case.is_some()).map(|(_, field)| &field.name);
             let own: Vec<&String> = own.collect();
             let terms = member.reduced().term_names();

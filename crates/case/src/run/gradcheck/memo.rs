@@ -4,7 +4,7 @@ use nastic_control::{Ensemble, EnsembleError, EnsemblePoint};
 use nastic_opt::{Failed, Objective, Request};
 use std::sync::Mutex;
 
-/// Part of the cost.
+/// Member of the cost.
 #[derive(Clone, Debug)]
 pub(super) struct Term {
     pub label: String,
@@ -64,7 +64,7 @@ impl<'a> Memo<'a> {
 
     /// The most stages that a term of this name has.
     fn stages_of(&self, name: &str) -> usize {
-        let of = |part: &nastic_control::Part| {
+        let of = |part: &nastic_control::Member| {
             let problem = part.problem();
             let own = problem.term_names().iter().position(|term| term == name)?;
             Some(problem.costs()[own].stages())

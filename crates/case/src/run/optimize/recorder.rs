@@ -115,7 +115,7 @@ impl<'s> Recorder<'s> {
     /// The true distance of an accepted state: the largest of all members.
     fn distance(&self, trial: &Trial<'_, EnsemblePoint>) -> Option<f64> {
         let point = trial.point.filter(|_| trial.accepted && self.table.distance)?;
-        let of = |(member, at): (crate::lower::Member<'_>, &nastic_control::Evaluated)| {
+        let of = |(member, at): (crate::lower::CaseMember<'_>, &nastic_control::Evaluated)| {
             summary::hausdorff(member, &at.state, &at.m, at.stage).ok()?["true"].as_f64()
         };
         self.problem.members().zip(&point.parts).filter_map(of).reduce(f64::max)

@@ -1,0 +1,154 @@
+//! Sums over the cells: energy, force and tangent of a [`Body`](crate::Body).
+//!
+//! Cells are computed in parallel and added up in mesh order, see [`sweep`].
+
+use crate::contributions::body_energy::{Body, Evaluation};
+use crate::contributions::controls::Controls;
+use crate::error::InvertedAt;
+use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
+use crate::kernels::kernel;
+use nastic_energy::{EnergyTerm, Points, Response, Slots, Want};
+use nastic_linear::SymmetricMatrix;
+use nastic_tensor::Kinematics;
+
+/// What is wanted: the tangent alone is had without the others.
+#[derive(Clone, Copy)]
+pub(crate) struct Demand {
+    pub energy: bool,
+    pub force: bool,
+    pub tangent: bool,
+}
+
+/// What a cell hands over to be added up.
+#[derive(Clone)]
+struct CellResult {
+    energy: f64,
+    energy_scale: f64,
+    min_j: f64,
+    rows: Vec<f64>,
+    /// Absolute forces of the passive terms and of the actuations, each by itself.
+    scale: Vec<f64>,
+    matrix: Vec<f64>,
+}
+
+pub(crate) fn evaluate(
+    body: &Body,
+    u: &[f64],
+    controls: &Controls,
+    demand: Demand,
+    mut tangent: Option<&mut SymmetricMatrix>,
+    parallel: bool,
+) -> Result<Evaluation, InvertedAt> {
+    let disc = body.discretization();
+    let dofs = if demand.force { disc.dofs() } else { 0 };
+    let mut total = Evaluation {
+        min_j: f64::INFINITY,
+        force: vec![0.0; dofs],
+        force_scale: vec![0.0; dofs],
+        ..Evaluation::default()
+    };
+    for (p, part) in disc.body().parts.iter().enumerate() {
+        let Some(kernel) = kernel(part.kind) else { continue };
+        let scatter = if demand.tangent { disc.scatter(p) } else { &[] };
+        let cells = Cells { part, kernel, dim: disc.dim() };
+        let job = Job { body, cells, scatter, u, controls, demand };
+        sweep(&job, parallel, |c, result| job.add(c, result, &mut total, tangent.as_deref_mut()))?;
+    }
+    Ok(total)
+}
+
+struct Job<'a> {
+    body: &'a Body,
+    cells: Cells<'a>,
+    scatter: &'a [u32],
+    u: &'a [f64],
+    controls: &'a Controls,
+    demand: Demand,
+}
+
+impl CellWork for Job<'_> {
+    type Answer = CellResult;
+
+    fn cells(&self) -> Cells<'_> {
+        self.cells
+    }
+
+    fn room(&self) -> (CellResult, usize) {
+        let rows = if self.demand.force { self.cells.rows() } else { Vec::new() };
+        let matrix = if self.demand.tangent { self.cells.kernel.matrix_len() } else { 0 };
+        let size = matrix + 2 * rows.len();
+        let (scale, matrix) = (rows.clone(), vec![0.0; matrix]);
+        (CellResult { energy: 0.0, energy_scale: 0.0, min_j: f64::INFINITY, rows, scale, matrix }, size)
+    }
+
+    fn compute(&self, c: usize, scratch: &mut Scratch, result: &mut CellResult) -> Result<(), InvertedAt> {
+        let (part, kernel) = (self.cells.part, self.cells.kernel);
+        let points = part.table.points;
+        let (id, first) = (part.cells[c] as usize, part.first_point(c));
+        scratch.move_to(self.cells, c, self.u)?;
+        let Demand { energy, force, tangent } = self.demand;
+        let want = Want { energy, stress: force, tangent };
+        scratch.clear(want);
+        let at = Points { kinematics: &scratch.kinematics, cell: id, first };
+        let mut out =
+            Response { energy: &mut scratch.energy, stress: &mut scratch.stress, tangent: &mut scratch.tangent };
+        let composition = &self.body.compositions[self.body.of_cell[id] as usize];
+        for &t in &composition.terms {
+            self.body.terms[t].respond(&at, Slots::none(), want, &mut out);
+        }
+        out.stress = &mut scratch.driving;
+        for &k in &composition.actuations {
+            self.body.actuations[k].law.respond(&at, slots(self.controls, k, first, points), want, &mut out);
+        }
+        let weights = &self.body.discretization().body().weights()[first..first + points];
+        result.energy = weights.iter().zip(&scratch.energy).map(|(w, e)| w * e).sum();
+        result.energy_scale = weights.iter().zip(&scratch.energy).map(|(w, e)| w * e.abs()).sum();
+        result.min_j = scratch.kinematics.iter().map(Kinematics::j).fold(f64::INFINITY, f64::min);
+        if want.stress {
+            for ((stress, driving), &w) in scratch.stress.iter_mut().zip(&mut scratch.driving).zip(weights) {
+                *driving *= w;
+                *stress = *stress * w + *driving;
+            }
+            result.rows.fill(0.0);
+            kernel.force(&scratch.g, &scratch.stress, &mut result.rows);
+            result.scale.fill(0.0);
+            if !composition.actuations.is_empty() {
+                kernel.force(&scratch.g, &scratch.driving, &mut result.scale);
+            }
+            for (scale, total) in result.scale.iter_mut().zip(&result.rows) {
+                *scale = scale.abs() + (total - *scale).abs();
+            }
+        }
+        if want.tangent {
+            for (tangent, &w) in scratch.tangent.iter_mut().zip(weights) {
+                tangent.0.iter_mut().for_each(|c| *c *= w);
+            }
+            kernel.tangent(&scratch.g, &scratch.tangent, &mut result.matrix, &mut scratch.work);
+        }
+        Ok(())
+    }
+}
+
+impl Job<'_> {
+    fn add(&self, c: usize, result: &CellResult, total: &mut Evaluation, tangent: Option<&mut SymmetricMatrix>) {
+        total.energy += result.energy;
+        total.energy_scale += result.energy_scale;
+        total.min_j = total.min_j.min(result.min_j);
+        if self.demand.force {
+            self.cells.scatter(c, &result.rows, &mut total.force);
+            self.cells.scatter(c, &result.scale, &mut total.force_scale);
+        }
+        if let Some(tangent) = tangent {
+            let pairs = self.scatter.len() / self.cells.part.cells.len();
+            let map = &self.scatter[c * pairs..(c + 1) * pairs];
+            self.cells.kernel.scatter(map, &result.matrix, &mut tangent.values);
+        }
+    }
+}
+
+/// The values of the k-th actuation at the points of one cell.
+pub(crate) fn slots(controls: &Controls, k: usize, first: usize, points: usize) -> Slots<'_> {
+    let width = controls.slots(k);
+    Slots { values: &controls.values(k)[first * width..(first + points) * width], width }
+}

@@ -1,0 +1,237 @@
+//! [`Body`]: which energy terms act where, and their sum over the mesh.
+
+use crate::contributions::controls::Controls;
+use crate::discretization::Discretization;
+use crate::error::{FemError, InvertedAt};
+use assembly::Demand;
+use nastic_energy::{Actuation, EnergyTerm, Place};
+use nastic_linear::SymmetricMatrix;
+use nastic_tensor::Vec3;
+use std::sync::Arc;
+
+pub(crate) mod assembly;
+mod control_vjp;
+pub(crate) mod max_step;
+mod tangent_product;
+
+/// The energy of a body: passive materials and actuations, each over some of the cells.
+///
+/// The total is the plain sum of what the terms give at every quadrature point; nothing here knows any law.
+#[derive(Debug, Clone)]
+pub struct Body {
+    disc: Arc<Discretization>,
+    pub(crate) terms: Vec<Arc<dyn EnergyTerm>>,
+    pub(crate) actuations: Vec<Attached>,
+    /// The distinct sets of terms, and which one each cell has.
+    pub(crate) compositions: Vec<Composition>,
+    pub(crate) of_cell: Vec<u16>,
+}
+
+/// An actuation by name and place.
+#[derive(Debug, Clone)]
+pub struct Attached {
+    /// Name, unique in the body.
+    pub name: String,
+    /// The law.
+    pub law: Arc<dyn Actuation>,
+    /// Cells it acts on.
+    pub cells: Vec<u32>,
+}
+
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Composition {
+    pub terms: Vec<usize>,
+    pub actuations: Vec<usize>,
+}
+
+/// Energy, force and quality of a body in one configuration.
+#[derive(Debug, Clone, Default)]
+pub struct Evaluation {
+    /// Body energy.
+    pub energy: f64,
+    /// Sum of absolute energies over the points: what the energy's rounding error is measured against.
+    pub energy_scale: f64,
+    /// Internal force, flat; empty unless asked for.
+    pub force: Vec<f64>,
+    /// Sum over cells of absolute internal forces, those of the passive laws and of the actuations each by itself (in a free
+    /// body they cancel), flat: what a residual's smallness is measured against.
+    pub force_scale: Vec<f64>,
+    /// Smallest J.
+    pub min_j: f64,
+}
+
+impl Body {
+    pub(crate) fn new(disc: Arc<Discretization>) -> Self {
+        let of_cell = vec![0; disc.mesh().cells()];
+        Body { disc, terms: vec![], actuations: vec![], compositions: vec![Composition::default()], of_cell }
+    }
+
+    /// The discretisation.
+    pub fn discretization(&self) -> &Arc<Discretization> {
+        &self.disc
+    }
+
+    /// The actuations in the order of [`Controls`].
+    pub fn actuations(&self) -> &[Attached] {
+        &self.actuations
+    }
+
+    /// The passive terms acting on a cell.
+    pub fn materials_of(&self, cell: usize) -> impl Iterator<Item = &Arc<dyn EnergyTerm>> {
+        self.compositions[self.of_cell[cell] as usize].terms.iter().map(|&t| &self.terms[t])
+    }
+
+    /// Controls of this body, all zero.
+    pub fn controls(&self) -> Controls {
+        let slots: Vec<usize> = self.actuations.iter().map(|a| a.law.slots().len()).collect();
+        Controls::zeros(&slots, self.disc.body().len())
+    }
+
+    pub(crate) fn add_term(&mut self, cells: &[u32], term: Arc<dyn EnergyTerm>) -> Result<(), FemError> {
+        term.check(self.disc.mesh().cells(), self.disc.body().len())?;
+        self.terms.push(term);
+        let new = self.terms.len() - 1;
+        self.extend(cells, |composition| composition.terms.push(new));
+        Ok(())
+    }
+
+    pub(crate) fn add_actuation(&mut self, attached: Attached) -> Result<(), FemError> {
+        attached.law.check(self.disc.mesh().cells(), self.disc.body().len())?;
+        let new = self.actuations.len();
+        let cells = attached.cells.clone();
+        self.actuations.push(attached);
+        self.extend(&cells, |composition| composition.actuations.push(new));
+        Ok(())
+    }
+
+    fn extend(&mut self, cells: &[u32], change: impl Fn(&mut Composition)) {
+        for &cell in cells {
+            let mut wanted = self.compositions[self.of_cell[cell as usize] as usize].clone();
+            change(&mut wanted);
+            let known = self.compositions.iter().rposition(|c| *c == wanted);
+            let index = known.unwrap_or_else(|| {
+                self.compositions.push(wanted);
+                self.compositions.len() - 1
+            });
+            self.of_cell[cell as usize] = index as u16;
+        }
+    }
+
+    /// Every cell needs a passive material.
+    pub(crate) fn check_complete(&self) -> Result<(), FemError> {
+        let bare = |&cell: &usize| self.compositions[self.of_cell[cell] as usize].terms.is_empty();
+        let Some(first) = (0..self.of_cell.len()).find(bare) else { return Ok(()) };
+        let mesh = self.disc.mesh();
+        let regions = mesh.regions().keys().cloned().collect::<Vec<_>>().join(", ");
+        let count = (0..self.of_cell.len()).filter(bare).count();
+        Err(FemError::NoMaterial { mesh: mesh.name().to_owned(), count, first, regions })
+    }
+
+    /// Energy alone, or energy and internal force.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn evaluate(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        force: bool,
+        parallel: bool,
+    ) -> Result<Evaluation, InvertedAt> {
+        let demand = Demand { energy: true, force, tangent: false };
+        assembly::evaluate(self, u, controls, demand, None, parallel)
+    }
+
+    /// Energy, internal force, and the tangent added to `tangent` (supports not yet eliminated).
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn evaluate_tangent(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        tangent: &mut SymmetricMatrix,
+        parallel: bool,
+    ) -> Result<Evaluation, InvertedAt> {
+        let demand = Demand { energy: true, force: true, tangent: true };
+        assembly::evaluate(self, u, controls, demand, Some(tangent), parallel)
+    }
+
+    /// The tangent alone, added to `tangent`: the bits of [`evaluate_tangent`](Self::evaluate_tangent) for less.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn add_tangent(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        tangent: &mut SymmetricMatrix,
+        parallel: bool,
+    ) -> Result<(), InvertedAt> {
+        let demand = Demand { energy: false, force: false, tangent: true };
+        assembly::evaluate(self, u, controls, demand, Some(tangent), parallel).map(drop)
+    }
+
+    /// The longest step `s <= 1` from u along du on which no point loses more than nine tenths of its volume.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0 at u itself.
+    pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
+        max_step::max_step(self, u, du, parallel)
+    }
+
+    /// The smallest convexity bound on a tension of the named direction over the given cells' points: the sharpest upper
+    /// bound under which the survey's existence theorem covers the case. `None` if a law states no bound.
+    ///
+    /// Source: survey, Prop. 1.
+    pub fn fiber_limit(&self, actuation: usize) -> Option<f64> {
+        let attached = &self.actuations[actuation];
+        let points = self.disc.points_of_cells();
+        let mut least: Option<f64> = None;
+        for &cell in &attached.cells {
+            let (first, count) = points[cell as usize];
+            for q in 0..count {
+                let at = Place { cell: cell as usize, point: first + q };
+                let a: Vec3 = attached.law.direction(at)?;
+                // Each term may carry its share of the tension, so their bounds add up.
+                let carried =
+                    self.materials_of(cell as usize).filter_map(|m| m.fiber_limit(at, &a)).reduce(|s, m| s + m);
+                let carried = carried?;
+                least = Some(least.map_or(carried, |l| l.min(carried)));
+            }
+        }
+        least
+    }
+
+    /// `out = K(u, m) v`, the product with the tangent of [`evaluate_tangent`](Self::evaluate_tangent) (supports not
+    /// eliminated) for which no matrix is assembled: at every point the change of stress `dP/dF : grad v`, spread like a
+    /// stress. `v` and `out` are flat, `dim` per node. The same bits for any number of threads.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn tangent_product(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        v: &[f64],
+        out: &mut [f64],
+        parallel: bool,
+    ) -> Result<(), InvertedAt> {
+        tangent_product::tangent_product(self, (u, controls), v, out, parallel)
+    }
+
+    /// Derivative of the body's virtual work with respect to the controls at the points: for every actuation,
+    /// `int (dP/dm_k) : grad lambda dX` split by point, shape `[points][slots]`; weights included.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn control_vjp(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        lambda: &[f64],
+        parallel: bool,
+    ) -> Result<Controls, InvertedAt> {
+        control_vjp::control_vjp(self, (u, controls), lambda, parallel)
+    }
+}

@@ -1,0 +1,75 @@
+//! A product with the tangent for which no matrix is assembled.
+
+use crate::contributions::body_energy::Body;
+use crate::contributions::body_energy::assembly::slots;
+use crate::contributions::controls::Controls;
+use crate::error::InvertedAt;
+use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
+use crate::kernels::kernel;
+use nastic_energy::{EnergyTerm, Points, Slots};
+
+/// `out = K(u, m) v`: at every point the change of stress `dP/dF : grad v`, spread like a stress.
+pub(crate) fn tangent_product(
+    body: &Body,
+    at: (&[f64], &Controls),
+    v: &[f64],
+    out: &mut [f64],
+    parallel: bool,
+) -> Result<(), InvertedAt> {
+    let disc = body.discretization();
+    out.fill(0.0);
+    for part in &disc.body().parts {
+        let Some(kernel) = kernel(part.kind) else { continue };
+        let cells = Cells { part, kernel, dim: disc.dim() };
+        let work = Product { body, cells, u: at.0, controls: at.1, v };
+        sweep(&work, parallel, |c, rows| cells.scatter(c, rows, out))?;
+    }
+    Ok(())
+}
+
+struct Product<'a> {
+    body: &'a Body,
+    cells: Cells<'a>,
+    u: &'a [f64],
+    controls: &'a Controls,
+    v: &'a [f64],
+}
+
+impl CellWork for Product<'_> {
+    type Answer = Vec<f64>;
+
+    fn cells(&self) -> Cells<'_> {
+        self.cells
+    }
+
+    fn room(&self) -> (Vec<f64>, usize) {
+        let rows = self.cells.rows();
+        let size = rows.len();
+        (rows, size)
+    }
+
+    fn compute(&self, c: usize, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), InvertedAt> {
+        let (part, points) = (self.cells.part, self.cells.part.table.points);
+        let (id, first) = (part.cells[c] as usize, part.first_point(c));
+        scratch.move_to(self.cells, c, self.u)?;
+        scratch.change_by(self.cells, c, self.v);
+        scratch.clear_stress();
+        let at = Points { kinematics: &scratch.kinematics, cell: id, first };
+        let composition = &self.body.compositions[self.body.of_cell[id] as usize];
+        for &t in &composition.terms {
+            self.body.terms[t].stress_change(&at, Slots::none(), &scratch.change, &mut scratch.stress);
+        }
+        for &k in &composition.actuations {
+            let m = slots(self.controls, k, first, points);
+            self.body.actuations[k].law.stress_change(&at, m, &scratch.change, &mut scratch.stress);
+        }
+        let weights = &self.body.discretization().body().weights()[first..first + points];
+        for (stress, &w) in scratch.stress.iter_mut().zip(weights) {
+            *stress *= w;
+        }
+        rows.fill(0.0);
+        self.cells.kernel.force(&scratch.g, &scratch.stress, rows);
+        Ok(())
+    }
+}

@@ -1,0 +1,101 @@
+//! [`CellFields`]: what a state looks like, cell by cell.
+
+use crate::error::InvertedAt;
+use crate::solid::Solid;
+use crate::solution::state::State;
+use nastic_energy::{Points, Response, Slots, Want};
+use nastic_tensor::{Mat3, Vec3};
+
+/// Averages over the reference volume of each cell, in mesh order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellFields {
+    /// det F.
+    pub j: Vec<f64>,
+    /// First Piola-Kirchhoff stress, actuations included, row by row (9 per cell).
+    pub piola: Vec<f64>,
+    /// Cauchy stress `P F^T / J`, row by row (9 per cell).
+    pub cauchy: Vec<f64>,
+    /// Stored energy density of the passive materials.
+    pub energy: Vec<f64>,
+    /// Direction of each actuation that has one (3 per cell), by actuation name; zero where it does not act.
+    pub directions: Vec<(String, Vec<f64>)>,
+    /// Direction of the passive material (its fibre), where one has it.
+    pub fiber: Option<Vec<f64>>,
+}
+
+impl Solid {
+    /// The cell averages of a state, for output.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn cell_fields(&self, state: &State) -> Result<CellFields, InvertedAt> {
+        let disc = self.discretization();
+        let kinematics = disc.body().kinematics(&state.u)?;
+        let n = kinematics.len();
+        let (mut piola, mut energy) = (vec![Mat3::zeros(); n], vec![0.0; n]);
+        for (cell, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
+            let range = first..first + count;
+            let at = Points { kinematics: &kinematics[range.clone()], cell, first };
+            let composition = &self.body().compositions[self.body().of_cell[cell] as usize];
+            let mut out =
+                Response { energy: &mut energy[range.clone()], stress: &mut piola[range.clone()], tangent: &mut [] };
+            let want = Want { energy: true, stress: true, tangent: false };
+            for &t in &composition.terms {
+                self.body().terms[t].respond(&at, Slots::none(), want, &mut out);
+            }
+            let want = Want { energy: false, ..want };
+            for &k in &composition.actuations {
+                let width = state.controls.slots(k);
+                let values = &state.controls.values(k)[first * width..(first + count) * width];
+                self.body().actuations[k].law.respond(&at, Slots { values, width }, want, &mut out);
+            }
+        }
+        let cauchy = kinematics.iter().zip(&piola).map(|(k, p)| p * k.f().transpose() / k.j());
+        let j: Vec<f64> = kinematics.iter().map(|k| k.j()).collect();
+        Ok(CellFields {
+            j: disc.cell_average(&j, 1),
+            piola: disc.cell_average(&by_row(piola.iter().copied()), 9),
+            cauchy: disc.cell_average(&by_row(cauchy), 9),
+            energy: disc.cell_average(&energy, 1),
+            directions: self.directions(),
+            fiber: self.fibers(),
+        })
+    }
+
+    fn directions(&self) -> Vec<(String, Vec<f64>)> {
+        let disc = self.discretization();
+        let points = disc.points_of_cells();
+        let mut out = Vec::new();
+        for attached in self.body().actuations() {
+            let mut array = vec![0.0; 3 * disc.mesh().cells()];
+            let mut any = false;
+            for &cell in &attached.cells {
+                let place = nastic_energy::Place { cell: cell as usize, point: points[cell as usize].0 };
+                if let Some(a) = attached.law.direction(place) {
+                    any = true;
+                    array[3 * cell as usize..3 * cell as usize + 3].copy_from_slice(a.as_slice());
+                }
+            }
+            if any {
+                out.push((attached.name.clone(), array));
+            }
+        }
+        out
+    }
+
+    fn fibers(&self) -> Option<Vec<f64>> {
+        let disc = self.discretization();
+        let points = disc.points_of_cells();
+        let fiber = |cell: usize| {
+            let place = nastic_energy::Place { cell, point: points[cell].0 };
+            self.body().materials_of(cell).find_map(|m| m.direction(place))
+        };
+        let fibers: Vec<Option<Vec3>> = (0..disc.mesh().cells()).map(fiber).collect();
+        let flat = || fibers.iter().flat_map(|f| f.unwrap_or_default().as_slice().to_vec()).collect();
+        fibers.iter().any(Option::is_some).then(flat)
+    }
+}
+
+fn by_row(tensors: impl Iterator<Item = Mat3>) -> Vec<f64> {
+    tensors.flat_map(|t| t.transpose().as_slice().to_vec()).collect()
+}

@@ -1,0 +1,159 @@
+//! [`Discretization`]: everything about a mesh that materials, loads and supports do not change.
+
+use crate::discretization::quadrature_points::{Part, QuadraturePoints};
+use crate::error::FemError;
+use crate::solution::solver::Solver;
+use nastic_linear::{Corners, Graph, Ordering, Pattern, Symbolic, SymmetricMatrix};
+use nastic_mesh::Mesh;
+use std::fmt;
+pub(crate) mod cell_fields;
+pub(crate) mod quadrature_points;
+pub(crate) mod supports;
+
+use std::sync::{Arc, OnceLock};
+
+/// A mesh with its quadrature points, numbering, sparsity pattern and symbolic factorisation.
+///
+/// Shared (by [`Arc`]) among all solids on the mesh: scenarios and load cases differ in physics alone. The numbering
+/// keeps supported components in, so that one symbolic analysis serves every choice of supports.
+pub struct Discretization {
+    mesh: Arc<Mesh>,
+    body: QuadraturePoints,
+    pattern: Arc<Pattern>,
+    symbolic: Arc<Symbolic>,
+    /// That of one unknown per node, made when first asked for.
+    scalar: OnceLock<Arc<Symbolic>>,
+    /// Per part of the body's sampling: the scatter map of every cell, one after the other.
+    scatter: Vec<Vec<u32>>,
+    corners: OnceLock<Option<Corners>>,
+}
+
+impl Discretization {
+    /// The discretisation of the whole mesh with each element's default rule.
+    ///
+    /// # Errors
+    /// [`FemError::InvertedReference`] where the reference configuration is inside out, [`FemError::Structure`] for a mesh
+    /// whose tangent has more blocks than 32 bits can name.
+    pub fn new(mesh: Arc<Mesh>) -> Result<Arc<Self>, FemError> {
+        let body = QuadraturePoints::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
+        let cells = || body.parts.iter().flat_map(|p| (0..p.cells.len()).map(|c| p.nodes_of(c)));
+        let graph = Graph::from_cliques(mesh.points().len(), cells())?;
+        let ordering = Ordering::best(&graph, mesh.points())?;
+        let pattern = Arc::new(Pattern::new(&graph, mesh.dim(), ordering)?);
+        let symbolic = Arc::new(Symbolic::new(&pattern)?);
+        let of_part = |p: &Part| {
+            let mut maps = Vec::new();
+            for c in 0..p.cells.len() {
+                maps.extend(pattern.scatter_map(p.nodes_of(c))?);
+            }
+            Ok(maps)
+        };
+        let scatter = body.parts.iter().map(of_part).collect::<Result<_, FemError>>()?;
+        let (scalar, corners) = (OnceLock::new(), OnceLock::new());
+        Ok(Arc::new(Discretization { mesh, body, pattern, symbolic, scalar, scatter, corners }))
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+
+    /// Displacement components per node: 2 (plane strain) or 3.
+    pub fn dim(&self) -> usize {
+        self.mesh.dim()
+    }
+
+    /// Number of displacement unknowns, supported ones included.
+    pub fn dofs(&self) -> usize {
+        self.mesh.points().len() * self.dim()
+    }
+
+    /// The body's quadrature points, in mesh cell order.
+    pub fn body(&self) -> &QuadraturePoints {
+        &self.body
+    }
+
+    /// The cells' quadrature points: number of the first and how many, by cell.
+    pub fn points_of_cells(&self) -> Vec<(usize, usize)> {
+        let part = |p: &Part| (0..p.cells.len()).map(|c| (p.first_point(c), p.table.points)).collect::<Vec<_>>();
+        self.body.parts.iter().flat_map(part).collect()
+    }
+
+    /// Average over each cell of a quantity at the quadrature points, weighted by reference volume;
+    /// shape `[cells][components]`.
+    pub fn cell_average(&self, at_points: &[f64], components: usize) -> Vec<f64> {
+        let mut out = Vec::with_capacity(self.mesh.cells() * components);
+        for (first, count) in self.points_of_cells() {
+            let weights = &self.body.weights()[first..first + count];
+            let volume: f64 = weights.iter().sum();
+            for i in 0..components {
+                let sum: f64 = (0..count).map(|q| weights[q] * at_points[(first + q) * components + i]).sum();
+                out.push(sum / volume);
+            }
+        }
+        out
+    }
+
+    /// The sparsity pattern of the tangent.
+    pub fn pattern(&self) -> &Arc<Pattern> {
+        &self.pattern
+    }
+
+    /// The symbolic factorisation of the tangent.
+    pub fn symbolic(&self) -> &Arc<Symbolic> {
+        &self.symbolic
+    }
+
+    /// The symbolic factorisation of scalar fields, in the same order of nodes.
+    pub(crate) fn scalar_symbolic(&self) -> Result<Arc<Symbolic>, nastic_linear::StructureError> {
+        if let Some(known) = self.scalar.get() {
+            return Ok(known.clone());
+        }
+        let pattern = Arc::new(self.pattern.with_dim(1));
+        let new = Arc::new(Symbolic::new(&pattern)?);
+        Ok(self.scalar.get_or_init(|| new).clone())
+    }
+
+    /// The solver that a solve on this mesh takes unless it is told which, see [`Solver::cheaper`].
+    pub fn solver(&self) -> Solver {
+        Solver::cheaper(&self.pattern, &self.symbolic)
+    }
+
+    /// How second-order cells contain first-order ones; nothing on a mesh of first-order cells. Made when first asked for.
+    pub fn corners(&self) -> Option<&Corners> {
+        let make = || {
+            let shapes: Vec<Vec<f64>> = self.body.parts.iter().map(corner_shapes).collect();
+            let elements = self.body.parts.iter().zip(&shapes).flat_map(|(part, shapes)| {
+                (0..part.cells.len()).map(move |c| (part.nodes_of(c), part.kind.corners(), shapes.as_slice()))
+            });
+            Corners::new(self.mesh.points().len(), elements)
+        };
+        self.corners.get_or_init(make).as_ref()
+    }
+
+    /// A zero matrix of the tangent's pattern.
+    pub fn matrix(&self) -> SymmetricMatrix {
+        SymmetricMatrix::zeros(self.pattern.clone())
+    }
+
+    /// Scatter maps of the cells of one part of the body's sampling.
+    pub(crate) fn scatter(&self, part: usize) -> &[u32] {
+        &self.scatter[part]
+    }
+}
+
+/// The shapes of the first-order kind at the nodes of a kind, `[node][corner]`.
+fn corner_shapes(part: &Part) -> Vec<f64> {
+    let corners = part.kind.corners();
+    let mut shapes = vec![0.0; part.kind.nodes() * corners];
+    for (xi, row) in part.kind.reference_nodes().iter().zip(shapes.chunks_exact_mut(corners)) {
+        part.kind.corner_kind().shapes(xi, row);
+    }
+    shapes
+}
+
+impl fmt::Debug for Discretization {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "Discretization of {} ({} unknowns, {} points)", self.mesh.name(), self.dofs(), self.body.len())
+    }
+}

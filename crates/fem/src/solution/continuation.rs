@@ -1,0 +1,149 @@
+//! From one equilibrium to another: the way is as long as it needs to be, and the user chooses no step count.
+
+use crate::contributions::controls::Controls;
+use crate::error::StateError;
+use crate::solid::Solid;
+use crate::solution::newton::{Newton, Stop};
+use crate::solution::request::Request;
+use crate::solution::state::{SolveReport, Solved, State};
+use std::sync::Arc;
+
+/// Load steps shorter than this share of the way are given up on.
+const SHORTEST: f64 = 1.0 / 4096.0;
+/// A warm start is left for the way from rest at the first step that fails after so many times the iterations allowed for
+/// one: a state nearby that takes more is not nearby.
+const WARM: usize = 3;
+/// Iterations after which a guess was a poor one.
+const GUESS: usize = 15;
+
+impl Solid {
+    /// The equilibrium under these controls, at full dead loads and prescribed displacements.
+    ///
+    /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method fails,
+    /// the step is halved, and doubled again after a success. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or needs more iterations than
+    /// three load steps may take, the way from rest is tried.
+    ///
+    /// # Errors
+    /// A typed [`StateError`]; where there was progress it holds the last equilibrium.
+    pub fn solve(&self, controls: &Controls, how: &Request) -> Result<Solved, StateError> {
+        self.check()?;
+        self.check_controls(controls)?;
+        let rest = self.rest();
+        let mut spent = SolveReport::default();
+        let guess = how.guess.filter(|guess| guess.len() == rest.u.len());
+        if let Some(found) = guess.and_then(|guess| self.jump(guess, controls, how, &mut spent).transpose()) {
+            return found;
+        }
+        let Some(near) = how.near.filter(|near| self.fits(near)) else {
+            return self.walk(&rest, controls, how, usize::MAX, &mut spent);
+        };
+        match self.walk(near, controls, how, WARM * how.max_newton, &mut spent) {
+            Err(StateError::Cancelled) => Err(StateError::Cancelled),
+            Err(failed) => {
+                let how = Request { near: None, factor: None, ..how.clone() };
+                let found = self.walk(&rest, controls, &how, usize::MAX, &mut SolveReport::default());
+                let mut solved = found.map_err(|_| failed)?;
+                solved.state.report.add_work(&spent);
+                Ok(solved)
+            }
+            solved => solved,
+        }
+    }
+
+    /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.
+    fn jump(
+        &self,
+        guess: &[f64],
+        controls: &Controls,
+        how: &Request,
+        report: &mut SolveReport,
+    ) -> Result<Option<Solved>, StateError> {
+        let mut factor = how.factor.clone();
+        let brief = Request { max_newton: how.max_newton.min(GUESS), ..how.clone() };
+        let newton = Newton { solid: self, controls, load: 1.0, path: 1.0, request: &brief };
+        match newton.solve(guess.to_vec(), &mut factor, report) {
+            Ok(u) => {
+                report.load_steps += 1;
+                let (u, controls) = (Arc::new(u), Arc::new(controls.clone()));
+                Ok(Some(Solved { state: State { u, controls, load: 1.0, report: *report }, factor }))
+            }
+            Err(Stop::Cancelled) => Err(StateError::Cancelled),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// The undeformed state without loads: where every way begins unless told otherwise.
+    pub fn rest(&self) -> State {
+        State {
+            u: Arc::new(vec![0.0; self.discretization().dofs()]),
+            controls: Arc::new(self.controls()),
+            load: 0.0,
+            report: SolveReport { min_j: 1.0, ..SolveReport::default() },
+        }
+    }
+
+    fn fits(&self, state: &State) -> bool {
+        state.u.len() == self.discretization().dofs() && state.controls.fits(&self.controls())
+    }
+
+    fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
+        if !controls.fits(&self.controls()) {
+            let what = "the controls belong to another body; make them with Solid::controls".to_owned();
+            return Err(crate::FemError::Meaningless { what }.into());
+        }
+        for k in 0..controls.len() {
+            let what = format!("control of actuation \"{}\"", self.body().actuations()[k].name);
+            crate::contributions::controls::check_finite(&what, controls.values(k))?;
+        }
+        Ok(())
+    }
+
+    /// In as few load steps as it takes; given up on at the first that fails after `most` iterations.
+    fn walk(
+        &self,
+        from: &State,
+        to: &Controls,
+        how: &Request,
+        most: usize,
+        report: &mut SolveReport,
+    ) -> Result<Solved, StateError> {
+        let mut factor = how.factor.clone();
+        let mut here = from.clone();
+        let (mut done, mut step) = (0.0, 1.0_f64);
+        while done < 1.0 {
+            let path = (done + step).min(1.0);
+            let controls = from.controls.blend(to, path);
+            // exactly 1 at the end of the way
+            let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
+            let newton = Newton { solid: self, controls: &controls, load, path, request: how };
+            match newton.solve(here.u.to_vec(), &mut factor, report) {
+                Ok(u) => {
+                    report.load_steps += 1;
+                    here = State { u: Arc::new(u), controls: Arc::new(controls), load, report: *report };
+                    done = path;
+                    step *= 2.0;
+                }
+                Err(Stop::Cancelled) => return Err(StateError::Cancelled),
+                Err(Stop::Linear(why)) => return Err(StateError::Linear { why }),
+                Err(stop) if step <= SHORTEST || report.newton > most => return Err(give_up(stop, path, report, here)),
+                Err(_) => {
+                    report.cuts += 1;
+                    step *= 0.5;
+                    factor = None;
+                }
+            }
+        }
+        here.report = *report;
+        Ok(Solved { state: here, factor })
+    }
+}
+
+fn give_up(stop: Stop, load: f64, report: &SolveReport, here: State) -> StateError {
+    let (cuts, last) = (report.cuts, Box::new(here));
+    match stop {
+        Stop::Inverted(at) => StateError::Inverted { at, load, cuts, last },
+        Stop::Slow { residual } => StateError::NoConvergence { load, cuts, newton: report.newton, residual, last },
+        Stop::Linear(why) => StateError::Linear { why },
+        Stop::Cancelled => StateError::Cancelled,
+    }
+}

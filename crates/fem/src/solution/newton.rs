@@ -1,0 +1,306 @@
+//! Newton's method with a line search on the total potential.
+
+use crate::contributions::body_energy::Evaluation;
+use crate::contributions::controls::Controls;
+use crate::error::InvertedAt;
+use crate::solid::Solid;
+use crate::solution::request::{Progress, Request};
+use crate::solution::rotation_corrected_step::{Fit, Reach};
+use crate::solution::state::SolveReport;
+use crate::solution::tangent::{Curvature, Tangents};
+use nastic_linear::{Factor, SymmetricMatrix};
+use std::sync::Arc;
+
+/// One equilibrium to be found: controls and load are held, the displacement is not.
+pub(crate) struct Newton<'a> {
+    pub solid: &'a Solid,
+    pub controls: &'a Controls,
+    pub load: f64,
+    /// For the report alone: where on the path this is.
+    pub path: f64,
+    pub request: &'a Request<'a>,
+}
+
+/// Why it stopped short.
+pub(crate) enum Stop {
+    Inverted(InvertedAt),
+    Slow { residual: f64 },
+    Linear(String),
+    Cancelled,
+}
+
+impl From<InvertedAt> for Stop {
+    fn from(at: InvertedAt) -> Self {
+        Stop::Inverted(at)
+    }
+}
+
+/// Where an iteration stands.
+struct Here<'a> {
+    u: &'a [f64],
+    now: &'a Evaluation,
+    residual: &'a [f64],
+    /// What the rounding of the potential is measured against.
+    scale: f64,
+}
+
+/// A displacement with what was found there.
+type Next = (Vec<f64>, Evaluation);
+
+/// Steps that leave less than this share of the smallest J are too long.
+const COLLAPSE: f64 = 0.09;
+/// Sufficient decrease wanted of a step, as a share of what the slope promises.
+const ARMIJO: f64 = 1e-4;
+/// Below this relative residual a step that does not halve it has met the limit of double precision.
+const ROUNDING: f64 = 1e-10;
+/// A full step shorter than this share of the body's size is below what double precision resolves.
+const RESOLUTION: f64 = 1e-12;
+
+/// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
+/// measure it by.
+const JUMP: f64 = 1e-2;
+
+impl Newton<'_> {
+    /// From u to equilibrium. The factor that served last is left in `factor`.
+    pub fn solve(
+        &self,
+        mut u: Vec<f64>,
+        factor: &mut Option<Arc<Factor>>,
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, Stop> {
+        let mut tangents = Tangents::new(self.solid, self.request);
+        let mut matrix = None;
+        let mut now = self.evaluate(&u)?;
+        let mut jump = self.jump(&u);
+        let mut before = f64::INFINITY;
+        let mut fit = None;
+        for _ in 0..self.request.max_newton {
+            if self.request.cancelled() {
+                return Err(Stop::Cancelled);
+            }
+            let (residual, relative) = self.residual(&now);
+            self.record(&now, &u, relative, report);
+            let stagnates = relative <= ROUNDING && relative > 0.5 * before;
+            if jump.is_none() && (relative <= self.request.accuracy || stagnates) {
+                return Ok(u);
+            }
+            before = relative;
+            let matrix = self.tangent(&u, &mut matrix)?;
+            let rhs = self.right_hand_side(matrix, &residual, jump.as_deref());
+            let scale = self.energy_scale(matrix, &u, &now);
+            tangents.eliminate(matrix);
+            tangents.stand_at(&u);
+            let accuracy = if jump.is_some() { JUMP } else { forcing(relative, self.request.accuracy) };
+            let (mut step, curvature) = tangents.solve(matrix, &rhs, accuracy, factor, report).map_err(Stop::Linear)?;
+            report.newton += 1;
+            let here = Here { u: &u, now: &now, residual: &residual, scale };
+            let (length, next) = if let Some(jump) = jump.take() {
+                self.prescribe(&mut step, &jump);
+                self.jump_step(&here, &step)?
+            } else if curvature != Curvature::Negative {
+                self.downhill(&here, &step, &mut fit)?
+            } else if let Some(found) = self.residual_search(&here, &step)? {
+                found
+            } else {
+                step = tangents.solve_shifted(matrix.clone(), &rhs, factor, report).map_err(Stop::Linear)?;
+                self.downhill(&here, &step, &mut fit)?
+            };
+            let tiny = curvature == Curvature::Positive && largest(&step) <= RESOLUTION * self.solid.mesh().diagonal();
+            (u, now) = next;
+            self.tell(length, &now, &u, report);
+            if tiny && length == 1.0 {
+                let (_, relative) = self.residual(&now);
+                self.record(&now, &u, relative, report);
+                return Ok(u);
+            }
+        }
+        Err(Stop::Slow { residual: self.residual(&now).1 })
+    }
+
+    fn evaluate(&self, u: &[f64]) -> Result<Evaluation, InvertedAt> {
+        self.solid.body().evaluate(u, self.controls, true, self.request.parallel)
+    }
+
+    /// The tangent at u in the memory of the one before.
+    fn tangent<'m>(
+        &self,
+        u: &[f64],
+        memory: &'m mut Option<SymmetricMatrix>,
+    ) -> Result<&'m mut SymmetricMatrix, InvertedAt> {
+        let matrix = memory.get_or_insert_with(|| self.solid.discretization().matrix());
+        matrix.clear();
+        self.solid.body().add_tangent(u, self.controls, matrix, self.request.parallel)?;
+        Ok(matrix)
+    }
+
+    /// What the prescribed components still have to move; `None` when they are in place.
+    fn jump(&self, u: &[f64]) -> Option<Vec<f64>> {
+        let supports = self.solid.supports();
+        let wanted = supports.fixed().iter().zip(supports.values()).zip(u);
+        let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { self.load * v - u } else { 0.0 }).collect();
+        jump.iter().any(|&d| d != 0.0).then_some(jump)
+    }
+
+    /// Free residual, and its norm relative to the norm of the absolute element and dead forces.
+    fn residual(&self, now: &Evaluation) -> (Vec<f64>, f64) {
+        let dead = self.solid.dead_load();
+        let mut residual: Vec<f64> = now.force.iter().zip(dead).map(|(f, d)| f - self.load * d).collect();
+        self.solid.supports().clear(&mut residual);
+        let scale = now.force_scale.iter().zip(dead).map(|(s, d)| (s + (self.load * d).abs()).powi(2)).sum::<f64>();
+        let norm = norm(&residual);
+        (residual, if norm == 0.0 { 0.0 } else { norm / scale.sqrt() })
+    }
+
+    /// Energies are small differences of large terms, the smaller the nearer to rest: W vanishes there, while what it is
+    /// the difference of is of the size of `F : dP/dF : F`, or `x . K x` with the current positions x.
+    fn energy_scale(&self, matrix: &SymmetricMatrix, u: &[f64], now: &Evaluation) -> f64 {
+        let dim = self.solid.discretization().dim();
+        let reference = self.solid.mesh().points().iter().flat_map(|x| &x[..dim]);
+        let x: Vec<f64> = reference.zip(u).map(|(x, u)| x + u).collect();
+        let mut stretched = vec![0.0; x.len()];
+        matrix.multiply_on(&x, &mut stretched, self.request.parallel);
+        let work: f64 = self.solid.dead_load().iter().zip(u).map(|(d, u)| (d * u).abs()).sum();
+        let terms: f64 = x.iter().zip(&stretched).map(|(x, f)| x * f).sum();
+        now.energy_scale + terms.abs() + self.load.abs() * work
+    }
+
+    fn right_hand_side(&self, matrix: &SymmetricMatrix, residual: &[f64], jump: Option<&[f64]>) -> Vec<f64> {
+        let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
+        if let Some(jump) = jump {
+            let mut pulled = vec![0.0; jump.len()];
+            matrix.multiply(jump, &mut pulled);
+            rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
+            self.solid.supports().clear(&mut rhs);
+        }
+        rhs
+    }
+
+    fn prescribe(&self, step: &mut [f64], jump: &[f64]) {
+        for ((s, &d), &fixed) in step.iter_mut().zip(jump).zip(self.solid.supports().fixed()) {
+            if fixed {
+                *s = d;
+            }
+        }
+    }
+
+    /// The prescribed components move at once or not at all.
+    fn jump_step(&self, here: &Here, step: &[f64]) -> Result<(f64, Next), Stop> {
+        if self.longest(here, step)? < 1.0 {
+            return Err(Stop::Slow { residual: self.residual(here.now).1 });
+        }
+        let u = moved(here.u, step, 1.0);
+        let next = self.evaluate(&u)?;
+        Ok((1.0, (u, next)))
+    }
+
+    fn longest(&self, here: &Here, step: &[f64]) -> Result<f64, InvertedAt> {
+        self.solid.body().max_step(here.u, step, self.request.parallel)
+    }
+
+    /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
+    fn downhill(&self, here: &Here, step: &[f64], fit: &mut Option<Fit>) -> Result<(f64, Next), Stop> {
+        let parallel = self.request.parallel;
+        let reach = Reach::of(self.solid.body(), here.u, step, parallel);
+        if let Some(longest) = reach.curved {
+            if fit.is_none() {
+                *fit = Fit::new(self.solid, parallel);
+            }
+            if let Some(fit) = fit {
+                let curve = |s: f64| {
+                    let bent = fit.correction(self.solid, here.u, step, s, parallel);
+                    moved(&moved(here.u, step, s), &bent, 1.0)
+                };
+                let found = self.energy_search(here, step, &curve, longest);
+                if !matches!(found, Err(Stop::Slow { .. })) {
+                    return found;
+                }
+            }
+        }
+        self.energy_search(here, step, &|s| moved(here.u, step, s), reach.straight)
+    }
+
+    /// The longest of a few step lengths along a path that starts in the direction of `step` which lowers the potential
+    /// enough and inverts nothing.
+    fn energy_search(
+        &self,
+        here: &Here,
+        step: &[f64],
+        path: &dyn Fn(f64) -> Vec<f64>,
+        longest: f64,
+    ) -> Result<(f64, Next), Stop> {
+        let slope: f64 = here.residual.iter().zip(step).map(|(r, s)| r * s).sum();
+        let start = self.potential(here.now, here.u);
+        let noise = 64.0 * f64::EPSILON * here.scale;
+        let mut length = longest;
+        for _ in 0..30 {
+            let trial = path(length);
+            let sound = self.evaluate(&trial).ok().filter(|next| next.min_j >= COLLAPSE * here.now.min_j);
+            let Some(next) = sound else {
+                length *= 0.5;
+                continue;
+            };
+            let change = self.potential(&next, &trial) - start;
+            if change <= ARMIJO * length * slope + noise {
+                return Ok((length, (trial, next)));
+            }
+            // the vertex of the parabola through the start, its slope and this value
+            let vertex = -slope * length * length / (2.0 * (change - slope * length));
+            length = if vertex.is_finite() { vertex.clamp(0.1 * length, 0.5 * length) } else { 0.5 * length };
+        }
+        Err(Stop::Slow { residual: self.residual(here.now).1 })
+    }
+
+    /// Where the tangent has negative eigenvalues an equilibrium nearby may be a saddle of the potential: the branch is
+    /// followed as long as the residual falls, and the state's inertia tells what was found.
+    fn residual_search(&self, here: &Here, step: &[f64]) -> Result<Option<(f64, Next)>, Stop> {
+        let before = norm(here.residual);
+        let mut length = self.longest(here, step)?;
+        for _ in 0..4 {
+            let trial = moved(here.u, step, length);
+            if let Ok(next) = self.evaluate(&trial)
+                && norm(&self.residual(&next).0) <= (1.0 - 0.1 * length) * before
+            {
+                return Ok(Some((length, (trial, next))));
+            }
+            length *= 0.5;
+        }
+        Ok(None)
+    }
+
+    fn potential(&self, at: &Evaluation, u: &[f64]) -> f64 {
+        let work: f64 = self.solid.dead_load().iter().zip(u).map(|(d, u)| d * u).sum();
+        at.energy - self.load * work
+    }
+
+    fn record(&self, now: &Evaluation, u: &[f64], relative: f64, report: &mut SolveReport) {
+        report.residual = relative;
+        report.min_j = now.min_j;
+        report.energy = self.potential(now, u);
+    }
+
+    fn tell(&self, step: f64, now: &Evaluation, u: &[f64], report: &SolveReport) {
+        if let Some(watch) = self.request.watch {
+            let (_, residual) = self.residual(now);
+            let energy = self.potential(now, u);
+            watch(&Progress { load: self.path, newton: report.newton, residual, step, energy });
+        }
+    }
+}
+
+/// Relative residual wanted of a Newton step: a tenth at most and ten times the residual itself, for that keeps convergence
+/// quadratic, and no smaller than a thousandth of what the end asks for. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
+fn forcing(relative: f64, accuracy: f64) -> f64 {
+    (10.0 * relative).clamp(1e-10, 0.1).max(1e-3 * accuracy / relative)
+}
+
+fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {
+    u.iter().zip(step).map(|(u, s)| u + length * s).collect()
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+fn largest(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |m, v| m.max(v.abs()))
+}

@@ -1,0 +1,64 @@
+//! How far every node of a body has turned.
+
+use crate::contributions::body_energy::Body;
+use crate::discretization::quadrature_points::Part;
+use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::Cells;
+use crate::kernels::kernel;
+use nastic_linear::Rotations;
+use nastic_tensor::Mat3;
+use rayon::prelude::*;
+
+/// Cells of one task.
+const CHUNK: usize = 128;
+
+/// The rotation of the body at every node: that of the polar decomposition of the sum over the cells that meet there of
+/// `int F dX`. Cells that are inverted do not count.
+pub(crate) fn rotations(body: &Body, u: &[f64], parallel: bool) -> Rotations {
+    let disc = body.discretization();
+    let mut sums = vec![Mat3::zeros(); disc.mesh().points().len()];
+    for part in &disc.body().parts {
+        let cells: Vec<usize> = (0..part.cells.len()).collect();
+        let means: Vec<Vec<Mat3>> = match parallel {
+            true => cells.par_chunks(CHUNK).map(|cells| means(body, part, cells, u)).collect(),
+            false => cells.chunks(CHUNK).map(|cells| means(body, part, cells, u)).collect(),
+        };
+        for (c, mean) in means.iter().flatten().enumerate() {
+            part.nodes_of(c).iter().for_each(|&node| sums[node as usize] += mean);
+        }
+    }
+    Rotations(if parallel { sums.par_iter().map(rotation).collect() } else { sums.iter().map(rotation).collect() })
+}
+
+/// `int F dX` of each cell.
+fn means(body: &Body, part: &Part, cells: &[usize], u: &[f64]) -> Vec<Mat3> {
+    let disc = body.discretization();
+    let Some(kernel) = kernel(part.kind) else { return vec![Mat3::zeros(); cells.len()] };
+    let mut scratch = Scratch::new(part, disc.dim());
+    let mean = |&c: &usize| match scratch.move_to(Cells { part, kernel, dim: disc.dim() }, c, u) {
+        Ok(()) => {
+            let weights = &disc.body().weights()[part.first_point(c)..][..part.table.points];
+            scratch.kinematics.iter().zip(weights).map(|(at, &w)| at.f() * w).sum()
+        }
+        Err(_) => Mat3::zeros(),
+    };
+    cells.iter().map(mean).collect()
+}
+
+/// The rotation R of `F = R U`, by Newton's iteration `R <- (R + R^-T) / 2` (Higham, SIAM J. Sci. Stat. Comput. 7, 1986);
+/// the identity where there is none.
+fn rotation(f: &Mat3) -> Mat3 {
+    // the size of a rotation
+    let mut r = f * (3.0_f64.sqrt() / f.norm().max(f64::MIN_POSITIVE));
+    for _ in 0..30 {
+        let Some(inverse) = r.try_inverse() else { return Mat3::identity() };
+        let next = 0.5 * (r + inverse.transpose());
+        let change = (next - r).norm();
+        r = next;
+        // squared by the next iteration, which nobody needs then
+        if change <= 1e-8 {
+            break;
+        }
+    }
+    if r.determinant() > 0.0 && r.iter().all(|x| x.is_finite()) { r } else { Mat3::identity() }
+}

@@ -1,0 +1,88 @@
+//! [`Request`]: how a state is to be solved for.
+
+use crate::solution::solver::Solver;
+use crate::solution::state::State;
+use nastic_linear::Factor;
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How to solve: warm starts and factors are handed in here, explicitly. The default needs no tuning.
+#[derive(Clone)]
+pub struct Request<'a> {
+    /// Start from this state (its controls and load are where the path begins). Default: from rest.
+    pub near: Option<&'a State>,
+    /// A guess of the equilibrium, flat displacements, from which the first attempt begins; where that leads nowhere, or has
+    /// another length than the body's displacements, it is as if none had been given.
+    pub guess: Option<&'a [f64]>,
+    /// A factor of a tangent near the expected ones; used as preconditioner while that is cheaper than a new one.
+    pub factor: Option<Arc<Factor>>,
+    /// By what tangent systems are solved. Default: what [`Solver::cheaper`] expects to be cheaper.
+    pub solver: Option<Solver>,
+    /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads.
+    pub accuracy: f64,
+    /// Newton iterations allowed per load step.
+    pub max_newton: usize,
+    /// Compute cells and factors on all threads; `false` inside parallelism over scenarios.
+    pub parallel: bool,
+    /// Checked between iterations; when it turns true the solve ends with [`StateError::Cancelled`](crate::StateError).
+    pub cancel: Option<&'a AtomicBool>,
+    /// Called after every Newton iteration.
+    pub watch: Option<&'a (dyn Fn(&Progress) + Sync)>,
+}
+
+/// Where a solve stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Fraction of the way from the starting state that is being tried.
+    pub load: f64,
+    /// Newton iterations so far.
+    pub newton: usize,
+    /// Relative residual.
+    pub residual: f64,
+    /// Step length of the last iteration.
+    pub step: f64,
+    /// Total potential.
+    pub energy: f64,
+}
+
+impl Default for Request<'_> {
+    fn default() -> Self {
+        Request {
+            near: None,
+            guess: None,
+            factor: None,
+            solver: None,
+            accuracy: 1e-11,
+            max_newton: 60,
+            parallel: true,
+            cancel: None,
+            watch: None,
+        }
+    }
+}
+
+impl<'a> Request<'a> {
+    /// A request that starts from a state.
+    pub fn near(state: &'a State) -> Self {
+        Request { near: Some(state), ..Request::default() }
+    }
+
+    pub(crate) fn cancelled(&self) -> bool {
+        self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+}
+
+impl fmt::Debug for Request<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_struct("Request")
+            .field("near", &self.near.is_some())
+            .field("guess", &self.guess.is_some())
+            .field("factor", &self.factor.is_some())
+            .field("solver", &self.solver)
+            .field("accuracy", &self.accuracy)
+            .field("max_newton", &self.max_newton)
+            .field("parallel", &self.parallel)
+            .finish()
+    }
+}

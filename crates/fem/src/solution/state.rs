@@ -1,0 +1,73 @@
+//! [`State`]: an equilibrium, as a value.
+
+use crate::contributions::controls::Controls;
+use crate::solution::solver::Solver;
+use nastic_linear::Factor;
+use std::sync::Arc;
+
+/// A converged equilibrium. It holds no factor: that is handed along beside it, see [`Solved`].
+#[derive(Debug, Clone)]
+pub struct State {
+    /// Displacement, flat: entry `dim * node + component`.
+    pub u: Arc<Vec<f64>>,
+    /// The controls it belongs to.
+    pub controls: Arc<Controls>,
+    /// Multiple of the dead loads and of the prescribed displacements it belongs to (1 for an answer, less on the way).
+    pub load: f64,
+    /// How it was found.
+    pub report: SolveReport,
+}
+
+/// What a solve took and how good its answer is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SolveReport {
+    /// By what the last tangent system was solved.
+    pub solver: Solver,
+    /// Newton iterations, those of abandoned load steps included.
+    pub newton: usize,
+    /// Numeric factorisations.
+    pub factorisations: usize,
+    /// Newton steps that were found with a factor or a multigrid hierarchy kept from earlier, as preconditioner.
+    pub reused: usize,
+    /// Back substitutions, each conjugate-gradient iteration counting one.
+    pub back_substitutions: usize,
+    /// Multigrid hierarchies built.
+    pub hierarchies: usize,
+    /// Multigrid cycles, one per conjugate-gradient iteration.
+    pub cycles: usize,
+    /// Load steps that led to the answer.
+    pub load_steps: usize,
+    /// Load steps that were abandoned and shortened.
+    pub cuts: usize,
+    /// Norm of the residual relative to the norm of the summed absolute element forces of laws, actuations and loads.
+    pub residual: f64,
+    /// Smallest J at a quadrature point.
+    pub min_j: f64,
+    /// Total potential (body energy less the work of the dead loads).
+    pub energy: f64,
+    /// Times a tangent had to be shifted to be positive definite: the way led over an unstable region.
+    pub shifted: usize,
+}
+
+impl SolveReport {
+    /// Adds the work of another solve; the quality figures stay.
+    pub fn add_work(&mut self, other: &SolveReport) {
+        self.newton += other.newton;
+        self.factorisations += other.factorisations;
+        self.reused += other.reused;
+        self.back_substitutions += other.back_substitutions;
+        self.hierarchies += other.hierarchies;
+        self.cycles += other.cycles;
+        self.cuts += other.cuts;
+        self.shifted += other.shifted;
+    }
+}
+
+/// A state with the last factor of its tangent: of some tangent near it, good as a preconditioner and no more.
+#[derive(Debug, Clone)]
+pub struct Solved {
+    /// The equilibrium.
+    pub state: State,
+    /// A factor near it, if the solve made or was given one.
+    pub factor: Option<Arc<Factor>>,
+}

@@ -1,0 +1,31 @@
+//! In which precision tangents are factorised.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+
+use nastic_energy::MooneyRivlin;
+use nastic_fem::{Request, Solid};
+use nastic_linear::Precision;
+use nastic_mesh::{CellKind, box_mesh};
+use nastic_tensor::Vec3;
+
+/// A stout bar is solved with factors in single precision. A strip fifty times as long as it is thick is too slender for
+/// them and gets others; what comes out is as exact with one as with the other.
+#[test]
+fn bodies_that_single_precision_is_too_coarse_for_get_double_precision() -> common::Outcome {
+    let bar = |size: [f64; 3], cells: [usize; 3], traction: f64| -> common::Outcome<_> {
+        let solid = Solid::new(box_mesh(size, cells, CellKind::Hex27)?)?
+            .material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?
+            .clamp("x-")?
+            .traction("x+", Vec3::new(0.0, 0.0, traction))?;
+        let controls = solid.controls();
+        let solved = solid.solve(&controls, &Request { accuracy: 1e-12, ..Request::default() })?;
+        let residual = solved.state.report.residual;
+        assert!(residual < 1e-10, "{residual:e}");
+        Ok(solved.factor.map(|f| f.precision()))
+    };
+    assert_eq!(bar([1.0, 0.2, 0.2], [5, 1, 1], 3e3)?, Some(Precision::Single));
+    assert_eq!(bar([1.0, 0.2, 0.02], [60, 1, 1], 3.0)?, Some(Precision::Double));
+    Ok(())
+}

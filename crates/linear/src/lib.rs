@@ -1,0 +1,62 @@
+//! Symmetric matrices on the node graph of a mesh, and their solution.
+//!
+//! The chain, each link built once per mesh and shared: [`Graph`] (who is coupled with whom), [`Ordering`] (who is
+//! eliminated when), [`Pattern`] (where entries are stored), [`Symbolic`] (the structure of the factor). Then, per
+//! tangent, [`SymmetricMatrix`] and [`Factor`]:
+//!
+//! ```
+//! use std::sync::Arc;
+//! use nastic_linear::{Graph, Ordering, Pattern, Pivots, SymmetricMatrix, Symbolic};
+//!
+//! // Two springs in a row, one dof per node, the first node held.
+//! let elements: [&[u32]; 2] = [&[0, 1], &[1, 2]];
+//! let points = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+//! let graph = Graph::from_cliques(3, elements)?;
+//! let pattern = Arc::new(Pattern::new(&graph, 1, Ordering::best(&graph, &points)?)?);
+//! let symbolic = Arc::new(Symbolic::new(&pattern)?);
+//!
+//! let mut stiffness = SymmetricMatrix::zeros(pattern.clone());
+//! for nodes in elements {
+//!     let map = pattern.scatter_map(nodes)?;
+//!     pattern.scatter(&map, &[1.0, -1.0, -1.0, 1.0], &mut stiffness.values);
+//! }
+//! stiffness.eliminate(&[true, false, false], 1.0);
+//! let factor = symbolic.factorize(&stiffness, Pivots::Positive, false)?;
+//! let mut u = [0.0, 0.0, 1.0];
+//! factor.solve(&mut u, 1);
+//! assert!((u[2] - 2.0).abs() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod bunch_kaufman;
+mod columns;
+mod dense;
+mod dissection;
+mod elimination;
+mod error;
+mod factor;
+mod graph;
+mod iterative;
+mod locks;
+mod matrix;
+mod multigrid;
+mod numeric;
+mod ordering;
+mod panel;
+mod pattern;
+mod real;
+mod rotations;
+mod schedule;
+mod solve;
+mod symbolic;
+
+pub use error::{FactorError, StructureError};
+pub use factor::{Factor, Pivots, Precision};
+pub use graph::Graph;
+pub use iterative::{Aim, CgEnd, CgReport, Preconditioner, conjugate_gradient, refine};
+pub use matrix::SymmetricMatrix;
+pub use multigrid::{Corners, Geometry, Multigrid};
+pub use ordering::{Method, Ordering};
+pub use pattern::Pattern;
+pub use rotations::{CorotatedPreconditioner, Rotations};
+pub use symbolic::Symbolic;

@@ -1,0 +1,7 @@
+//! What several crates share and no library we use has as we need it: vector operations with a fixed order of summation,
+//! a seeded random generator, disjoint sets.
+
+mod random;
+pub mod vector;
+
+pub use random::Random;

@@ -1,0 +1,257 @@
+//! Pictures of deformed bodies, for those who do not have ParaView open: PNG (z-buffer, antialiased) and SVG (painter's
+//! algorithm), with legend, colour bar, axes and a scale of lengths.
+//!
+//! Colours are mixed in linear light; orthographic projection; the same picture gives the same bytes.
+
+mod arrows;
+mod camera;
+mod colour;
+mod frame;
+mod png;
+mod raster;
+mod scene;
+mod shade;
+mod svg;
+mod tessellation;
+mod text;
+mod vector;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use nastic_mesh::{Mesh, Snapshot};
+
+pub use colour::Colour;
+use nastic_io::WriteError;
+use nastic_io::write_atomically;
+
+/// Several bodies seen from one place.
+///
+/// ```
+/// use nastic_picture::{Body, Colour, Look, Picture};
+/// use nastic_mesh::{CellKind, box_mesh};
+///
+/// # let out = tempfile::tempdir()?;
+/// # let path = out.path().join("bodies.svg");
+/// let bar = box_mesh([1.0, 0.2, 0.2], [10, 2, 2], CellKind::Hex27)?;
+/// let bent = bar.points().iter().map(|p| [p[0], p[1], p[2] + 0.3 * p[0] * p[0]]).collect();
+/// Picture::new("A bar and a bent bar")
+///     .body(Body::new("start", bar.clone()).look(Look::Glass(Colour::GREY)))
+///     .body(Body::new("bent", bar).at(bent).look(Look::Solid(Colour::BLUE)))
+///     .write(path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Picture {
+    title: String,
+    subtitle: String,
+    width: u32,
+    height: u32,
+    view: View,
+    length_unit: String,
+    bodies: Vec<Body>,
+}
+
+/// Where the eye is.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum View {
+    /// Across the plane in which the bodies bend, a little from above; plane meshes from straight above.
+    #[default]
+    Auto,
+    /// The direction from the bodies to the eye; z points up in the picture unless the eye looks along z.
+    From([f64; 3]),
+}
+
+/// How a body looks.
+#[derive(Clone, Debug)]
+pub enum Look {
+    /// Opaque, in one colour.
+    Solid(Colour),
+    /// Opaque, coloured by a scalar.
+    Field(Field),
+    /// Translucent, with its outline.
+    Glass(Colour),
+    /// Element edges only.
+    Wire(Colour),
+}
+
+/// A scalar to colour a body by. Its map runs from blue over white to red if it changes sign, else from dark to bright.
+#[derive(Clone, Debug)]
+pub struct Field {
+    name: String,
+    unit: String,
+    values: Values,
+    range: Option<(f64, f64)>,
+}
+
+#[derive(Clone, Debug)]
+enum Values {
+    Nodes(Vec<f64>),
+    Cells(Vec<f64>),
+}
+
+impl Field {
+    /// One value per node of the mesh.
+    pub fn at_nodes(name: &str, unit: &str, values: Vec<f64>) -> Self {
+        Self { name: name.to_owned(), unit: unit.to_owned(), values: Values::Nodes(values), range: None }
+    }
+
+    /// One value per cell of the mesh.
+    pub fn at_cells(name: &str, unit: &str, values: Vec<f64>) -> Self {
+        Self { name: name.to_owned(), unit: unit.to_owned(), values: Values::Cells(values), range: None }
+    }
+
+    /// Fixes the range of the colour bar, for pictures that are to be compared; otherwise it is that of the values.
+    pub fn range(mut self, low: f64, high: f64) -> Self {
+        self.range = Some((low, high));
+        self
+    }
+
+    fn values(&self) -> &[f64] {
+        match &self.values {
+            Values::Nodes(values) | Values::Cells(values) => values,
+        }
+    }
+}
+
+/// A mesh at some position, with its name in the legend.
+#[derive(Clone, Debug)]
+pub struct Body {
+    label: String,
+    mesh: Arc<Mesh>,
+    positions: Vec<[f64; 3]>,
+    look: Look,
+    lines: bool,
+    arrows: Option<Arrows>,
+}
+
+/// Vectors drawn as arrows.
+#[derive(Clone, Debug)]
+struct Arrows {
+    colour: Colour,
+    /// One per cell, drawn from its centre.
+    vectors: Vec<[f64; 3]>,
+}
+
+impl Body {
+    /// A body in its reference position, grey.
+    pub fn new(label: &str, mesh: impl Into<Arc<Mesh>>) -> Self {
+        let mesh = mesh.into();
+        let positions = mesh.points().to_vec();
+        Self { label: label.to_owned(), mesh, positions, look: Look::Solid(Colour::GREY), lines: true, arrows: None }
+    }
+
+    /// The body of a snapshot, moved by its field `displacement`.
+    pub fn of(label: &str, snapshot: &Snapshot) -> Self {
+        Self::new(label, snapshot.mesh.clone()).at(snapshot.positions())
+    }
+
+    /// Puts the nodes elsewhere: one position per node.
+    pub fn at(mut self, positions: Vec<[f64; 3]>) -> Self {
+        self.positions = positions;
+        self
+    }
+
+    /// Chooses the look.
+    pub fn look(mut self, look: Look) -> Self {
+        self.look = look;
+        self
+    }
+
+    /// Whether element edges are drawn on opaque bodies; they are, unless this says no.
+    pub fn lines(mut self, lines: bool) -> Self {
+        self.lines = lines;
+        self
+    }
+
+    /// Draws one vector per cell from the cell's centre, in front of the surface; the longest is about as long as a
+    /// cell.
+    pub fn arrows(mut self, colour: Colour, vectors: Vec<[f64; 3]>) -> Self {
+        self.arrows = Some(Arrows { colour, vectors });
+        self
+    }
+}
+
+impl Picture {
+    /// An empty picture of 1600 x 1000 pixels.
+    pub fn new(title: &str) -> Self {
+        Self {
+            title: title.to_owned(),
+            subtitle: String::new(),
+            width: 1600,
+            height: 1000,
+            view: View::Auto,
+            length_unit: "m".to_owned(),
+            bodies: Vec::new(),
+        }
+    }
+
+    /// A line below the title, for numbers that belong to the picture.
+    pub fn subtitle(mut self, subtitle: &str) -> Self {
+        self.subtitle = subtitle.to_owned();
+        self
+    }
+
+    /// Width and height in pixels, at least 320 x 200 and at most 16384 each.
+    pub fn size(mut self, width: u32, height: u32) -> Self {
+        self.width = width.clamp(320, 16384);
+        self.height = height.clamp(200, 16384);
+        self
+    }
+
+    /// Chooses the view.
+    pub fn view(mut self, view: View) -> Self {
+        self.view = view;
+        self
+    }
+
+    /// The unit of lengths written at the scale; metres unless told.
+    pub fn length_unit(mut self, unit: &str) -> Self {
+        self.length_unit = unit.to_owned();
+        self
+    }
+
+    /// Adds a body. Order does not matter to what hides what, only to the legend.
+    pub fn body(mut self, body: Body) -> Self {
+        self.bodies.push(body);
+        self
+    }
+
+    /// Writes a PNG or an SVG, by the ending of the name.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::System`]; [`WriteError::Content`] for another ending, no bodies, positions or values of the wrong
+    /// number, positions that are not finite, or a view of length zero.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
+        let path = path.as_ref();
+        let bad =
+            |what: String, advice: &str| WriteError::Content { file: path.to_owned(), what, advice: advice.to_owned() };
+        let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+        match ending.as_deref() {
+            Some("png") => {
+                let bytes = self.png().map_err(|what| bad(what, "see the picture's inputs"))?;
+                write_atomically(path, |out| out.write_all(&bytes))
+            }
+            Some("svg") => {
+                let text = self.svg().map_err(|what| bad(what, "see the picture's inputs"))?;
+                write_atomically(path, |out| out.write_all(text.as_bytes()))
+            }
+            _ => Err(bad("the ending of the name is not known".to_owned(), "use .png or .svg")),
+        }
+    }
+
+    fn png(&self) -> Result<Vec<u8>, String> {
+        let scene = scene::Scene::new(self)?;
+        let frame = frame::Frame::new(self, &scene);
+        let mut image = raster::render(&scene, self.width as usize, self.height as usize);
+        text::draw(&mut image, &frame.marks);
+        png::encode(&image).map_err(|error| error.to_string())
+    }
+
+    fn svg(&self) -> Result<String, String> {
+        let scene = scene::Scene::new(self)?;
+        let frame = frame::Frame::new(self, &scene);
+        Ok(svg::draw(self, &scene, &frame.marks))
+    }
+}

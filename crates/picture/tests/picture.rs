@@ -1,0 +1,206 @@
+//! Pictures: what hides what, which colour means what, and what is refused.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // clippy.toml frees test functions, not their helpers
+
+use nastic_io::WriteError;
+use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh, rectangle};
+use nastic_picture::{Body, Colour, Field, Look, Picture, View};
+
+struct Pixels {
+    width: usize,
+    height: usize,
+    bytes: Vec<u8>,
+}
+
+impl Pixels {
+    fn at(&self, x: usize, y: usize) -> [u8; 3] {
+        let at = 3 * (y * self.width + x);
+        [self.bytes[at], self.bytes[at + 1], self.bytes[at + 2]]
+    }
+
+    /// The middle of the room for bodies when there is no colour bar.
+    fn middle(&self) -> [u8; 3] {
+        self.at(self.width / 2, (self.height as f64 * 0.485) as usize)
+    }
+}
+
+/// Writes a picture and decodes it again.
+fn pixels(picture: &Picture) -> Pixels {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("picture.png");
+    picture.write(&path).unwrap();
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    assert_eq!(info.color_type, png::ColorType::Rgb);
+    Pixels { width: info.width as usize, height: info.height as usize, bytes }
+}
+
+fn cube(kind: CellKind) -> Mesh {
+    box_mesh([1.0, 1.0, 1.0], [2, 2, 2], kind).unwrap()
+}
+
+fn moved(mesh: &Mesh, by: [f64; 3]) -> Vec<[f64; 3]> {
+    mesh.points().iter().map(|p| std::array::from_fn(|i| p[i] + by[i])).collect()
+}
+
+/// A body without a legend and without element lines, so that pixels are surface.
+fn bare(mesh: &Mesh, look: Look) -> Body {
+    Body::new("", mesh.clone()).look(look).lines(false)
+}
+
+fn from_the_front() -> Picture {
+    Picture::new("").size(400, 300).view(View::From([0.0, -1.0, 0.0]))
+}
+
+fn is_red([r, g, b]: [u8; 3]) -> bool {
+    u32::from(r) > 2 * u32::from(g.max(b))
+}
+
+fn is_blue([r, g, b]: [u8; 3]) -> bool {
+    b > r.saturating_add(40) && b > g
+}
+
+#[test]
+fn what_is_nearer_hides_what_is_farther_whatever_the_order() {
+    let mesh = cube(CellKind::Hex8);
+    let near = || bare(&mesh, Look::Solid(Colour::RED));
+    let far = || bare(&mesh, Look::Solid(Colour::BLUE)).at(moved(&mesh, [0.0, 2.0, 0.0]));
+    assert!(is_red(pixels(&from_the_front().body(near()).body(far())).middle()));
+    assert!(is_red(pixels(&from_the_front().body(far()).body(near())).middle()));
+    let behind = from_the_front().view(View::From([0.0, 1.0, 0.0]));
+    assert!(is_blue(pixels(&behind.body(near()).body(far())).middle()));
+}
+
+#[test]
+fn a_body_hides_its_own_far_side() {
+    // Two loose cubes of one body, one value each.
+    let mut raw = RawMesh::new("two");
+    for cube in 0..2 {
+        let unit = CellKind::Hex8.reference_nodes();
+        raw.points.extend(unit.iter().map(|xi| [xi[0], xi[1] + 4.0 * f64::from(cube), xi[2]]));
+        raw.push(CellKind::Hex8, &std::array::from_fn::<u32, 8, _>(|node| 8 * cube + node as u32), &[]);
+    }
+    let mesh = Mesh::build(raw).unwrap();
+    let body = || bare(&mesh, Look::Field(Field::at_cells("m", "", vec![1.0, -1.0])));
+    for (eye, near_is_red) in [([0.0, -1.0, 0.0], true), ([0.0, 1.0, 0.0], false)] {
+        let image = pixels(&from_the_front().view(View::From(eye)).body(body()));
+        let pixel = image.at((27 + 400 - 75) / 2, 145);
+        assert!(if near_is_red { is_red(pixel) } else { is_blue(pixel) }, "{eye:?}: {pixel:?}");
+    }
+}
+
+#[test]
+fn glass_tints_the_ground_but_not_the_body_behind_it() {
+    let mesh = cube(CellKind::Tet10);
+    let solid = |y: f64| bare(&mesh, Look::Solid(Colour::BLUE)).at(moved(&mesh, [0.0, y, 0.0]));
+    let glass = || bare(&mesh, Look::Glass(Colour::RED));
+    let alone = pixels(&from_the_front().body(solid(2.0))).middle();
+    assert_eq!(pixels(&from_the_front().body(solid(2.0)).body(glass())).middle(), alone);
+    let [r, g, b] = pixels(&from_the_front().body(glass())).middle();
+    assert!(r > g.saturating_add(15) && g > 150 && b > 150, "{r} {g} {b}");
+    // Wire leaves the ground between its lines as it is.
+    let ground = pixels(&from_the_front().body(bare(&mesh, Look::Wire(Colour::RED)))).at(230, 157);
+    assert!(ground.iter().all(|byte| *byte > 225), "{ground:?}");
+}
+
+#[test]
+fn values_become_colours_at_their_place() {
+    let mesh = cube(CellKind::Hex20);
+    let values: Vec<f64> = mesh.points().iter().map(|p| 2.0 * p[0] - 1.0).collect();
+    let cells = (0..mesh.cells()).map(|cell| {
+        let cell = mesh.cell(cell);
+        cell.nodes.iter().map(|node| values[*node as usize]).sum::<f64>() / cell.nodes.len() as f64
+    });
+    let cells: Vec<f64> = cells.collect();
+    for field in [Field::at_nodes("m", "Pa", values.clone()), Field::at_cells("m", "Pa", cells)] {
+        let image = pixels(&from_the_front().body(bare(&mesh, Look::Field(field))));
+        // The bar takes the right; the body is centred in what is left.
+        let (middle, row) = ((27 + 400 - 75) / 2, 145);
+        assert!(is_blue(image.at(middle - 60, row)), "{:?}", image.at(middle - 60, row));
+        let [r, _, b] = image.at(middle + 60, row);
+        assert!(r > b.saturating_add(80), "{r} {b}");
+    }
+    let broken = Field::at_nodes("m", "Pa", vec![f64::NAN; mesh.points().len()]);
+    pixels(&from_the_front().body(bare(&mesh, Look::Field(broken))));
+}
+
+#[test]
+fn faces_of_second_order_are_curved() {
+    // A strip one cell wide whose middle nodes bulge upwards: the bulge is above the straight line between corners.
+    let mesh = box_mesh([2.0, 0.2, 0.2], [1, 1, 1], CellKind::Hex27).unwrap();
+    let bulge = |p: &[f64; 3]| [p[0], p[1], p[2] + 0.8 * p[0] * (2.0 - p[0])];
+    let body = bare(&mesh, Look::Solid(Colour::RED)).at(mesh.points().iter().map(bulge).collect());
+    let image = pixels(&from_the_front().body(body));
+    let red = |x: usize| (0..image.height - 60).find(|y| is_red(image.at(x, *y))).unwrap() as f64;
+    let (left, middle, quarter) = (red(40), red(200), red(120));
+    // Parabola: three quarters of the height at a quarter of the length.
+    let share = (left - quarter) / (left - middle);
+    assert!(left - middle > 80.0 && (share - 0.75).abs() < 0.08, "{left} {quarter} {middle}");
+}
+
+#[test]
+fn plane_meshes_are_seen_from_above_in_their_true_colours() {
+    for kind in [CellKind::Tri3, CellKind::Tri6, CellKind::Quad4, CellKind::Quad8, CellKind::Quad9] {
+        let mesh = rectangle([2.0, 1.0], [4, 2], kind).unwrap();
+        let image = pixels(&Picture::new("").size(400, 300).body(bare(&mesh, Look::Solid(Colour::ORANGE))));
+        // Beside the line between cells, which runs through the middle.
+        assert_eq!(image.at(215, 130), Colour::ORANGE.0, "{kind}");
+    }
+}
+
+#[test]
+fn the_same_picture_gives_the_same_bytes() {
+    let mesh = cube(CellKind::Tet4);
+    let directory = tempfile::tempdir().unwrap();
+    for ending in ["png", "svg"] {
+        let files = ["a", "b"].map(|name| directory.path().join(name).with_extension(ending));
+        for file in &files {
+            let arrows = vec![[0.1, 0.0, 0.1]; mesh.cells()];
+            let body = Body::new("start", mesh.clone()).arrows(Colour::RED, arrows);
+            Picture::new("T <1>").subtitle("a & b").size(640, 400).length_unit("mm").body(body).write(file).unwrap();
+        }
+        let [a, b] = files.map(|file| std::fs::read(file).unwrap());
+        assert_eq!(a, b);
+        if ending == "svg" {
+            let text = String::from_utf8(a).unwrap();
+            assert!(text.contains("T &lt;1&gt;") && text.contains("a &amp; b") && text.contains(" mm</text>"));
+            assert!(text.ends_with("</svg>\n") && text.matches("<path").count() > 50);
+            assert_eq!(text.matches("<g").count(), text.matches("</g>").count());
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    let mesh = cube(CellKind::Hex8);
+    let directory = tempfile::tempdir().unwrap();
+    let refused = |picture: &Picture, file: &str, says: &str| {
+        let error = picture.write(directory.path().join(file)).unwrap_err();
+        assert!(matches!(error, WriteError::Content { .. }) && error.to_string().contains(says), "{error}");
+    };
+    let one = |body: Body| Picture::new("").body(body);
+    let body = || Body::new("beam", mesh.clone());
+    refused(&Picture::new(""), "a.png", "no bodies");
+    refused(&one(body()), "a.jpg", ".png or .svg");
+    refused(&one(body().at(vec![[0.0; 3]; 5])), "a.png", "body \"beam\" has 5 positions where 27 are needed");
+    refused(&one(body().at(vec![[f64::NAN, 0.0, 0.0]; 27])), "a.svg", "not finite, at node 0");
+    refused(&one(body().at(vec![[1.0; 3]; 27])), "a.svg", "no extent");
+    let field = Field::at_cells("J", "", vec![1.0; 27]);
+    refused(&one(body().look(Look::Field(field))), "a.png", "27 values where 8 are needed");
+    refused(&one(body().arrows(Colour::RED, vec![])), "a.png", "0 arrows where 8");
+    refused(&one(body()).view(View::From([0.0; 3])), "a.png", "view is zero");
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_single_cell_far_from_the_origin_is_drawn() {
+    let mut raw = RawMesh::new("one");
+    raw.points = vec![[1e3, 0.0, 0.0], [1e3 + 1e-3, 0.0, 0.0], [1e3, 1e-3, 0.0], [1e3, 0.0, 1e-3]];
+    raw.push(CellKind::Tet4, &[0, 1, 2, 3], &[]);
+    let mesh = Mesh::build(raw).unwrap();
+    let image = pixels(&Picture::new("").size(400, 300).body(bare(&mesh, Look::Solid(Colour::RED))));
+    let red = (0..240).flat_map(|y| (0..300).map(move |x| (x, y))).filter(|(x, y)| is_red(image.at(*x, *y))).count();
+    assert!(red > 2000, "{red}");
+}
