@@ -9,7 +9,7 @@
 mod common;
 
 use common::{Arguments, cantilever, median, peak_memory};
-use nastic::fem::{Request, Solver};
+use nastic::fem::{SolveOptions, Solver, Workspace};
 use nastic::linear::{Pivots, Precision};
 use nastic::prelude::*;
 use std::time::Instant;
@@ -27,15 +27,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let setup = began.elapsed().as_secs_f64();
 
     let disc = body.discretization().clone();
-    let solved = body.solve(&controls, &Request::default())?;
-    let forward = median(repeat, || body.solve(&controls, &Request::default()).map(drop))?;
-    let state = &solved.state;
+    let how = SolveOptions::default();
+    let mut workspace = Workspace::default();
+    let state = &body.solve_with(&controls, &how, &mut workspace)?;
+    let forward = median(repeat, || body.solve(&controls, &how).map(drop))?;
 
     let wish: Vec<f64> = (0..disc.dofs()).map(|i| f64::from(i as u32 % 7) - 3.0).collect();
-    let how = Request { factor: solved.factor.clone(), ..Request::default() };
     let mut substitutions = 0;
     let gradient = median(repeat, || {
-        let adjoint = body.adjoint(state, &[&wish], &how)?;
+        let adjoint = body.adjoint_with(state, &[&wish], &how, &mut workspace)?;
         substitutions = adjoint.report.back_substitutions;
         body.body()
             .control_vjp(&state.u, &controls, &adjoint.lambda[0], true)
@@ -54,8 +54,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     tangent.eliminate(body.supports().fixed(), diagonal);
     // In the precision that served; on a body solved by multigrid there is no factor to time.
     let direct = state.report.solver == Solver::Direct;
-    let single = solved.factor.as_deref().is_none_or(|f| f.precision() == Precision::Single);
-    drop((solved.factor, how));
+    let single = workspace.factor().is_none_or(|f| f.precision() == Precision::Single);
+    drop(workspace);
     let (mut factorisation, mut substitution) = (f64::NAN, f64::NAN);
     if direct {
         let mut factor = disc.symbolic().approximate(&tangent, true)?;

@@ -35,7 +35,7 @@ fn target() -> Result<Mesh, Box<dyn std::error::Error>> {
     let at = maker.discretization().body().positions(maker.mesh(), None);
     let mut controls = maker.controls();
     controls.set(0, 0, &at.iter().map(known_tension).collect::<Vec<_>>())?;
-    let state = maker.solve(&controls, &Default::default())?.state;
+    let state = maker.solve(&controls, &Default::default())?;
     let moved = maker.mesh().points().iter().zip(state.u.chunks_exact(3));
     let moved = moved.map(|(x, u)| [x[0] + u[0], x[1] + u[1], x[2] + u[2]]).collect();
     Ok(maker.mesh().as_ref().clone().with_points(moved)?.named("known target"))

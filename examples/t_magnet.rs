@@ -42,7 +42,7 @@ fn target(mesh: &Arc<Mesh>, (name, field): (&str, [f64; 3])) -> Outcome<Tracking
     for (slots, x) in controls.values_mut(0).chunks_exact_mut(6).zip(&at) {
         slots.copy_from_slice(&[known(x), field].concat());
     }
-    let u = maker.solve(&controls, &Default::default())?.state.u.to_vec();
+    let u = maker.solve(&controls, &Default::default())?.u.to_vec();
     let ours = |x: &[f64; 3]| maker.mesh().locate(*x).map(|at| at.interpolate(&u, 3)).ok_or("the meshes do not agree");
     let displacement: Vec<[f64; 3]> = mesh.points().iter().map(ours).collect::<Result<_, _>>()?;
     let shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, displacement.concat())?;

@@ -1,33 +1,32 @@
-//! [`KeptFactor`]: the one factor that neighbouring points hold together.
+//! [`SharedWorkspace`]: the one workspace that neighbouring points hold together.
 
-use nastic_linear::Factor;
+use nastic_fem::Workspace;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The factor kept for the next solve nearby. A point and whatever was evaluated from it share one: the newest takes the
-/// place of the one before, so that a trial holds no second factor beside the point it starts from, and a rejected trial
-/// leaves behind the factor that the next one wants. It serves as a preconditioner and decides no result beyond the
-/// accuracy asked for.
+/// What is kept for the next solve nearby. A point and whatever was evaluated from it share one, so that a trial holds no
+/// second factor beside the point it starts from.
 #[derive(Clone, Default)]
-pub(crate) struct KeptFactor(Arc<Mutex<Option<Arc<Factor>>>>);
+pub(crate) struct SharedWorkspace(Arc<Mutex<Workspace>>);
 
-impl KeptFactor {
-    pub fn get(&self) -> Option<Arc<Factor>> {
+impl SharedWorkspace {
+    /// Takes what is there; put it back with [`put`](Self::put).
+    pub fn take(&self) -> Workspace {
         // A thread that died while it held the lock left a whole value behind.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    pub fn replace(&self, newer: Arc<Factor>) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(newer);
+    pub fn put(&self, workspace: Workspace) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = workspace;
     }
 
     pub fn bytes(&self) -> usize {
-        self.get().map_or(0, |factor| factor.bytes())
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).factor_bytes()
     }
 }
 
-impl fmt::Debug for KeptFactor {
+impl fmt::Debug for SharedWorkspace {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "KeptFactor({} bytes)", self.bytes())
+        write!(f, "SharedWorkspace({} bytes)", self.bytes())
     }
 }

@@ -3,12 +3,11 @@
 use crate::cost::{Cost, CostContext, IntoCost, Partials};
 use crate::error::ControlError;
 use crate::inner_product::{Metric, inner_product};
-use crate::kept_factor::KeptFactor;
+use crate::kept_factor::SharedWorkspace;
 use crate::layout::Layout;
 use crate::map::Space;
 use crate::state_predictor::StatePredictor;
-use nastic_fem::{Request as StateRequest, Solid, SolveReport, Solved, State};
-use nastic_linear::Factor;
+use nastic_fem::{Solid, SolveOptions, SolveReport, State};
 use nastic_opt::{Failed, InnerProduct, Objective, Problem, Report, Request};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
@@ -49,7 +48,7 @@ pub struct Evaluated {
     /// Work of this evaluation, and later of its adjoint.
     pub work: SolveReport,
     /// Shared with the point it was evaluated from.
-    factor: KeptFactor,
+    factor: SharedWorkspace,
     /// The points it was evaluated from, one after the other.
     predictor: StatePredictor,
     adjoint: OnceLock<AdjointPart>,
@@ -85,21 +84,15 @@ impl Evaluated {
         work
     }
 
-    /// The factor kept for the next solve: one, of a tangent nearby, that this point shares with the point it was evaluated
-    /// from and with those evaluated from it. The newest takes the place of the one before. Solves from one point on several
-    /// threads at once see each other's factors, and agree to their accuracy alone.
-    pub fn factor(&self) -> Option<Arc<Factor>> {
-        self.factor.get()
-    }
-
-    /// Memory of [`factor`](Self::factor), in bytes.
+    /// Memory of the factor kept for the next solve, in bytes: one, of a tangent nearby, that this point shares with the point
+    /// it was evaluated from and with those evaluated from it.
     pub fn factor_bytes(&self) -> usize {
         self.factor.bytes()
     }
 
     /// Parts with its factor, which is large, and with the states before it: for points that are kept to be looked at.
     pub fn without_factors(mut self) -> Self {
-        self.factor = KeptFactor::default();
+        self.factor = SharedWorkspace::default();
         self.predictor = StatePredictor::default();
         self
     }
@@ -246,7 +239,7 @@ impl Reduced {
     /// # Errors
     /// No equilibrium, or a cost that is not defined there.
     pub fn at(&self, m: &[f64], near: Option<&Evaluated>, stage: usize) -> Result<Evaluated, ControlError> {
-        self.at_accuracy(m, near, stage, StateRequest::default().accuracy)
+        self.at_accuracy(m, near, stage, SolveOptions::default().accuracy)
     }
 
     /// [`Objective::evaluate`], with the typed error: what failed, and the last equilibrium on the way.
@@ -267,22 +260,23 @@ impl Reduced {
         let controls = self.layout.to_points(m)?;
         let predictor = near.map(|point| point.predictor.then(&point.m, &point.state.u)).unwrap_or_default();
         let guess = predictor.guess(m);
-        let how = StateRequest {
+        let how = SolveOptions {
             guess: guess.as_deref(),
             near: near.map(|point| &point.state),
-            factor: near.and_then(|point| point.factor.get()),
             parallel: self.parallel,
             accuracy,
             cancel: self.cancel.as_deref(),
-            ..StateRequest::default()
+            ..SolveOptions::default()
         };
-        let Solved { state, factor } = self.solid.solve(&controls, &how)?;
+        let kept = near.filter(|_| self.keep_factors).map(|point| point.factor.clone()).unwrap_or_default();
+        let mut workspace = kept.take();
+        let solved = self.solid.solve_with(&controls, &how, &mut workspace);
+        if self.keep_factors {
+            kept.put(workspace);
+        }
+        let state = solved?;
         let terms = self.terms(&state, m, stage)?;
         let work = state.report;
-        let kept = near.filter(|_| self.keep_factors).map(|point| point.factor.clone()).unwrap_or_default();
-        if let Some(newest) = factor.filter(|_| self.keep_factors) {
-            kept.replace(newest);
-        }
         Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor: kept, predictor, adjoint: OnceLock::new() })
     }
 
@@ -333,17 +327,19 @@ impl Reduced {
             return Ok(derivative);
         }
         let rhs: Vec<f64> = partials.u.iter().map(|d| -d).collect();
-        let how = StateRequest { factor: point.factor.get(), parallel: self.parallel, ..StateRequest::default() };
-        let adjoint = self.solid.adjoint(&point.state, &[&rhs], &how)?;
+        let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
+        let mut workspace = point.factor.take();
+        let adjoint = self.solid.adjoint_with(&point.state, &[&rhs], &how, &mut workspace);
+        if self.keep_factors {
+            point.factor.put(workspace);
+        }
+        let adjoint = adjoint?;
         let lambda = adjoint.lambda.into_iter().next().unwrap_or_default();
         let by_point = self.solid.body().control_vjp(&point.state.u, &point.state.controls, &lambda, self.parallel)?;
         for (d, through_state) in derivative.iter_mut().zip(self.layout.control_vjp(&point.m, &by_point)) {
             *d += through_state;
         }
         if term.is_none() {
-            if let Some(newer) = adjoint.factor.filter(|_| self.keep_factors) {
-                point.factor.replace(newer);
-            }
             let _ = point.adjoint.set(AdjointPart { lambda, work: adjoint.report });
         }
         Ok(derivative)

@@ -147,7 +147,7 @@ fn known(maker: &Arc<Discretization>, field: [f64; 3]) -> Outcome<Tracking> {
         let (sin, cos) = (2.4 * x[1]).sin_cos();
         slots.copy_from_slice(&[REMANENCE * cos, REMANENCE * sin, 0.0, field[0], field[1], field[2]]);
     }
-    let state = solid.solve(&controls, &Default::default())?.state;
+    let state = solid.solve(&controls, &Default::default())?;
     Ok(Tracking::surface("z+", Target::moved(maker.mesh().clone(), state.u.to_vec())?))
 }
 

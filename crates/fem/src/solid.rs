@@ -28,7 +28,7 @@ use std::sync::Arc;
 ///     .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
 ///     .clamp("x-")?;
 /// let rest = body.solve(&body.controls(), &Default::default())?;
-/// assert!(rest.state.u.iter().all(|u| u.abs() < 1e-12));
+/// assert!(rest.u.iter().all(|u| u.abs() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]

@@ -5,7 +5,7 @@ mod common;
 use common::block::STRICT;
 use common::{Outcome, distance, kinds, largest, noise, regular};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke, Turgor};
-use nastic_fem::{Controls, FemError, Request, Solid, Solved, State, StateError};
+use nastic_fem::{Controls, FemError, Solid, SolveOptions, State, StateError, Workspace};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 
@@ -35,7 +35,7 @@ fn rhs(solid: &Solid, n: usize) -> Vec<f64> {
     (0..solid.discretization().dofs()).map(|dof| noise(dof + 7919 * n)).collect()
 }
 
-fn solved(solid: &Solid) -> Outcome<Solved> {
+fn solved(solid: &Solid) -> Outcome<State> {
     Ok(solid.solve(&controls(solid), &STRICT)?)
 }
 
@@ -57,9 +57,9 @@ fn differences(solid: &Solid, state: &State, lambda: &[f64]) -> Outcome<Vec<f64>
 fn the_adjoint_solves_with_the_derivative_of_the_force() -> Outcome {
     for kind in kinds() {
         let solid = cantilever(kind)?;
-        let state = solved(&solid)?.state;
+        let state = solved(&solid)?;
         let (a, b) = (rhs(&solid, 1), rhs(&solid, 2));
-        let adjoint = solid.adjoint(&state, &[&a, &b], &Request::default())?;
+        let adjoint = solid.adjoint(&state, &[&a, &b], &SolveOptions::default())?;
         assert_eq!(adjoint.lambda.len(), 2);
         for (lambda, rhs) in adjoint.lambda.iter().zip([a, b]) {
             let mut error: Vec<f64> =
@@ -79,11 +79,12 @@ fn the_adjoint_solves_with_the_derivative_of_the_force() -> Outcome {
 #[test]
 fn a_foreign_factor_is_a_tool_and_no_more() -> Outcome {
     let solid = cantilever(CellKind::Hex8)?;
-    let (state, rhs) = (solved(&solid)?.state, rhs(&solid, 3));
-    let fresh = solid.adjoint(&state, &[&rhs], &Request::default())?.lambda.remove(0);
-    let factor = solid.solve(&solid.controls(), &Request::default())?.factor;
-    assert!(factor.is_some());
-    let other = solid.adjoint(&state, &[&rhs], &Request { factor, ..Request::default() })?.lambda.remove(0);
+    let (state, rhs) = (solved(&solid)?, rhs(&solid, 3));
+    let fresh = solid.adjoint(&state, &[&rhs], &SolveOptions::default())?.lambda.remove(0);
+    let mut workspace = Workspace::default();
+    solid.solve_with(&solid.controls(), &SolveOptions::default(), &mut workspace)?;
+    assert!(workspace.factor().is_some());
+    let other = solid.adjoint_with(&state, &[&rhs], &SolveOptions::default(), &mut workspace)?.lambda.remove(0);
     let error = distance(&fresh, &other) / largest(&fresh);
     assert!(error < 1e-9, "the answer depends on the factor handed in: {error:e}");
     Ok(())
@@ -94,18 +95,18 @@ fn a_foreign_factor_is_a_tool_and_no_more() -> Outcome {
 fn the_reduced_derivative_is_that_of_the_solutions() -> Outcome {
     for kind in [CellKind::Quad9, CellKind::Tri6, CellKind::Hex8, CellKind::Tet10] {
         let solid = cantilever(kind)?;
-        let state = solved(&solid)?.state;
+        let state = solved(&solid)?;
         let mut cost = rhs(&solid, 4);
         solid.supports().clear(&mut cost);
         let minus: Vec<f64> = cost.iter().map(|c| -c).collect();
-        let lambda = solid.adjoint(&state, &[&minus], &Request::default())?.lambda.remove(0);
+        let lambda = solid.adjoint(&state, &[&minus], &SolveOptions::default())?.lambda.remove(0);
         let derivative = solid.body().control_vjp(&state.u, &state.controls, &lambda, false)?;
         for k in 0..2 {
             let direction: Vec<f64> = (0..derivative.values(k).len()).map(noise).collect();
             let value = |t: f64| -> Outcome<f64> {
                 let mut moved = state.controls.as_ref().clone();
                 moved.values_mut(k).iter_mut().zip(&direction).for_each(|(m, d)| *m += t * d);
-                let u = solid.solve(&moved, &Request { near: Some(&state), ..STRICT })?.state.u;
+                let u = solid.solve(&moved, &SolveOptions { near: Some(&state), ..STRICT })?.u;
                 Ok(u.iter().zip(&cost).map(|(u, c)| u * c).sum())
             };
             const H: f64 = 0.05;
@@ -127,17 +128,18 @@ fn an_unstable_state_has_its_adjoint() -> Outcome {
         .material("body", NeoHooke::new(0.5, 0.0)?)?
         .clamp("x-")?
         .traction("x+", Vec3::x() * -1e-3)?;
-    let Solved { state, factor } = solid.solve(&solid.controls(), &STRICT)?;
+    let mut workspace = Workspace::default();
+    let state = solid.solve_with(&solid.controls(), &STRICT, &mut workspace)?;
     assert_eq!(solid.negative_pivots(&state)?, 1);
     let rhs = rhs(&solid, 5);
-    let adjoint = solid.adjoint(&state, &[&rhs], &Request { factor, ..Request::default() })?;
+    let adjoint = solid.adjoint_with(&state, &[&rhs], &SolveOptions::default(), &mut workspace)?;
     let mut error = differences(&solid, &state, &adjoint.lambda[0])?;
     error.iter_mut().zip(&rhs).for_each(|(f, b)| *f -= b);
     solid.supports().clear(&mut error);
     assert!(largest(&error) < 1e-6, "K lambda - rhs = {:e}", largest(&error));
     // nor does the indefinite factor harm who is handed it
     let stable = solid.clone().traction("x+", Vec3::x() * 1e-3)?;
-    let state = stable.solve(&stable.controls(), &Request { factor: adjoint.factor, ..STRICT })?.state;
+    let state = stable.solve_with(&stable.controls(), &STRICT, &mut workspace)?;
     assert_eq!(stable.negative_pivots(&state)?, 0);
     assert!(largest(&state.u) < 1e-12);
     Ok(())
@@ -146,7 +148,8 @@ fn an_unstable_state_has_its_adjoint() -> Outcome {
 #[test]
 fn a_right_hand_side_of_the_wrong_length_is_refused() -> Outcome {
     let solid = cantilever(CellKind::Quad4)?;
-    let error = solid.adjoint(&solid.rest(), &[&[1.0; 29]], &Request::default()).err().ok_or("29 entries passed")?;
+    let error =
+        solid.adjoint(&solid.rest(), &[&[1.0; 29]], &SolveOptions::default()).err().ok_or("29 entries passed")?;
     assert!(matches!(error, StateError::Problem(FemError::Length { found: 29, expected: 30, .. })), "{error}");
     Ok(())
 }

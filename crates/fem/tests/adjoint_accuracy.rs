@@ -4,7 +4,7 @@ mod common;
 
 use common::{Outcome, kinds, noise, regular};
 use nastic_energy::{FiberTension, Magnet, MooneyRivlin, NeoHooke, Turgor};
-use nastic_fem::{Controls, Request, Solid, State};
+use nastic_fem::{Controls, Solid, SolveOptions, State, Workspace};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 
@@ -85,7 +85,7 @@ fn converged(solid: &Solid, state: &State, rhs: &[f64], mut lambda: Vec<f64>) ->
         let mut left = vec![0.0; rhs.len()];
         solid.body().tangent_product(&state.u, &state.controls, &lambda, &mut left, false)?;
         left.iter_mut().zip(rhs).for_each(|(l, b)| *l = b - *l);
-        let more = solid.adjoint(state, &[&left], &Request::default())?.lambda.remove(0);
+        let more = solid.adjoint(state, &[&left], &SolveOptions::default())?.lambda.remove(0);
         lambda.iter_mut().zip(&more).for_each(|(l, m)| *l += m);
     }
     Ok(lambda)
@@ -99,16 +99,17 @@ fn norm(values: impl Iterator<Item = f64>) -> f64 {
 #[test]
 fn the_default_gradient_is_that_of_a_converged_adjoint() -> Outcome {
     for Case { name, solid, controls } in cases()? {
-        let solved = solid.solve(&controls, &Request::default())?;
-        let at_rest = solid.solve(&solid.controls(), &Request::default())?.factor;
+        let (mut own, mut at_rest) = (Workspace::default(), Workspace::default());
+        let state = solid.solve_with(&controls, &SolveOptions::default(), &mut own)?;
+        solid.solve_with(&solid.controls(), &SolveOptions::default(), &mut at_rest)?;
         for (n, wish) in wishes(&solid).iter().enumerate() {
-            let first = solid.adjoint(&solved.state, &[wish], &Request::default())?.lambda.remove(0);
-            let lambda = converged(&solid, &solved.state, wish, first)?;
-            let exact = gradient(&solid, &solved.state, &lambda)?;
-            for (whose, factor) in [("own", &None), ("kept", &solved.factor), ("at rest", &at_rest)] {
-                let how = Request { factor: factor.clone(), ..Request::default() };
-                let adjoint = solid.adjoint(&solved.state, &[wish], &how)?;
-                let found = gradient(&solid, &solved.state, &adjoint.lambda[0])?;
+            let first = solid.adjoint(&state, &[wish], &SolveOptions::default())?.lambda.remove(0);
+            let lambda = converged(&solid, &state, wish, first)?;
+            let exact = gradient(&solid, &state, &lambda)?;
+            for (whose, workspace) in [("own", &Workspace::default()), ("kept", &own), ("at rest", &at_rest)] {
+                let how = SolveOptions::default();
+                let adjoint = solid.adjoint_with(&state, &[wish], &how, &mut workspace.clone())?;
+                let found = gradient(&solid, &state, &adjoint.lambda[0])?;
                 for k in 0..exact.len() {
                     let error = norm(found.values(k).iter().zip(exact.values(k)).map(|(a, b)| a - b));
                     let error = error / norm(exact.values(k).iter().copied());

@@ -27,7 +27,7 @@ fn averages_are_integrals_over_the_cell() -> Outcome {
         let at = solid.discretization().body().positions(solid.mesh(), None);
         controls.set(0, 0, &at.iter().map(|x| 0.5 * x[0]).collect::<Vec<_>>())?;
         controls.set(1, 0, &at.iter().map(|x| -x[1]).collect::<Vec<_>>())?;
-        let state = solid.solve(&controls, &STRICT)?.state;
+        let state = solid.solve(&controls, &STRICT)?;
         let fields = solid.cell_fields(&state)?;
         assert_eq!(fields.j.len(), solid.mesh().cells());
         for cell in 0..solid.mesh().cells() {

@@ -7,14 +7,14 @@ mod common;
 use common::block::STRICT;
 use common::{Outcome, distance, largest, noise, regular};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
-use nastic_fem::{Controls, Request, Solid, Solver, State, StateError};
+use nastic_fem::{Controls, Solid, SolveOptions, Solver, State, StateError};
 use nastic_linear::{
     CgEnd, CgReport, FactorError, Geometry, Multigrid, Pivots, Preconditioner, SymmetricMatrix, conjugate_gradient,
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 
-const MULTIGRID: Request = Request { solver: Some(Solver::Multigrid), ..STRICT };
+const MULTIGRID: SolveOptions = SolveOptions { solver: Some(Solver::Multigrid), ..STRICT };
 
 /// The fibre cantilever: `length x 0.2 x 0.2`, clamped at x = 0.
 fn cantilever(kind: CellKind, length: f64, cells: [usize; 3], mu3: f64) -> Outcome<Solid> {
@@ -58,7 +58,7 @@ impl System {
     }
 
     fn bent(solid: Solid) -> Outcome<Self> {
-        let state = solid.solve(&bending(&solid), &Request::default())?.state;
+        let state = solid.solve(&bending(&solid), &SolveOptions::default())?;
         Self::new(solid, &state)
     }
 
@@ -239,18 +239,18 @@ fn whole_solves_and_adjoints_agree_with_those_of_the_factor() -> Outcome {
         let controls = bending(&solid);
         let direct = solid.solve(&controls, &STRICT)?;
         let multigrid = solid.solve(&controls, &MULTIGRID)?;
-        let (work, size) = (multigrid.state.report, largest(&direct.state.u));
+        let (work, size) = (multigrid.report, largest(&direct.u));
         assert_eq!((work.solver, work.factorisations), (Solver::Multigrid, 0), "{kind}");
         // a step that meets negative curvature counts as neither
         assert!(work.cycles > work.newton && work.hierarchies + work.reused + 1 >= work.newton, "{kind}: {work:?}");
-        assert!(distance(&direct.state.u, &multigrid.state.u) < 1e-8 * size, "{kind}");
-        let rhs: Vec<f64> = direct.state.u.iter().map(|u| u / size).collect();
-        let by_factor = solid.adjoint(&direct.state, &[&rhs], &STRICT)?.lambda.remove(0);
-        let by_multigrid = solid.adjoint(&direct.state, &[&rhs], &MULTIGRID)?;
+        assert!(distance(&direct.u, &multigrid.u) < 1e-8 * size, "{kind}");
+        let rhs: Vec<f64> = direct.u.iter().map(|u| u / size).collect();
+        let by_factor = solid.adjoint(&direct, &[&rhs], &STRICT)?.lambda.remove(0);
+        let by_multigrid = solid.adjoint(&direct, &[&rhs], &MULTIGRID)?;
         assert_eq!((by_multigrid.report.solver, by_multigrid.report.factorisations), (Solver::Multigrid, 0));
         let error = distance(&by_factor, &by_multigrid.lambda[0]) / largest(&by_factor);
         assert!(error < 1e-8, "{kind}: {error:e}");
-        assert_eq!(solid.negative_pivots_by(&direct.state, &MULTIGRID)?, 0);
+        assert_eq!(solid.negative_pivots_by(&direct, &MULTIGRID)?, 0);
     }
     Ok(())
 }
@@ -262,7 +262,7 @@ fn an_unstable_state_falls_back_to_the_factor() -> Outcome {
         .material("body", NeoHooke::new(0.5, 0.0)?)?
         .clamp("x-")?
         .traction("x+", Vec3::x() * -1e-3)?;
-    let state = solid.solve(&solid.controls(), &STRICT)?.state;
+    let state = solid.solve(&solid.controls(), &STRICT)?;
     assert_eq!(solid.negative_pivots_by(&state, &MULTIGRID)?, 1);
     let rhs: Vec<f64> = (0..state.u.len()).map(noise).collect();
     let by_factor = solid.adjoint(&state, &[&rhs], &STRICT)?.lambda.remove(0);
@@ -271,7 +271,7 @@ fn an_unstable_state_falls_back_to_the_factor() -> Outcome {
     assert!(distance(&by_factor, &by_multigrid.lambda[0]) < 1e-8 * largest(&by_factor));
     // from rest the way leads over the bifurcation: an equilibrium or a typed answer, nothing else
     match solid.solve(&solid.controls(), &MULTIGRID) {
-        Ok(solved) => assert!(solved.state.report.residual <= 1e-10),
+        Ok(solved) => assert!(solved.report.residual <= 1e-10),
         Err(StateError::NoConvergence { .. } | StateError::Inverted { .. }) => {}
         Err(other) => panic!("{other}"),
     }

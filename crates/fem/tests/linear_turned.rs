@@ -1,7 +1,7 @@
 //! A factor at rest serves in the bent body when it is turned along.
 
 use nastic_energy::{FiberTension, MooneyRivlin};
-use nastic_fem::{Controls, Request, Solid};
+use nastic_fem::{Controls, Solid, SolveOptions, Workspace};
 use nastic_linear::{CorotatedPreconditioner, Pivots, Rotations, SymmetricMatrix, conjugate_gradient};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_tensor::{Mat3, Vec3};
@@ -70,14 +70,14 @@ fn a_rigid_turn_needs_one_iteration() -> Outcome {
 #[test]
 fn a_factor_from_rest_serves_the_adjoint_of_the_bent_state() -> Outcome {
     let (solid, controls) = cantilever()?;
-    let state = solid.solve(&controls, &Request::default())?.state;
+    let state = solid.solve(&controls, &SolveOptions::default())?;
     let at_rest = tangent(&solid, &vec![0.0; state.u.len()], &solid.controls())?;
     let mut factor = solid.discretization().symbolic().factorize(&at_rest, Pivots::Positive, false)?;
     factor.stand_in(Arc::new(Rotations(vec![Mat3::identity(); solid.mesh().points().len()])));
     let wish: Vec<f64> = (0..state.u.len()).map(|i| (0.3 * i as f64).cos()).collect();
-    let from_rest = Request { factor: Some(Arc::new(factor)), ..Request::default() };
-    let kept = solid.adjoint(&state, &[&wish], &from_rest)?;
-    let own = solid.adjoint(&state, &[&wish], &Request::default())?;
+    let mut from_rest = Workspace::with_factor(factor);
+    let kept = solid.adjoint_with(&state, &[&wish], &SolveOptions::default(), &mut from_rest)?;
+    let own = solid.adjoint(&state, &[&wish], &SolveOptions::default())?;
     let largest = own.lambda[0].iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let difference = kept.lambda[0].iter().zip(&own.lambda[0]).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
     assert!(difference <= 1e-8 * largest, "{difference:e} of {largest:e}");

@@ -6,7 +6,7 @@ use common::block::{Block, STRICT};
 use common::homogeneous::{cases, neo_hooke, relaxed};
 use common::{Outcome, distance, kinds, largest, nodal, node_at, regular};
 use nastic_energy::{Actuation, Magnet, MagnetIsochoric, MagnetRotation, NeoHooke};
-use nastic_fem::{Request, Solid, State};
+use nastic_fem::{Solid, SolveOptions, State};
 use nastic_mesh::CellKind;
 use nastic_tensor::{Mat3, Vec3};
 use std::f64::consts::PI;
@@ -28,7 +28,7 @@ fn in_field(solid: &Solid, h: f64, beta: f64, along: Vec3, near: Option<&State>)
         slot[0] = 1.0;
         slot[3..].copy_from_slice((along * (beta * h * h / 12.0)).as_slice());
     }
-    Ok(solid.solve(&controls, &Request { near, ..STRICT })?.state)
+    Ok(solid.solve(&controls, &SolveOptions { near, ..STRICT })?)
 }
 
 /// Where the tip of the mid-line is.
@@ -206,7 +206,7 @@ fn a_free_cube_in_a_field_along_its_magnetisation_deforms_as_one_point() -> Outc
                 for slot in controls.values_mut(0).chunks_exact_mut(6) {
                     (slot[0], slot[3]) = (REMANENCE, FIELD);
                 }
-                let state = solid.solve(&controls, &STRICT)?.state;
+                let state = solid.solve(&controls, &STRICT)?;
                 let what = format!("{kind}, {}, {variant}", case.name);
                 let expected = nodal(solid.mesh(), |x| (f - Mat3::identity()) * x);
                 let error = distance(&state.u, &expected);
@@ -230,7 +230,7 @@ fn a_free_cube_of_neo_hooke_meets_its_scalar_equation() -> Outcome {
         for slot in controls.values_mut(0).chunks_exact_mut(6) {
             (slot[0], slot[3]) = (2.0, pull);
         }
-        let state = solid.solve(&controls, &STRICT)?.state;
+        let state = solid.solve(&controls, &STRICT)?;
         let stretch = (pull + (pull * pull + 9.0).sqrt()) / 3.0;
         let expected = nodal(solid.mesh(), |x| Vec3::x() * ((stretch - 1.0) * x.x));
         assert!(distance(&state.u, &expected) < 1e-11, "B_r B_a/mu0 = {pull}");

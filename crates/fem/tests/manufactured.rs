@@ -10,7 +10,7 @@ mod common;
 use common::{Outcome, nodal, prescribe, unit, with_node_sets};
 use nastic_energy::check::{Evaluation, evaluate};
 use nastic_energy::{MooneyRivlin, Place};
-use nastic_fem::{QuadraturePoints, Request, Solid, SolveReport, State};
+use nastic_fem::{QuadraturePoints, Solid, SolveOptions, SolveReport, State};
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 use std::f64::consts::{LN_2, PI};
@@ -120,7 +120,7 @@ fn errors(kind: CellKind, cells: usize) -> Outcome<[f64; 2]> {
     // the interpolant is near the answer, which saves the way from rest
     let u = Arc::new(nodal(solid.mesh(), |x| wave.u(x)));
     let near = State { u, controls: Arc::new(solid.controls()), load: 1.0, report: SolveReport::default() };
-    let state = solid.solve(&solid.controls(), &Request::near(&near))?.state;
+    let state = solid.solve(&solid.controls(), &SolveOptions::near(&near))?;
     deviation(solid.mesh(), &state.u, &wave)
 }
 

@@ -10,7 +10,7 @@ use common::{
 };
 use nastic_energy::check::evaluate;
 use nastic_energy::{EnergyTerm, Place};
-use nastic_fem::{Discretization, Request, Solid};
+use nastic_fem::{Discretization, Solid, SolveOptions};
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 use std::sync::Arc;
@@ -39,8 +39,8 @@ fn assert_patch(mesh: Mesh, what: &str) -> Outcome {
     let expected = nodal(&mesh, u);
     for (name, law) in laws()? {
         let solid = prescribe(Solid::on(disc.clone()).material_dyn("body", law.clone())?, &held, u)?;
-        let request = Request { accuracy: 1e-14, ..Request::default() };
-        let state = solid.solve(&solid.controls(), &request).unwrap_or_else(|e| panic!("{what}, {name}: {e}")).state;
+        let request = SolveOptions { accuracy: 1e-14, ..SolveOptions::default() };
+        let state = solid.solve(&solid.controls(), &request).unwrap_or_else(|e| panic!("{what}, {name}: {e}"));
         let error = distance(&state.u, &expected) / common::largest(&expected);
         assert!(error < 1e-12, "{what}, {name}: relative error {error:e} of u");
         assert_homogeneous(&solid, &state, &*law, &f, &format!("{what}, {name}"))?;

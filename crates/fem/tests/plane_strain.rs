@@ -28,7 +28,7 @@ fn cantilever(kind: CellKind) -> Outcome<(Solid, State)> {
     let at = solid.discretization().body().positions(solid.mesh(), None);
     controls.set(0, 0, &at.iter().map(|x| -4e5 * x[1] / SIZE[1]).collect::<Vec<_>>())?;
     controls.set(1, 0, &at.iter().map(|x| 1e5 * x[0]).collect::<Vec<_>>())?;
-    let state = solid.solve(&controls, &STRICT)?.state;
+    let state = solid.solve(&controls, &STRICT)?;
     Ok((solid, state))
 }
 

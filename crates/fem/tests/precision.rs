@@ -5,7 +5,7 @@
 mod common;
 
 use nastic_energy::MooneyRivlin;
-use nastic_fem::{Request, Solid};
+use nastic_fem::{Solid, SolveOptions, Workspace};
 use nastic_linear::Precision;
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_tensor::Vec3;
@@ -20,10 +20,11 @@ fn bodies_that_single_precision_is_too_coarse_for_get_double_precision() -> comm
             .clamp("x-")?
             .traction("x+", Vec3::new(0.0, 0.0, traction))?;
         let controls = solid.controls();
-        let solved = solid.solve(&controls, &Request { accuracy: 1e-12, ..Request::default() })?;
-        let residual = solved.state.report.residual;
+        let mut workspace = Workspace::default();
+        let how = SolveOptions { accuracy: 1e-12, ..SolveOptions::default() };
+        let residual = solid.solve_with(&controls, &how, &mut workspace)?.report.residual;
         assert!(residual < 1e-10, "{residual:e}");
-        Ok(solved.factor.map(|f| f.precision()))
+        Ok(workspace.factor().map(|f| f.precision()))
     };
     assert_eq!(bar([1.0, 0.2, 0.2], [5, 1, 1], 3e3)?, Some(Precision::Single));
     assert_eq!(bar([1.0, 0.2, 0.02], [60, 1, 1], 3.0)?, Some(Precision::Double));

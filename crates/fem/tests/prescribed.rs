@@ -41,7 +41,7 @@ fn dilatation_takes_the_forces_of_the_formula() -> Outcome {
                     values[n % 3] = Some(if n < 3 { 0.0 } else { a - 1.0 });
                     solid = solid.displace(side, values)?;
                 }
-                let state = solid.solve(&solid.controls(), &STRICT)?.state;
+                let state = solid.solve(&solid.controls(), &STRICT)?;
                 let force = solid.body().evaluate(&state.u, &state.controls, true, true)?.force;
                 let reactions = solid.supports().reactions(&force);
                 for half in [0, 3] {
@@ -80,7 +80,7 @@ fn simple_shear_has_the_stress_of_the_formula() -> Outcome {
             for (case, modulus) in shear_moduli()? {
                 let solid = solid.clone().material_dyn("body", case.law)?;
                 let solid = prescribe(solid, &held, |x| Vec3::new(g * x.y, 0.0, 0.0))?;
-                let state = solid.solve(&solid.controls(), &STRICT)?.state;
+                let state = solid.solve(&solid.controls(), &STRICT)?;
                 for cell in solid.cell_fields(&state)?.piola.chunks_exact(9) {
                     let error = (cell[1] - modulus * g).abs();
                     assert!(
@@ -115,7 +115,7 @@ fn reactions_balance_the_loads() -> Outcome {
         let corner = common::node_at(solid.mesh(), [1.0, 1.0, 0.0]).ok_or("no corner")?;
         force[kind.dim() * corner..][..kind.dim()].copy_from_slice(&point.as_slice()[..kind.dim()]);
         let solid = solid.nodal_force(&force)?;
-        let state = solid.solve(&solid.controls(), &STRICT)?.state;
+        let state = solid.solve(&solid.controls(), &STRICT)?;
         let force = solid.body().evaluate(&state.u, &state.controls, true, true)?.force;
         let net: Vec<f64> = force.iter().zip(solid.dead_load()).map(|(f, d)| f - d).collect();
         let reactions = solid.supports().reactions(&net);
@@ -136,7 +136,7 @@ fn reactions_are_told_apart_by_support() -> Outcome {
         .displace("y-", [None, Some(0.0), None])?
         .displace("z-", [None, None, Some(0.0)])?
         .displace("x+", [Some(0.5), None, None])?;
-    let state = solid.solve(&solid.controls(), &STRICT)?.state;
+    let state = solid.solve(&solid.controls(), &STRICT)?;
     let force = solid.body().evaluate(&state.u, &state.controls, true, true)?.force;
     let reactions = solid.supports().reactions(&force);
     let pull = reactions[3].1[0];

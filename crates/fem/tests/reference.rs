@@ -1,7 +1,7 @@
 //! Numbers nobody here made: displacements and energies agreed by independent codes.
 
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
-use nastic_fem::{Controls, Request, Solid, State};
+use nastic_fem::{Controls, Solid, SolveOptions, State};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_tensor::Vec3;
 
@@ -26,7 +26,7 @@ fn linear_tension(solid: &Solid) -> Outcome<Controls> {
 }
 
 fn solve(solid: &Solid, controls: &Controls) -> Outcome<State> {
-    Ok(solid.solve(controls, &Request::default())?.state)
+    Ok(solid.solve(controls, &SolveOptions::default())?)
 }
 
 fn assert_corner(solid: &Solid, state: &State, expected: [f64; 3], tolerance: f64) {

@@ -62,7 +62,7 @@ fn a_mesh_of_two_kinds_passes_the_patch_test() -> Outcome {
         let held = boundary_nodes(&mesh);
         let solid = Solid::new(with_node_sets(&mesh, &held)?)?.material("body", NeoHooke::new(1.0, 3.0)?)?;
         let solid = prescribe(solid, &held, |x| gradient * x)?;
-        let state = solid.solve(&solid.controls(), &STRICT)?.state;
+        let state = solid.solve(&solid.controls(), &STRICT)?;
         let error = distance(&state.u, &nodal(solid.mesh(), |x| gradient * x));
         assert!(error < 1e-12, "second order {second_order}: u is off by {error:e}");
     }
@@ -85,7 +85,7 @@ fn halves_in_series_stretch_by_their_own_laws() -> Outcome {
             held[1 + n / 2] = Some(0.0);
             solid = solid.displace(side, held)?;
         }
-        let state = solid.solve(&solid.controls(), &STRICT)?.state;
+        let state = solid.solve(&solid.controls(), &STRICT)?;
         let stretch = |slope: &dyn Fn(f64) -> f64| {
             let (mut low, mut high) = (0.5, 3.0);
             for _ in 0..100 {
@@ -110,7 +110,7 @@ fn driven(solid: Solid, m: f64) -> Outcome<State> {
     for k in 0..controls.len() {
         controls.values_mut(k).fill(m);
     }
-    Ok(solid.solve(&controls, &STRICT)?.state)
+    Ok(solid.solve(&controls, &STRICT)?)
 }
 
 /// What regions say, fields by cell and by point say as well.
@@ -162,13 +162,13 @@ fn an_actuation_acts_in_its_region_alone() -> Outcome {
         .clamp("x-")?;
     let mut controls = solid.controls();
     controls.values_mut(0).fill(1.0);
-    let state = solid.solve(&controls, &STRICT)?.state;
+    let state = solid.solve(&controls, &STRICT)?;
     for (value, cell) in controls.values_mut(0).iter_mut().zip(solid.discretization().body().cells()) {
         if solid.mesh().regions()["left"].contains(&cell) {
             *value = 1e9;
         }
     }
-    let other = solid.solve(&controls, &STRICT)?.state;
+    let other = solid.solve(&controls, &STRICT)?;
     assert_eq!(state.u, other.u);
     let lambda = vec![1.0; state.u.len()];
     let pulled = solid.body().control_vjp(&state.u, &controls, &lambda, false)?;
@@ -191,7 +191,7 @@ fn several_energies_on_one_region_add_up() -> Outcome {
     let mut controls = solid.controls();
     controls.values_mut(0).fill(-1.0);
     controls.values_mut(1).fill(0.6);
-    let state = solid.solve(&controls, &STRICT)?.state;
+    let state = solid.solve(&controls, &STRICT)?;
     let f = relaxed(3, |f| {
         (first.density)(f) + (second.density)(f) + 0.5 * f.column(0).norm_squared() - 0.6 * (f.determinant() - 1.0)
     });

@@ -7,7 +7,7 @@ mod common;
 use common::block::STRICT;
 use common::{Outcome, distance, largest, regular};
 use nastic_energy::{FiberTension, MooneyRivlin};
-use nastic_fem::{Controls, Request, Solid, SolveReport, Solved, State, StateError};
+use nastic_fem::{Controls, Solid, SolveOptions, SolveReport, State, StateError, Workspace};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -44,7 +44,7 @@ fn residual(solid: &Solid, state: &State) -> Outcome<f64> {
 fn the_fiber_cantilever_is_reached_without_load_steps() -> Outcome {
     for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27, CellKind::Tet4, CellKind::Tet10] {
         let solid = cantilever(kind, 2)?;
-        let state = solid.solve(&tension(&solid, -1.5e5)?, &Request::default())?.state;
+        let state = solid.solve(&tension(&solid, -1.5e5)?, &SolveOptions::default())?;
         let SolveReport { load_steps, cuts, newton, residual, .. } = state.report;
         println!("{kind:6} {:?}", state.report);
         assert!(load_steps <= 2 && cuts <= 1, "{kind}: {load_steps} load steps, {cuts} cuts");
@@ -60,7 +60,7 @@ fn a_state_says_truly_how_good_it_is() -> Outcome {
     let solid = cantilever(CellKind::Hex8, 2)?.traction("x+", Vec3::new(0.0, 0.0, 500.0))?;
     for accuracy in [1e-4, 1e-8, 1e-12] {
         let controls = tension(&solid, -1e5)?;
-        let state = solid.solve(&controls, &Request { accuracy, ..Request::default() })?.state;
+        let state = solid.solve(&controls, &SolveOptions { accuracy, ..SolveOptions::default() })?;
         let (found, claimed) = (residual(&solid, &state)?, state.report.residual);
         assert!(
             found <= accuracy && (found - claimed).abs() <= 1e-3 * found + 1e-15,
@@ -85,9 +85,10 @@ fn the_bits_do_not_depend_on_the_threads() -> Outcome {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let rhs = vec![1.0; solid.rest().u.len()];
         let solve = || -> Result<_, StateError> {
-            let how = Request { parallel, ..Request::default() };
-            let Solved { state, factor } = solid.solve(&controls, &how)?;
-            let lambda = solid.adjoint(&state, &[&rhs], &Request { factor, ..how })?.lambda.remove(0);
+            let how = SolveOptions { parallel, ..SolveOptions::default() };
+            let mut workspace = Workspace::default();
+            let state = solid.solve_with(&controls, &how, &mut workspace)?;
+            let lambda = solid.adjoint_with(&state, &[&rhs], &how, &mut workspace)?.lambda.remove(0);
             Ok((state, lambda))
         };
         let (state, lambda) = pool.install(solve)?;
@@ -107,14 +108,17 @@ fn the_bits_do_not_depend_on_the_threads() -> Outcome {
 #[test]
 fn a_warm_start_arrives_where_a_cold_one_does() -> Outcome {
     let solid = cantilever(CellKind::Hex8, 2)?.traction("x+", Vec3::new(0.0, 100.0, 0.0))?;
-    let cold = solid.solve(&tension(&solid, -1.5e5)?, &STRICT)?.state;
-    let Solved { state: near, factor } = solid.solve(&tension(&solid, -1.45e5)?, &Request::default())?;
-    let warm = solid.solve(&tension(&solid, -1.5e5)?, &Request { near: Some(&near), factor, ..STRICT })?.state;
+    let cold = solid.solve(&tension(&solid, -1.5e5)?, &STRICT)?;
+    let mut workspace = Workspace::default();
+    let near = solid.solve_with(&tension(&solid, -1.45e5)?, &SolveOptions::default(), &mut workspace)?;
+    let how = SolveOptions { near: Some(&near), ..STRICT };
+    let warm = solid.solve_with(&tension(&solid, -1.5e5)?, &how, &mut workspace)?;
     assert!(distance(&cold.u, &warm.u) < 1e-11, "{:e}", distance(&cold.u, &warm.u));
     assert!(warm.report.newton < cold.report.newton, "{:?}, {:?}", warm.report, cold.report);
     assert!(warm.report.reused > 0, "the factor handed in was not used: {:?}", warm.report);
     // at the answer there is nothing left to do
-    let again = solid.solve(&tension(&solid, -1.5e5)?, &Request { near: Some(&cold), ..Request::default() })?.state;
+    let again =
+        solid.solve(&tension(&solid, -1.5e5)?, &SolveOptions { near: Some(&cold), ..SolveOptions::default() })?;
     assert!(again.report.newton == 0 && again.u == cold.u, "{:?}", again.report);
     Ok(())
 }
@@ -124,15 +128,15 @@ fn a_warm_start_arrives_where_a_cold_one_does() -> Outcome {
 fn a_useless_warm_start_does_no_harm() -> Outcome {
     let solid = cantilever(CellKind::Hex8, 2)?;
     let controls = tension(&solid, -1.5e5)?;
-    let good = solid.solve(&controls, &STRICT)?.state;
+    let good = solid.solve(&controls, &STRICT)?;
     let mut u = good.u.to_vec();
     u.iter_mut().enumerate().for_each(|(n, u)| *u += 0.5 * common::noise(n));
     let inverted = State { u: u.into(), ..good.clone() };
-    let state = solid.solve(&controls, &Request { near: Some(&inverted), ..STRICT })?.state;
+    let state = solid.solve(&controls, &SolveOptions { near: Some(&inverted), ..STRICT })?;
     assert!(distance(&state.u, &good.u) < 1e-11);
     // a state of another body fits nothing here
     let other = cantilever(CellKind::Hex8, 1)?;
-    let state = solid.solve(&controls, &Request { near: Some(&other.rest()), ..STRICT })?.state;
+    let state = solid.solve(&controls, &SolveOptions { near: Some(&other.rest()), ..STRICT })?;
     assert!(distance(&state.u, &good.u) < 1e-11);
     Ok(())
 }
@@ -146,7 +150,7 @@ fn small_loads_take_few_iterations() -> Outcome {
                 .material("body", MooneyRivlin::new(1.0, 0.2, 5.0)?)?
                 .clamp("x-")?
                 .traction("x+", Vec3::new(size, size, 0.0))?;
-            let report = solid.solve(&solid.controls(), &STRICT)?.state.report;
+            let report = solid.solve(&solid.controls(), &STRICT)?.report;
             assert!(report.newton <= 6 && report.cuts == 0, "{kind}, load {size:e}: {report:?}");
         }
     }
@@ -167,7 +171,7 @@ fn units_do_not_matter() -> Outcome {
             .body_force("body", Vec3::new(0.0, 0.0, -500.0 * pressure / length))?;
         let mut controls = tension(&solid, -1.5e5 * pressure)?;
         controls.values_mut(0).iter_mut().for_each(|m| *m /= length);
-        Ok(solid.solve(&controls, &Request::default())?.state)
+        Ok(solid.solve(&controls, &SolveOptions::default())?)
     };
     let metres = solve(1.0, 1.0)?;
     for (length, pressure) in [(1e3, 1e-6), (1e-3, 1.0), (1e6, 1e9), (1e-6, 1e-12)] {
@@ -207,7 +211,8 @@ fn a_tension_beyond_the_bound_ends_in_a_typed_error() -> Outcome {
     let solid = cantilever(CellKind::Hex8, 1)?;
     let mut controls = solid.controls();
     controls.values_mut(0).fill(2e6);
-    let error = solid.solve(&controls, &Request::default()).err().ok_or("an unbounded energy found its minimum")?;
+    let error =
+        solid.solve(&controls, &SolveOptions::default()).err().ok_or("an unbounded energy found its minimum")?;
     assert_last_good(&solid, &error, &controls)?;
     assert!(error.to_string().contains("try a smaller control"), "{error}");
     Ok(())
@@ -218,7 +223,7 @@ fn a_tension_beyond_the_bound_ends_in_a_typed_error() -> Outcome {
 fn a_displacement_through_itself_ends_in_a_typed_error() -> Outcome {
     let solid = cantilever(CellKind::Hex8, 1)?.displace("x+", [Some(-1.5), Some(0.0), Some(0.0)])?;
     let controls = solid.controls();
-    let error = solid.solve(&controls, &Request::default()).err().ok_or("the body passed through itself")?;
+    let error = solid.solve(&controls, &SolveOptions::default()).err().ok_or("the body passed through itself")?;
     assert_last_good(&solid, &error, &controls)
 }
 
@@ -232,14 +237,14 @@ fn a_cancelled_solve_stops_at_once() -> Outcome {
             flag.store(true, Ordering::Relaxed);
         }
     };
-    let how = Request { cancel: Some(&flag), watch: Some(&watch), ..Request::default() };
+    let how = SolveOptions { cancel: Some(&flag), watch: Some(&watch), ..SolveOptions::default() };
     let error = solid.solve(&controls, &how).err();
     assert!(matches!(error, Some(StateError::Cancelled)), "{error:?}");
     assert_eq!(count.load(Ordering::Relaxed), 0);
     // later, and on the way from a state, which must not be taken for a bad start
     flag.store(false, Ordering::Relaxed);
-    let near = solid.solve(&tension(&solid, -0.5e5)?, &Request::default())?.state;
-    let error = solid.solve(&controls, &Request { near: Some(&near), ..how }).err();
+    let near = solid.solve(&tension(&solid, -0.5e5)?, &SolveOptions::default())?;
+    let error = solid.solve(&controls, &SolveOptions { near: Some(&near), ..how }).err();
     assert!(matches!(error, Some(StateError::Cancelled)), "{error:?}");
     assert_eq!(count.load(Ordering::Relaxed), 2);
     Ok(())
@@ -254,8 +259,8 @@ fn progress_is_told_after_every_iteration() -> Outcome {
             seen.push(*p);
         }
     };
-    let how = Request { watch: Some(&watch), ..Request::default() };
-    let state = solid.solve(&tension(&solid, -1.5e5)?, &how)?.state;
+    let how = SolveOptions { watch: Some(&watch), ..SolveOptions::default() };
+    let state = solid.solve(&tension(&solid, -1.5e5)?, &how)?;
     let seen = seen.into_inner()?;
     assert_eq!(seen.iter().map(|p| p.newton).collect::<Vec<_>>(), (1..=state.report.newton).collect::<Vec<_>>());
     let last = seen.last().ok_or("nothing was told")?;
@@ -268,11 +273,11 @@ fn progress_is_told_after_every_iteration() -> Outcome {
 #[test]
 fn a_guess_shortens_the_way_and_a_bad_one_does_no_harm() -> Outcome {
     let solid = cantilever(CellKind::Hex8, 2)?;
-    let near = solid.solve(&tension(&solid, -1.2e5)?, &Request::default())?.state;
+    let near = solid.solve(&tension(&solid, -1.2e5)?, &SolveOptions::default())?;
     let controls = tension(&solid, -1.5e5)?;
-    let without = solid.solve(&controls, &Request::near(&near))?.state;
+    let without = solid.solve(&controls, &SolveOptions::near(&near))?;
     let from = |guess: &[f64]| -> Outcome<State> {
-        Ok(solid.solve(&controls, &Request { guess: Some(guess), ..Request::near(&near) })?.state)
+        Ok(solid.solve(&controls, &SolveOptions { guess: Some(guess), ..SolveOptions::near(&near) })?)
     };
     let size = largest(&without.u);
 
@@ -282,7 +287,7 @@ fn a_guess_shortens_the_way_and_a_bad_one_does_no_harm() -> Outcome {
     let found = from(&close)?;
     assert!(found.report.newton < without.report.newton, "{:?}, {:?}", found.report, without.report);
     assert!(distance(&found.u, &without.u) <= 1e-9 * size);
-    let alone = solid.solve(&controls, &Request { guess: Some(&close), ..Request::default() })?.state;
+    let alone = solid.solve(&controls, &SolveOptions { guess: Some(&close), ..SolveOptions::default() })?;
     assert_eq!((alone.report.newton, alone.load), (found.report.newton, 1.0));
 
     // too short, inside out, not a number: as without

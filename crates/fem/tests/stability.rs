@@ -5,7 +5,7 @@ mod common;
 use common::block::STRICT;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Request, Solid, State};
+use nastic_fem::{Solid, SolveOptions, State};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::f64::consts::PI;
@@ -23,7 +23,7 @@ fn column(kind: CellKind, h: f64, b: f64, multiple: f64) -> Outcome<(Solid, Stat
         .material("body", law()?)?
         .clamp("x-")?
         .traction("x+", Vec3::x() * -multiple * critical)?;
-    let state = solid.solve(&solid.controls(), &STRICT)?.state;
+    let state = solid.solve(&solid.controls(), &STRICT)?;
     Ok((solid, state))
 }
 
@@ -59,11 +59,11 @@ fn a_disturbed_column_falls_to_a_stable_state() -> Outcome {
     let (solid, straight) = column(CellKind::Quad9, 0.05, 0.0, 1.2)?;
     assert!(common::largest(&straight.u) < 0.01);
     let disturbed = solid.clone().traction("x+", Vec3::y() * 1e-6)?;
-    let bent = disturbed.solve(&disturbed.controls(), &STRICT)?.state;
+    let bent = disturbed.solve(&disturbed.controls(), &STRICT)?;
     assert_eq!(disturbed.negative_pivots(&bent)?, 0);
     assert!(common::largest(&bent.u) > 0.3, "{}", common::largest(&bent.u));
     // freed of what disturbed it, it stays
-    let state = solid.solve(&solid.controls(), &Request { near: Some(&bent), ..STRICT })?.state;
+    let state = solid.solve(&solid.controls(), &SolveOptions { near: Some(&bent), ..STRICT })?;
     assert_eq!(solid.negative_pivots(&state)?, 0);
     assert!(common::largest(&state.u) > 0.3);
     assert!(state.report.energy < straight.report.energy);

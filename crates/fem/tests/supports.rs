@@ -6,7 +6,7 @@ mod common;
 
 use common::{Outcome, node_at, regular, set_name, unit, with_node_sets};
 use nastic_energy::{EnergyError, FiberTension, Field, MooneyRivlin, Turgor};
-use nastic_fem::{FemError, Request, Solid, StateError};
+use nastic_fem::{FemError, Solid, SolveOptions, StateError};
 use nastic_mesh::{CellKind, Mesh, MeshError, RawMesh};
 use nastic_tensor::Vec3;
 
@@ -58,7 +58,7 @@ fn assert_free(solid: &Solid, expected: usize, example: &str) {
 fn a_body_without_supports_moves_as_it_likes() -> Outcome {
     assert_free(&cube()?, 6, "");
     assert_free(&square()?, 3, "");
-    let error = cube()?.solve(&cube()?.controls(), &Request::default()).err().ok_or("a free body was solved")?;
+    let error = cube()?.solve(&cube()?.controls(), &SolveOptions::default()).err().ok_or("a free body was solved")?;
     assert!(matches!(error, StateError::Problem(FemError::RigidMotion { free: 6, .. })), "{error}");
     assert!(error.to_string().contains("fix more components or clamp a surface"), "{error}");
     Ok(())
@@ -161,7 +161,7 @@ fn every_part_of_a_body_needs_its_own_supports() -> Outcome {
 fn cells_without_material_are_counted_and_named() -> Outcome {
     let solid = two_cubes()?.material("cube 1", law()?)?.clamp("wall 1")?.clamp("wall 2")?;
     let error =
-        solid.solve(&solid.controls(), &Request::default()).err().ok_or("a body without material was solved")?;
+        solid.solve(&solid.controls(), &SolveOptions::default()).err().ok_or("a body without material was solved")?;
     let StateError::Problem(FemError::NoMaterial { mesh, count, first, regions }) = error else { panic!("{error}") };
     assert_eq!((mesh.as_str(), count, first, regions.as_str()), ("pair", 1, 1, "cube 1, cube 2"));
     // an actuation is no material
@@ -254,10 +254,11 @@ fn controls_are_checked_before_a_solve() -> Outcome {
     let solid = cube()?.clamp("x-")?.actuate("body", "swelling", Turgor::new())?;
     let mut controls = solid.controls();
     controls.values_mut(0)[5] = f64::NAN;
-    let error = solid.solve(&controls, &Request::default()).err().ok_or("NaN was solved")?;
+    let error = solid.solve(&controls, &SolveOptions::default()).err().ok_or("NaN was solved")?;
     assert!(matches!(error, StateError::Problem(FemError::NotFinite { index: 5, .. })), "{error}");
     assert!(error.to_string().contains("\"swelling\""), "{error}");
-    let error = solid.solve(&cube()?.controls(), &Request::default()).err().ok_or("foreign controls were taken")?;
+    let error =
+        solid.solve(&cube()?.controls(), &SolveOptions::default()).err().ok_or("foreign controls were taken")?;
     assert!(matches!(error, StateError::Problem(FemError::Meaningless { .. })), "{error}");
     Ok(())
 }

@@ -158,7 +158,7 @@ fn assert_inflated(mesh: Mesh, inner: &str, p: f64, tolerance: f64) -> Outcome {
             .displace("y-", [None, Some(0.0), None])?
             .displace("z-", [None, None, Some(0.0)])?,
     };
-    let state = solid.solve(&solid.controls(), &STRICT)?.state;
+    let state = solid.solve(&solid.controls(), &STRICT)?;
     let [inside, _, outside] = radii(Drive { p, m: 0.0 }, dim as i32 - 1);
     let found = (deformed_radius(&solid, &state.u, INNER), deformed_radius(&solid, &state.u, OUTER));
     assert!(inside > 1.15 * INNER, "the load hardly inflates it: {inside}");
@@ -193,7 +193,7 @@ fn swelling_error(kind: CellKind, cells: usize, m: f64) -> Outcome<f64> {
         .displace("z-", [None, None, Some(0.0)])?;
     let mut controls = solid.controls();
     controls.values_mut(0).fill(m);
-    let state = solid.solve(&controls, &STRICT)?.state;
+    let state = solid.solve(&controls, &STRICT)?;
     let expected = radii(Drive { p: 0.0, m }, 2);
     assert!((expected[1] / MIDDLE - 1.0).abs() > 0.02, "the turgor hardly moves it: {expected:?}");
     let off = |(at, r): (f64, &f64)| (deformed_radius(&solid, &state.u, at) - r).abs();

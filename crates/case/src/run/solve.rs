@@ -9,7 +9,7 @@ use crate::result::picture::{self, Drawing};
 use crate::result::shown::{self, Detail, MemberError, Shown};
 use crate::result::snapshot::{self, View};
 use crate::result::summary;
-use nastic_fem::{Progress, Request, SolveReport, State};
+use nastic_fem::{Progress, SolveOptions, SolveReport, State};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
@@ -38,15 +38,15 @@ fn equilibria(session: &Session<'_>) -> Result<Vec<State>, MemberError> {
                 progress.load, progress.newton, progress.residual
             ));
         };
-        let how = Request {
+        let how = SolveOptions {
             accuracy: ACCURACY,
             cancel: Some(&session.cancel),
             watch: Some(&watch),
             parallel: members.len() == 1,
-            ..Request::default()
+            ..SolveOptions::default()
         };
         let controls = member.layout().to_points(&member.local(&problem.start)).map_err(failed)?;
-        Ok(member.solid().solve(&controls, &how).map_err(|error| failed(error.into()))?.state)
+        member.solid().solve(&controls, &how).map_err(|error| failed(error.into()))
     };
     let states: Vec<Result<State, MemberError>> = members.par_iter().with_max_len(1).map(solve).collect();
     session.console.clear();

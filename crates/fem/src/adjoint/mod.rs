@@ -2,20 +2,18 @@
 
 use crate::error::StateError;
 use crate::solid::Solid;
-use crate::solution::request::Request;
+use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent::Tangents;
+use crate::solution::workspace::Workspace;
 use nastic_linear::{Factor, SymmetricMatrix};
 use nastic_mesh::CellKind;
-use std::sync::Arc;
 
 /// Adjoint displacements, and what they took.
 #[derive(Debug, Clone)]
 pub struct Adjoint {
     /// One solution per right-hand side, flat, zero on the supports.
     pub lambda: Vec<Vec<f64>>,
-    /// The factor that served: the one handed in, or a fresh one of K(u*).
-    pub factor: Option<Arc<Factor>>,
     /// Work done.
     pub report: SolveReport,
 }
@@ -38,7 +36,21 @@ impl Solid {
     ///
     /// # Errors
     /// [`StateError::Linear`] at a singular tangent, [`StateError::Problem`] for right-hand sides of the wrong length.
-    pub fn adjoint(&self, state: &State, rhs: &[&[f64]], how: &Request) -> Result<Adjoint, StateError> {
+    pub fn adjoint(&self, state: &State, rhs: &[&[f64]], how: &SolveOptions) -> Result<Adjoint, StateError> {
+        self.adjoint_with(state, rhs, how, &mut Workspace::default())
+    }
+
+    /// [`adjoint`](Self::adjoint) with what earlier solves left behind.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn adjoint_with(
+        &self,
+        state: &State,
+        rhs: &[&[f64]],
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<Adjoint, StateError> {
         let clear = |b: &&[f64]| {
             let mut b = b.to_vec();
             self.supports().clear(&mut b);
@@ -51,18 +63,19 @@ impl Solid {
         }
         let rhs: Vec<Vec<f64>> = rhs.iter().map(clear).collect();
         let columns: Vec<&[f64]> = rhs.iter().map(Vec::as_slice).collect();
-        let (mut factor, mut report) = (how.factor.clone(), SolveReport::default());
+        let mut report = SolveReport::default();
+        let factor = &mut workspace.factor;
         if let [b] = columns[..]
-            && let Some(lambda) = self.adjoint_by_products(state, b, how, &mut report)
+            && let Some(lambda) = self.adjoint_by_products(state, b, how, factor.as_ref(), &mut report)
         {
-            return Ok(Adjoint { lambda: vec![lambda], factor, report });
+            return Ok(Adjoint { lambda: vec![lambda], report });
         }
         let matrix = self.tangent(state, how.parallel)?;
-        let lambda = Tangents::new(self, how)
+        let lambda = Tangents::new(self, how, factor.as_ref())
             .standing_at(&state.u)
-            .solve_exactly(matrix, &columns, TOLERANCE, &mut factor, &mut report)
+            .solve_exactly(matrix, &columns, TOLERANCE, factor, &mut report)
             .map_err(|why| StateError::Linear { why })?;
-        Ok(Adjoint { lambda, factor, report })
+        Ok(Adjoint { lambda, report })
     }
 
     /// The adjoint for one right-hand side with the factor at hand and K(u*) as a product, where that is cheaper than K(u*)
@@ -71,11 +84,12 @@ impl Solid {
         &self,
         state: &State,
         b: &[f64],
-        how: &Request,
+        how: &SolveOptions,
+        factor: Option<&Factor>,
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
         let pays = self.discretization().body().parts.iter().all(|part| part.kind == CellKind::Hex27);
-        let factor = how.factor.as_deref().filter(|_| pays)?;
+        let factor = factor.filter(|_| pays)?;
         let product = |v: &[f64], out: &mut [f64]| {
             // a number that is none ends the iterations
             if self.body().tangent_product(&state.u, &state.controls, v, out, how.parallel).is_err() {
@@ -83,7 +97,9 @@ impl Solid {
             }
             self.supports().clear(out);
         };
-        Tangents::new(self, how).standing_at(&state.u).solve_by_products(&product, b, factor, PRODUCTS, report)
+        Tangents::new(self, how, Some(factor))
+            .standing_at(&state.u)
+            .solve_by_products(&product, b, factor, PRODUCTS, report)
     }
 
     /// Number of negative eigenvalues of the tangent at a state: 0 for a stable equilibrium.
@@ -94,16 +110,16 @@ impl Solid {
     /// # Errors
     /// [`StateError::Linear`] where the tangent is singular: the state sits on a bifurcation.
     pub fn negative_pivots(&self, state: &State) -> Result<usize, StateError> {
-        self.negative_pivots_by(state, &Request::default())
+        self.negative_pivots_by(state, &SolveOptions::default())
     }
 
     /// [`negative_pivots`](Self::negative_pivots) by the solver and on the threads of a request.
     ///
     /// # Errors
     /// As there.
-    pub fn negative_pivots_by(&self, state: &State, how: &Request) -> Result<usize, StateError> {
+    pub fn negative_pivots_by(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
         let matrix = self.tangent(state, how.parallel)?;
-        let tangents = Tangents::new(self, how).standing_at(&state.u);
+        let tangents = Tangents::new(self, how, None).standing_at(&state.u);
         tangents.negative_pivots(matrix).map_err(|e| StateError::Linear { why: e.to_string() })
     }
 

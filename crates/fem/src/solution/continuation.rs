@@ -4,8 +4,9 @@ use crate::contributions::controls::Controls;
 use crate::error::StateError;
 use crate::solid::Solid;
 use crate::solution::newton::{Newton, Stop};
-use crate::solution::request::Request;
-use crate::solution::state::{SolveReport, Solved, State};
+use crate::solution::options::SolveOptions;
+use crate::solution::state::{SolveReport, State};
+use crate::solution::workspace::Workspace;
 use std::sync::Arc;
 
 /// Load steps shorter than this share of the way are given up on.
@@ -25,26 +26,44 @@ impl Solid {
     ///
     /// # Errors
     /// A typed [`StateError`]; where there was progress it holds the last equilibrium.
-    pub fn solve(&self, controls: &Controls, how: &Request) -> Result<Solved, StateError> {
+    pub fn solve(&self, controls: &Controls, how: &SolveOptions) -> Result<State, StateError> {
+        self.solve_with(controls, how, &mut Workspace::default())
+    }
+
+    /// [`solve`](Self::solve) with what earlier solves left behind; a solve that fails leaves nothing.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn solve_with(
+        &self,
+        controls: &Controls,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        self.find(controls, how, workspace).inspect_err(|_| workspace.clear())
+    }
+
+    fn find(&self, controls: &Controls, how: &SolveOptions, workspace: &mut Workspace) -> Result<State, StateError> {
         self.check()?;
         self.check_controls(controls)?;
         let rest = self.rest();
         let mut spent = SolveReport::default();
         let guess = how.guess.filter(|guess| guess.len() == rest.u.len());
-        if let Some(found) = guess.and_then(|guess| self.jump(guess, controls, how, &mut spent).transpose()) {
+        if let Some(found) = guess.and_then(|guess| self.jump(guess, controls, how, workspace, &mut spent).transpose())
+        {
             return found;
         }
         let Some(near) = how.near.filter(|near| self.fits(near)) else {
-            return self.walk(&rest, controls, how, usize::MAX, &mut spent);
+            return self.walk(&rest, controls, how, usize::MAX, workspace, &mut spent);
         };
-        match self.walk(near, controls, how, WARM * how.max_newton, &mut spent) {
+        match self.walk(near, controls, how, WARM * how.max_newton, workspace, &mut spent) {
             Err(StateError::Cancelled) => Err(StateError::Cancelled),
             Err(failed) => {
-                let how = Request { near: None, factor: None, ..how.clone() };
-                let found = self.walk(&rest, controls, &how, usize::MAX, &mut SolveReport::default());
-                let mut solved = found.map_err(|_| failed)?;
-                solved.state.report.add_work(&spent);
-                Ok(solved)
+                workspace.clear();
+                let found = self.walk(&rest, controls, how, usize::MAX, workspace, &mut SolveReport::default());
+                let mut state = found.map_err(|_| failed)?;
+                state.report.add_work(&spent);
+                Ok(state)
             }
             solved => solved,
         }
@@ -55,17 +74,17 @@ impl Solid {
         &self,
         guess: &[f64],
         controls: &Controls,
-        how: &Request,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
         report: &mut SolveReport,
-    ) -> Result<Option<Solved>, StateError> {
-        let mut factor = how.factor.clone();
-        let brief = Request { max_newton: how.max_newton.min(GUESS), ..how.clone() };
+    ) -> Result<Option<State>, StateError> {
+        let brief = SolveOptions { max_newton: how.max_newton.min(GUESS), ..how.clone() };
         let newton = Newton { solid: self, controls, load: 1.0, path: 1.0, request: &brief };
-        match newton.solve(guess.to_vec(), &mut factor, report) {
+        match newton.solve(guess.to_vec(), &mut workspace.factor, report) {
             Ok(u) => {
                 report.load_steps += 1;
                 let (u, controls) = (Arc::new(u), Arc::new(controls.clone()));
-                Ok(Some(Solved { state: State { u, controls, load: 1.0, report: *report }, factor }))
+                Ok(Some(State { u, controls, load: 1.0, report: *report }))
             }
             Err(Stop::Cancelled) => Err(StateError::Cancelled),
             Err(_) => Ok(None),
@@ -103,11 +122,11 @@ impl Solid {
         &self,
         from: &State,
         to: &Controls,
-        how: &Request,
+        how: &SolveOptions,
         most: usize,
+        workspace: &mut Workspace,
         report: &mut SolveReport,
-    ) -> Result<Solved, StateError> {
-        let mut factor = how.factor.clone();
+    ) -> Result<State, StateError> {
         let mut here = from.clone();
         let (mut done, mut step) = (0.0, 1.0_f64);
         while done < 1.0 {
@@ -116,7 +135,7 @@ impl Solid {
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
             let newton = Newton { solid: self, controls: &controls, load, path, request: how };
-            match newton.solve(here.u.to_vec(), &mut factor, report) {
+            match newton.solve(here.u.to_vec(), &mut workspace.factor, report) {
                 Ok(u) => {
                     report.load_steps += 1;
                     here = State { u: Arc::new(u), controls: Arc::new(controls), load, report: *report };
@@ -129,12 +148,12 @@ impl Solid {
                 Err(_) => {
                     report.cuts += 1;
                     step *= 0.5;
-                    factor = None;
+                    workspace.clear();
                 }
             }
         }
         here.report = *report;
-        Ok(Solved { state: here, factor })
+        Ok(here)
     }
 }
 

@@ -4,12 +4,11 @@ use crate::contributions::body_energy::Evaluation;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
 use crate::solid::Solid;
-use crate::solution::request::{Progress, Request};
+use crate::solution::options::{Progress, SolveOptions};
 use crate::solution::rotation_corrected_step::{Fit, Reach};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent::{Curvature, Tangents};
 use nastic_linear::{Factor, SymmetricMatrix};
-use std::sync::Arc;
 
 /// One equilibrium to be found: controls and load are held, the displacement is not.
 pub(crate) struct Newton<'a> {
@@ -18,7 +17,7 @@ pub(crate) struct Newton<'a> {
     pub load: f64,
     /// For the report alone: where on the path this is.
     pub path: f64,
-    pub request: &'a Request<'a>,
+    pub request: &'a SolveOptions<'a>,
 }
 
 /// Why it stopped short.
@@ -65,10 +64,10 @@ impl Newton<'_> {
     pub fn solve(
         &self,
         mut u: Vec<f64>,
-        factor: &mut Option<Arc<Factor>>,
+        factor: &mut Option<Factor>,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
-        let mut tangents = Tangents::new(self.solid, self.request);
+        let mut tangents = Tangents::new(self.solid, self.request, factor.as_ref());
         let mut matrix = None;
         let mut now = self.evaluate(&u)?;
         let mut jump = self.jump(&u);

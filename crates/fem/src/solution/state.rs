@@ -2,10 +2,9 @@
 
 use crate::contributions::controls::Controls;
 use crate::solution::solver::Solver;
-use nastic_linear::Factor;
 use std::sync::Arc;
 
-/// A converged equilibrium. It holds no factor: that is handed along beside it, see [`Solved`].
+/// A converged equilibrium. It holds no factor: that stays in the [`Workspace`](crate::Workspace).
 #[derive(Debug, Clone)]
 pub struct State {
     /// Displacement, flat: entry `dim * node + component`.
@@ -61,13 +60,4 @@ impl SolveReport {
         self.cuts += other.cuts;
         self.shifted += other.shifted;
     }
-}
-
-/// A state with the last factor of its tangent: of some tangent near it, good as a preconditioner and no more.
-#[derive(Debug, Clone)]
-pub struct Solved {
-    /// The equilibrium.
-    pub state: State,
-    /// A factor near it, if the solve made or was given one.
-    pub factor: Option<Arc<Factor>>,
 }

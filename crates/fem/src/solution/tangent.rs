@@ -3,7 +3,7 @@
 use crate::solid::Solid;
 use crate::solution::levels::{Levels, Outcome};
 use crate::solution::nodal_rotations;
-use crate::solution::request::Request;
+use crate::solution::options::SolveOptions;
 use crate::solution::solver::{self, Solver};
 use crate::solution::state::SolveReport;
 use nastic_linear::{
@@ -68,11 +68,11 @@ pub(crate) enum Curvature {
 const LEAST_SHIFT: f64 = 1e-8;
 
 impl<'a> Tangents<'a> {
-    pub fn new(solid: &'a Solid, how: &Request) -> Self {
+    pub fn new(solid: &'a Solid, how: &SolveOptions, kept: Option<&Factor>) -> Self {
         let solver = how.solver.unwrap_or_else(|| solid.discretization().solver());
         let levels = (solver == Solver::Multigrid).then(|| Levels::new(solid, how.parallel));
         let (u, rotations) = (Vec::new(), OnceCell::new());
-        let precision = how.factor.as_deref().map_or(Precision::Single, Factor::precision);
+        let precision = kept.map_or(Precision::Single, Factor::precision);
         Tangents {
             solid,
             parallel: how.parallel,
@@ -112,7 +112,7 @@ impl<'a> Tangents<'a> {
         matrix: &SymmetricMatrix,
         rhs: &[f64],
         tolerance: f64,
-        factor: &mut Option<Arc<Factor>>,
+        factor: &mut Option<Factor>,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Curvature), String> {
         if let Some(levels) = &mut self.levels {
@@ -130,7 +130,7 @@ impl<'a> Tangents<'a> {
         report.solver = Solver::Direct;
         let mut indefinite = false;
         if let Some(kept) =
-            factor.as_deref().filter(|f| self.spent < self.patience(tolerance) && f.pivots() == Pivots::Positive)
+            factor.as_ref().filter(|f| self.spent < self.patience(tolerance) && f.pivots() == Pivots::Positive)
         {
             let (step, cg) = self.precondition(&self.product(matrix), kept, rhs, tolerance.into(), self.worth());
             report.back_substitutions += cg.iterations;
@@ -183,7 +183,7 @@ impl<'a> Tangents<'a> {
         mut matrix: SymmetricMatrix,
         rhs: &[&[f64]],
         tolerance: f64,
-        factor: &mut Option<Arc<Factor>>,
+        factor: &mut Option<Factor>,
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, String> {
         self.eliminate(&mut matrix);
@@ -218,7 +218,7 @@ impl<'a> Tangents<'a> {
         matrix: &SymmetricMatrix,
         b: &[f64],
         tolerance: f64,
-        factor: &mut Option<Arc<Factor>>,
+        factor: &mut Option<Factor>,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, String> {
         if let Some(levels) = &mut self.levels {
@@ -229,7 +229,7 @@ impl<'a> Tangents<'a> {
             }
             report.solver = Solver::Direct;
         }
-        if let Some(kept) = factor.as_deref().filter(|f| f.pivots() == Pivots::Positive) {
+        if let Some(kept) = factor.as_ref().filter(|f| f.pivots() == Pivots::Positive) {
             let (x, cg) = self.precondition(&self.product(matrix), kept, b, EXACT, self.worth());
             report.back_substitutions += cg.iterations;
             if exact(&cg, tolerance) {
@@ -248,7 +248,7 @@ impl<'a> Tangents<'a> {
         }
         .map_err(|e| e.to_string())?;
         let mut x = self.back_substitute(b, factor, report);
-        let Some(fresh) = factor.as_deref() else { return Err("no factor".to_owned()) };
+        let Some(fresh) = factor.as_ref() else { return Err("no factor".to_owned()) };
         let refined = refine(&|v, out| matrix.multiply(v, out), fresh, b, &mut x, tolerance, 10);
         report.back_substitutions += refined.iterations;
         // Refinement stalls where double precision ends: in thin bodies at residuals far above the tolerance, because large
@@ -337,18 +337,18 @@ impl<'a> Tangents<'a> {
         matrix: &SymmetricMatrix,
         rhs: &[f64],
         aim: Aim,
-        factor: &mut Option<Arc<Factor>>,
+        factor: &mut Option<Factor>,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, CgReport), FactorError> {
         report.factorisations += 1;
-        let mut fresh = match factor.take().map(Arc::try_unwrap) {
-            Some(Ok(mut own)) => own.approximate(matrix, self.parallel).map(|()| own)?,
-            _ => self.solid.discretization().symbolic().approximate(matrix, self.parallel)?,
+        let mut fresh = match factor.take() {
+            Some(mut own) => own.approximate(matrix, self.parallel).map(|()| own)?,
+            None => self.solid.discretization().symbolic().approximate(matrix, self.parallel)?,
         };
         fresh.stand_in(self.rotations().clone());
         let (x, cg) = self.precondition(&self.product(matrix), &fresh, rhs, aim, FRESH);
         report.back_substitutions += cg.iterations;
-        *factor = Some(Arc::new(fresh));
+        *factor = Some(fresh);
         Ok((x, cg))
     }
 
@@ -357,20 +357,20 @@ impl<'a> Tangents<'a> {
         &self,
         matrix: &SymmetricMatrix,
         pivots: Pivots,
-        factor: &mut Option<Arc<Factor>>,
+        factor: &mut Option<Factor>,
         report: &mut SolveReport,
     ) -> Result<(), FactorError> {
         report.factorisations += 1;
-        let mut fresh = match factor.take().map(Arc::try_unwrap) {
-            Some(Ok(mut own)) => own.refactorize(matrix, pivots, self.parallel).map(|()| own)?,
-            _ => self.solid.discretization().symbolic().factorize(matrix, pivots, self.parallel)?,
+        let mut fresh = match factor.take() {
+            Some(mut own) => own.refactorize(matrix, pivots, self.parallel).map(|()| own)?,
+            None => self.solid.discretization().symbolic().factorize(matrix, pivots, self.parallel)?,
         };
         fresh.stand_in(self.rotations().clone());
-        *factor = Some(Arc::new(fresh));
+        *factor = Some(fresh);
         Ok(())
     }
 
-    fn back_substitute(&self, rhs: &[f64], factor: &Option<Arc<Factor>>, report: &mut SolveReport) -> Vec<f64> {
+    fn back_substitute(&self, rhs: &[f64], factor: &Option<Factor>, report: &mut SolveReport) -> Vec<f64> {
         let mut x = rhs.to_vec();
         if let Some(factor) = factor {
             factor.solve(&mut x, 1);
@@ -384,7 +384,7 @@ impl<'a> Tangents<'a> {
         &mut self,
         mut matrix: SymmetricMatrix,
         rhs: &[f64],
-        factor: &mut Option<Arc<Factor>>,
+        factor: &mut Option<Factor>,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, String> {
         report.shifted += 1;

@@ -3,16 +3,15 @@
 use super::homogeneous::Case;
 use super::{Outcome, distorted, node_at, set_name, unit, with_node_sets};
 use nastic_energy::Actuation;
-use nastic_fem::{Discretization, Request, Solid, State};
+use nastic_fem::{Discretization, Solid, SolveOptions, State};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::sync::Arc;
 
 /// Converged to the last digits.
-pub const STRICT: Request = Request {
+pub const STRICT: SolveOptions = SolveOptions {
     near: None,
     guess: None,
-    factor: None,
     solver: None,
     accuracy: 1e-13,
     max_newton: 60,
@@ -51,7 +50,7 @@ impl Block {
         let solid = self.solid(case)?.actuate("body", "m", law)?;
         let mut controls = solid.controls();
         controls.values_mut(0).fill(m);
-        let state = solid.solve(&controls, &STRICT)?.state;
+        let state = solid.solve(&controls, &STRICT)?;
         Ok((solid, state))
     }
 
@@ -61,7 +60,7 @@ impl Block {
         for (axis, traction) in tractions {
             solid = solid.traction(&format!("{axis}+"), *traction)?.traction(&format!("{axis}-"), -traction)?;
         }
-        let state = solid.solve(&solid.controls(), &STRICT)?.state;
+        let state = solid.solve(&solid.controls(), &STRICT)?;
         Ok((solid, state))
     }
 }

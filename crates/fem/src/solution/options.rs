@@ -1,22 +1,18 @@
-//! [`Request`]: how a state is to be solved for.
+//! [`SolveOptions`]: how an equilibrium is to be found.
 
 use crate::solution::solver::Solver;
 use crate::solution::state::State;
-use nastic_linear::Factor;
 use std::fmt;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How to solve: warm starts and factors are handed in here, explicitly. The default needs no tuning.
+/// How to solve: warm starts are handed in here, explicitly. The default needs no tuning.
 #[derive(Clone)]
-pub struct Request<'a> {
+pub struct SolveOptions<'a> {
     /// Start from this state (its controls and load are where the path begins). Default: from rest.
     pub near: Option<&'a State>,
     /// A guess of the equilibrium, flat displacements, from which the first attempt begins; where that leads nowhere, or has
     /// another length than the body's displacements, it is as if none had been given.
     pub guess: Option<&'a [f64]>,
-    /// A factor of a tangent near the expected ones; used as preconditioner while that is cheaper than a new one.
-    pub factor: Option<Arc<Factor>>,
     /// By what tangent systems are solved. Default: what [`Solver::cheaper`] expects to be cheaper.
     pub solver: Option<Solver>,
     /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads.
@@ -46,12 +42,11 @@ pub struct Progress {
     pub energy: f64,
 }
 
-impl Default for Request<'_> {
+impl Default for SolveOptions<'_> {
     fn default() -> Self {
-        Request {
+        SolveOptions {
             near: None,
             guess: None,
-            factor: None,
             solver: None,
             accuracy: 1e-11,
             max_newton: 60,
@@ -62,10 +57,10 @@ impl Default for Request<'_> {
     }
 }
 
-impl<'a> Request<'a> {
+impl<'a> SolveOptions<'a> {
     /// A request that starts from a state.
     pub fn near(state: &'a State) -> Self {
-        Request { near: Some(state), ..Request::default() }
+        SolveOptions { near: Some(state), ..SolveOptions::default() }
     }
 
     pub(crate) fn cancelled(&self) -> bool {
@@ -73,12 +68,11 @@ impl<'a> Request<'a> {
     }
 }
 
-impl fmt::Debug for Request<'_> {
+impl fmt::Debug for SolveOptions<'_> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.debug_struct("Request")
+        f.debug_struct("SolveOptions")
             .field("near", &self.near.is_some())
             .field("guess", &self.guess.is_some())
-            .field("factor", &self.factor.is_some())
             .field("solver", &self.solver)
             .field("accuracy", &self.accuracy)
             .field("max_newton", &self.max_newton)
