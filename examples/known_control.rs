@@ -32,7 +32,7 @@ fn known_tension(x: &[f64; 3]) -> f64 {
 /// The bar under the known control, as a mesh of its own.
 fn target() -> Result<Mesh, Box<dyn std::error::Error>> {
     let maker = bar([15, 3, 6])?;
-    let at = maker.discretization().body().positions(maker.mesh(), None);
+    let at = maker.discretization().points().positions(maker.mesh(), None);
     let mut controls = maker.controls();
     controls.set(0, 0, &at.iter().map(known_tension).collect::<Vec<_>>())?;
     let state = maker.solve(&controls, &Default::default())?;

@@ -38,7 +38,7 @@ fn known(x: &[f64; 3]) -> [f64; 3] {
 fn target(mesh: &Arc<Mesh>, (name, field): (&str, [f64; 3])) -> Outcome<Tracking> {
     let maker = body(Discretization::new(nastic::io::read_gmsh("meshes/t_tet.msh")?.into())?)?;
     let mut controls = maker.controls();
-    let at = maker.discretization().body().positions(maker.mesh(), None);
+    let at = maker.discretization().points().positions(maker.mesh(), None);
     for (slots, x) in controls.values_mut(0).chunks_exact_mut(6).zip(&at) {
         slots.copy_from_slice(&[known(x), field].concat());
     }

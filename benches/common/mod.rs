@@ -79,7 +79,7 @@ pub fn cantilever(kind: CellKind, n: usize) -> Result<Solid, Failure> {
 /// m(X) = -1.5e5 Z / 0.2 at the quadrature points.
 pub fn tension(body: &Solid) -> Result<Controls, Failure> {
     let mut controls = body.controls();
-    let at = body.discretization().body().positions(body.mesh(), None);
+    let at = body.discretization().points().positions(body.mesh(), None);
     let values: Vec<f64> = at.iter().map(|x| -1.5e5 * x[2] / 0.2).collect();
     controls.set(0, 0, &values)?;
     Ok(controls)

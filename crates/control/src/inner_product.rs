@@ -4,7 +4,7 @@ use crate::error::ControlError;
 use crate::layout::Layout;
 use crate::map::{ControlMap, Space};
 use nastic_fem::{Discretization, Solid};
-use nastic_linear::{Factor, Graph, Ordering, Pattern, Pivots, Symbolic, SymmetricMatrix};
+use nastic_linear::{Factor, Graph, Ordering, Pattern, Pivots, SparseMatrix, Symbolic};
 use nastic_opt::{Diagonal, InnerProduct};
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<B
 fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
     let mut out = vec![0.0; layout.len()];
     for block in layout.blocks() {
-        for (q, w) in disc.body().weights().iter().enumerate() {
+        for (q, w) in disc.points().weights().iter().enumerate() {
             for (i, shape) in block.map.at_point(q) {
                 for c in 0..block.components {
                     out[block.first + i * block.components + c] += w * shape;
@@ -65,7 +65,7 @@ fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
 /// The consistent mass times m for one component: `int phi_i m dX`.
 pub(crate) fn mass_product(disc: &Discretization, map: &ControlMap, m: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; map.len()];
-    for (q, w) in disc.body().weights().iter().enumerate() {
+    for (q, w) in disc.points().weights().iter().enumerate() {
         let value: f64 = map.at_point(q).map(|(i, shape)| shape * m[i]).sum();
         map.at_point(q).for_each(|(i, shape)| out[i] += w * shape * value);
     }
@@ -92,7 +92,7 @@ fn for_each_stiffness(disc: &Discretization, map: &ControlMap, mut each: impl Fn
         Space::Cell => for_each_face(disc, map, each),
         Space::Node => {
             let mesh = disc.mesh();
-            let inverses: Vec<&[f64; 9]> = disc.body().inverse_jacobians().collect();
+            let inverses: Vec<&[f64; 9]> = disc.points().inverse_jacobians().collect();
             for (id, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
                 let unknowns: Vec<u32> = map.at_point(first).map(|(i, _)| i as u32).collect();
                 if unknowns.is_empty() {
@@ -108,7 +108,7 @@ fn for_each_stiffness(disc: &Discretization, map: &ControlMap, mut each: impl Fn
                     let gradient =
                         |r: &[f64; 3]| [0, 1, 2].map(|j| (0..kind.dim()).map(|k| r[k] * inverse[3 * k + j]).sum());
                     let g: Vec<[f64; 3]> = reference.iter().map(gradient).collect();
-                    let w = disc.body().weights()[first + q];
+                    let w = disc.points().weights()[first + q];
                     for a in 0..n {
                         for b in 0..n {
                             local[a * n + b] += w * (0..3).map(|j| g[a][j] * g[b][j]).sum::<f64>();
@@ -151,7 +151,7 @@ struct H1 {
 struct H1Block {
     first: usize,
     components: usize,
-    matrix: SymmetricMatrix,
+    matrix: SparseMatrix,
     factor: Factor,
 }
 
@@ -167,7 +167,7 @@ impl H1 {
                 Graph::from_cliques(map.len(), cliques.iter().map(Vec::as_slice)).map_err(|e| fail(e.to_string()))?;
             let ordering = Ordering::best(&graph, map.positions()).map_err(|e| fail(e.to_string()))?;
             let pattern = Arc::new(Pattern::new(&graph, 1, ordering).map_err(|e| fail(e.to_string()))?);
-            let mut matrix = SymmetricMatrix::zeros(pattern.clone());
+            let mut matrix = SparseMatrix::zeros(pattern.clone());
             let mut add = |i: usize, j: usize, value: f64| {
                 if let Some(at) = pattern.value_index(i, j) {
                     matrix.values[at] += value;

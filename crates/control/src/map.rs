@@ -195,9 +195,9 @@ impl ControlMap {
         if self.space == Space::Node {
             return self.entities.iter().map(|&node| disc.mesh().points()[node as usize]).collect();
         }
-        let at = disc.body().positions(disc.mesh(), None);
+        let at = disc.points().positions(disc.mesh(), None);
         let mut sums = vec![[0.0; 4]; self.len()];
-        for (q, (x, w)) in at.iter().zip(disc.body().weights()).enumerate() {
+        for (q, (x, w)) in at.iter().zip(disc.points().weights()).enumerate() {
             for (i, shape) in self.at_point(q) {
                 for k in 0..3 {
                     sums[i][k] += w * shape * x[k];

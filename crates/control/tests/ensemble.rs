@@ -279,7 +279,7 @@ fn at_most_one_factor_per_member_is_kept_and_reported() -> Outcome {
     Ok(())
 }
 
-fn identity(disc: &Discretization) -> nastic_linear::SymmetricMatrix {
+fn identity(disc: &Discretization) -> nastic_linear::SparseMatrix {
     let mut matrix = disc.matrix();
     matrix.eliminate(&vec![true; disc.dofs()], 1.0);
     matrix

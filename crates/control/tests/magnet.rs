@@ -142,7 +142,7 @@ fn magnetic(disc: &Arc<Discretization>) -> Outcome<Solid> {
 fn known(maker: &Arc<Discretization>, field: [f64; 3]) -> Outcome<Tracking> {
     let solid = magnetic(maker)?;
     let mut controls = solid.controls();
-    let at = maker.body().positions(maker.mesh(), None);
+    let at = maker.points().positions(maker.mesh(), None);
     for (slots, x) in controls.values_mut(0).chunks_exact_mut(6).zip(&at) {
         let (sin, cos) = (2.4 * x[1]).sin_cos();
         slots.copy_from_slice(&[REMANENCE * cos, REMANENCE * sin, 0.0, field[0], field[1], field[2]]);

@@ -3,7 +3,7 @@
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::solution::state::State;
 use nastic_energy::EnergyError;
-use nastic_linear::StructureError;
+use nastic_linear::{LinearError, StructureError};
 use nastic_mesh::MeshError;
 
 /// A deformation gradient that turns matter inside out: J <= 0, which no law is ever asked about.
@@ -160,11 +160,8 @@ pub enum StateError {
         last: Box<State>,
     },
     /// A linear system could not be solved.
-    #[error("linear solve failed: {why}")]
-    Linear {
-        /// The reason.
-        why: String,
-    },
+    #[error("linear solve failed: {0}")]
+    Linear(#[from] LinearError),
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

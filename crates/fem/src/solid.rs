@@ -1,11 +1,17 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
-use crate::contributions::body_energy::{Attached, Body};
+use crate::adjoint::Adjoint;
+use crate::contributions::Contribution;
+use crate::contributions::body_energy::{Attached, BodyEnergy};
 use crate::contributions::controls::Controls;
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
-use crate::error::FemError;
+use crate::error::{FemError, StateError};
+use crate::model::Model;
+use crate::solution::options::SolveOptions;
+use crate::solution::state::State;
+use crate::solution::workspace::Workspace;
 use nastic_energy::{Actuation, EnergyTerm};
 use nastic_mesh::{Facet, Mesh};
 use nastic_tensor::Vec3;
@@ -33,9 +39,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Solid {
-    body: Body,
-    supports: Supports,
-    dead_load: Vec<f64>,
+    model: Model,
 }
 
 impl Solid {
@@ -49,9 +53,7 @@ impl Solid {
 
     /// A body without materials on a discretisation shared with others.
     pub fn on(disc: Arc<Discretization>) -> Self {
-        let supports = Supports::new(disc.mesh());
-        let dead_load = vec![0.0; disc.dofs()];
-        Solid { body: Body::new(disc), supports, dead_load }
+        Solid { model: Model::new(disc) }
     }
 
     /// Adds a passive energy on a region. Several on one region add up.
@@ -68,7 +70,7 @@ impl Solid {
     /// As there.
     pub fn material_dyn(mut self, region: &str, term: Arc<dyn EnergyTerm>) -> Result<Self, FemError> {
         let cells = self.mesh().region(region)?.to_vec();
-        self.body.add_term(&cells, term)?;
+        self.model.body.add_term(&cells, term)?;
         Ok(self)
     }
 
@@ -85,12 +87,12 @@ impl Solid {
     /// # Errors
     /// As there.
     pub fn actuate_dyn(mut self, region: &str, name: &str, law: Arc<dyn Actuation>) -> Result<Self, FemError> {
-        if self.body.actuations().iter().any(|a| a.name == name) {
+        if self.model.controllable().iter().any(|known| known.name == name) {
             let what = format!("there are two actuations named \"{name}\"; rename one");
             return Err(FemError::Meaningless { what });
         }
         let cells = self.mesh().region(region)?.to_vec();
-        self.body.add_actuation(Attached { name: name.to_owned(), law, cells })?;
+        self.model.body.add_actuation(Attached { name: name.to_owned(), law, cells })?;
         Ok(self)
     }
 
@@ -108,7 +110,7 @@ impl Solid {
     /// As [`clamp`](Self::clamp); a component the dimension lacks is refused.
     pub fn displace(mut self, surface: &str, values: [Option<f64>; 3]) -> Result<Self, FemError> {
         let nodes = self.nodes_of(surface)?;
-        self.supports.prescribe(surface, &nodes, values)?;
+        self.model.supports.prescribe(surface, &nodes, values)?;
         Ok(self)
     }
 
@@ -128,7 +130,7 @@ impl Solid {
             let point = mesh.points().get(node as usize).ok_or_else(|| FemError::Meaningless {
                 what: format!("support \"{name}\" names node {node}; there are {}", mesh.points().len()),
             })?;
-            self.supports.prescribe(name, &[node], value(node, *point))?;
+            self.model.supports.prescribe(name, &[node], value(node, *point))?;
         }
         Ok(self)
     }
@@ -163,7 +165,7 @@ impl Solid {
         }
         let weighted: Vec<f64> =
             sampling.weights().iter().flat_map(|w| (0..dim).map(move |i| w * density[i])).collect();
-        sampling.spread(&weighted, dim, &mut self.dead_load);
+        sampling.spread(&weighted, dim, &mut self.model.dead_load.0);
         Ok(())
     }
 
@@ -172,12 +174,12 @@ impl Solid {
     /// # Errors
     /// Wrong length or a value that is not finite.
     pub fn nodal_force(mut self, force: &[f64]) -> Result<Self, FemError> {
-        if force.len() != self.dead_load.len() {
-            let (found, expected) = (force.len(), self.dead_load.len());
+        if force.len() != self.model.dead_load.0.len() {
+            let (found, expected) = (force.len(), self.model.dead_load.0.len());
             return Err(FemError::Length { what: "nodal force".to_owned(), found, expected });
         }
         crate::contributions::controls::check_finite("nodal force", force)?;
-        for (total, f) in self.dead_load.iter_mut().zip(force) {
+        for (total, f) in self.model.dead_load.0.iter_mut().zip(force) {
             *total += f;
         }
         Ok(self)
@@ -202,8 +204,7 @@ impl Solid {
     /// # Errors
     /// [`FemError::NoMaterial`], [`FemError::RigidMotion`].
     pub fn check(&self) -> Result<(), FemError> {
-        self.body.check_complete()?;
-        self.supports.check(self.mesh())
+        self.model.check()
     }
 
     /// The mesh.
@@ -213,26 +214,104 @@ impl Solid {
 
     /// The discretisation, to be shared with other solids.
     pub fn discretization(&self) -> &Arc<Discretization> {
-        self.body.discretization()
+        self.model.discretization()
+    }
+
+    /// The discrete problem: the sum of contributions.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 
     /// Materials and actuations.
-    pub fn body(&self) -> &Body {
-        &self.body
+    pub fn body(&self) -> &BodyEnergy {
+        &self.model.body
     }
 
     /// Supports.
     pub fn supports(&self) -> &Supports {
-        &self.supports
+        &self.model.supports
     }
 
     /// Dead loads at load 1, flat.
     pub fn dead_load(&self) -> &[f64] {
-        &self.dead_load
+        &self.model.dead_load.0
     }
 
     /// Controls of this body, all zero.
     pub fn controls(&self) -> Controls {
-        self.body.controls()
+        self.model.controls()
+    }
+
+    /// Adds a contribution of your own to the residual.
+    ///
+    /// # Errors
+    /// A name that is taken, couplings that do not fit the mesh.
+    pub fn contribution(mut self, contribution: impl Contribution + 'static) -> Result<Self, FemError> {
+        self.model.add(Arc::new(contribution))?;
+        Ok(self)
+    }
+
+    /// [`Model::solve`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn solve(&self, controls: &Controls, how: &SolveOptions) -> Result<State, StateError> {
+        self.model.solve(controls, how)
+    }
+
+    /// [`Model::solve_with`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn solve_with(
+        &self,
+        controls: &Controls,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        self.model.solve_with(controls, how, workspace)
+    }
+
+    /// [`Model::adjoint`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn adjoint(&self, state: &State, rhs: &[&[f64]], how: &SolveOptions) -> Result<Adjoint, StateError> {
+        self.model.adjoint(state, rhs, how)
+    }
+
+    /// [`Model::adjoint_with`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn adjoint_with(
+        &self,
+        state: &State,
+        rhs: &[&[f64]],
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<Adjoint, StateError> {
+        self.model.adjoint_with(state, rhs, how, workspace)
+    }
+
+    /// [`Model::negative_pivots`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn negative_pivots(&self, state: &State) -> Result<usize, StateError> {
+        self.model.negative_pivots(state)
+    }
+
+    /// [`Model::negative_pivots_by`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn negative_pivots_by(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
+        self.model.negative_pivots_by(state, how)
+    }
+
+    /// [`Model::rest`].
+    pub fn rest(&self) -> State {
+        self.model.rest()
     }
 }

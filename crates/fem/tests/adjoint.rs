@@ -22,7 +22,7 @@ fn cantilever(kind: CellKind) -> Outcome<Solid> {
 
 fn controls(solid: &Solid) -> Controls {
     let mut controls = solid.controls();
-    let at = solid.discretization().body().positions(solid.mesh(), None);
+    let at = solid.discretization().points().positions(solid.mesh(), None);
     for (q, x) in at.iter().enumerate() {
         controls.values_mut(0)[q] = -1.0 + 2.0 * x[1];
         controls.values_mut(1)[q] = 0.5 * x[0];

@@ -24,7 +24,7 @@ fn bar(kind: CellKind, size: [f64; 3], cells: [usize; 3], bulk: f64) -> Outcome<
         .clamp("x-")?
         .traction("x+", Vec3::new(0.0, 1e-4 * size[1], 0.0))?;
     let mut controls = solid.controls();
-    let at = solid.discretization().body().positions(solid.mesh(), None);
+    let at = solid.discretization().points().positions(solid.mesh(), None);
     for (q, x) in at.iter().enumerate() {
         controls.values_mut(0)[q] = -0.5 * x[1] / size[1];
         controls.values_mut(1)[q] = 0.02 * x[0];
@@ -39,7 +39,7 @@ fn strip() -> Outcome<Case> {
         .actuate("body", "magnet", Magnet::new())?
         .clamp("x-")?;
     let mut controls = solid.controls();
-    let at = solid.discretization().body().positions(solid.mesh(), None);
+    let at = solid.discretization().points().positions(solid.mesh(), None);
     let (field, remanence) = ([0.0, 0.0, 1e-4], |x: f64| [(2.0 * x).cos(), 0.0, (2.0 * x).sin()]);
     for (q, x) in at.iter().enumerate() {
         controls.values_mut(0)[6 * q..6 * q + 3].copy_from_slice(&remanence(x[0]));

@@ -6,7 +6,7 @@ mod common;
 use common::{Outcome, kinds, laws, nodal, noise, regular};
 use nastic_energy::catalogue;
 use nastic_fem::{Controls, Solid};
-use nastic_linear::SymmetricMatrix;
+use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::Mat3;
 
@@ -91,7 +91,7 @@ fn force(solid: &Solid, u: &[f64], controls: &Controls) -> Outcome<Vec<f64>> {
     Ok(solid.body().evaluate(u, controls, true, false)?.force)
 }
 
-fn tangent(solid: &Solid, u: &[f64], controls: &Controls) -> Outcome<SymmetricMatrix> {
+fn tangent(solid: &Solid, u: &[f64], controls: &Controls) -> Outcome<SparseMatrix> {
     let mut matrix = solid.discretization().matrix();
     solid.body().evaluate_tangent(u, controls, &mut matrix, false)?;
     Ok(matrix)

@@ -24,7 +24,7 @@ fn averages_are_integrals_over_the_cell() -> Outcome {
             .actuate("body", "tension", tension.clone())?
             .clamp("x-")?;
         let mut controls = solid.controls();
-        let at = solid.discretization().body().positions(solid.mesh(), None);
+        let at = solid.discretization().points().positions(solid.mesh(), None);
         controls.set(0, 0, &at.iter().map(|x| 0.5 * x[0]).collect::<Vec<_>>())?;
         controls.set(1, 0, &at.iter().map(|x| -x[1]).collect::<Vec<_>>())?;
         let state = solid.solve(&controls, &STRICT)?;

@@ -9,7 +9,7 @@ use common::{Outcome, distance, largest, noise, regular};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
 use nastic_fem::{Controls, Solid, SolveOptions, Solver, State, StateError};
 use nastic_linear::{
-    CgEnd, CgReport, FactorError, Geometry, Multigrid, Pivots, Preconditioner, SymmetricMatrix, conjugate_gradient,
+    CgEnd, CgReport, FactorError, Geometry, Multigrid, Pivots, Preconditioner, SparseMatrix, conjugate_gradient,
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
@@ -28,7 +28,7 @@ fn cantilever(kind: CellKind, length: f64, cells: [usize; 3], mu3: f64) -> Outco
 fn bending(solid: &Solid) -> Controls {
     let mut controls = solid.controls();
     let last = solid.mesh().dim() - 1;
-    let at = solid.discretization().body().positions(solid.mesh(), None);
+    let at = solid.discretization().points().positions(solid.mesh(), None);
     controls.values_mut(0).iter_mut().zip(&at).for_each(|(m, x)| *m = -1.5e5 * x[last] / 0.2);
     controls
 }
@@ -36,7 +36,7 @@ fn bending(solid: &Solid) -> Controls {
 /// A tangent with its supports eliminated, and where it was taken.
 struct System {
     solid: Solid,
-    matrix: SymmetricMatrix,
+    matrix: SparseMatrix,
     points: Vec<[f64; 3]>,
 }
 
@@ -224,7 +224,7 @@ fn indefinite_matrices_are_told_of() -> Outcome {
 }
 
 /// The displacement under a load across the body: nearly the softest mode.
-fn system_solution(matrix: &SymmetricMatrix, system: &System) -> Outcome<(Vec<f64>, CgReport)> {
+fn system_solution(matrix: &SparseMatrix, system: &System) -> Outcome<(Vec<f64>, CgReport)> {
     let other = System { solid: system.solid.clone(), matrix: matrix.clone(), points: system.points.clone() };
     let mut b: Vec<f64> = (0..matrix.pattern().dofs()).map(|dof| f64::from(u8::from(dof % 3 == 2))).collect();
     system.solid.supports().clear(&mut b);

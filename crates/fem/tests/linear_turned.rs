@@ -2,7 +2,7 @@
 
 use nastic_energy::{FiberTension, MooneyRivlin};
 use nastic_fem::{Controls, Solid, SolveOptions, Workspace};
-use nastic_linear::{CorotatedPreconditioner, Pivots, Rotations, SymmetricMatrix, conjugate_gradient};
+use nastic_linear::{CorotatedPreconditioner, Pivots, Rotations, SparseMatrix, conjugate_gradient};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_tensor::{Mat3, Vec3};
 use std::sync::Arc;
@@ -15,12 +15,12 @@ fn cantilever() -> Outcome<(Solid, Controls)> {
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
         .clamp("x-")?;
     let mut controls = solid.controls();
-    let at = solid.discretization().body().positions(solid.mesh(), None);
+    let at = solid.discretization().points().positions(solid.mesh(), None);
     controls.set(0, 0, &at.iter().map(|x| -1.5e5 * x[2] / 0.2).collect::<Vec<_>>())?;
     Ok((solid, controls))
 }
 
-fn tangent(solid: &Solid, u: &[f64], controls: &Controls) -> Outcome<SymmetricMatrix> {
+fn tangent(solid: &Solid, u: &[f64], controls: &Controls) -> Outcome<SparseMatrix> {
     let mut matrix = solid.discretization().matrix();
     solid.body().evaluate_tangent(u, controls, &mut matrix, false)?;
     let largest = matrix.diagonal().into_iter().fold(0.0, f64::max);
@@ -38,7 +38,7 @@ fn a_rigid_turn_needs_one_iteration() -> Outcome {
     let turn = Mat3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c);
     let moved = |x: &[f64; 3]| (turn - Mat3::identity()) * Vec3::from(*x);
     let u: Vec<f64> = mesh.points().iter().flat_map(|x| <[f64; 3]>::from(moved(x))).collect();
-    let ground = |matrix: &mut SymmetricMatrix| {
+    let ground = |matrix: &mut SparseMatrix| {
         for dof in 0..matrix.pattern().dofs() {
             let at = matrix.pattern().value_index(dof, dof).unwrap_or(0);
             matrix.values[at] += 10.0;
@@ -53,7 +53,7 @@ fn a_rigid_turn_needs_one_iteration() -> Outcome {
 
     let nodes = mesh.points().len();
     let mut factor = solid.discretization().symbolic().factorize(&at_rest, Pivots::Positive, false)?;
-    factor.stand_in(Arc::new(Rotations(vec![Mat3::identity(); nodes])));
+    factor.set_rotations(Arc::new(Rotations(vec![Mat3::identity(); nodes])));
     let free = vec![false; rest.len()];
     let preconditioner = CorotatedPreconditioner::new(&factor, &Rotations(vec![turn; nodes]), &free);
     let b: Vec<f64> = (0..rest.len()).map(|i| (i as f64).sin()).collect();
@@ -73,7 +73,7 @@ fn a_factor_from_rest_serves_the_adjoint_of_the_bent_state() -> Outcome {
     let state = solid.solve(&controls, &SolveOptions::default())?;
     let at_rest = tangent(&solid, &vec![0.0; state.u.len()], &solid.controls())?;
     let mut factor = solid.discretization().symbolic().factorize(&at_rest, Pivots::Positive, false)?;
-    factor.stand_in(Arc::new(Rotations(vec![Mat3::identity(); solid.mesh().points().len()])));
+    factor.set_rotations(Arc::new(Rotations(vec![Mat3::identity(); solid.mesh().points().len()])));
     let wish: Vec<f64> = (0..state.u.len()).map(|i| (0.3 * i as f64).cos()).collect();
     let mut from_rest = Workspace::with_factor(factor);
     let kept = solid.adjoint_with(&state, &[&wish], &SolveOptions::default(), &mut from_rest)?;

@@ -14,7 +14,6 @@ use nastic_fem::{QuadraturePoints, Solid, SolveOptions, SolveReport, State};
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 use std::f64::consts::{LN_2, PI};
-use std::sync::Arc;
 
 /// `u_i = A_i sin(k_i . X + c_i)`: displacement gradients up to 0.3.
 struct Wave {
@@ -118,8 +117,8 @@ fn errors(kind: CellKind, cells: usize) -> Outcome<[f64; 2]> {
     let solid = Solid::new(mesh)?.material("body", law)?.nodal_force(&force)?;
     let solid = prescribe(solid, &held, |x| wave.u(x))?;
     // the interpolant is near the answer, which saves the way from rest
-    let u = Arc::new(nodal(solid.mesh(), |x| wave.u(x)));
-    let near = State { u, controls: Arc::new(solid.controls()), load: 1.0, report: SolveReport::default() };
+    let u = nodal(solid.mesh(), |x| wave.u(x));
+    let near = State::equilibrium(u, solid.controls(), 1.0, SolveReport::default());
     let state = solid.solve(&solid.controls(), &SolveOptions::near(&near))?;
     deviation(solid.mesh(), &state.u, &wave)
 }

@@ -25,7 +25,7 @@ fn cantilever(kind: CellKind) -> Outcome<(Solid, State)> {
         solid = solid.displace("z-", [None, None, Some(0.0)])?.displace("z+", [None, None, Some(0.0)])?;
     }
     let mut controls = solid.controls();
-    let at = solid.discretization().body().positions(solid.mesh(), None);
+    let at = solid.discretization().points().positions(solid.mesh(), None);
     controls.set(0, 0, &at.iter().map(|x| -4e5 * x[1] / SIZE[1]).collect::<Vec<_>>())?;
     controls.set(1, 0, &at.iter().map(|x| 1e5 * x[0]).collect::<Vec<_>>())?;
     let state = solid.solve(&controls, &STRICT)?;

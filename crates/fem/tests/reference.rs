@@ -19,7 +19,7 @@ fn cantilever(kind: CellKind) -> Outcome<Solid> {
 /// m(X) = -1.5e5 Z / 0.2 at the quadrature points.
 fn linear_tension(solid: &Solid) -> Outcome<Controls> {
     let mut controls = solid.controls();
-    let at = solid.discretization().body().positions(solid.mesh(), None);
+    let at = solid.discretization().points().positions(solid.mesh(), None);
     let tension: Vec<f64> = at.iter().map(|x| -1.5e5 * x[2] / 0.2).collect();
     controls.set(0, 0, &tension)?;
     Ok(controls)
@@ -42,7 +42,7 @@ fn assert_corner(solid: &Solid, state: &State, expected: [f64; 3], tolerance: f6
 /// The part of the energy that the passive material stores.
 fn stored(solid: &Solid, state: &State) -> Outcome<f64> {
     let energy = solid.cell_fields(state)?.energy;
-    let weights = solid.discretization().body().weights();
+    let weights = solid.discretization().points().weights();
     let volumes = solid.discretization().points_of_cells();
     Ok(volumes.iter().zip(energy).map(|(&(first, n), w)| w * weights[first..first + n].iter().sum::<f64>()).sum())
 }

@@ -135,7 +135,7 @@ fn regions_and_fields_are_two_ways_to_say_the_same() -> Outcome {
         let by_cell: Vec<f64> = is_left.iter().map(|&left| mu3(left)).collect();
         let fiber_by_cell: Vec<Vec3> = is_left.iter().map(|&left| angled(left)).collect();
         let law = TransverseMooneyRivlin::new(1.0, 0.2, Field::cells(by_cell), 5.0, Field::cells(fiber_by_cell))?;
-        let of_points = bare.discretization().body().cells();
+        let of_points = bare.discretization().points().cells();
         let tension: Vec<Vec3> = of_points.iter().map(|&cell| angled(!is_left[cell as usize])).collect();
         let tension = FiberTension::along_field(Field::points(tension))?;
         // one material and one actuation on both regions, attached region by region
@@ -163,7 +163,7 @@ fn an_actuation_acts_in_its_region_alone() -> Outcome {
     let mut controls = solid.controls();
     controls.values_mut(0).fill(1.0);
     let state = solid.solve(&controls, &STRICT)?;
-    for (value, cell) in controls.values_mut(0).iter_mut().zip(solid.discretization().body().cells()) {
+    for (value, cell) in controls.values_mut(0).iter_mut().zip(solid.discretization().points().cells()) {
         if solid.mesh().regions()["left"].contains(&cell) {
             *value = 1e9;
         }
@@ -172,7 +172,7 @@ fn an_actuation_acts_in_its_region_alone() -> Outcome {
     assert_eq!(state.u, other.u);
     let lambda = vec![1.0; state.u.len()];
     let pulled = solid.body().control_vjp(&state.u, &controls, &lambda, false)?;
-    let idle = pulled.values(0).iter().zip(solid.discretization().body().cells());
+    let idle = pulled.values(0).iter().zip(solid.discretization().points().cells());
     assert!(idle.filter(|(_, cell)| solid.mesh().regions()["left"].contains(cell)).all(|(v, _)| *v == 0.0));
     Ok(())
 }

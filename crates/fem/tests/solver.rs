@@ -23,7 +23,7 @@ fn cantilever(kind: CellKind, n: usize) -> Outcome<Solid> {
 /// `m(X) = top Z / 0.2`
 fn tension(solid: &Solid, top: f64) -> Outcome<Controls> {
     let mut controls = solid.controls();
-    let at = solid.discretization().body().positions(solid.mesh(), None);
+    let at = solid.discretization().points().positions(solid.mesh(), None);
     controls.set(0, 0, &at.iter().map(|x| top * x[2] / 0.2).collect::<Vec<_>>())?;
     Ok(controls)
 }
@@ -69,7 +69,7 @@ fn a_state_says_truly_how_good_it_is() -> Outcome {
         let now = solid.body().evaluate(&state.u, &controls, false, true)?;
         let work: f64 = solid.dead_load().iter().zip(&*state.u).map(|(d, u)| d * u).sum();
         assert!((state.report.energy - (now.energy - work)).abs() < 1e-9 * now.energy, "{:?}", state.report);
-        let least = solid.discretization().body().kinematics(&state.u)?.iter().map(|k| k.j()).fold(2.0, f64::min);
+        let least = solid.discretization().points().kinematics(&state.u)?.iter().map(|k| k.j()).fold(2.0, f64::min);
         assert!((state.report.min_j - least).abs() < 1e-14, "least J {} instead of {least}", state.report.min_j);
         assert_eq!(*state.controls, controls);
     }

@@ -6,7 +6,7 @@ use faer::{MatMut, MatRef};
 
 use super::bunch_kaufman::{Blocks, Pivot};
 use super::error::FactorError;
-use super::matrix::SymmetricMatrix;
+use super::matrix::SparseMatrix;
 use super::numeric::{self, Breakdown};
 use super::panel::{AnySign, Positive};
 use super::real::Real;
@@ -59,7 +59,7 @@ pub struct Factor {
 }
 
 impl Factor {
-    pub(super) fn empty(symbolic: &Arc<Symbolic>) -> Self {
+    pub(crate) fn empty(symbolic: &Arc<Symbolic>) -> Self {
         Self {
             symbolic: Arc::clone(symbolic),
             pivots: Pivots::Positive,
@@ -76,7 +76,7 @@ impl Factor {
     ///
     /// # Errors
     /// [`FactorError`]; this factor is then unusable until the next success.
-    pub fn refactorize(&mut self, matrix: &SymmetricMatrix, pivots: Pivots, parallel: bool) -> Result<(), FactorError> {
+    pub fn refactorize(&mut self, matrix: &SparseMatrix, pivots: Pivots, parallel: bool) -> Result<(), FactorError> {
         let symbolic = Arc::clone(&self.symbolic);
         self.begin(matrix, pivots, parallel)?;
         let extra = if pivots == Pivots::AnySign { symbolic.pattern().dofs() } else { 0 };
@@ -109,7 +109,7 @@ impl Factor {
     ///
     /// # Errors
     /// [`FactorError`]; this factor is then unusable until the next success.
-    pub fn approximate(&mut self, matrix: &SymmetricMatrix, parallel: bool) -> Result<(), FactorError> {
+    pub fn approximate(&mut self, matrix: &SparseMatrix, parallel: bool) -> Result<(), FactorError> {
         let symbolic = Arc::clone(&self.symbolic);
         self.begin(matrix, Pivots::Positive, parallel)?;
         (self.subdiagonal, self.order) = (Vec::new(), Vec::new());
@@ -129,7 +129,7 @@ impl Factor {
         Ok(())
     }
 
-    fn begin(&mut self, matrix: &SymmetricMatrix, pivots: Pivots, parallel: bool) -> Result<(), FactorError> {
+    fn begin(&mut self, matrix: &SparseMatrix, pivots: Pivots, parallel: bool) -> Result<(), FactorError> {
         let pattern = self.symbolic.pattern();
         if !Arc::ptr_eq(matrix.pattern(), pattern) || matrix.values.len() != pattern.values() {
             return Err(FactorError::ForeignPattern);
@@ -142,7 +142,7 @@ impl Factor {
     }
 
     /// Notes how far the configuration is turned that the matrix belongs to, for [`CorotatedPreconditioner`](super::CorotatedPreconditioner).
-    pub fn stand_in(&mut self, rotations: Arc<Rotations>) {
+    pub fn set_rotations(&mut self, rotations: Arc<Rotations>) {
         self.rotations = Some(rotations);
     }
 

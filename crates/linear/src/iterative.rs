@@ -59,7 +59,7 @@ impl CgReport {
 
 /// When a solution is good enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Aim {
+pub enum StoppingTest {
     /// `|b - A x| <= tolerance |b|`, Euclidean.
     Residual(f64),
     /// `|x - A^-1 b|_A <= tolerance |A^-1 b|_A` in the norm `|v|_A^2 = v . A v`, as far as an estimate tells: strains, stresses
@@ -70,10 +70,10 @@ pub enum Aim {
     Error(f64),
 }
 
-impl From<f64> for Aim {
+impl From<f64> for StoppingTest {
     /// A residual.
     fn from(tolerance: f64) -> Self {
-        Aim::Residual(tolerance)
+        StoppingTest::Residual(tolerance)
     }
 }
 
@@ -123,7 +123,7 @@ pub fn conjugate_gradient(
     preconditioner: &dyn Preconditioner,
     b: &[f64],
     x: &mut [f64],
-    aim: impl Into<Aim>,
+    aim: impl Into<StoppingTest>,
     max_iterations: usize,
 ) -> CgReport {
     let (aim, n, scale) = (aim.into(), b.len(), norm(b));
@@ -139,8 +139,10 @@ pub fn conjugate_gradient(
             break CgEnd::NotFinite;
         }
         let arrived = match aim {
-            Aim::Residual(tolerance) => size <= tolerance * scale,
-            Aim::Error(tolerance) => size == 0.0 || steps.left() <= tolerance || corrected(&steps, asked, tolerance),
+            StoppingTest::Residual(tolerance) => size <= tolerance * scale,
+            StoppingTest::Error(tolerance) => {
+                size == 0.0 || steps.left() <= tolerance || corrected(&steps, asked, tolerance)
+            }
         };
         if arrived {
             // The recurrence drifts from the truth: ask once more.
@@ -148,8 +150,8 @@ pub fn conjugate_gradient(
             residual(apply, b, x, &mut r);
             size = norm(&r);
             let holds = match aim {
-                Aim::Residual(tolerance) => size <= tolerance * scale,
-                Aim::Error(tolerance) => size <= DRIFT * carried || corrected(&steps, asked, tolerance),
+                StoppingTest::Residual(tolerance) => size <= tolerance * scale,
+                StoppingTest::Error(tolerance) => size <= DRIFT * carried || corrected(&steps, asked, tolerance),
             };
             if holds {
                 break CgEnd::Converged;

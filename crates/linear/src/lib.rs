@@ -1,12 +1,12 @@
-//! Symmetric matrices on the node graph of a mesh, and their solution.
+//! Sparse matrices on the node graph of a mesh, and the solution of their systems.
 //!
-//! The chain, each link built once per mesh and shared: [`Graph`] (who is coupled with whom), [`Ordering`] (who is
-//! eliminated when), [`Pattern`] (where entries are stored), [`Symbolic`] (the structure of the factor). Then, per
-//! tangent, [`SymmetricMatrix`] and [`Factor`]:
+//! The chain, each link built once per mesh and shared: [`Graph`] (which nodes are coupled), [`Ordering`] (a fill-reducing
+//! ordering), [`Pattern`] (where entries are stored), [`Symbolic`] (the structure of the factor). Then, per matrix,
+//! [`SparseMatrix`] and [`Factor`]; [`solver`] has what nonlinear solves use: one trait over factors, multigrid and GMRES.
 //!
 //! ```
 //! use std::sync::Arc;
-//! use nastic_linear::{Graph, Ordering, Pattern, Pivots, SymmetricMatrix, Symbolic};
+//! use nastic_linear::{Graph, Ordering, Pattern, Pivots, SparseMatrix, Symbolic};
 //!
 //! // Two springs in a row, one dof per node, the first node held.
 //! let elements: [&[u32]; 2] = [&[0, 1], &[1, 2]];
@@ -15,7 +15,7 @@
 //! let pattern = Arc::new(Pattern::new(&graph, 1, Ordering::best(&graph, &points)?)?);
 //! let symbolic = Arc::new(Symbolic::new(&pattern)?);
 //!
-//! let mut stiffness = SymmetricMatrix::zeros(pattern.clone());
+//! let mut stiffness = SparseMatrix::zeros(pattern.clone());
 //! for nodes in elements {
 //!     let map = pattern.scatter_map(nodes)?;
 //!     pattern.scatter(&map, &[1.0, -1.0, -1.0, 1.0], &mut stiffness.values);
@@ -35,28 +35,35 @@ mod dissection;
 mod elimination;
 mod error;
 mod factor;
+mod gmres;
 mod graph;
 mod iterative;
 mod locks;
 mod matrix;
 mod multigrid;
 mod numeric;
+mod operator;
 mod ordering;
 mod panel;
 mod pattern;
 mod real;
 mod rotations;
 mod schedule;
+mod skew;
 mod solve;
+pub mod solver;
 mod symbolic;
 
 pub use error::{FactorError, StructureError};
 pub use factor::{Factor, Pivots, Precision};
+pub use gmres::{GmresReport, gmres};
 pub use graph::Graph;
-pub use iterative::{Aim, CgEnd, CgReport, Preconditioner, conjugate_gradient, refine};
-pub use matrix::SymmetricMatrix;
+pub use iterative::{CgEnd, CgReport, Preconditioner, StoppingTest, conjugate_gradient, refine};
+pub use matrix::{SparseMatrix, Symmetry};
 pub use multigrid::{Corners, Geometry, Multigrid};
+pub use operator::{OnThreads, Operator};
 pub use ordering::{Method, Ordering};
 pub use pattern::Pattern;
 pub use rotations::{CorotatedPreconditioner, Rotations};
+pub use solver::{LinearError, LinearSolver, LinearWork, Solver};
 pub use symbolic::Symbolic;

@@ -1,4 +1,4 @@
-//! Symmetric matrices on a [`Pattern`].
+//! Sparse matrices on a [`Pattern`].
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -7,24 +7,67 @@ use rayon::prelude::*;
 
 use super::error::FactorError;
 use super::pattern::Pattern;
+use super::skew;
 
 /// Most parts that a product is cut into, and blocks that are worth a part.
 const PARTS: usize = 8;
 const LEAST_PART: usize = 10_000;
 
-/// A symmetric matrix; see [`Pattern`] for the layout of its values.
-#[derive(Clone, Debug)]
-pub struct SymmetricMatrix {
-    pattern: Arc<Pattern>,
-    /// The stored blocks.
-    pub values: Vec<f64>,
+/// Whether a matrix equals its transpose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Symmetry {
+    /// `A = A^T`.
+    Symmetric,
+    /// Any matrix whose pattern is symmetric.
+    General,
 }
 
-impl SymmetricMatrix {
+/// A sparse matrix `A = S + W`, S symmetric and W skew; see [`Pattern`] for the layout of either. Most have no W.
+#[derive(Clone, Debug)]
+pub struct SparseMatrix {
+    pattern: Arc<Pattern>,
+    /// The stored blocks of the symmetric part.
+    pub values: Vec<f64>,
+    /// Those of the skew part, where there is one: block `(i, j)`, `i >= j`; `W_ji = -W_ij^T`.
+    skew: Option<Vec<f64>>,
+}
+
+impl SparseMatrix {
     /// The zero matrix.
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
         let values = vec![0.0; pattern.values()];
-        Self { pattern, values }
+        Self { pattern, values, skew: None }
+    }
+
+    /// A matrix that stores nothing, where products stand for it.
+    pub fn without_values(pattern: Arc<Pattern>) -> Self {
+        Self { pattern, values: Vec::new(), skew: None }
+    }
+
+    /// The zero matrix of a symmetry: a general one has room for a skew part.
+    pub fn with_symmetry(pattern: Arc<Pattern>, symmetry: Symmetry) -> Self {
+        let skew = (symmetry == Symmetry::General).then(|| vec![0.0; pattern.values()]);
+        Self { skew, ..Self::zeros(pattern) }
+    }
+
+    /// Whether it has no skew part.
+    pub fn is_symmetric(&self) -> bool {
+        self.skew.is_none()
+    }
+
+    /// The symmetric part, `(A + A^T) / 2`.
+    #[must_use]
+    pub fn symmetric_part(&self) -> SparseMatrix {
+        SparseMatrix { pattern: self.pattern.clone(), values: self.values.clone(), skew: None }
+    }
+
+    /// Adds an element matrix: see [`Pattern::scatter`] for the arguments. All of it is read where the matrix is general;
+    /// of a symmetric one it must be symmetric.
+    pub fn add_element(&mut self, map: &[u32], element: &[f64]) {
+        let Some(skew) = &mut self.skew else { return self.pattern.scatter(map, element, &mut self.values) };
+        let (symmetric, antisymmetric) = skew::split(element);
+        self.pattern.scatter(map, &symmetric, &mut self.values);
+        skew::scatter(self.pattern.dim(), map, &antisymmetric, skew);
     }
 
     /// Its pattern.
@@ -35,20 +78,39 @@ impl SymmetricMatrix {
     /// Sets all values to zero.
     pub fn clear(&mut self) {
         self.values.fill(0.0);
+        if let Some(skew) = &mut self.skew {
+            skew.fill(0.0);
+        }
     }
 
     /// Entry `(row, column)`, dofs by mesh node; zero outside the pattern.
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        self.pattern.value_index(row, column).map_or(0.0, |at| self.values[at])
+        let symmetric = self.pattern.value_index(row, column).map_or(0.0, |at| self.values[at]);
+        symmetric + self.skew.as_ref().map_or(0.0, |skew| skew::entry(&self.pattern, skew, row, column))
     }
 
-    /// `y = A x` on one thread; the same bits as [`multiply_on`](Self::multiply_on).
+    /// `y = A x` on one thread, the same bits as [`multiply_on`](Self::multiply_on).
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
         self.multiply_on(x, y, false);
     }
 
     /// `y = A x`, always summed in the same order; `parallel` uses all threads of the current rayon pool.
     pub fn multiply_on(&self, x: &[f64], y: &mut [f64], parallel: bool) {
+        self.multiply_symmetric(x, y, parallel);
+        if let Some(skew) = &self.skew {
+            skew::add_product(&self.pattern, skew, 1.0, x, y);
+        }
+    }
+
+    /// `y = A^T x`.
+    pub fn multiply_transposed(&self, x: &[f64], y: &mut [f64], parallel: bool) {
+        self.multiply_symmetric(x, y, parallel);
+        if let Some(skew) = &self.skew {
+            skew::add_product(&self.pattern, skew, -1.0, x, y);
+        }
+    }
+
+    fn multiply_symmetric(&self, x: &[f64], y: &mut [f64], parallel: bool) {
         match self.pattern.dim() {
             3 => self.multiply_blocks::<3>(x, y, parallel),
             2 => self.multiply_blocks::<2>(x, y, parallel),
@@ -137,7 +199,7 @@ impl SymmetricMatrix {
         });
     }
 
-    /// Calls with `(row, column, value)` for every stored entry: off-diagonal blocks once, diagonal blocks in full.
+    /// Calls with `(row, column, value)` for every stored entry of the symmetric part: off-diagonal blocks once, diagonal blocks in full.
     fn for_each_entry(&self, mut visit: impl FnMut(usize, usize, f64)) {
         let dim = self.pattern.dim();
         let old = self.pattern.ordering().new_to_old();
@@ -168,11 +230,14 @@ impl SymmetricMatrix {
                 if !any[j] && !any[i as usize] {
                     continue;
                 }
-                let block = &mut self.values[dim * dim * (first + k)..][..dim * dim];
-                for (at, value) in block.iter_mut().enumerate() {
+                for at in 0..dim * dim {
                     let (r, c) = (at % dim, at / dim);
                     if is_fixed[i as usize][r] || is_fixed[j][c] {
-                        *value = if i as usize == j && r == c { diagonal } else { 0.0 };
+                        let entry = dim * dim * (first + k) + at;
+                        self.values[entry] = if i as usize == j && r == c { diagonal } else { 0.0 };
+                        if let Some(skew) = &mut self.skew {
+                            skew[entry] = 0.0;
+                        }
                     }
                 }
             }
@@ -201,7 +266,7 @@ impl SymmetricMatrix {
         }
     }
 
-    /// The largest row sum of absolute values, `|A|_inf = |A|_1`.
+    /// The largest row sum of absolute values of the symmetric part, `|S|_inf = |S|_1`.
     pub fn norm(&self) -> f64 {
         let mut sums = vec![0.0; self.pattern.dofs()];
         let dim = self.pattern.dim();
@@ -220,7 +285,8 @@ impl SymmetricMatrix {
     /// [`FactorError::NotFinite`] with the first offender in mesh numbering.
     pub fn check_finite(&self) -> Result<(), FactorError> {
         // A sum is NaN or infinite as soon as one addend is; it overflows only for numbers that are useless anyway.
-        if self.values.iter().sum::<f64>().is_finite() {
+        let skew = self.skew.iter().flatten().sum::<f64>();
+        if self.values.iter().sum::<f64>().is_finite() && skew.is_finite() {
             return Ok(());
         }
         let dim = self.pattern.dim();
@@ -230,6 +296,9 @@ impl SymmetricMatrix {
                 first = Some((column, value));
             }
         });
+        if first.is_none() && !skew.is_finite() {
+            return Err(FactorError::NotFinite { node: 0, component: 0, value: skew });
+        }
         match first {
             Some((dof, value)) => Err(FactorError::NotFinite { node: dof / dim, component: dof % dim, value }),
             None => Ok(()),

@@ -10,7 +10,7 @@ use super::elimination::ROOT;
 use super::error::{FactorError, StructureError};
 use super::factor::{Factor, Pivots};
 use super::locks::lock;
-use super::matrix::SymmetricMatrix;
+use super::matrix::SparseMatrix;
 use super::pattern::Pattern;
 use super::real::{Real, Workspace};
 
@@ -179,7 +179,7 @@ impl Symbolic {
     ///
     /// # Errors
     /// As [`factorize`](Self::factorize).
-    pub fn approximate(self: &Arc<Self>, matrix: &SymmetricMatrix, parallel: bool) -> Result<Factor, FactorError> {
+    pub fn approximate(self: &Arc<Self>, matrix: &SparseMatrix, parallel: bool) -> Result<Factor, FactorError> {
         self.check_size()?;
         let mut factor = Factor::empty(self);
         factor.approximate(matrix, parallel)?;
@@ -194,7 +194,7 @@ impl Symbolic {
     /// [`FactorError`]; [`StructureError::TooLarge`] in it when the factor would have more than 2^31 entries (17 GB).
     pub fn factorize(
         self: &Arc<Self>,
-        matrix: &SymmetricMatrix,
+        matrix: &SparseMatrix,
         pivots: Pivots,
         parallel: bool,
     ) -> Result<Factor, FactorError> {

@@ -5,7 +5,7 @@
 mod support;
 
 use nalgebra::DVector;
-use nastic_linear::{FactorError, Graph, Ordering, Pattern, Pivots, Symbolic, SymmetricMatrix, refine};
+use nastic_linear::{FactorError, Graph, Ordering, Pattern, Pivots, SparseMatrix, Symbolic, refine};
 use std::sync::Arc;
 use support::{Grid, Random, negative_eigenvalues, relative_difference};
 
@@ -60,7 +60,7 @@ fn zero_diagonals_are_pivoted() {
     let elements: Vec<[u32; 2]> = (0..6).map(|k| [k, k + 1]).collect();
     let graph = Graph::from_cliques(7, elements.iter().map(|e| &e[..])).unwrap();
     let pattern = Arc::new(Pattern::new(&graph, 2, Ordering::multilevel(&graph)).unwrap());
-    let mut matrix = SymmetricMatrix::zeros(pattern.clone());
+    let mut matrix = SparseMatrix::zeros(pattern.clone());
     let mut dense = nalgebra::DMatrix::zeros(14, 14);
     let mut set = |i: usize, j: usize, value: f64| {
         for (i, j) in [(i, j), (j, i)] {

@@ -4,7 +4,7 @@
 
 mod support;
 
-use nastic_linear::{Aim, CgEnd, Factor, Pattern, Pivots, Symbolic, SymmetricMatrix, conjugate_gradient, refine};
+use nastic_linear::{CgEnd, Factor, Pattern, Pivots, SparseMatrix, StoppingTest, Symbolic, conjugate_gradient, refine};
 use std::sync::Arc;
 use support::{Grid, Random, relative_difference};
 
@@ -22,7 +22,7 @@ impl Case {
         Self { grid, pattern, symbolic }
     }
 
-    fn matrix(&self, shift: f64) -> SymmetricMatrix {
+    fn matrix(&self, shift: f64) -> SparseMatrix {
         self.grid.laplacian(&self.pattern, shift)
     }
 
@@ -31,7 +31,7 @@ impl Case {
     }
 
     /// A right-hand side and the solution it belongs to.
-    fn system(&self, matrix: &SymmetricMatrix) -> (Vec<f64>, Vec<f64>) {
+    fn system(&self, matrix: &SparseMatrix) -> (Vec<f64>, Vec<f64>) {
         let x = Random::new(23).vector(self.pattern.dofs());
         let mut b = vec![0.0; x.len()];
         matrix.multiply(&x, &mut b);
@@ -39,7 +39,7 @@ impl Case {
     }
 }
 
-fn apply(matrix: &SymmetricMatrix) -> impl Fn(&[f64], &mut [f64]) {
+fn apply(matrix: &SparseMatrix) -> impl Fn(&[f64], &mut [f64]) {
     |v, out| matrix.multiply(v, out)
 }
 
@@ -98,7 +98,7 @@ fn an_error_aimed_at_is_that_of_the_energy_norm() {
         let factor = case.factor(shift, Pivots::Positive);
         for tolerance in [1e-3, 1e-6, 1e-9] {
             let mut x = vec![0.0; b.len()];
-            let report = conjugate_gradient(&apply(&matrix), &factor, &b, &mut x, Aim::Error(tolerance), 200);
+            let report = conjugate_gradient(&apply(&matrix), &factor, &b, &mut x, StoppingTest::Error(tolerance), 200);
             let difference: Vec<f64> = x.iter().zip(&exact).map(|(x, e)| x - e).collect();
             let error = energy(&difference) / energy(&exact);
             assert!(
@@ -110,10 +110,10 @@ fn an_error_aimed_at_is_that_of_the_energy_norm() {
     // An error below what double precision resolves: the corrections end it, not the limit of iterations.
     let factor = case.factor(2.0, Pivots::Positive);
     let mut x = vec![0.0; b.len()];
-    let report = conjugate_gradient(&apply(&matrix), &factor, &b, &mut x, Aim::Error(1e-17), 200);
+    let report = conjugate_gradient(&apply(&matrix), &factor, &b, &mut x, StoppingTest::Error(1e-17), 200);
     assert!(report.end != CgEnd::Exhausted && relative_difference(&x, &exact) < 1e-13, "{report:?}");
     let mut x = vec![0.0; b.len()];
-    let none = conjugate_gradient(&apply(&matrix), &factor, &vec![0.0; b.len()], &mut x, Aim::Error(1e-9), 5);
+    let none = conjugate_gradient(&apply(&matrix), &factor, &vec![0.0; b.len()], &mut x, StoppingTest::Error(1e-9), 5);
     assert!(none.converged() && none.iterations == 0, "{none:?}");
 }
 

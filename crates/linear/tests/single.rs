@@ -4,12 +4,12 @@
 
 mod support;
 
-use nastic_linear::{FactorError, Pivots, Precision, Symbolic, SymmetricMatrix, conjugate_gradient};
+use nastic_linear::{FactorError, Pivots, Precision, SparseMatrix, Symbolic, conjugate_gradient};
 use std::sync::Arc;
 use support::{Grid, Random, relative_difference};
 
 struct Case {
-    matrix: SymmetricMatrix,
+    matrix: SparseMatrix,
     symbolic: Arc<Symbolic>,
 }
 
@@ -21,14 +21,14 @@ impl Case {
         Case { matrix, symbolic: Arc::new(Symbolic::new(&pattern).unwrap()) }
     }
 
-    fn scaled(&self, by: f64) -> SymmetricMatrix {
+    fn scaled(&self, by: f64) -> SparseMatrix {
         let mut matrix = self.matrix.clone();
         matrix.values.iter_mut().for_each(|v| *v *= by);
         matrix
     }
 
     /// A solution and its right-hand sides, one after the other.
-    fn system(&self, matrix: &SymmetricMatrix, columns: usize) -> (Vec<f64>, Vec<f64>) {
+    fn system(&self, matrix: &SparseMatrix, columns: usize) -> (Vec<f64>, Vec<f64>) {
         let n = matrix.pattern().dofs();
         let x = Random::new(5).vector(n * columns);
         let mut b = vec![0.0; n * columns];

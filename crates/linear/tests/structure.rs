@@ -5,7 +5,7 @@
 mod support;
 
 use nalgebra::{DMatrix, DVector};
-use nastic_linear::{FactorError, Graph, Method, Ordering, Pattern, StructureError, Symbolic, SymmetricMatrix};
+use nastic_linear::{FactorError, Graph, Method, Ordering, Pattern, SparseMatrix, StructureError, Symbolic};
 use std::sync::Arc;
 use support::{Grid, Random, relative_difference};
 
@@ -66,7 +66,7 @@ fn matrices_agree_with_their_dense_twins() {
     }
 }
 
-fn assert_same(matrix: &SymmetricMatrix, dense: &DMatrix<f64>) {
+fn assert_same(matrix: &SparseMatrix, dense: &DMatrix<f64>) {
     let n = matrix.pattern().dofs();
     let mut random = Random::new(2);
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {

@@ -44,3 +44,8 @@ pub fn scale(a: f64, x: &mut [f64]) {
 pub fn max_abs(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |most, x| x.abs().max(most))
 }
+
+/// `sqrt(sum a_i^2)`.
+pub fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}

@@ -316,17 +316,17 @@ impl Lowering<'_> {
     fn means(&self, array: &MeshArray) -> Vec<f64> {
         let (disc, n) = (self.reduced.solid().discretization(), array.components);
         let at_points = match array.entity {
-            Entity::Node => disc.body().interpolate(&array.values, n),
+            Entity::Node => disc.points().interpolate(&array.values, n),
             Entity::Cell => {
                 let of = |cell: u32| array.values[cell as usize * n..][..n].to_vec();
-                disc.body().cells().into_iter().flat_map(of).collect()
+                disc.points().cells().into_iter().flat_map(of).collect()
             }
         };
         let map = &self.block.map;
         let mut sums = vec![0.0; map.len() * n];
         let mut weights = vec![0.0; map.len()];
         let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); map.len() * n];
-        for (q, w) in disc.body().weights().iter().enumerate() {
+        for (q, w) in disc.points().weights().iter().enumerate() {
             for (i, shape) in map.at_point(q) {
                 weights[i] += w * shape;
                 for c in 0..n {

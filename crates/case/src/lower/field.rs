@@ -23,8 +23,8 @@ impl<'a> Points<'a> {
     pub fn of_body(case: &'a Case, disc: &'a Discretization, cells: &[u32]) -> Self {
         let mut inside = vec![false; disc.mesh().cells()];
         cells.iter().for_each(|&cell| inside[cell as usize] = true);
-        let wanted = disc.body().cells().iter().map(|&cell| inside[cell as usize]).collect();
-        Self { wanted, ..Self::of(case, disc.mesh(), disc.body()) }
+        let wanted = disc.points().cells().iter().map(|&cell| inside[cell as usize]).collect();
+        Self { wanted, ..Self::of(case, disc.mesh(), disc.points()) }
     }
 
     /// All points of a sampling.

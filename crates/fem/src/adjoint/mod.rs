@@ -1,12 +1,13 @@
 //! The adjoint of the state equation, and the inertia of an equilibrium.
 
+use crate::contributions::instant::Instant;
 use crate::error::StateError;
-use crate::solid::Solid;
+use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
-use crate::solution::tangent::Tangents;
+use crate::solution::tangent_systems::TangentSystems;
 use crate::solution::workspace::Workspace;
-use nastic_linear::{Factor, SymmetricMatrix};
+use nastic_linear::{SparseMatrix, Symmetry};
 use nastic_mesh::CellKind;
 
 /// Adjoint displacements, and what they took.
@@ -18,15 +19,11 @@ pub struct Adjoint {
     pub report: SolveReport,
 }
 
-/// Residual of the adjoint equation relative to its right-hand side, where no conjugate gradients with a factor estimate the
-/// error itself (see `EXACT` in `tangent.rs`).
-const TOLERANCE: f64 = 1e-11;
-
 /// Iterations with products that assemble nothing, on hex27: there one takes a seventh of an assembly. On hex20 and tet10 it
 /// takes a quarter and does not pay.
 const PRODUCTS: usize = 6;
 
-impl Solid {
+impl Model {
     /// Solves `K(u*, m) lambda = rhs`, `lambda = 0` on the supports, for every right-hand side (entries on supports are
     /// ignored). K is taken at the state itself: a factor handed in is a tool, the residual of K(u*) decides.
     /// The error is `|lambda - exact| <= 1e-9 |exact|` in the energy norm `|v|^2 = v . K v`, as estimated from the steps of conjugate
@@ -53,10 +50,10 @@ impl Solid {
     ) -> Result<Adjoint, StateError> {
         let clear = |b: &&[f64]| {
             let mut b = b.to_vec();
-            self.supports().clear(&mut b);
+            self.supports.clear(&mut b);
             b
         };
-        let expected = self.discretization().dofs();
+        let expected = self.unknowns().len();
         if let Some(b) = rhs.iter().find(|b| b.len() != expected) {
             let what = "right-hand side of the adjoint".to_owned();
             return Err(crate::FemError::Length { what, found: b.len(), expected }.into());
@@ -64,42 +61,46 @@ impl Solid {
         let rhs: Vec<Vec<f64>> = rhs.iter().map(clear).collect();
         let columns: Vec<&[f64]> = rhs.iter().map(Vec::as_slice).collect();
         let mut report = SolveReport::default();
-        let factor = &mut workspace.factor;
+        let solver = self.linear_solver(how, workspace);
+        let mut systems = TangentSystems::new(self, how.parallel, solver);
         if let [b] = columns[..]
-            && let Some(lambda) = self.adjoint_by_products(state, b, how, factor.as_ref(), &mut report)
+            && let Some(lambda) = self.adjoint_by_products(state, b, how, &mut systems, &mut report)
         {
             return Ok(Adjoint { lambda: vec![lambda], report });
         }
         let matrix = self.tangent(state, how.parallel)?;
-        let lambda = Tangents::new(self, how, factor.as_ref())
-            .standing_at(&state.u)
-            .solve_exactly(matrix, &columns, TOLERANCE, factor, &mut report)
-            .map_err(|why| StateError::Linear { why })?;
+        let lambda = systems.solve_transposed(matrix, &state.u, &columns, &mut report)?;
         Ok(Adjoint { lambda, report })
     }
 
     /// The adjoint for one right-hand side with the factor at hand and K(u*) as a product, where that is cheaper than K(u*)
-    /// as a matrix; `None` where it is not, or does not get there.
+    /// as a matrix; `None` where it is not, or does not converge in time.
     fn adjoint_by_products(
         &self,
         state: &State,
         b: &[f64],
         how: &SolveOptions,
-        factor: Option<&Factor>,
+        systems: &mut TangentSystems,
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
-        let pays = self.discretization().body().parts.iter().all(|part| part.kind == CellKind::Hex27);
-        let factor = factor.filter(|_| pays)?;
+        let quadratic = self.discretization().points().parts.iter().all(|part| part.kind == CellKind::Hex27);
+        if !quadratic || self.symmetry() != Symmetry::Symmetric {
+            return None;
+        }
+        let at = self.instant_of(state, how.parallel);
         let product = |v: &[f64], out: &mut [f64]| {
-            // a number that is none ends the iterations
-            if self.body().tangent_product(&state.u, &state.controls, v, out, how.parallel).is_err() {
+            // NaN ends the iterations
+            if !self.tangent_product(&at, v, out).unwrap_or(false) {
                 out.fill(f64::NAN);
             }
-            self.supports().clear(out);
+            self.supports.clear(out);
         };
-        Tangents::new(self, how, Some(factor))
-            .standing_at(&state.u)
-            .solve_by_products(&product, b, factor, PRODUCTS, report)
+        systems.solve_by_products(&product, &state.u, b, PRODUCTS, report)
+    }
+
+    /// Where a static state was evaluated.
+    pub(crate) fn instant_of<'s>(&self, state: &'s State, parallel: bool) -> Instant<'s> {
+        Instant { parallel, ..Instant::new(&state.u, &state.controls, state.load) }
     }
 
     /// Number of negative eigenvalues of the tangent at a state: 0 for a stable equilibrium.
@@ -119,14 +120,15 @@ impl Solid {
     /// As there.
     pub fn negative_pivots_by(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
         let matrix = self.tangent(state, how.parallel)?;
-        let tangents = Tangents::new(self, how, None).standing_at(&state.u);
-        tangents.negative_pivots(matrix).map_err(|e| StateError::Linear { why: e.to_string() })
+        let mut workspace = Workspace::default();
+        let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, &mut workspace));
+        Ok(systems.negative_pivots(matrix, &state.u)?)
     }
 
     /// The tangent K(u, m) at a state, supports not eliminated.
-    fn tangent(&self, state: &State, parallel: bool) -> Result<SymmetricMatrix, StateError> {
-        let mut matrix = self.discretization().matrix();
-        let evaluated = self.body().add_tangent(&state.u, &state.controls, &mut matrix, parallel);
+    fn tangent(&self, state: &State, parallel: bool) -> Result<SparseMatrix, StateError> {
+        let mut matrix = self.matrix();
+        let evaluated = self.add_tangent(&self.instant_of(state, parallel), &mut matrix);
         evaluated.map_err(|at| StateError::Inverted {
             at,
             load: state.load,

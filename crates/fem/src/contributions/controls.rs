@@ -1,9 +1,10 @@
-//! [`Controls`]: the values of every actuation at every quadrature point.
+//! [`Controls`]: the values of everything that drives a body.
 
 use crate::error::FemError;
 
-/// What drives the body: for each actuation of a [`Solid`](crate::Solid), in the order they were attached, the values of
-/// its slots at every quadrature point of the body, shape `[points][slots]`.
+/// What drives the body, in blocks: for each actuation of a [`Solid`](crate::Solid), in the order they were attached, the
+/// values of its slots at every quadrature point, shape `[points][slots]`; then for each contribution with controls (a
+/// cavity, say) one value per slot.
 ///
 /// Points where an actuation does not act keep zeros that nobody reads. Control fields with fewer unknowns (uniform,
 /// by region, by cell, by node) are mapped to these values, and derivatives back from them, in `nastic-control`.
@@ -19,27 +20,35 @@ struct Block {
 }
 
 impl Controls {
-    /// All zero: `slots[k]` components for the k-th actuation, at `points` points.
-    pub fn zeros(slots: &[usize], points: usize) -> Self {
-        Controls { blocks: slots.iter().map(|&slots| Block { slots, values: vec![0.0; slots * points] }).collect() }
+    /// All zero: for each block its slots, and the points at which they have values.
+    pub fn zeros(blocks: impl IntoIterator<Item = (usize, usize)>) -> Self {
+        let block = |(slots, points)| Block { slots, values: vec![0.0; slots * points] };
+        Controls { blocks: blocks.into_iter().map(block).collect() }
     }
 
-    /// Number of actuations.
+    /// Those of one model after those of another.
+    #[must_use]
+    pub(crate) fn chain(mut self, other: Controls) -> Self {
+        self.blocks.extend(other.blocks);
+        self
+    }
+
+    /// Number of blocks.
     pub fn len(&self) -> usize {
         self.blocks.len()
     }
 
-    /// Whether the body has no actuation.
+    /// Whether nothing drives the body.
     pub fn is_empty(&self) -> bool {
         self.blocks.is_empty()
     }
 
-    /// Number of slots of the k-th actuation.
+    /// Number of slots of the k-th block.
     pub fn slots(&self, k: usize) -> usize {
         self.blocks[k].slots
     }
 
-    /// Values of the k-th actuation, shape `[points][slots]`.
+    /// Values of the k-th block, shape `[points][slots]`.
     pub fn values(&self, k: usize) -> &[f64] {
         &self.blocks[k].values
     }
@@ -49,7 +58,7 @@ impl Controls {
         &mut self.blocks[k].values
     }
 
-    /// Sets one slot of the k-th actuation from one value per point.
+    /// Sets one slot of the k-th block from one value per point.
     ///
     /// # Errors
     /// [`FemError::Length`] and [`FemError::NotFinite`].
@@ -77,7 +86,7 @@ impl Controls {
         Controls { blocks: self.blocks.iter().zip(&other.blocks).map(mix).collect() }
     }
 
-    /// Whether the other set has the same actuations, slots and points.
+    /// Whether the other set has the same blocks, slots and points.
     pub fn fits(&self, other: &Controls) -> bool {
         let same = |(a, b): (&Block, &Block)| a.slots == b.slots && a.values.len() == b.values.len();
         self.blocks.len() == other.blocks.len() && self.blocks.iter().zip(&other.blocks).all(same)

@@ -30,7 +30,7 @@ impl Solid {
     /// [`InvertedAt`] where J <= 0.
     pub fn cell_fields(&self, state: &State) -> Result<CellFields, InvertedAt> {
         let disc = self.discretization();
-        let kinematics = disc.body().kinematics(&state.u)?;
+        let kinematics = disc.points().kinematics(&state.u)?;
         let n = kinematics.len();
         let (mut piola, mut energy) = (vec![Mat3::zeros(); n], vec![0.0; n]);
         for (cell, (first, count)) in disc.points_of_cells().into_iter().enumerate() {

@@ -1,16 +1,15 @@
 //! [`Discretization`]: everything about a mesh that materials, loads and supports do not change.
 
-use crate::discretization::quadrature_points::{Part, QuadraturePoints};
-use crate::error::FemError;
-use crate::solution::solver::Solver;
-use nastic_linear::{Corners, Graph, Ordering, Pattern, Symbolic, SymmetricMatrix};
-use nastic_mesh::Mesh;
-use std::fmt;
 pub(crate) mod cell_fields;
 pub(crate) mod quadrature_points;
 pub(crate) mod supports;
 
-use std::sync::{Arc, OnceLock};
+use crate::discretization::quadrature_points::{Part, QuadraturePoints};
+use crate::error::FemError;
+use nastic_linear::{Corners, Graph, Ordering, Pattern, Solver, SparseMatrix, Symbolic};
+use nastic_mesh::Mesh;
+use std::fmt;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 /// A mesh with its quadrature points, numbering, sparsity pattern and symbolic factorisation.
 ///
@@ -18,14 +17,18 @@ use std::sync::{Arc, OnceLock};
 /// keeps supported components in, so that one symbolic analysis serves every choice of supports.
 pub struct Discretization {
     mesh: Arc<Mesh>,
-    body: QuadraturePoints,
+    points: Arc<QuadraturePoints>,
     pattern: Arc<Pattern>,
     symbolic: Arc<Symbolic>,
     /// That of one unknown per node, made when first asked for.
     scalar: OnceLock<Arc<Symbolic>>,
-    /// Per part of the body's sampling: the scatter map of every cell, one after the other.
+    /// Per kind of cell: the scatter map of every cell, one after the other.
     scatter: Vec<Vec<u32>>,
     corners: OnceLock<Option<Corners>>,
+    /// Node sets coupled beyond those of cells.
+    couplings: Vec<Vec<u32>>,
+    /// Discretisations of the same mesh with more couplings, while somebody holds them.
+    coupled: Mutex<Vec<Weak<Discretization>>>,
 }
 
 impl Discretization {
@@ -35,9 +38,17 @@ impl Discretization {
     /// [`FemError::InvertedReference`] where the reference configuration is inside out, [`FemError::Structure`] for a mesh
     /// whose tangent has more blocks than 32 bits can name.
     pub fn new(mesh: Arc<Mesh>) -> Result<Arc<Self>, FemError> {
-        let body = QuadraturePoints::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
-        let cells = || body.parts.iter().flat_map(|p| (0..p.cells.len()).map(|c| p.nodes_of(c)));
-        let graph = Graph::from_cliques(mesh.points().len(), cells())?;
+        let points = QuadraturePoints::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
+        Self::structured(mesh, Arc::new(points), Vec::new())
+    }
+
+    fn structured(
+        mesh: Arc<Mesh>,
+        points: Arc<QuadraturePoints>,
+        couplings: Vec<Vec<u32>>,
+    ) -> Result<Arc<Self>, FemError> {
+        let cells = points.parts.iter().flat_map(|p| (0..p.cells.len()).map(|c| p.nodes_of(c)));
+        let graph = Graph::from_cliques(mesh.points().len(), cells.chain(couplings.iter().map(Vec::as_slice)))?;
         let ordering = Ordering::best(&graph, mesh.points())?;
         let pattern = Arc::new(Pattern::new(&graph, mesh.dim(), ordering)?);
         let symbolic = Arc::new(Symbolic::new(&pattern)?);
@@ -48,9 +59,30 @@ impl Discretization {
             }
             Ok(maps)
         };
-        let scatter = body.parts.iter().map(of_part).collect::<Result<_, FemError>>()?;
-        let (scalar, corners) = (OnceLock::new(), OnceLock::new());
-        Ok(Arc::new(Discretization { mesh, body, pattern, symbolic, scalar, scatter, corners }))
+        let scatter = points.parts.iter().map(of_part).collect::<Result<_, FemError>>()?;
+        let (scalar, corners, coupled) = (OnceLock::new(), OnceLock::new(), Mutex::default());
+        Ok(Arc::new(Discretization { mesh, points, pattern, symbolic, scalar, scatter, corners, couplings, coupled }))
+    }
+
+    /// The discretisation of the same mesh in whose tangents these sets of nodes are coupled too; the same one where they
+    /// are already. Solids that ask for the same couplings share it.
+    ///
+    /// # Errors
+    /// [`FemError::Structure`].
+    pub fn with_couplings(self: &Arc<Self>, more: &[Vec<u32>]) -> Result<Arc<Self>, FemError> {
+        if more.iter().all(|nodes| self.pattern.scatter_map(nodes).is_ok()) {
+            return Ok(self.clone());
+        }
+        let couplings: Vec<Vec<u32>> = self.couplings.iter().chain(more).cloned().collect();
+        // A thread that died while it held the lock left a whole list behind.
+        let mut known = self.coupled.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|weak| weak.strong_count() > 0);
+        if let Some(found) = known.iter().filter_map(Weak::upgrade).find(|disc| disc.couplings == couplings) {
+            return Ok(found);
+        }
+        let new = Self::structured(self.mesh.clone(), self.points.clone(), couplings)?;
+        known.push(Arc::downgrade(&new));
+        Ok(new)
     }
 
     /// The mesh.
@@ -69,14 +101,14 @@ impl Discretization {
     }
 
     /// The body's quadrature points, in mesh cell order.
-    pub fn body(&self) -> &QuadraturePoints {
-        &self.body
+    pub fn points(&self) -> &QuadraturePoints {
+        &self.points
     }
 
     /// The cells' quadrature points: number of the first and how many, by cell.
     pub fn points_of_cells(&self) -> Vec<(usize, usize)> {
         let part = |p: &Part| (0..p.cells.len()).map(|c| (p.first_point(c), p.table.points)).collect::<Vec<_>>();
-        self.body.parts.iter().flat_map(part).collect()
+        self.points.parts.iter().flat_map(part).collect()
     }
 
     /// Average over each cell of a quantity at the quadrature points, weighted by reference volume;
@@ -84,7 +116,7 @@ impl Discretization {
     pub fn cell_average(&self, at_points: &[f64], components: usize) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.mesh.cells() * components);
         for (first, count) in self.points_of_cells() {
-            let weights = &self.body.weights()[first..first + count];
+            let weights = &self.points.weights()[first..first + count];
             let volume: f64 = weights.iter().sum();
             for i in 0..components {
                 let sum: f64 = (0..count).map(|q| weights[q] * at_points[(first + q) * components + i]).sum();
@@ -122,8 +154,8 @@ impl Discretization {
     /// How second-order cells contain first-order ones; nothing on a mesh of first-order cells. Made when first asked for.
     pub fn corners(&self) -> Option<&Corners> {
         let make = || {
-            let shapes: Vec<Vec<f64>> = self.body.parts.iter().map(corner_shapes).collect();
-            let elements = self.body.parts.iter().zip(&shapes).flat_map(|(part, shapes)| {
+            let shapes: Vec<Vec<f64>> = self.points.parts.iter().map(corner_shapes).collect();
+            let elements = self.points.parts.iter().zip(&shapes).flat_map(|(part, shapes)| {
                 (0..part.cells.len()).map(move |c| (part.nodes_of(c), part.kind.corners(), shapes.as_slice()))
             });
             Corners::new(self.mesh.points().len(), elements)
@@ -132,8 +164,8 @@ impl Discretization {
     }
 
     /// A zero matrix of the tangent's pattern.
-    pub fn matrix(&self) -> SymmetricMatrix {
-        SymmetricMatrix::zeros(self.pattern.clone())
+    pub fn matrix(&self) -> SparseMatrix {
+        SparseMatrix::zeros(self.pattern.clone())
     }
 
     /// Scatter maps of the cells of one part of the body's sampling.
@@ -154,6 +186,6 @@ fn corner_shapes(part: &Part) -> Vec<f64> {
 
 impl fmt::Debug for Discretization {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "Discretization of {} ({} unknowns, {} points)", self.mesh.name(), self.dofs(), self.body.len())
+        write!(f, "Discretization of {} ({} unknowns, {} points)", self.mesh.name(), self.dofs(), self.points.len())
     }
 }

@@ -1,13 +1,14 @@
 //! From one equilibrium to another: the way is as long as it needs to be, and the user chooses no step count.
 
 use crate::contributions::controls::Controls;
+use crate::contributions::instant::TimeStep;
 use crate::error::StateError;
-use crate::solid::Solid;
+use crate::model::Model;
 use crate::solution::newton::{Newton, Stop};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
-use std::sync::Arc;
+use nastic_linear::LinearSolver;
 
 /// Load steps shorter than this share of the way are given up on.
 const SHORTEST: f64 = 1.0 / 4096.0;
@@ -17,7 +18,7 @@ const WARM: usize = 3;
 /// Iterations after which a guess was a poor one.
 const GUESS: usize = 15;
 
-impl Solid {
+impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
     /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method fails,
@@ -40,26 +41,46 @@ impl Solid {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
-        self.find(controls, how, workspace).inspect_err(|_| workspace.clear())
+        self.check()?;
+        self.find(controls, how, None, workspace)
     }
 
-    fn find(&self, controls: &Controls, how: &SolveOptions, workspace: &mut Workspace) -> Result<State, StateError> {
-        self.check()?;
+    /// The equilibrium, of a time step if there is one.
+    pub(super) fn find(
+        &self,
+        controls: &Controls,
+        how: &SolveOptions,
+        time_step: Option<&TimeStep>,
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        let found = self.search(controls, how, time_step, workspace);
+        found.inspect_err(|_| workspace.forget())
+    }
+
+    fn search(
+        &self,
+        controls: &Controls,
+        how: &SolveOptions,
+        time_step: Option<&TimeStep>,
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
         self.check_controls(controls)?;
         let rest = self.rest();
         let mut spent = SolveReport::default();
         let guess = how.guess.filter(|guess| guess.len() == rest.u.len());
-        if let Some(found) = guess.and_then(|guess| self.jump(guess, controls, how, workspace, &mut spent).transpose())
+        if let Some(found) =
+            guess.and_then(|guess| self.jump(guess, controls, (how, time_step), workspace, &mut spent).transpose())
         {
             return found;
         }
         let Some(near) = how.near.filter(|near| self.fits(near)) else {
-            return self.walk(&rest, controls, how, usize::MAX, workspace, &mut spent);
+            return self.walk(&rest, controls, (how, time_step), usize::MAX, workspace, &mut spent);
         };
-        match self.walk(near, controls, how, WARM * how.max_newton, workspace, &mut spent) {
+        match self.walk(near, controls, (how, time_step), WARM * how.max_newton, workspace, &mut spent) {
             Err(StateError::Cancelled) => Err(StateError::Cancelled),
             Err(failed) => {
-                workspace.clear();
+                workspace.forget();
+                let how = (how, time_step);
                 let found = self.walk(&rest, controls, how, usize::MAX, workspace, &mut SolveReport::default());
                 let mut state = found.map_err(|_| failed)?;
                 state.report.add_work(&spent);
@@ -74,17 +95,16 @@ impl Solid {
         &self,
         guess: &[f64],
         controls: &Controls,
-        how: &SolveOptions,
+        (how, time_step): (&SolveOptions, Option<&TimeStep>),
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
         let brief = SolveOptions { max_newton: how.max_newton.min(GUESS), ..how.clone() };
-        let newton = Newton { solid: self, controls, load: 1.0, path: 1.0, request: &brief };
-        match newton.solve(guess.to_vec(), &mut workspace.factor, report) {
+        let newton = Newton { model: self, controls, load: 1.0, time_step, path: 1.0, options: &brief };
+        match newton.solve(guess.to_vec(), self.linear_solver(how, workspace), report) {
             Ok(u) => {
                 report.load_steps += 1;
-                let (u, controls) = (Arc::new(u), Arc::new(controls.clone()));
-                Ok(Some(State { u, controls, load: 1.0, report: *report }))
+                Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)))
             }
             Err(Stop::Cancelled) => Err(StateError::Cancelled),
             Err(_) => Ok(None),
@@ -93,25 +113,30 @@ impl Solid {
 
     /// The undeformed state without loads: where every way begins unless told otherwise.
     pub fn rest(&self) -> State {
-        State {
-            u: Arc::new(vec![0.0; self.discretization().dofs()]),
-            controls: Arc::new(self.controls()),
-            load: 0.0,
-            report: SolveReport { min_j: 1.0, ..SolveReport::default() },
-        }
+        let report = SolveReport { min_j: 1.0, ..SolveReport::default() };
+        State::equilibrium(vec![0.0; self.unknowns().len()], self.controls(), 0.0, report)
+    }
+
+    /// The linear solver of a workspace for this model.
+    pub(crate) fn linear_solver<'w>(
+        &self,
+        how: &SolveOptions,
+        workspace: &'w mut Workspace,
+    ) -> &'w mut dyn LinearSolver {
+        workspace.solver(how.solver.unwrap_or_else(|| self.solver()), self)
     }
 
     fn fits(&self, state: &State) -> bool {
-        state.u.len() == self.discretization().dofs() && state.controls.fits(&self.controls())
+        state.u.len() == self.unknowns().len() && state.controls.fits(&self.controls())
     }
 
-    fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
+    pub(super) fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
         if !controls.fits(&self.controls()) {
             let what = "the controls belong to another body; make them with Solid::controls".to_owned();
             return Err(crate::FemError::Meaningless { what }.into());
         }
         for k in 0..controls.len() {
-            let what = format!("control of actuation \"{}\"", self.body().actuations()[k].name);
+            let what = format!("control of actuation \"{}\"", self.controllable()[k].name);
             crate::contributions::controls::check_finite(&what, controls.values(k))?;
         }
         Ok(())
@@ -122,7 +147,7 @@ impl Solid {
         &self,
         from: &State,
         to: &Controls,
-        how: &SolveOptions,
+        (how, time_step): (&SolveOptions, Option<&TimeStep>),
         most: usize,
         workspace: &mut Workspace,
         report: &mut SolveReport,
@@ -134,21 +159,21 @@ impl Solid {
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
-            let newton = Newton { solid: self, controls: &controls, load, path, request: how };
-            match newton.solve(here.u.to_vec(), &mut workspace.factor, report) {
+            let newton = Newton { model: self, controls: &controls, load, time_step, path, options: how };
+            match newton.solve(here.u.to_vec(), self.linear_solver(how, workspace), report) {
                 Ok(u) => {
                     report.load_steps += 1;
-                    here = State { u: Arc::new(u), controls: Arc::new(controls), load, report: *report };
+                    here = State::equilibrium(u, controls, load, *report);
                     done = path;
                     step *= 2.0;
                 }
                 Err(Stop::Cancelled) => return Err(StateError::Cancelled),
-                Err(Stop::Linear(why)) => return Err(StateError::Linear { why }),
+                Err(Stop::Linear(error)) => return Err(error.into()),
                 Err(stop) if step <= SHORTEST || report.newton > most => return Err(give_up(stop, path, report, here)),
                 Err(_) => {
                     report.cuts += 1;
                     step *= 0.5;
-                    workspace.clear();
+                    workspace.forget();
                 }
             }
         }
@@ -162,7 +187,7 @@ fn give_up(stop: Stop, load: f64, report: &SolveReport, here: State) -> StateErr
     match stop {
         Stop::Inverted(at) => StateError::Inverted { at, load, cuts, last },
         Stop::Slow { residual } => StateError::NoConvergence { load, cuts, newton: report.newton, residual, last },
-        Stop::Linear(why) => StateError::Linear { why },
+        Stop::Linear(error) => error.into(),
         Stop::Cancelled => StateError::Cancelled,
     }
 }

@@ -1,12 +1,11 @@
-//! From controls to an equilibrium: load steps, Newton's method, tangent systems.
+//! From controls to an equilibrium: load steps, Newton's method, tangent systems, time steps.
 
 mod continuation;
-mod levels;
 pub(crate) mod newton;
 pub(crate) mod nodal_rotations;
 pub(crate) mod options;
 pub(crate) mod rotation_corrected_step;
-pub(crate) mod solver;
 pub(crate) mod state;
-pub(crate) mod tangent;
+pub(crate) mod tangent_systems;
+pub(crate) mod trajectory;
 pub(crate) mod workspace;

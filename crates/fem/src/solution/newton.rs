@@ -1,30 +1,35 @@
-//! Newton's method with a line search on the total potential.
+//! Newton's method with a line search on the potential energy, or on the residual where there is no potential.
 
-use crate::contributions::body_energy::Evaluation;
 use crate::contributions::controls::Controls;
+use crate::contributions::instant::{Instant, TimeStep};
+use crate::contributions::{Demand, Sums};
 use crate::error::InvertedAt;
-use crate::solid::Solid;
+use crate::model::Model;
 use crate::solution::options::{Progress, SolveOptions};
 use crate::solution::rotation_corrected_step::{Fit, Reach};
 use crate::solution::state::SolveReport;
-use crate::solution::tangent::{Curvature, Tangents};
-use nastic_linear::{Factor, SymmetricMatrix};
+use crate::solution::tangent_systems::{TangentSystems, eliminate};
+use nastic_linear::solver::Curvature;
+use nastic_linear::{LinearError, LinearSolver, SparseMatrix};
+use nastic_numeric::vector::norm;
 
 /// One equilibrium to be found: controls and load are held, the displacement is not.
 pub(crate) struct Newton<'a> {
-    pub solid: &'a Solid,
+    pub model: &'a Model,
     pub controls: &'a Controls,
     pub load: f64,
+    /// The time step that ends at this equilibrium, if it is one.
+    pub time_step: Option<&'a TimeStep>,
     /// For the report alone: where on the path this is.
     pub path: f64,
-    pub request: &'a SolveOptions<'a>,
+    pub options: &'a SolveOptions<'a>,
 }
 
 /// Why it stopped short.
 pub(crate) enum Stop {
     Inverted(InvertedAt),
     Slow { residual: f64 },
-    Linear(String),
+    Linear(LinearError),
     Cancelled,
 }
 
@@ -34,17 +39,23 @@ impl From<InvertedAt> for Stop {
     }
 }
 
+impl From<LinearError> for Stop {
+    fn from(error: LinearError) -> Self {
+        Stop::Linear(error)
+    }
+}
+
 /// Where an iteration stands.
 struct Here<'a> {
     u: &'a [f64],
-    now: &'a Evaluation,
+    now: &'a Sums,
     residual: &'a [f64],
     /// What the rounding of the potential is measured against.
     scale: f64,
 }
 
 /// A displacement with what was found there.
-type Next = (Vec<f64>, Evaluation);
+type Next = (Vec<f64>, Sums);
 
 /// Steps that leave less than this share of the smallest J are too long.
 const COLLAPSE: f64 = 0.09;
@@ -60,122 +71,123 @@ const RESOLUTION: f64 = 1e-12;
 const JUMP: f64 = 1e-2;
 
 impl Newton<'_> {
-    /// From u to equilibrium. The factor that served last is left in `factor`.
+    /// From u to equilibrium.
     pub fn solve(
         &self,
         mut u: Vec<f64>,
-        factor: &mut Option<Factor>,
+        solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
-        let mut tangents = Tangents::new(self.solid, self.request, factor.as_ref());
+        let mut systems = TangentSystems::new(self.model, self.options.parallel, solver);
         let mut matrix = None;
         let mut now = self.evaluate(&u)?;
         let mut jump = self.jump(&u);
         let mut before = f64::INFINITY;
         let mut fit = None;
-        for _ in 0..self.request.max_newton {
-            if self.request.cancelled() {
+        for _ in 0..self.options.max_newton {
+            if self.options.cancelled() {
                 return Err(Stop::Cancelled);
             }
             let (residual, relative) = self.residual(&now);
-            self.record(&now, &u, relative, report);
+            self.record(&now, relative, report);
             let stagnates = relative <= ROUNDING && relative > 0.5 * before;
-            if jump.is_none() && (relative <= self.request.accuracy || stagnates) {
+            if jump.is_none() && (relative <= self.options.accuracy || stagnates) {
                 return Ok(u);
             }
             before = relative;
             let matrix = self.tangent(&u, &mut matrix)?;
             let rhs = self.right_hand_side(matrix, &residual, jump.as_deref());
             let scale = self.energy_scale(matrix, &u, &now);
-            tangents.eliminate(matrix);
-            tangents.stand_at(&u);
-            let accuracy = if jump.is_some() { JUMP } else { forcing(relative, self.request.accuracy) };
-            let (mut step, curvature) = tangents.solve(matrix, &rhs, accuracy, factor, report).map_err(Stop::Linear)?;
+            eliminate(self.model, matrix);
+            let accuracy = if jump.is_some() { JUMP } else { forcing(relative, self.options.accuracy) };
+            let (mut step, curvature) = systems.step(matrix, &u, &rhs, accuracy, report)?;
             report.newton += 1;
             let here = Here { u: &u, now: &now, residual: &residual, scale };
             let (length, next) = if let Some(jump) = jump.take() {
                 self.prescribe(&mut step, &jump);
                 self.jump_step(&here, &step)?
+            } else if !self.model.has_potential() {
+                self.residual_descent(&here, &step)?
             } else if curvature != Curvature::Negative {
                 self.downhill(&here, &step, &mut fit)?
             } else if let Some(found) = self.residual_search(&here, &step)? {
                 found
             } else {
-                step = tangents.solve_shifted(matrix.clone(), &rhs, factor, report).map_err(Stop::Linear)?;
+                step = systems.shifted_step(matrix, &u, &rhs, report)?;
                 self.downhill(&here, &step, &mut fit)?
             };
-            let tiny = curvature == Curvature::Positive && largest(&step) <= RESOLUTION * self.solid.mesh().diagonal();
+            let resolution = RESOLUTION * self.model.discretization().mesh().diagonal();
+            let tiny = curvature == Curvature::Positive && largest(&step) <= resolution;
             (u, now) = next;
-            self.tell(length, &now, &u, report);
+            self.tell(length, &now, report);
             if tiny && length == 1.0 {
                 let (_, relative) = self.residual(&now);
-                self.record(&now, &u, relative, report);
+                self.record(&now, relative, report);
                 return Ok(u);
             }
         }
         Err(Stop::Slow { residual: self.residual(&now).1 })
     }
 
-    fn evaluate(&self, u: &[f64]) -> Result<Evaluation, InvertedAt> {
-        self.solid.body().evaluate(u, self.controls, true, self.request.parallel)
+    fn at<'u>(&'u self, u: &'u [f64]) -> Instant<'u> {
+        let (controls, load, parallel) = (self.controls, self.load, self.options.parallel);
+        Instant { step: self.time_step, parallel, ..Instant::new(u, controls, load) }
+    }
+
+    fn evaluate(&self, u: &[f64]) -> Result<Sums, InvertedAt> {
+        self.model.evaluate(&self.at(u), Demand { energy: true, force: true })
     }
 
     /// The tangent at u in the memory of the one before.
-    fn tangent<'m>(
-        &self,
-        u: &[f64],
-        memory: &'m mut Option<SymmetricMatrix>,
-    ) -> Result<&'m mut SymmetricMatrix, InvertedAt> {
-        let matrix = memory.get_or_insert_with(|| self.solid.discretization().matrix());
+    fn tangent<'m>(&self, u: &[f64], memory: &'m mut Option<SparseMatrix>) -> Result<&'m mut SparseMatrix, InvertedAt> {
+        let matrix = memory.get_or_insert_with(|| self.model.matrix());
         matrix.clear();
-        self.solid.body().add_tangent(u, self.controls, matrix, self.request.parallel)?;
+        self.model.add_tangent(&self.at(u), matrix)?;
         Ok(matrix)
     }
 
     /// What the prescribed components still have to move; `None` when they are in place.
     fn jump(&self, u: &[f64]) -> Option<Vec<f64>> {
-        let supports = self.solid.supports();
+        let supports = &self.model.supports;
         let wanted = supports.fixed().iter().zip(supports.values()).zip(u);
         let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { self.load * v - u } else { 0.0 }).collect();
         jump.iter().any(|&d| d != 0.0).then_some(jump)
     }
 
-    /// Free residual, and its norm relative to the norm of the absolute element and dead forces.
-    fn residual(&self, now: &Evaluation) -> (Vec<f64>, f64) {
-        let dead = self.solid.dead_load();
-        let mut residual: Vec<f64> = now.force.iter().zip(dead).map(|(f, d)| f - self.load * d).collect();
-        self.solid.supports().clear(&mut residual);
-        let scale = now.force_scale.iter().zip(dead).map(|(s, d)| (s + (self.load * d).abs()).powi(2)).sum::<f64>();
-        let norm = norm(&residual);
-        (residual, if norm == 0.0 { 0.0 } else { norm / scale.sqrt() })
+    /// Free residual, and its norm relative to the norm of the sums of absolute forces.
+    fn residual(&self, now: &Sums) -> (Vec<f64>, f64) {
+        let mut residual = now.force.clone();
+        self.model.supports.clear(&mut residual);
+        let size = norm(&residual);
+        (residual, if size == 0.0 { 0.0 } else { size / norm(&now.force_scale) })
     }
 
     /// Energies are small differences of large terms, the smaller the nearer to rest: W vanishes there, while what it is
     /// the difference of is of the size of `F : dP/dF : F`, or `x . K x` with the current positions x.
-    fn energy_scale(&self, matrix: &SymmetricMatrix, u: &[f64], now: &Evaluation) -> f64 {
-        let dim = self.solid.discretization().dim();
-        let reference = self.solid.mesh().points().iter().flat_map(|x| &x[..dim]);
+    fn energy_scale(&self, matrix: &SparseMatrix, u: &[f64], now: &Sums) -> f64 {
+        let disc = self.model.discretization();
+        let dim = disc.dim();
+        let reference = disc.mesh().points().iter().flat_map(|x| &x[..dim]);
         let x: Vec<f64> = reference.zip(u).map(|(x, u)| x + u).collect();
         let mut stretched = vec![0.0; x.len()];
-        matrix.multiply_on(&x, &mut stretched, self.request.parallel);
-        let work: f64 = self.solid.dead_load().iter().zip(u).map(|(d, u)| (d * u).abs()).sum();
+        matrix.multiply_on(&x, &mut stretched, self.options.parallel);
         let terms: f64 = x.iter().zip(&stretched).map(|(x, f)| x * f).sum();
-        now.energy_scale + terms.abs() + self.load.abs() * work
+        now.energy_scale + terms.abs()
     }
 
-    fn right_hand_side(&self, matrix: &SymmetricMatrix, residual: &[f64], jump: Option<&[f64]>) -> Vec<f64> {
+    fn right_hand_side(&self, matrix: &SparseMatrix, residual: &[f64], jump: Option<&[f64]>) -> Vec<f64> {
         let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
         if let Some(jump) = jump {
             let mut pulled = vec![0.0; jump.len()];
             matrix.multiply(jump, &mut pulled);
             rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
-            self.solid.supports().clear(&mut rhs);
+            self.model.supports.clear(&mut rhs);
         }
         rhs
     }
 
     fn prescribe(&self, step: &mut [f64], jump: &[f64]) {
-        for ((s, &d), &fixed) in step.iter_mut().zip(jump).zip(self.solid.supports().fixed()) {
+        for ((s, &d), &fixed) in step.iter_mut().zip(jump).zip(self.model.supports.fixed()) {
             if fixed {
                 *s = d;
             }
@@ -193,29 +205,30 @@ impl Newton<'_> {
     }
 
     fn longest(&self, here: &Here, step: &[f64]) -> Result<f64, InvertedAt> {
-        self.solid.body().max_step(here.u, step, self.request.parallel)
+        self.model.max_step(&self.at(here.u), step)
     }
 
     /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
     fn downhill(&self, here: &Here, step: &[f64], fit: &mut Option<Fit>) -> Result<(f64, Next), Stop> {
-        let parallel = self.request.parallel;
-        let reach = Reach::of(self.solid.body(), here.u, step, parallel);
+        let parallel = self.options.parallel;
+        let reach = Reach::of(self.model.discretization(), here.u, step, parallel);
+        let others = self.model.max_step_of_others(&self.at(here.u), step)?;
         if let Some(longest) = reach.curved {
             if fit.is_none() {
-                *fit = Fit::new(self.solid, parallel);
+                *fit = Fit::new(self.model, parallel);
             }
             if let Some(fit) = fit {
                 let curve = |s: f64| {
-                    let bent = fit.correction(self.solid, here.u, step, s, parallel);
+                    let bent = fit.correction(self.model, here.u, step, s, parallel);
                     moved(&moved(here.u, step, s), &bent, 1.0)
                 };
-                let found = self.energy_search(here, step, &curve, longest);
+                let found = self.energy_search(here, step, &curve, longest.min(others));
                 if !matches!(found, Err(Stop::Slow { .. })) {
                     return found;
                 }
             }
         }
-        self.energy_search(here, step, &|s| moved(here.u, step, s), reach.straight)
+        self.energy_search(here, step, &|s| moved(here.u, step, s), reach.straight.min(others))
     }
 
     /// The longest of a few step lengths along a path that starts in the direction of `step` which lowers the potential
@@ -228,7 +241,7 @@ impl Newton<'_> {
         longest: f64,
     ) -> Result<(f64, Next), Stop> {
         let slope: f64 = here.residual.iter().zip(step).map(|(r, s)| r * s).sum();
-        let start = self.potential(here.now, here.u);
+        let start = here.now.energy;
         let noise = 64.0 * f64::EPSILON * here.scale;
         let mut length = longest;
         for _ in 0..30 {
@@ -238,7 +251,7 @@ impl Newton<'_> {
                 length *= 0.5;
                 continue;
             };
-            let change = self.potential(&next, &trial) - start;
+            let change = next.energy - start;
             if change <= ARMIJO * length * slope + noise {
                 return Ok((length, (trial, next)));
             }
@@ -266,21 +279,32 @@ impl Newton<'_> {
         Ok(None)
     }
 
-    fn potential(&self, at: &Evaluation, u: &[f64]) -> f64 {
-        let work: f64 = self.solid.dead_load().iter().zip(u).map(|(d, u)| d * u).sum();
-        at.energy - self.load * work
+    /// Without a potential: the longest of a few step lengths that lowers the residual enough and inverts nothing.
+    fn residual_descent(&self, here: &Here, step: &[f64]) -> Result<(f64, Next), Stop> {
+        let before = norm(here.residual);
+        let mut length = self.longest(here, step)?;
+        for _ in 0..30 {
+            let trial = moved(here.u, step, length);
+            if let Ok(next) = self.evaluate(&trial)
+                && norm(&self.residual(&next).0) <= (1.0 - ARMIJO * length) * before
+            {
+                return Ok((length, (trial, next)));
+            }
+            length *= 0.5;
+        }
+        Err(Stop::Slow { residual: self.residual(here.now).1 })
     }
 
-    fn record(&self, now: &Evaluation, u: &[f64], relative: f64, report: &mut SolveReport) {
+    fn record(&self, now: &Sums, relative: f64, report: &mut SolveReport) {
         report.residual = relative;
         report.min_j = now.min_j;
-        report.energy = self.potential(now, u);
+        report.energy = now.energy;
     }
 
-    fn tell(&self, step: f64, now: &Evaluation, u: &[f64], report: &SolveReport) {
-        if let Some(watch) = self.request.watch {
+    fn tell(&self, step: f64, now: &Sums, report: &SolveReport) {
+        if let Some(watch) = self.options.watch {
             let (_, residual) = self.residual(now);
-            let energy = self.potential(now, u);
+            let energy = now.energy;
             watch(&Progress { load: self.path, newton: report.newton, residual, step, energy });
         }
     }
@@ -294,10 +318,6 @@ fn forcing(relative: f64, accuracy: f64) -> f64 {
 
 fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {
     u.iter().zip(step).map(|(u, s)| u + length * s).collect()
-}
-
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 fn largest(v: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
-//! How far every node of a body has turned.
+//! The rotation of a deformed body at every node.
 
-use crate::contributions::body_energy::Body;
+use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::Part;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::Cells;
@@ -14,14 +14,13 @@ const CHUNK: usize = 128;
 
 /// The rotation of the body at every node: that of the polar decomposition of the sum over the cells that meet there of
 /// `int F dX`. Cells that are inverted do not count.
-pub(crate) fn rotations(body: &Body, u: &[f64], parallel: bool) -> Rotations {
-    let disc = body.discretization();
+pub(crate) fn nodal_rotations(disc: &Discretization, u: &[f64], parallel: bool) -> Rotations {
     let mut sums = vec![Mat3::zeros(); disc.mesh().points().len()];
-    for part in &disc.body().parts {
+    for part in &disc.points().parts {
         let cells: Vec<usize> = (0..part.cells.len()).collect();
         let means: Vec<Vec<Mat3>> = match parallel {
-            true => cells.par_chunks(CHUNK).map(|cells| means(body, part, cells, u)).collect(),
-            false => cells.chunks(CHUNK).map(|cells| means(body, part, cells, u)).collect(),
+            true => cells.par_chunks(CHUNK).map(|cells| means(disc, part, cells, u)).collect(),
+            false => cells.chunks(CHUNK).map(|cells| means(disc, part, cells, u)).collect(),
         };
         for (c, mean) in means.iter().flatten().enumerate() {
             part.nodes_of(c).iter().for_each(|&node| sums[node as usize] += mean);
@@ -31,13 +30,12 @@ pub(crate) fn rotations(body: &Body, u: &[f64], parallel: bool) -> Rotations {
 }
 
 /// `int F dX` of each cell.
-fn means(body: &Body, part: &Part, cells: &[usize], u: &[f64]) -> Vec<Mat3> {
-    let disc = body.discretization();
+fn means(disc: &Discretization, part: &Part, cells: &[usize], u: &[f64]) -> Vec<Mat3> {
     let Some(kernel) = kernel(part.kind) else { return vec![Mat3::zeros(); cells.len()] };
     let mut scratch = Scratch::new(part, disc.dim());
     let mean = |&c: &usize| match scratch.move_to(Cells { part, kernel, dim: disc.dim() }, c, u) {
         Ok(()) => {
-            let weights = &disc.body().weights()[part.first_point(c)..][..part.table.points];
+            let weights = &disc.points().weights()[part.first_point(c)..][..part.table.points];
             scratch.kinematics.iter().zip(weights).map(|(at, &w)| at.f() * w).sum()
         }
         Err(_) => Mat3::zeros(),

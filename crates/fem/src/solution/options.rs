@@ -1,7 +1,7 @@
 //! [`SolveOptions`]: how an equilibrium is to be found.
 
-use crate::solution::solver::Solver;
 use crate::solution::state::State;
+use nastic_linear::Solver;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 

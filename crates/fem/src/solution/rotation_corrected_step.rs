@@ -1,4 +1,4 @@
-//! Newton steps that turn with the body.
+//! Rotation-corrected Newton steps (rotation-strain extrapolation).
 //!
 //! A straight step `u + s du` stretches whatever it rotates: a bar that wants to bend by an angle `w` is made longer by
 //! `w^2 / 2`, and most of the way to a bent equilibrium is spent undoing that. The curved step takes the rotation in `du`
@@ -17,14 +17,14 @@
 //! Source: Huang, Tong, Zhou, Bao, Desbrun, "Interactive shape interpolation through controllable dynamic deformation",
 //! IEEE TVCG 17 (2011), section 3.2, where rotation-strain coordinates serve animation.
 
-use crate::contributions::body_energy::Body;
 use crate::contributions::body_energy::max_step::volume_step;
+use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::{Part, gather_rows, scatter_rows};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::Cells;
 use crate::kernels::kernel;
-use crate::solid::Solid;
-use nastic_linear::{Factor, SymmetricMatrix};
+use crate::model::Model;
+use nastic_linear::{Factor, SparseMatrix};
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -42,16 +42,16 @@ pub(crate) struct Fit {
 
 impl Fit {
     /// Factorises; nothing if that fails, and steps stay straight.
-    pub fn new(solid: &Solid, parallel: bool) -> Option<Self> {
-        let disc = solid.discretization();
+    pub fn new(model: &Model, parallel: bool) -> Option<Self> {
+        let disc = model.discretization();
         let dim = disc.dim();
         let symbolic = disc.scalar_symbolic().ok()?;
-        let laplacian = laplacian(solid.body(), SymmetricMatrix::zeros(symbolic.pattern().clone()));
+        let laplacian = laplacian(disc, SparseMatrix::zeros(symbolic.pattern().clone()));
         let diagonal = laplacian.diagonal().into_iter().fold(0.0, f64::max);
         let mut known: Vec<(Vec<bool>, Arc<Factor>)> = Vec::new();
         let mut factors = Vec::with_capacity(dim);
         for c in 0..dim {
-            let fixed: Vec<bool> = solid.supports().fixed().iter().skip(c).step_by(dim).copied().collect();
+            let fixed: Vec<bool> = model.supports.fixed().iter().skip(c).step_by(dim).copied().collect();
             let factor = match known.iter().find(|(other, _)| *other == fixed) {
                 Some((_, factor)) => factor.clone(),
                 None => {
@@ -68,10 +68,11 @@ impl Fit {
     }
 
     /// `u(s) - u - s du`, zero where supported.
-    pub fn correction(&self, solid: &Solid, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
-        let dim = solid.discretization().dim();
-        let mut rhs = misfit(solid.body(), u, du, s, parallel);
-        solid.supports().clear(&mut rhs);
+    pub fn correction(&self, model: &Model, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
+        let disc = model.discretization();
+        let dim = disc.dim();
+        let mut rhs = misfit(disc, u, du, s, parallel);
+        model.supports.clear(&mut rhs);
         for (c, factor) in self.factors.iter().enumerate() {
             let mut component: Vec<f64> = rhs.iter().skip(c).step_by(dim).copied().collect();
             factor.solve(&mut component, 1);
@@ -83,7 +84,7 @@ impl Fit {
 
 /// How far a step may be taken.
 pub(crate) struct Reach {
-    /// The longest `s <= 1` for which `det(1 + t G) >= 1/10` on `[0, s]` at every point; see [`Body::max_step`].
+    /// The longest `s <= 1` for which `det(1 + t G) >= 1/10` on `[0, s]` at every point; see [`Model::max_step`].
     pub straight: f64,
     /// The same along the curve, with e in the place of G; nothing for a step that turns the body too little for a curve to
     /// be worth it.
@@ -91,17 +92,17 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    pub fn of(body: &Body, u: &[f64], du: &[f64], parallel: bool) -> Self {
+    pub fn of(disc: &Discretization, u: &[f64], du: &[f64], parallel: bool) -> Self {
         let of = |part: &Part, cells: &[usize]| {
             let mut found = Found::default();
-            each_point(body, part, cells, u, du, |_, _, _, (_, g)| {
+            each_point(disc, part, cells, u, du, |_, _, _, (_, g)| {
                 let longest = |g: &Mat3| volume_step(&Kinematics::rest(), g);
                 found.add(&Found { angle: axial(&g).norm(), straight: longest(&g), curved: longest(&symmetric(&g)) });
             });
             found
         };
         let mut worst = Found::default();
-        for part in &body.discretization().body().parts {
+        for part in &disc.points().parts {
             let cells: Vec<usize> = (0..part.cells.len()).collect();
             let found: Vec<Found> = match parallel {
                 true => cells.par_chunks(CHUNK).map(|cells| of(part, cells)).collect(),
@@ -135,17 +136,16 @@ impl Found {
 }
 
 /// `int (F(s) - F - s grad du) : grad N_a dX`, flat.
-fn misfit(body: &Body, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
-    let disc = body.discretization();
+fn misfit(disc: &Discretization, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
     let (dim, mut out) = (disc.dim(), vec![0.0; disc.dofs()]);
-    for part in &disc.body().parts {
+    for part in &disc.points().parts {
         let Some(kernel) = kernel(part.kind) else { continue };
         let rows_of = |cells: &[usize]| {
             let length = dim * kernel.width();
             let mut rows = vec![0.0; length * cells.len()];
             let mut targets = vec![Mat3::zeros(); part.table.points];
             let mut cell = 0;
-            each_point(body, part, cells, u, du, |q, weight, shapes, (f, g)| {
+            each_point(disc, part, cells, u, du, |q, weight, shapes, (f, g)| {
                 targets[q] = (turned(&g, s) * f - f - s * g * f) * weight;
                 if q + 1 == targets.len() {
                     kernel.force(shapes, &targets, &mut rows[length * cell..length * (cell + 1)]);
@@ -170,7 +170,7 @@ fn misfit(body: &Body, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64
 /// Calls with the number of every quadrature point in its cell, its weight, the cell's shape gradients, F, and
 /// `G = grad du F^-1`. Cells that are inverted (there are none at a state that was evaluated) count as unturned.
 fn each_point(
-    body: &Body,
+    disc: &Discretization,
     part: &Part,
     cells: &[usize],
     u: &[f64],
@@ -178,7 +178,6 @@ fn each_point(
     mut call: impl FnMut(usize, f64, &[f64], (Mat3, Mat3)),
 ) {
     let Some(kernel) = kernel(part.kind) else { return };
-    let disc = body.discretization();
     let mut scratch = Scratch::new(part, disc.dim());
     let mut steps = vec![Mat3::zeros(); part.table.points];
     for &c in cells {
@@ -187,7 +186,7 @@ fn each_point(
         steps.fill(Mat3::zeros());
         kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut steps);
         for (q, step) in steps.iter().enumerate() {
-            let weight = disc.body().weights()[part.first_point(c) + q];
+            let weight = disc.points().weights()[part.first_point(c) + q];
             let pair = match scratch.kinematics.get(q).filter(|_| sound) {
                 // F^-1 = H^T / J
                 Some(at) => (*at.f(), step * at.h().transpose() / at.j()),
@@ -224,10 +223,9 @@ fn rotation(w: &Vec3) -> Mat3 {
     Mat3::identity() + first * skew + second * skew * skew
 }
 
-fn laplacian(body: &Body, mut matrix: SymmetricMatrix) -> SymmetricMatrix {
-    let disc = body.discretization();
+fn laplacian(disc: &Discretization, mut matrix: SparseMatrix) -> SparseMatrix {
     let metric = Tangent::from_map(|b| *b);
-    for (p, part) in disc.body().parts.iter().enumerate() {
+    for (p, part) in disc.points().parts.iter().enumerate() {
         let Some(kernel) = kernel(part.kind) else { continue };
         let points = part.table.points;
         let mut g = vec![0.0; part.table.gradients.len()];
@@ -238,7 +236,7 @@ fn laplacian(body: &Body, mut matrix: SymmetricMatrix) -> SymmetricMatrix {
         for c in 0..part.cells.len() {
             kernel.gradients(&part.table.gradients, &part.inverse[c * points..(c + 1) * points], &mut g);
             for (q, tangent) in weighted.iter_mut().enumerate() {
-                let weight = disc.body().weights()[part.first_point(c) + q];
+                let weight = disc.points().weights()[part.first_point(c) + q];
                 *tangent = Tangent(metric.0.map(|m| m * weight));
             }
             kernel.tangent(&g, &weighted, &mut element, &mut work);

@@ -1,10 +1,10 @@
 //! [`State`]: an equilibrium, as a value.
 
 use crate::contributions::controls::Controls;
-use crate::solution::solver::Solver;
+use nastic_linear::{LinearWork, Solver};
 use std::sync::Arc;
 
-/// A converged equilibrium. It holds no factor: that stays in the [`Workspace`](crate::Workspace).
+/// A converged equilibrium, or the end of a time step. It holds no factor: that stays in the [`Workspace`](crate::Workspace).
 #[derive(Debug, Clone)]
 pub struct State {
     /// Displacement, flat: entry `dim * node + component`.
@@ -13,8 +13,22 @@ pub struct State {
     pub controls: Arc<Controls>,
     /// Multiple of the dead loads and of the prescribed displacements it belongs to (1 for an answer, less on the way).
     pub load: f64,
+    /// Time, 0 of a static problem.
+    pub time: f64,
+    /// Velocity, flat, in a problem with time.
+    pub velocity: Option<Arc<Vec<f64>>>,
+    /// Internal variables of the contributions, in their order.
+    pub internal: Arc<Vec<f64>>,
     /// How it was found.
     pub report: SolveReport,
+}
+
+impl State {
+    /// A state of a static problem.
+    pub fn equilibrium(u: Vec<f64>, controls: Controls, load: f64, report: SolveReport) -> Self {
+        let (u, controls, internal) = (Arc::new(u), Arc::new(controls), Arc::default());
+        State { u, controls, load, time: 0.0, velocity: None, internal, report }
+    }
 }
 
 /// What a solve took and how good its answer is.
@@ -49,6 +63,17 @@ pub struct SolveReport {
 }
 
 impl SolveReport {
+    /// Adds the work of a linear system.
+    pub(crate) fn add_linear(&mut self, work: &LinearWork) {
+        self.solver = work.solver;
+        self.factorisations += work.factorisations;
+        self.reused += work.reused;
+        self.back_substitutions += work.back_substitutions;
+        self.hierarchies += work.hierarchies;
+        self.cycles += work.cycles;
+        self.shifted += work.shifted;
+    }
+
     /// Adds the work of another solve; the quality figures stay.
     pub fn add_work(&mut self, other: &SolveReport) {
         self.newton += other.newton;

@@ -1,40 +1,76 @@
 //! [`Workspace`]: what makes the next solve faster, and decides no result beyond the accuracy asked for.
 
-use nastic_linear::Factor;
+use crate::model::Model;
+use nastic_linear::solver::{Direct, solver};
+use nastic_linear::{Factor, LinearSolver, Solver, Symbolic};
 use std::fmt;
+use std::sync::Arc;
 
-/// What one solve leaves behind for the next on the same body: a factor of a recent tangent, used as preconditioner
-/// while that is cheaper than a new one. Owned by whoever makes the solves, one after the other; results depend on it
-/// only within the accuracy asked of them, and the same history gives the same bits.
-#[derive(Clone, Default)]
+/// What one solve leaves behind for the next on the same body: a linear solver with what it keeps (a factor of a recent
+/// tangent, a multigrid hierarchy), used as preconditioner while that is cheaper than a new one. Owned by whoever makes the
+/// solves, one after the other; results depend on it only within the accuracy asked of them, and the same history gives the
+/// same bits.
+#[derive(Default)]
 pub struct Workspace {
-    pub(crate) factor: Option<Factor>,
+    solver: Option<Kept>,
+}
+
+struct Kept {
+    kind: Solver,
+    symbolic: Arc<Symbolic>,
+    solver: Box<dyn LinearSolver>,
 }
 
 impl Workspace {
-    /// The factor kept for the next solve, if there is one.
-    pub fn factor(&self) -> Option<&Factor> {
-        self.factor.as_ref()
-    }
-
-    /// Memory of that factor, in bytes.
-    pub fn factor_bytes(&self) -> usize {
-        self.factor.as_ref().map_or(0, Factor::bytes)
-    }
-
     /// One that holds a factor of a tangent near the expected ones.
     pub fn with_factor(factor: Factor) -> Self {
-        Workspace { factor: Some(factor) }
+        let symbolic = factor.symbolic().clone();
+        let solver = Box::new(Direct::with_factor(factor));
+        Workspace { solver: Some(Kept { kind: Solver::Direct, symbolic, solver }) }
+    }
+
+    /// The linear solver of a kind for a model: the one that is here, if it is such.
+    pub(crate) fn solver(&mut self, kind: Solver, model: &Model) -> &mut dyn LinearSolver {
+        let symbolic = model.discretization().symbolic();
+        let fits = |kept: &Kept| kept.kind == kind && Arc::ptr_eq(&kept.symbolic, symbolic);
+        let kept = self.solver.take().filter(fits);
+        let new = || Kept { kind, symbolic: symbolic.clone(), solver: solver(kind, symbolic) };
+        self.solver.insert(kept.unwrap_or_else(new)).solver.as_mut()
+    }
+
+    /// Drops factors and hierarchies; a solver that fell back on another stays with that.
+    pub(crate) fn forget(&mut self) {
+        if let Some(kept) = &mut self.solver {
+            kept.solver.clear();
+        }
+    }
+
+    /// The factor kept for the next solve, if there is one.
+    pub fn factor(&self) -> Option<&Factor> {
+        self.solver.as_ref().and_then(|kept| kept.solver.factor())
+    }
+
+    /// Memory of what is kept, in bytes.
+    pub fn factor_bytes(&self) -> usize {
+        self.solver.as_ref().map_or(0, |kept| kept.solver.bytes())
     }
 
     /// Drops everything: the next solve starts as if it were the first.
     pub fn clear(&mut self) {
-        *self = Workspace::default();
+        self.solver = None;
+    }
+}
+
+impl Clone for Workspace {
+    fn clone(&self) -> Self {
+        let copy =
+            |kept: &Kept| Kept { kind: kept.kind, symbolic: kept.symbolic.clone(), solver: kept.solver.boxed_clone() };
+        Workspace { solver: self.solver.as_ref().map(copy) }
     }
 }
 
 impl fmt::Debug for Workspace {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "Workspace(factor of {} bytes)", self.factor_bytes())
+        write!(f, "Workspace({} bytes)", self.factor_bytes())
     }
 }

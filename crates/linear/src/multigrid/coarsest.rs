@@ -6,7 +6,7 @@ use super::block_matrix::BlockMatrix;
 use crate::error::{FactorError, StructureError};
 use crate::factor::{Factor, Pivots};
 use crate::graph::Graph;
-use crate::matrix::SymmetricMatrix;
+use crate::matrix::SparseMatrix;
 use crate::ordering::Ordering;
 use crate::pattern::Pattern;
 use crate::symbolic::Symbolic;
@@ -29,7 +29,7 @@ pub(super) fn factorise(
     let pattern = symbolic.pattern();
     let size = matrix.shape.0 * matrix.shape.1;
     let old = pattern.ordering().new_to_old();
-    let mut symmetric = SymmetricMatrix::zeros(Arc::clone(pattern));
+    let mut symmetric = SparseMatrix::zeros(Arc::clone(pattern));
     for (j, &column) in old.iter().enumerate() {
         let (first, rows) = pattern.column(j);
         for (k, &i) in rows.iter().enumerate() {

@@ -1,11 +1,11 @@
 //! The matrix of the finest level, from the symmetric storage of the assembly.
 
 use super::block_matrix::BlockMatrix;
-use crate::matrix::SymmetricMatrix;
+use crate::matrix::SparseMatrix;
 
 /// Both triangles by rows, nodes in mesh numbering. Blocks of zeros off the diagonal, which the elimination of supports
 /// leaves behind, are left out: they would count as couplings.
-pub(super) fn expand(matrix: &SymmetricMatrix) -> BlockMatrix<f64> {
+pub(super) fn expand(matrix: &SparseMatrix) -> BlockMatrix<f64> {
     let pattern = matrix.pattern();
     let (dim, nodes) = (pattern.dim(), pattern.nodes());
     let size = dim * dim;
@@ -55,7 +55,7 @@ pub(super) fn expand(matrix: &SymmetricMatrix) -> BlockMatrix<f64> {
 }
 
 /// Calls with row, column (mesh nodes) and number of every stored block.
-fn visit(matrix: &SymmetricMatrix, mut call: impl FnMut(usize, usize, usize)) {
+fn visit(matrix: &SparseMatrix, mut call: impl FnMut(usize, usize, usize)) {
     let pattern = matrix.pattern();
     let old = pattern.ordering().new_to_old();
     for (j, &column) in old.iter().enumerate() {

@@ -12,7 +12,7 @@ use crate::error::{FactorError, StructureError};
 use crate::factor::Factor;
 use crate::iterative::Preconditioner;
 use crate::locks::lock;
-use crate::matrix::SymmetricMatrix;
+use crate::matrix::SparseMatrix;
 
 /// What multigrid must know of a body besides its matrix.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ impl Multigrid {
     /// # Errors
     /// [`FactorError::NotPositive`] where the matrix cannot be positive definite (a diagonal block, or the last level, is
     /// not); it may still be indefinite where nothing is reported. [`FactorError::NotFinite`], [`FactorError::Structure`].
-    pub fn new(matrix: &SymmetricMatrix, geometry: &Geometry, parallel: bool) -> Result<Self, FactorError> {
+    pub fn new(matrix: &SparseMatrix, geometry: &Geometry, parallel: bool) -> Result<Self, FactorError> {
         matrix.check_finite()?;
         let (dim, nodes) = (matrix.pattern().dim(), matrix.pattern().nodes());
         check("dofs per node (one to three)", dim.clamp(1, 3), dim)?;

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use nastic_linear::{Graph, Ordering, Pattern, SymmetricMatrix};
+use nastic_linear::{Graph, Ordering, Pattern, SparseMatrix};
 
 /// Nodes and elements of a mesh.
 pub struct Grid {
@@ -69,9 +69,9 @@ impl Grid {
         pattern: &Arc<Pattern>,
         shift: f64,
         random: &mut Random,
-    ) -> (SymmetricMatrix, DMatrix<f64>) {
+    ) -> (SparseMatrix, DMatrix<f64>) {
         let dim = pattern.dim();
-        let mut matrix = SymmetricMatrix::zeros(pattern.clone());
+        let mut matrix = SparseMatrix::zeros(pattern.clone());
         let mut dense = DMatrix::zeros(pattern.dofs(), pattern.dofs());
         for nodes in &self.elements {
             let n = dim * nodes.len();
@@ -88,8 +88,8 @@ impl Grid {
 
     /// A vector Laplacian with some coupling of the components, elastic in structure: positive semi-definite with the
     /// constant vectors as its kernel, plus `shift` times the identity.
-    pub fn laplacian(&self, pattern: &Arc<Pattern>, shift: f64) -> SymmetricMatrix {
-        let mut matrix = SymmetricMatrix::zeros(pattern.clone());
+    pub fn laplacian(&self, pattern: &Arc<Pattern>, shift: f64) -> SparseMatrix {
+        let mut matrix = SparseMatrix::zeros(pattern.clone());
         let dim = pattern.dim();
         for nodes in &self.elements {
             let n = nodes.len();

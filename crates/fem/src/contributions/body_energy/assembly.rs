@@ -1,20 +1,21 @@
-//! Sums over the cells: energy, force and tangent of a [`Body`](crate::Body).
+//! Sums over the cells: energy, force and tangent of a [`BodyEnergy`].
 //!
 //! Cells are computed in parallel and added up in mesh order, see [`sweep`].
 
-use crate::contributions::body_energy::{Body, Evaluation};
+use crate::contributions::Sums;
+use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
 use crate::kernels::kernel;
 use nastic_energy::{EnergyTerm, Points, Response, Slots, Want};
-use nastic_linear::SymmetricMatrix;
+use nastic_linear::SparseMatrix;
 use nastic_tensor::Kinematics;
 
 /// What is wanted: the tangent alone is had without the others.
 #[derive(Clone, Copy)]
-pub(crate) struct Demand {
+pub(super) struct Terms {
     pub energy: bool,
     pub force: bool,
     pub tangent: bool,
@@ -32,39 +33,33 @@ struct CellResult {
     matrix: Vec<f64>,
 }
 
-pub(crate) fn evaluate(
-    body: &Body,
-    u: &[f64],
-    controls: &Controls,
-    demand: Demand,
-    mut tangent: Option<&mut SymmetricMatrix>,
+/// Adds to `total` and, where it is wanted, to `tangent`.
+pub(super) fn add(
+    body: &BodyEnergy,
+    (u, controls): (&[f64], &Controls),
+    demand: Terms,
+    total: &mut Sums,
+    mut tangent: Option<&mut SparseMatrix>,
     parallel: bool,
-) -> Result<Evaluation, InvertedAt> {
+) -> Result<(), InvertedAt> {
     let disc = body.discretization();
-    let dofs = if demand.force { disc.dofs() } else { 0 };
-    let mut total = Evaluation {
-        min_j: f64::INFINITY,
-        force: vec![0.0; dofs],
-        force_scale: vec![0.0; dofs],
-        ..Evaluation::default()
-    };
-    for (p, part) in disc.body().parts.iter().enumerate() {
+    for (p, part) in disc.points().parts.iter().enumerate() {
         let Some(kernel) = kernel(part.kind) else { continue };
         let scatter = if demand.tangent { disc.scatter(p) } else { &[] };
         let cells = Cells { part, kernel, dim: disc.dim() };
         let job = Job { body, cells, scatter, u, controls, demand };
-        sweep(&job, parallel, |c, result| job.add(c, result, &mut total, tangent.as_deref_mut()))?;
+        sweep(&job, parallel, |c, result| job.add(c, result, total, tangent.as_deref_mut()))?;
     }
-    Ok(total)
+    Ok(())
 }
 
 struct Job<'a> {
-    body: &'a Body,
+    body: &'a BodyEnergy,
     cells: Cells<'a>,
     scatter: &'a [u32],
     u: &'a [f64],
     controls: &'a Controls,
-    demand: Demand,
+    demand: Terms,
 }
 
 impl CellWork for Job<'_> {
@@ -87,7 +82,7 @@ impl CellWork for Job<'_> {
         let points = part.table.points;
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
         scratch.move_to(self.cells, c, self.u)?;
-        let Demand { energy, force, tangent } = self.demand;
+        let Terms { energy, force, tangent } = self.demand;
         let want = Want { energy, stress: force, tangent };
         scratch.clear(want);
         let at = Points { kinematics: &scratch.kinematics, cell: id, first };
@@ -101,7 +96,7 @@ impl CellWork for Job<'_> {
         for &k in &composition.actuations {
             self.body.actuations[k].law.respond(&at, slots(self.controls, k, first, points), want, &mut out);
         }
-        let weights = &self.body.discretization().body().weights()[first..first + points];
+        let weights = &self.body.discretization().points().weights()[first..first + points];
         result.energy = weights.iter().zip(&scratch.energy).map(|(w, e)| w * e).sum();
         result.energy_scale = weights.iter().zip(&scratch.energy).map(|(w, e)| w * e.abs()).sum();
         result.min_j = scratch.kinematics.iter().map(Kinematics::j).fold(f64::INFINITY, f64::min);
@@ -131,7 +126,7 @@ impl CellWork for Job<'_> {
 }
 
 impl Job<'_> {
-    fn add(&self, c: usize, result: &CellResult, total: &mut Evaluation, tangent: Option<&mut SymmetricMatrix>) {
+    fn add(&self, c: usize, result: &CellResult, total: &mut Sums, tangent: Option<&mut SparseMatrix>) {
         total.energy += result.energy;
         total.energy_scale += result.energy_scale;
         total.min_j = total.min_j.min(result.min_j);

@@ -1,6 +1,6 @@
 //! The control derivative of a body's virtual work.
 
-use crate::contributions::body_energy::Body;
+use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::assembly::slots;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
@@ -11,15 +11,15 @@ use nastic_energy::Points;
 use nastic_tensor::Mat3;
 
 /// `int (dP/dm_k) : grad lambda dX`, split by point and slot, for every actuation.
-pub(crate) fn control_vjp(
-    body: &Body,
+pub(super) fn add(
+    body: &BodyEnergy,
     at: (&[f64], &Controls),
     lambda: &[f64],
+    out: &mut Controls,
     parallel: bool,
-) -> Result<Controls, InvertedAt> {
+) -> Result<(), InvertedAt> {
     let disc = body.discretization();
-    let mut out = body.controls();
-    for part in &disc.body().parts {
+    for part in &disc.points().parts {
         let Some(kernel) = kernel(part.kind) else { continue };
         let cells = Cells { part, kernel, dim: disc.dim() };
         let work = ControlVjp { body, cells, u: at.0, controls: at.1, lambda };
@@ -28,16 +28,17 @@ pub(crate) fn control_vjp(
             for &k in &body.compositions[body.of_cell[part.cells[c] as usize] as usize].actuations {
                 let (width, first) = (at.1.slots(k), part.first_point(c));
                 let (own, rest) = values.split_at(width * part.table.points);
-                out.values_mut(k)[width * first..][..own.len()].copy_from_slice(own);
+                let sums = &mut out.values_mut(k)[width * first..][..own.len()];
+                sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
                 values = rest;
             }
         })?;
     }
-    Ok(out)
+    Ok(())
 }
 
 struct ControlVjp<'a> {
-    body: &'a Body,
+    body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
     controls: &'a Controls,
@@ -68,7 +69,7 @@ impl CellWork for ControlVjp<'_> {
         scratch.move_to(self.cells, c, self.u)?;
         scratch.change_by(self.cells, c, self.lambda);
         let at = Points { kinematics: &scratch.kinematics, cell: id, first };
-        let weights = &self.body.discretization().body().weights()[first..first + points];
+        let weights = &self.body.discretization().points().weights()[first..first + points];
         for &k in &composition.actuations {
             let m = slots(self.controls, k, first, points);
             scratch.by_control.resize(points * m.width, Mat3::zeros());

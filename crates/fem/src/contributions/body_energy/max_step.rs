@@ -1,6 +1,6 @@
 //! How far a body may go before it turns inside out.
 
-use crate::contributions::body_energy::Body;
+use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::gather_rows;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
@@ -16,11 +16,10 @@ const CHUNK: usize = 128;
 /// `det(F + t G) >= det F / 10` for all `t` in `[0, s]`, with `G = grad du`.
 ///
 /// Looking at the end alone is not enough: a section turned over in both directions has J > 0 again.
-pub(crate) fn max_step(body: &Body, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
-    let disc = body.discretization();
+pub(crate) fn max_step(disc: &Discretization, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
     let dim = disc.dim();
     let mut least: f64 = 1.0;
-    for part in &disc.body().parts {
+    for part in &disc.points().parts {
         let Some(kernel) = kernel(part.kind) else { continue };
         let chunk = |cells: &[usize]| -> Result<f64, InvertedAt> {
             let mut scratch = Scratch::new(part, dim);

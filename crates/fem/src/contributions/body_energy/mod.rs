@@ -1,11 +1,12 @@
-//! [`Body`]: which energy terms act where, and their sum over the mesh.
+//! [`BodyEnergy`]: the energy of a body, `int W(F) dX` summed over laws and actuations.
 
 use crate::contributions::controls::Controls;
+use crate::contributions::{Contribution, Demand, Instant, Sensitivities, Sums};
 use crate::discretization::Discretization;
 use crate::error::{FemError, InvertedAt};
-use assembly::Demand;
+use assembly::Terms;
 use nastic_energy::{Actuation, EnergyTerm, Place};
-use nastic_linear::SymmetricMatrix;
+use nastic_linear::SparseMatrix;
 use nastic_tensor::Vec3;
 use std::sync::Arc;
 
@@ -18,13 +19,13 @@ mod tangent_product;
 ///
 /// The total is the plain sum of what the terms give at every quadrature point; nothing here knows any law.
 #[derive(Debug, Clone)]
-pub struct Body {
+pub struct BodyEnergy {
     disc: Arc<Discretization>,
     pub(crate) terms: Vec<Arc<dyn EnergyTerm>>,
     pub(crate) actuations: Vec<Attached>,
     /// The distinct sets of terms, and which one each cell has.
     pub(crate) compositions: Vec<Composition>,
-    pub(crate) of_cell: Vec<u16>,
+    pub(crate) of_cell: Vec<u32>,
 }
 
 /// An actuation by name and place.
@@ -44,26 +45,14 @@ pub(crate) struct Composition {
     pub actuations: Vec<usize>,
 }
 
-/// Energy, force and quality of a body in one configuration.
-#[derive(Debug, Clone, Default)]
-pub struct Evaluation {
-    /// Body energy.
-    pub energy: f64,
-    /// Sum of absolute energies over the points: what the energy's rounding error is measured against.
-    pub energy_scale: f64,
-    /// Internal force, flat; empty unless asked for.
-    pub force: Vec<f64>,
-    /// Sum over cells of absolute internal forces, those of the passive laws and of the actuations each by itself (in a free
-    /// body they cancel), flat: what a residual's smallness is measured against.
-    pub force_scale: Vec<f64>,
-    /// Smallest J.
-    pub min_j: f64,
-}
-
-impl Body {
+impl BodyEnergy {
     pub(crate) fn new(disc: Arc<Discretization>) -> Self {
         let of_cell = vec![0; disc.mesh().cells()];
-        Body { disc, terms: vec![], actuations: vec![], compositions: vec![Composition::default()], of_cell }
+        BodyEnergy { disc, terms: vec![], actuations: vec![], compositions: vec![Composition::default()], of_cell }
+    }
+
+    pub(crate) fn set_discretization(&mut self, disc: Arc<Discretization>) {
+        self.disc = disc;
     }
 
     /// The discretisation.
@@ -83,12 +72,12 @@ impl Body {
 
     /// Controls of this body, all zero.
     pub fn controls(&self) -> Controls {
-        let slots: Vec<usize> = self.actuations.iter().map(|a| a.law.slots().len()).collect();
-        Controls::zeros(&slots, self.disc.body().len())
+        let points = self.disc.points().len();
+        Controls::zeros(self.actuations.iter().map(|a| (a.law.slots().len(), points)))
     }
 
     pub(crate) fn add_term(&mut self, cells: &[u32], term: Arc<dyn EnergyTerm>) -> Result<(), FemError> {
-        term.check(self.disc.mesh().cells(), self.disc.body().len())?;
+        term.check(self.disc.mesh().cells(), self.disc.points().len())?;
         self.terms.push(term);
         let new = self.terms.len() - 1;
         self.extend(cells, |composition| composition.terms.push(new));
@@ -96,7 +85,7 @@ impl Body {
     }
 
     pub(crate) fn add_actuation(&mut self, attached: Attached) -> Result<(), FemError> {
-        attached.law.check(self.disc.mesh().cells(), self.disc.body().len())?;
+        attached.law.check(self.disc.mesh().cells(), self.disc.points().len())?;
         let new = self.actuations.len();
         let cells = attached.cells.clone();
         self.actuations.push(attached);
@@ -113,7 +102,7 @@ impl Body {
                 self.compositions.push(wanted);
                 self.compositions.len() - 1
             });
-            self.of_cell[cell as usize] = index as u16;
+            self.of_cell[cell as usize] = index as u32;
         }
     }
 
@@ -131,15 +120,11 @@ impl Body {
     ///
     /// # Errors
     /// [`InvertedAt`] where J <= 0.
-    pub fn evaluate(
-        &self,
-        u: &[f64],
-        controls: &Controls,
-        force: bool,
-        parallel: bool,
-    ) -> Result<Evaluation, InvertedAt> {
-        let demand = Demand { energy: true, force, tangent: false };
-        assembly::evaluate(self, u, controls, demand, None, parallel)
+    pub fn evaluate(&self, u: &[f64], controls: &Controls, force: bool, parallel: bool) -> Result<Sums, InvertedAt> {
+        let mut sums = Sums::zero(if force { self.disc.dofs() } else { 0 });
+        let terms = Terms { energy: true, force, tangent: false };
+        assembly::add(self, (u, controls), terms, &mut sums, None, parallel)?;
+        Ok(sums)
     }
 
     /// Energy, internal force, and the tangent added to `tangent` (supports not yet eliminated).
@@ -150,11 +135,13 @@ impl Body {
         &self,
         u: &[f64],
         controls: &Controls,
-        tangent: &mut SymmetricMatrix,
+        tangent: &mut SparseMatrix,
         parallel: bool,
-    ) -> Result<Evaluation, InvertedAt> {
-        let demand = Demand { energy: true, force: true, tangent: true };
-        assembly::evaluate(self, u, controls, demand, Some(tangent), parallel)
+    ) -> Result<Sums, InvertedAt> {
+        let mut sums = Sums::zero(self.disc.dofs());
+        let terms = Terms { energy: true, force: true, tangent: true };
+        assembly::add(self, (u, controls), terms, &mut sums, Some(tangent), parallel)?;
+        Ok(sums)
     }
 
     /// The tangent alone, added to `tangent`: the bits of [`evaluate_tangent`](Self::evaluate_tangent) for less.
@@ -165,11 +152,11 @@ impl Body {
         &self,
         u: &[f64],
         controls: &Controls,
-        tangent: &mut SymmetricMatrix,
+        tangent: &mut SparseMatrix,
         parallel: bool,
     ) -> Result<(), InvertedAt> {
-        let demand = Demand { energy: false, force: false, tangent: true };
-        assembly::evaluate(self, u, controls, demand, Some(tangent), parallel).map(drop)
+        let terms = Terms { energy: false, force: false, tangent: true };
+        assembly::add(self, (u, controls), terms, &mut Sums::zero(0), Some(tangent), parallel)
     }
 
     /// The longest step `s <= 1` from u along du on which no point loses more than nine tenths of its volume.
@@ -177,7 +164,7 @@ impl Body {
     /// # Errors
     /// [`InvertedAt`] where J <= 0 at u itself.
     pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
-        max_step::max_step(self, u, du, parallel)
+        max_step::max_step(&self.disc, u, du, parallel)
     }
 
     /// The smallest convexity bound on a tension of the named direction over the given cells' points: the sharpest upper
@@ -217,7 +204,8 @@ impl Body {
         out: &mut [f64],
         parallel: bool,
     ) -> Result<(), InvertedAt> {
-        tangent_product::tangent_product(self, (u, controls), v, out, parallel)
+        out.fill(0.0);
+        tangent_product::add(self, (u, controls), v, out, parallel)
     }
 
     /// Derivative of the body's virtual work with respect to the controls at the points: for every actuation,
@@ -232,6 +220,35 @@ impl Body {
         lambda: &[f64],
         parallel: bool,
     ) -> Result<Controls, InvertedAt> {
-        control_vjp::control_vjp(self, (u, controls), lambda, parallel)
+        let mut out = self.controls();
+        control_vjp::add(self, (u, controls), lambda, &mut out, parallel)?;
+        Ok(out)
+    }
+}
+
+impl Contribution for BodyEnergy {
+    fn name(&self) -> &str {
+        "body energy"
+    }
+
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+        let terms = Terms { energy: demand.energy, force: demand.force, tangent: false };
+        assembly::add(self, (at.u, at.controls), terms, sums, None, at.parallel)
+    }
+
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        BodyEnergy::add_tangent(self, at.u, at.controls, tangent, at.parallel)
+    }
+
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+        tangent_product::add(self, (at.u, at.controls), v, out, at.parallel).map(|()| true)
+    }
+
+    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+        max_step::max_step(&self.disc, at.u, du, at.parallel)
+    }
+
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+        control_vjp::add(self, (at.u, at.controls), lambda, &mut into.controls, at.parallel)
     }
 }

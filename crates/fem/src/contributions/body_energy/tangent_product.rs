@@ -1,6 +1,6 @@
 //! A product with the tangent for which no matrix is assembled.
 
-use crate::contributions::body_energy::Body;
+use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::assembly::slots;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
@@ -9,17 +9,16 @@ use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
 use crate::kernels::kernel;
 use nastic_energy::{EnergyTerm, Points, Slots};
 
-/// `out = K(u, m) v`: at every point the change of stress `dP/dF : grad v`, spread like a stress.
-pub(crate) fn tangent_product(
-    body: &Body,
+/// `out += K(u, m) v`: at every point the change of stress `dP/dF : grad v`, spread like a stress.
+pub(super) fn add(
+    body: &BodyEnergy,
     at: (&[f64], &Controls),
     v: &[f64],
     out: &mut [f64],
     parallel: bool,
 ) -> Result<(), InvertedAt> {
     let disc = body.discretization();
-    out.fill(0.0);
-    for part in &disc.body().parts {
+    for part in &disc.points().parts {
         let Some(kernel) = kernel(part.kind) else { continue };
         let cells = Cells { part, kernel, dim: disc.dim() };
         let work = Product { body, cells, u: at.0, controls: at.1, v };
@@ -29,7 +28,7 @@ pub(crate) fn tangent_product(
 }
 
 struct Product<'a> {
-    body: &'a Body,
+    body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
     controls: &'a Controls,
@@ -64,7 +63,7 @@ impl CellWork for Product<'_> {
             let m = slots(self.controls, k, first, points);
             self.body.actuations[k].law.stress_change(&at, m, &scratch.change, &mut scratch.stress);
         }
-        let weights = &self.body.discretization().body().weights()[first..first + points];
+        let weights = &self.body.discretization().points().weights()[first..first + points];
         for (stress, &w) in scratch.stress.iter_mut().zip(weights) {
             *stress *= w;
         }

@@ -1,16 +1,19 @@
-//! [`Solver`]: by what tangent systems are solved, and how that is chosen.
+//! [`Solver`]: what solves tangent systems, and how that is chosen.
 
-use nastic_linear::{Pattern, Symbolic};
+use crate::pattern::Pattern;
+use crate::symbolic::Symbolic;
 use std::fmt;
 
-/// By what the linear systems of a solve are solved.
+/// What solves the linear systems of a nonlinear solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// A sparse factor of the tangent, kept as preconditioner while it serves.
     #[default]
     Direct,
-    /// Conjugate gradients with [`Multigrid`](nastic_linear::Multigrid): memory and time grow with the unknowns alone.
+    /// Conjugate gradients with [`Multigrid`](crate::Multigrid): memory and time grow with the unknowns alone.
     Multigrid,
+    /// GMRES with a factor of the symmetric part, for matrices that are not symmetric.
+    General,
 }
 
 /// What solving with one tangent by multigrid costs, setup and cycles, in passes over the entries of the tangent.
@@ -21,7 +24,7 @@ const FLOPS_PER_ENTRY: f64 = 19.0;
 /// material: multigrid is taken where it is expected to be cheaper by this much.
 const MARGIN: f64 = 3.0;
 /// Largest factor that is made unasked: 8 GiB. Its workspace comes on top.
-pub(crate) const FACTOR_BYTES: usize = 8 << 30;
+const FACTOR_BYTES: usize = 8 << 30;
 
 impl Solver {
     /// The solver for a body that asks for none, from counts alone: the factor while it has at most 8 GiB, and at most
@@ -37,7 +40,7 @@ impl Solver {
 }
 
 /// Whether a factor may be made unasked.
-pub(crate) fn fits(symbolic: &Symbolic) -> bool {
+pub(super) fn fits(symbolic: &Symbolic) -> bool {
     symbolic.factor_bytes() <= FACTOR_BYTES
 }
 
@@ -46,6 +49,7 @@ impl fmt::Display for Solver {
         f.write_str(match self {
             Solver::Direct => "direct",
             Solver::Multigrid => "multigrid",
+            Solver::General => "general",
         })
     }
 }

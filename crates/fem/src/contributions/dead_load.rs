@@ -1,0 +1,43 @@
+//! [`DeadLoad`]: forces that do not depend on the displacement.
+
+use super::{Contribution, Demand, Instant, Sensitivities, Sums};
+use crate::error::InvertedAt;
+use nastic_linear::SparseMatrix;
+
+/// Nodal forces d times the load: potential `-load d . u`, residual `-load d`.
+#[derive(Debug, Clone)]
+pub(crate) struct DeadLoad(pub Vec<f64>);
+
+impl Contribution for DeadLoad {
+    fn name(&self) -> &str {
+        "dead load"
+    }
+
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+        if demand.energy {
+            let work: f64 = self.0.iter().zip(at.u).map(|(d, u)| d * u).sum();
+            let scale: f64 = self.0.iter().zip(at.u).map(|(d, u)| (d * u).abs()).sum();
+            sums.energy -= at.load * work;
+            sums.energy_scale += at.load.abs() * scale;
+        }
+        if demand.force {
+            for ((r, s), d) in sums.force.iter_mut().zip(&mut sums.force_scale).zip(&self.0) {
+                *r -= at.load * d;
+                *s += (at.load * d).abs();
+            }
+        }
+        Ok(())
+    }
+
+    fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        Ok(())
+    }
+
+    fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, InvertedAt> {
+        Ok(true)
+    }
+
+    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), InvertedAt> {
+        Ok(())
+    }
+}

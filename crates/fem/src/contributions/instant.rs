@@ -1,0 +1,73 @@
+//! [`Instant`]: where contributions are evaluated.
+
+use crate::contributions::controls::Controls;
+use crate::solution::state::State;
+
+/// The unknowns and everything prescribed, at one instant.
+#[derive(Clone, Copy)]
+pub struct Instant<'a> {
+    /// Displacement, flat.
+    pub u: &'a [f64],
+    /// The controls of all contributions.
+    pub controls: &'a Controls,
+    /// Multiple of the dead loads and prescribed displacements, 1 for an answer.
+    pub load: f64,
+    /// The time step that ends here; `None` of a static problem.
+    pub step: Option<&'a TimeStep>,
+    /// Whether to use all threads; the bits are the same.
+    pub parallel: bool,
+    /// Index of the contribution's own block of controls.
+    pub(crate) block: usize,
+}
+
+impl<'a> Instant<'a> {
+    /// A static instant.
+    pub fn new(u: &'a [f64], controls: &'a Controls, load: f64) -> Self {
+        Instant { u, controls, load, step: None, parallel: false, block: 0 }
+    }
+
+    /// The value of a slot of the contribution that is asked.
+    pub fn control(&self, slot: usize) -> f64 {
+        self.controls.values(self.block)[slot]
+    }
+
+    /// Velocity: zero in a static problem.
+    pub fn velocity(&self, dof: usize) -> f64 {
+        self.step.map_or(0.0, |step| step.velocity.0 * self.u[dof] + step.velocity.1[dof])
+    }
+
+    /// Acceleration: zero in a static problem.
+    pub fn acceleration(&self, dof: usize) -> f64 {
+        self.step.map_or(0.0, |step| step.acceleration.0 * self.u[dof] + step.acceleration.1[dof])
+    }
+}
+
+/// A step from one instant to the next. The scheme gives `v = c_v u + b_v` and `a = c_a u + b_a`; inertia and damping use
+/// only these.
+#[derive(Debug, Clone)]
+pub struct TimeStep {
+    /// Length.
+    pub dt: f64,
+    /// `c_v` and `b_v`.
+    pub velocity: (f64, Vec<f64>),
+    /// `c_a` and `b_a`.
+    pub acceleration: (f64, Vec<f64>),
+    /// The state before.
+    pub before: State,
+}
+
+impl TimeStep {
+    /// Backward Euler: `v = (u - u_n) / dt`, `a = (v - v_n) / dt`.
+    pub fn backward_euler(before: &State, dt: f64) -> Self {
+        let velocity: Vec<f64> = before.u.iter().map(|u| -u / dt).collect();
+        let v = before.velocity.as_deref();
+        let acceleration = velocity.iter().enumerate().map(|(i, b)| (b - v.map_or(0.0, |v| v[i])) / dt).collect();
+        let (c_v, c_a) = (1.0 / dt, 1.0 / (dt * dt));
+        TimeStep { dt, velocity: (c_v, velocity), acceleration: (c_a, acceleration), before: before.clone() }
+    }
+
+    /// The velocity at a displacement.
+    pub fn velocity_at(&self, u: &[f64]) -> Vec<f64> {
+        u.iter().zip(&self.velocity.1).map(|(u, b)| self.velocity.0 * u + b).collect()
+    }
+}

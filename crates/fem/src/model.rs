@@ -1,0 +1,250 @@
+//! [`Model`]: a discrete problem, the sum of contributions on supported unknowns.
+
+use crate::contributions::body_energy::BodyEnergy;
+use crate::contributions::controls::Controls;
+use crate::contributions::dead_load::DeadLoad;
+use crate::contributions::instant::Instant;
+use crate::contributions::sensitivities::Sensitivities;
+use crate::contributions::{Contribution, Demand, Sums};
+use crate::discretization::Discretization;
+use crate::discretization::supports::Supports;
+use crate::error::{FemError, InvertedAt};
+use nastic_energy::Slot;
+use nastic_linear::{Solver, SparseMatrix, Symmetry};
+use std::sync::Arc;
+
+/// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
+///
+/// Everything that solves (Newton's method, load steps, the adjoint) asks the model and knows none of its contributions.
+#[derive(Debug, Clone)]
+pub struct Model {
+    pub(crate) body: BodyEnergy,
+    pub(crate) supports: Supports,
+    pub(crate) dead_load: DeadLoad,
+    others: Vec<Arc<dyn Contribution>>,
+}
+
+/// What can be controlled: an actuation of the body, or a contribution with slots of its own.
+#[derive(Debug, Clone, Copy)]
+pub struct Controllable<'a> {
+    /// Name of the actuation or contribution.
+    pub name: &'a str,
+    /// Its slots.
+    pub slots: &'a [Slot],
+    /// The cells it acts on; `None` where one number serves the whole contribution.
+    pub cells: Option<&'a [u32]>,
+    /// Size of what it acts on, where that is no set of cells.
+    pub measure: f64,
+}
+
+/// How many unknowns there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unknowns {
+    /// Displacement components per node.
+    pub dim: usize,
+    /// Nodes.
+    pub nodes: usize,
+    /// Scalar unknowns behind the nodal ones, which border the tangent; no contribution has any yet.
+    pub scalars: usize,
+}
+
+impl Unknowns {
+    /// All of them, supported ones included.
+    pub fn len(&self) -> usize {
+        self.dim * self.nodes + self.scalars
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Model {
+    /// A body without materials, supports or loads.
+    pub fn new(disc: Arc<Discretization>) -> Self {
+        let (supports, dead_load) = (Supports::new(disc.mesh()), DeadLoad(vec![0.0; disc.dofs()]));
+        Model { body: BodyEnergy::new(disc), supports, dead_load, others: Vec::new() }
+    }
+
+    /// Adds a contribution.
+    ///
+    /// # Errors
+    /// A name that is taken, couplings that do not fit the mesh.
+    pub fn add(&mut self, contribution: Arc<dyn Contribution>) -> Result<(), FemError> {
+        if self.controllable().iter().any(|known| known.name == contribution.name()) {
+            let name = contribution.name();
+            let what = format!("there are two actuations named \"{name}\"; rename one");
+            return Err(FemError::Meaningless { what });
+        }
+        let disc = self.discretization().with_couplings(&contribution.couplings())?;
+        self.body.set_discretization(disc);
+        self.others.push(contribution);
+        Ok(())
+    }
+
+    /// Contributions beside the body energy and the dead loads, in the order they were added.
+    pub fn contributions(&self) -> &[Arc<dyn Contribution>] {
+        &self.others
+    }
+
+    /// The discretisation.
+    pub fn discretization(&self) -> &Arc<Discretization> {
+        self.body.discretization()
+    }
+
+    /// The unknowns.
+    pub fn unknowns(&self) -> Unknowns {
+        let disc = self.discretization();
+        Unknowns { dim: disc.dim(), nodes: disc.mesh().points().len(), scalars: 0 }
+    }
+
+    /// Everything that can be controlled, in the order of the blocks of [`Controls`].
+    pub fn controllable(&self) -> Vec<Controllable<'_>> {
+        let of_body = self.body.actuations().iter().map(|a| Controllable {
+            name: &a.name,
+            slots: a.law.slots(),
+            cells: Some(&a.cells),
+            measure: 0.0,
+        });
+        let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| Controllable {
+            name: c.name(),
+            slots: c.slots(),
+            cells: None,
+            measure: c.measure(),
+        });
+        of_body.chain(own).collect()
+    }
+
+    /// Controls of this model, all zero.
+    pub fn controls(&self) -> Controls {
+        let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| (c.slots().len(), 1));
+        self.body.controls().chain(Controls::zeros(own))
+    }
+
+    /// Whether all contributions have symmetric tangents.
+    pub fn symmetry(&self) -> Symmetry {
+        self.others.iter().map(|c| c.symmetry()).max().unwrap_or(Symmetry::Symmetric)
+    }
+
+    /// Whether all contributions have a potential.
+    pub fn has_potential(&self) -> bool {
+        self.others.iter().all(|c| c.has_potential())
+    }
+
+    /// What solves its tangent systems unless told otherwise.
+    pub fn solver(&self) -> Solver {
+        match self.symmetry() {
+            Symmetry::Symmetric => self.discretization().solver(),
+            Symmetry::General => Solver::General,
+        }
+    }
+
+    /// A zero matrix for the tangent.
+    pub fn matrix(&self) -> SparseMatrix {
+        SparseMatrix::with_symmetry(self.discretization().pattern().clone(), self.symmetry())
+    }
+
+    /// A matrix of the pattern with nothing in it, where products stand for it.
+    pub(crate) fn matrix_without_values(&self) -> SparseMatrix {
+        SparseMatrix::without_values(self.discretization().pattern().clone())
+    }
+
+    /// Energy alone, or energy and residual force.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn evaluate(&self, at: &Instant, demand: Demand) -> Result<Sums, InvertedAt> {
+        let mut sums = Sums::zero(if demand.force { self.unknowns().len() } else { 0 });
+        self.each(at, |contribution, at| contribution.add_residual(at, demand, &mut sums))?;
+        Ok(sums)
+    }
+
+    /// Adds the tangent, supports not eliminated.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        self.each(at, |contribution, at| contribution.add_tangent(at, tangent))
+    }
+
+    /// `out = K v` without a matrix; false where a contribution needs one.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+        out.fill(0.0);
+        let mut complete = true;
+        self.each(at, |contribution, at| {
+            complete &= contribution.add_tangent_product(at, v, out)?;
+            Ok(())
+        })?;
+        Ok(complete)
+    }
+
+    /// The longest step `s <= 1` along du that every contribution bears.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0 at u itself.
+    pub fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+        let mut least: f64 = 1.0;
+        self.each(at, |contribution, at| {
+            least = least.min(contribution.max_step(at, du)?);
+            Ok(())
+        })?;
+        Ok(least)
+    }
+
+    /// [`max_step`](Self::max_step) of the contributions beside the body energy.
+    pub(crate) fn max_step_of_others(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+        let mut least: f64 = 1.0;
+        for contribution in &self.others {
+            least = least.min(contribution.max_step(at, du)?);
+        }
+        Ok(least)
+    }
+
+    /// `lambda . dr/dp` by controls, velocity and acceleration.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn vjp(&self, at: &Instant, lambda: &[f64]) -> Result<Sensitivities, InvertedAt> {
+        let mut sums = Sensitivities::zero(self.controls(), at);
+        self.each(at, |contribution, at| contribution.vjp(at, lambda, &mut sums))?;
+        Ok(sums)
+    }
+
+    /// Internal variables at the end of a time step.
+    pub(crate) fn commit(&self, at: &Instant) -> Vec<f64> {
+        let mut internal = Vec::new();
+        for contribution in &self.others {
+            contribution.commit(at, &mut internal);
+        }
+        internal
+    }
+
+    /// Calls with every contribution, in a fixed order, and where it is evaluated.
+    fn each(
+        &self,
+        at: &Instant,
+        mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), InvertedAt>,
+    ) -> Result<(), InvertedAt> {
+        call(&self.body, at)?;
+        call(&self.dead_load, at)?;
+        let mut block = self.body.actuations().len();
+        for contribution in &self.others {
+            call(contribution.as_ref(), &Instant { block, ..*at })?;
+            block += usize::from(!contribution.slots().is_empty());
+        }
+        Ok(())
+    }
+
+    /// Checks that the problem is complete: every cell has a material, no rigid motion is left free.
+    ///
+    /// # Errors
+    /// [`FemError::NoMaterial`], [`FemError::RigidMotion`].
+    pub fn check(&self) -> Result<(), FemError> {
+        self.body.check_complete()?;
+        self.supports.check(self.discretization().mesh())
+    }
+}

@@ -1,0 +1,157 @@
+//! [`TangentSystems`]: the linear systems of one nonlinear solve.
+
+use crate::model::Model;
+use crate::solution::nodal_rotations::nodal_rotations;
+use crate::solution::state::SolveReport;
+use nastic_linear::solver::{Accuracy, Configuration, Curvature, Shift, System};
+use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, SparseMatrix};
+use std::sync::{Arc, OnceLock};
+
+/// Of a solution that counts as exact: strains, and with them a gradient, are known to `1e-8`, with a margin of ten.
+pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
+
+/// Systems with the tangent of a model, by the solver of a workspace.
+pub(crate) struct TangentSystems<'a> {
+    model: &'a Model,
+    parallel: bool,
+    solver: &'a mut dyn LinearSolver,
+    shift: Shift,
+}
+
+impl<'a> TangentSystems<'a> {
+    pub fn new(model: &'a Model, parallel: bool, solver: &'a mut dyn LinearSolver) -> Self {
+        solver.restart();
+        TangentSystems { model, parallel, solver, shift: Shift::default() }
+    }
+
+    /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and what the
+    /// tangent turned out to be.
+    pub fn step(
+        &mut self,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        rhs: &[f64],
+        tolerance: f64,
+        report: &mut SolveReport,
+    ) -> Result<(Vec<f64>, Curvature), LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let system = configuration.system(matrix);
+        let mut work = LinearWork::default();
+        let step = self.solver.step(&system, rhs, tolerance, &mut work);
+        let step = match step {
+            Ok(step) => Ok((step.x, step.curvature)),
+            Err(LinearError::Indefinite) => {
+                self.shift.step(self.solver, &system, rhs, &mut work).map(|x| (x, Curvature::Negative))
+            }
+            Err(other) => Err(other),
+        };
+        report.add_linear(&work);
+        step
+    }
+
+    /// A downhill step where the tangent is not positive definite.
+    pub fn shifted_step(
+        &mut self,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        rhs: &[f64],
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let mut work = LinearWork::default();
+        let step = self.shift.step(self.solver, &configuration.system(matrix), rhs, &mut work);
+        report.add_linear(&work);
+        step
+    }
+
+    /// `K^T x = b` for several right-hand sides, with the tangent as it stands at u; it may be indefinite.
+    pub fn solve_transposed(
+        &mut self,
+        mut matrix: SparseMatrix,
+        u: &[f64],
+        rhs: &[&[f64]],
+        report: &mut SolveReport,
+    ) -> Result<Vec<Vec<f64>>, LinearError> {
+        eliminate(self.model, &mut matrix);
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let system = configuration.system(&matrix);
+        let mut work = LinearWork::default();
+        let solve = |b: &&[f64]| self.solver.solve_transposed(&system, b, EXACT, &mut work);
+        let solutions = rhs.iter().map(solve).collect();
+        report.add_linear(&work);
+        solutions
+    }
+
+    /// `K x = b` with the symmetric tangent at u as a product, zero on the supports, and what is kept as preconditioner, if
+    /// that is good enough for so many iterations; `None` where it is not.
+    pub fn solve_by_products(
+        &mut self,
+        product: &dyn Operator,
+        u: &[f64],
+        b: &[f64],
+        most: usize,
+        report: &mut SolveReport,
+    ) -> Option<Vec<f64>> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let empty = self.model.matrix_without_values();
+        let mut work = LinearWork::default();
+        let x = self.solver.solve_by_products(product, &configuration.system(&empty), b, EXACT, most, &mut work);
+        report.add_linear(&work);
+        x
+    }
+
+    /// Number of negative eigenvalues of a tangent.
+    pub fn negative_pivots(&mut self, mut matrix: SparseMatrix, u: &[f64]) -> Result<usize, LinearError> {
+        eliminate(self.model, &mut matrix);
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        Ok(self.solver.inertia(&configuration.system(&matrix))?.negative)
+    }
+}
+
+/// Rows and columns of supported unknowns become those of a multiple of the identity.
+pub(crate) fn eliminate(model: &Model, matrix: &mut SparseMatrix) {
+    let diagonal = matrix.diagonal().iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+    let diagonal = if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 1.0 };
+    matrix.eliminate(model.supports.fixed(), diagonal);
+}
+
+/// The displaced body, as linear solvers see it; what they may not need is made when they ask.
+struct Deformed<'a> {
+    model: &'a Model,
+    u: &'a [f64],
+    parallel: bool,
+    rotations: OnceLock<Arc<Rotations>>,
+    positions: OnceLock<Vec<[f64; 3]>>,
+}
+
+impl<'a> Deformed<'a> {
+    fn new(model: &'a Model, u: &'a [f64], parallel: bool) -> Self {
+        Deformed { model, u, parallel, rotations: OnceLock::new(), positions: OnceLock::new() }
+    }
+
+    fn system<'s>(&'s self, matrix: &'s SparseMatrix) -> System<'s> {
+        System { matrix, fixed: self.model.supports.fixed(), configuration: self, parallel: self.parallel }
+    }
+}
+
+impl Configuration for Deformed<'_> {
+    fn positions(&self) -> &[[f64; 3]] {
+        self.positions.get_or_init(|| {
+            let disc = self.model.discretization();
+            let mut points = disc.mesh().points().to_vec();
+            for (x, u) in points.iter_mut().zip(self.u.chunks_exact(disc.dim())) {
+                x.iter_mut().zip(u).for_each(|(x, u)| *x += u);
+            }
+            points
+        })
+    }
+
+    fn rotations(&self) -> &Arc<Rotations> {
+        let make = || Arc::new(nodal_rotations(self.model.discretization(), self.u, self.parallel));
+        self.rotations.get_or_init(make)
+    }
+
+    fn corners(&self) -> Option<&Corners> {
+        self.model.discretization().corners()
+    }
+}

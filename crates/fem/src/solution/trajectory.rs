@@ -1,0 +1,1 @@
+//! [`Trajectory`]: states one after the other.

@@ -1,0 +1,345 @@
+//! [`Direct`]: a sparse factor, kept as preconditioner while it serves.
+
+use super::factor_reuse::FactorReuse;
+use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Solver, Step, System};
+use crate::error::FactorError;
+use crate::factor::{Factor, Pivots, Precision};
+use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient, refine};
+use crate::matrix::SparseMatrix;
+use crate::operator::{OnThreads, Operator};
+use crate::rotations::CorotatedPreconditioner;
+use crate::symbolic::Symbolic;
+use std::sync::Arc;
+
+/// Relative residual with which a step is taken when the iterations that are worth it are used up: the work is done, and
+/// the next matrix gets a factor of its own.
+const ENOUGH: f64 = 0.1;
+/// Iterations after which a new factor in single precision is too coarse: where it is not, two or three are enough.
+const FRESH: usize = 12;
+/// Relative error of a solution that rounding alone may leave.
+const SETTLED: f64 = 1e-7;
+
+/// Multifrontal factors of positive definite matrices in single precision, as preconditioner of conjugate gradients on the
+/// exact matrix; in double precision where single is too coarse; `L D L^T` where the matrix is indefinite.
+#[derive(Clone, Debug)]
+pub struct Direct {
+    symbolic: Arc<Symbolic>,
+    factor: Option<Factor>,
+    reuse: FactorReuse,
+    /// In which the next factor is made: single, until that turns out too coarse for the matrices.
+    precision: Precision,
+}
+
+impl Direct {
+    /// For matrices of the pattern that was analysed.
+    pub fn new(symbolic: Arc<Symbolic>) -> Self {
+        Direct { symbolic, factor: None, reuse: FactorReuse::default(), precision: Precision::Single }
+    }
+
+    /// One that begins with a factor of a matrix near the expected ones.
+    pub fn with_factor(factor: Factor) -> Self {
+        let precision = factor.precision();
+        Direct { symbolic: factor.symbolic().clone(), factor: Some(factor), reuse: FactorReuse::default(), precision }
+    }
+
+    /// The kept factor, if it serves as a preconditioner.
+    fn kept(&self) -> Option<&Factor> {
+        self.factor.as_ref().filter(|f| f.pivots() == Pivots::Positive)
+    }
+
+    /// A new factor in single precision in the memory of the old one, and what conjugate gradients make of it.
+    fn approximate(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        test: StoppingTest,
+        work: &mut LinearWork,
+    ) -> Result<(Vec<f64>, CgReport), FactorError> {
+        work.factorisations += 1;
+        let mut fresh = match self.factor.take() {
+            Some(mut own) => own.approximate(system.matrix, system.parallel).map(|()| own)?,
+            None => self.symbolic.approximate(system.matrix, system.parallel)?,
+        };
+        fresh.set_rotations(system.configuration.rotations().clone());
+        let (x, cg) = precondition(&product(system), &fresh, system, b, test, FRESH);
+        work.back_substitutions += cg.iterations;
+        self.factor = Some(fresh);
+        Ok((x, cg))
+    }
+
+    /// A new factor in double precision in the memory of the old one.
+    fn refactorize(&mut self, system: &System, pivots: Pivots, work: &mut LinearWork) -> Result<(), FactorError> {
+        work.factorisations += 1;
+        let mut fresh = match self.factor.take() {
+            Some(mut own) => own.refactorize(system.matrix, pivots, system.parallel).map(|()| own)?,
+            None => self.symbolic.factorize(system.matrix, pivots, system.parallel)?,
+        };
+        fresh.set_rotations(system.configuration.rotations().clone());
+        self.factor = Some(fresh);
+        Ok(())
+    }
+
+    fn back_substitute(&self, b: &[f64], work: &mut LinearWork) -> Vec<f64> {
+        let mut x = b.to_vec();
+        if let Some(factor) = &self.factor {
+            factor.solve(&mut x, 1);
+            work.back_substitutions += 1;
+        }
+        x
+    }
+
+    /// With the kept factor: a step, or whether the matrix showed to be indefinite.
+    fn step_by_kept(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Kept {
+        let Some(kept) = self.kept().filter(|_| self.reuse.serves(&self.symbolic, tolerance)) else {
+            return Kept::Nothing { indefinite: false };
+        };
+        let most = FactorReuse::worth(&self.symbolic);
+        let (x, cg) = precondition(&product(system), kept, system, b, tolerance.into(), most);
+        work.back_substitutions += cg.iterations;
+        self.reuse.spent += cg.iterations;
+        if cg.converged() || (matches!(cg.end, CgEnd::Exhausted | CgEnd::Stagnated) && cg.residual <= ENOUGH) {
+            work.reused += 1;
+            return Kept::Step(Step { x, curvature: Curvature::Positive });
+        }
+        let indefinite = matches!(cg.end, CgEnd::NegativeCurvature { .. });
+        if indefinite && cg.iterations > 1 && !self.reuse.cut_short {
+            self.reuse.cut_short = true;
+            return Kept::Step(Step { x, curvature: Curvature::CutShort });
+        }
+        Kept::Nothing { indefinite }
+    }
+
+    /// With a new factor in single precision, where that is enough.
+    fn step_by_single(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        tolerance: f64,
+        work: &mut LinearWork,
+    ) -> Result<Kept, LinearError> {
+        if self.precision != Precision::Single {
+            return Ok(Kept::Nothing { indefinite: false });
+        }
+        let indefinite = match self.approximate(system, b, tolerance.into(), work) {
+            Ok((x, cg)) if cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= ENOUGH) => {
+                return Ok(Kept::Step(Step { x, curvature: Curvature::Positive }));
+            }
+            Ok((_, cg)) => matches!(cg.end, CgEnd::NegativeCurvature { .. }),
+            Err(FactorError::NotPositive { .. }) => true,
+            Err(other) => return Err(other.into()),
+        };
+        if !indefinite {
+            self.precision = Precision::Double;
+        }
+        Ok(Kept::Nothing { indefinite })
+    }
+}
+
+/// What a factor made of a step.
+enum Kept {
+    Step(Step),
+    Nothing { indefinite: bool },
+}
+
+impl LinearSolver for Direct {
+    fn restart(&mut self) {
+        self.reuse = FactorReuse::default();
+        self.precision = self.factor.as_ref().map_or(Precision::Single, Factor::precision);
+    }
+
+    fn clear(&mut self) {
+        self.factor = None;
+    }
+
+    fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
+        symmetric(system)?;
+        work.solver = Solver::Direct;
+        if self.precision == Precision::Single {
+            work.factorisations += 1;
+            let mut fresh = match self.factor.take() {
+                Some(mut own) => own.approximate(system.matrix, system.parallel).map(|()| own),
+                None => self.symbolic.approximate(system.matrix, system.parallel),
+            };
+            match &mut fresh {
+                Ok(factor) => factor.set_rotations(system.configuration.rotations().clone()),
+                Err(FactorError::NotPositive { .. }) => {}
+                Err(other) => return Err(other.clone().into()),
+            }
+            self.factor = fresh.ok();
+            if self.factor.is_some() {
+                return Ok(());
+            }
+        }
+        match self.refactorize(system, Pivots::Positive, work) {
+            Err(FactorError::NotPositive { .. }) => self.refactorize(system, Pivots::AnySign, work)?,
+            done => done?,
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
+        symmetric(system)?;
+        work.solver = Solver::Direct;
+        let mut indefinite = match self.step_by_kept(system, b, tolerance, work) {
+            Kept::Step(step) => return Ok(step),
+            Kept::Nothing { indefinite } => indefinite,
+        };
+        self.reuse.spent = 0;
+        if !indefinite {
+            indefinite = match self.step_by_single(system, b, tolerance, work)? {
+                Kept::Step(step) => return Ok(step),
+                Kept::Nothing { indefinite } => indefinite,
+            };
+        }
+        if !indefinite {
+            match self.refactorize(system, Pivots::Positive, work) {
+                Ok(()) => return Ok(Step { x: self.back_substitute(b, work), curvature: Curvature::Positive }),
+                Err(FactorError::NotPositive { .. }) => (),
+                Err(other) => return Err(other.into()),
+            }
+        }
+        self.refactorize(system, Pivots::AnySign, work)?;
+        let x = self.back_substitute(b, work);
+        // Of no use as a preconditioner.
+        let definite = self.factor.take().is_some_and(|f| f.negative_pivots() == 0);
+        if definite {
+            self.precision = Precision::Double;
+        }
+        Ok(Step { x, curvature: if definite { Curvature::Positive } else { Curvature::Negative } })
+    }
+
+    fn solve(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        symmetric(system)?;
+        work.solver = Solver::Direct;
+        let test = StoppingTest::Error(accuracy.error);
+        if let Some(kept) = self.kept() {
+            let most = FactorReuse::worth(&self.symbolic);
+            let (x, cg) = precondition(&product(system), kept, system, b, test, most);
+            work.back_substitutions += cg.iterations;
+            if exact(&cg, accuracy.residual) {
+                return Ok(x);
+            }
+        }
+        if self.precision == Precision::Single
+            && let Ok((x, cg)) = self.approximate(system, b, test, work)
+            && exact(&cg, accuracy.residual)
+        {
+            return Ok(x);
+        }
+        match self.refactorize(system, Pivots::Positive, work) {
+            Err(FactorError::NotPositive { .. }) => self.refactorize(system, Pivots::AnySign, work)?,
+            done => done?,
+        }
+        let mut x = self.back_substitute(b, work);
+        let Some(fresh) = &self.factor else { return Err(LinearError::Indefinite) };
+        let multiply = |v: &[f64], out: &mut [f64]| system.matrix.multiply(v, out);
+        let refined = refine(&multiply, fresh, b, &mut x, accuracy.residual, 10);
+        work.back_substitutions += refined.iterations;
+        // Refinement stalls where double precision ends: in thin bodies at residuals far above the tolerance, because large
+        // terms cancel in A x. A solution that one more correction leaves alone is still an answer, another is not.
+        if refined.converged() || refined.residual <= 1e3 * accuracy.residual || settled(system.matrix, fresh, b, &x) {
+            return Ok(x);
+        }
+        Err(LinearError::Singular { residual: refined.residual, wanted: accuracy.residual })
+    }
+
+    fn solve_by_products(
+        &mut self,
+        product: &dyn Operator,
+        at: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        most: usize,
+        work: &mut LinearWork,
+    ) -> Option<Vec<f64>> {
+        let kept = self.kept()?;
+        let (x, cg) = precondition(product, kept, at, b, StoppingTest::Error(accuracy.error), most);
+        work.back_substitutions += cg.iterations;
+        cg.converged().then_some(x)
+    }
+
+    fn solve_definite(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        match self.refactorize(system, Pivots::Positive, work) {
+            Ok(()) => {
+                let x = self.back_substitute(b, work);
+                self.factor = None;
+                Ok(Some(x))
+            }
+            Err(FactorError::NotPositive { .. }) => Ok(None),
+            Err(other) => Err(other.into()),
+        }
+    }
+
+    fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError> {
+        symmetric(system)?;
+        let negative = match self.symbolic.factorize(system.matrix, Pivots::Positive, system.parallel) {
+            Err(FactorError::NotPositive { .. }) => {
+                self.symbolic.factorize(system.matrix, Pivots::AnySign, system.parallel)?.negative_pivots()
+            }
+            done => done.map(|_| 0)?,
+        };
+        Ok(Inertia { negative })
+    }
+
+    fn bytes(&self) -> usize {
+        self.factor.as_ref().map_or(0, Factor::bytes)
+    }
+
+    fn factor(&self) -> Option<&Factor> {
+        self.factor.as_ref()
+    }
+
+    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
+        Box::new(self.clone())
+    }
+}
+
+fn product<'a>(system: &System<'a>) -> OnThreads<'a> {
+    OnThreads { matrix: system.matrix, parallel: system.parallel }
+}
+
+fn symmetric(system: &System) -> Result<(), LinearError> {
+    if system.matrix.is_symmetric() { Ok(()) } else { Err(LinearError::NotSymmetric) }
+}
+
+/// As far as conjugate gradients with a factor get in so many iterations.
+fn precondition(
+    product: &dyn Operator,
+    factor: &Factor,
+    at: &System,
+    b: &[f64],
+    test: StoppingTest,
+    most: usize,
+) -> (Vec<f64>, CgReport) {
+    let mut x = vec![0.0; b.len()];
+    let corotated = CorotatedPreconditioner::new(factor, at.configuration.rotations(), at.fixed);
+    let report = conjugate_gradient(&|v, out| product.apply(v, out), &corotated, b, &mut x, test, most);
+    (x, report)
+}
+
+/// Whether the tolerance is met, or double precision allows no more not far from it.
+fn exact(cg: &CgReport, tolerance: f64) -> bool {
+    cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= 1e2 * tolerance)
+}
+
+/// Whether the factor's correction of x is below [`SETTLED`] of it: an estimate of the error, not of the residual.
+fn settled(matrix: &SparseMatrix, factor: &Factor, b: &[f64], x: &[f64]) -> bool {
+    let mut correction = vec![0.0; b.len()];
+    matrix.multiply(x, &mut correction);
+    correction.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+    factor.solve(&mut correction, 1);
+    let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
+    let (correction, x) = (size(&correction), size(x));
+    x.is_finite() && correction <= SETTLED * SETTLED * x
+}

@@ -1,0 +1,71 @@
+//! [`LinearError`]: why a system has no solution.
+
+use crate::error::FactorError;
+
+/// A linear system could not be solved.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LinearError {
+    /// The matrix cannot be factorised.
+    #[error(transparent)]
+    Factor(#[from] FactorError),
+    /// The residual stays above what was asked.
+    #[error(
+        "relative residual {residual:.1e} where {wanted:.1e} is wanted: the tangent is numerically singular \
+         (a bifurcation, or a body held too loosely)"
+    )]
+    Singular {
+        /// Relative residual reached.
+        residual: f64,
+        /// Relative residual asked.
+        wanted: f64,
+    },
+    /// Multigrid does not converge.
+    #[error(
+        "multigrid reached a relative residual of {residual:.1e} in {cycles} cycles where {wanted:.1e} is wanted; \
+         the material may be too nearly incompressible for it"
+    )]
+    Multigrid {
+        /// Relative residual reached.
+        residual: f64,
+        /// Cycles taken.
+        cycles: usize,
+        /// Relative residual asked.
+        wanted: f64,
+    },
+    /// GMRES does not converge.
+    #[error(
+        "GMRES reached a relative residual of {residual:.1e} in {iterations} iterations where {wanted:.1e} is wanted; the \
+         non-symmetric part is too large beside the symmetric one, or the matrix is singular"
+    )]
+    Gmres {
+        /// Relative residual reached.
+        residual: f64,
+        /// Iterations taken.
+        iterations: usize,
+        /// Relative residual asked.
+        wanted: f64,
+    },
+    /// The solver takes positive definite matrices alone.
+    #[error("the tangent is not positive definite")]
+    Indefinite,
+    /// No shift of the diagonal makes the matrix positive definite.
+    #[error("the tangent stays indefinite under any shift")]
+    Shift,
+    /// The solver takes symmetric matrices alone.
+    #[error("the matrix is not symmetric; use the general solver")]
+    NotSymmetric,
+    /// The border makes the system singular.
+    #[error("the bordered system is singular: its Schur complement of {scalars} scalar unknowns has no inverse")]
+    Border {
+        /// Number of scalar unknowns.
+        scalars: usize,
+    },
+    /// A solver failed and a factor would be too large to fall back on.
+    #[error("{source}, and a factor of the tangent takes {gib:.0} GiB; try a coarser mesh")]
+    TooLarge {
+        /// Why the solver failed.
+        source: Box<LinearError>,
+        /// Memory of a factor.
+        gib: f64,
+    },
+}

@@ -1,0 +1,118 @@
+//! [`MultigridOrDirect`]: multigrid while it converges, then a factor if that fits.
+
+use super::choice::fits;
+use super::{Accuracy, Direct, Inertia, LinearError, LinearSolver, LinearWork, MultigridSolver, Step, System};
+use crate::factor::Factor;
+use crate::symbolic::Symbolic;
+use std::sync::Arc;
+
+/// Multigrid, until it fails or meets an indefinite matrix of which an exact solution is asked; from then on [`Direct`],
+/// since whatever made multigrid fail stays true nearby. [`LinearWork::solver`] tells which of the two served.
+#[derive(Clone, Debug)]
+pub struct MultigridOrDirect {
+    symbolic: Arc<Symbolic>,
+    multigrid: Option<MultigridSolver>,
+    direct: Direct,
+}
+
+impl MultigridOrDirect {
+    /// For matrices of the pattern that was analysed.
+    pub fn new(symbolic: Arc<Symbolic>) -> Self {
+        let direct = Direct::new(symbolic.clone());
+        MultigridOrDirect { symbolic, multigrid: Some(MultigridSolver::default()), direct }
+    }
+
+    /// From multigrid to a factor, unless that is too large.
+    fn fall_back(&mut self, why: LinearError) -> Result<(), LinearError> {
+        if !fits(&self.symbolic) {
+            let gib = self.symbolic.factor_bytes() as f64 / f64::from(1 << 30);
+            return Err(LinearError::TooLarge { source: Box::new(why), gib });
+        }
+        self.multigrid = None;
+        Ok(())
+    }
+}
+
+impl LinearSolver for MultigridOrDirect {
+    fn restart(&mut self) {
+        self.direct.restart();
+    }
+
+    /// What it fell back on stays.
+    fn clear(&mut self) {
+        if let Some(multigrid) = &mut self.multigrid {
+            multigrid.clear();
+        }
+        self.direct.clear();
+    }
+
+    fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
+        if let Some(multigrid) = &mut self.multigrid {
+            match multigrid.prepare(system, work) {
+                Ok(()) => return Ok(()),
+                Err(why) => self.fall_back(why)?,
+            }
+        }
+        self.direct.prepare(system, work)
+    }
+
+    fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
+        if let Some(multigrid) = &mut self.multigrid {
+            match multigrid.step(system, b, tolerance, work) {
+                Err(why @ LinearError::Multigrid { .. }) => self.fall_back(why)?,
+                done => return done,
+            }
+        }
+        self.direct.step(system, b, tolerance, work)
+    }
+
+    fn solve(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        if let Some(multigrid) = &mut self.multigrid {
+            match multigrid.solve(system, b, accuracy, work) {
+                Err(why @ (LinearError::Multigrid { .. } | LinearError::Indefinite)) => self.fall_back(why)?,
+                done => return done,
+            }
+        }
+        self.direct.solve(system, b, accuracy, work)
+    }
+
+    fn solve_definite(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        if let Some(multigrid) = &mut self.multigrid {
+            match multigrid.solve_definite(system, b, work) {
+                Err(why @ LinearError::Multigrid { .. }) => self.fall_back(why)?,
+                done => return done,
+            }
+        }
+        self.direct.solve_definite(system, b, work)
+    }
+
+    fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError> {
+        match self.multigrid.as_mut().map(|multigrid| multigrid.inertia(system)) {
+            Some(Ok(inertia)) => Ok(inertia),
+            _ => self.direct.inertia(system),
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.direct.bytes()
+    }
+
+    fn factor(&self) -> Option<&Factor> {
+        self.direct.factor()
+    }
+
+    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,210 @@
+//! [`LinearSolver`]: tangent systems, whatever solves them.
+
+mod bordered;
+mod choice;
+mod direct;
+mod error;
+mod factor_reuse;
+mod fallback;
+mod general;
+mod multigrid;
+mod shift;
+
+pub use bordered::{Border, solve_bordered};
+pub use choice::Solver;
+pub use direct::Direct;
+pub use error::LinearError;
+pub use fallback::MultigridOrDirect;
+pub use general::General;
+pub use multigrid::MultigridSolver;
+pub use shift::Shift;
+
+use super::matrix::SparseMatrix;
+use super::multigrid::Corners;
+use super::operator::Operator;
+use super::rotations::Rotations;
+use super::symbolic::Symbolic;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// Where a matrix was taken: what preconditioners need besides its entries.
+pub trait Configuration: Sync {
+    /// Current positions of the nodes (z = 0 in two dimensions).
+    fn positions(&self) -> &[[f64; 3]];
+
+    /// Rotation of the body at every node.
+    fn rotations(&self) -> &Arc<Rotations>;
+
+    /// The corner nodes of second-order elements.
+    fn corners(&self) -> Option<&Corners>;
+}
+
+/// A matrix whose supported rows and columns are eliminated, with where it was taken.
+#[derive(Clone, Copy)]
+pub struct System<'a> {
+    /// The matrix.
+    pub matrix: &'a SparseMatrix,
+    /// By unknown: whether its row and column were eliminated.
+    pub fixed: &'a [bool],
+    /// Where the matrix was taken.
+    pub configuration: &'a dyn Configuration,
+    /// Whether to use all threads; the bits are the same.
+    pub parallel: bool,
+}
+
+/// How exact a solution has to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// `|x - A^-1 b|_A <= error |A^-1 b|_A`, `|v|_A^2 = v . A v`: where conjugate gradients with a factor estimate it.
+    pub error: f64,
+    /// `|b - A x| <= residual |b|`, Euclidean: everywhere else.
+    pub residual: f64,
+}
+
+/// What the matrix turned out to be on the way to a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curvature {
+    /// Positive in every direction that was met: the step is Newton's, downhill.
+    Positive,
+    /// Negative in some direction; the step is the part of Newton's found before that, downhill. Dembo, Steihaug,
+    /// "Truncated-Newton algorithms for large-scale unconstrained optimization", Math. Programming 26 (1983).
+    CutShort,
+    /// Negative in some direction; the step is Newton's and may lead to a saddle, uphill.
+    Negative,
+}
+
+/// A Newton step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// The step.
+    pub x: Vec<f64>,
+    /// What the matrix turned out to be.
+    pub curvature: Curvature,
+}
+
+/// Number of eigenvalues of either sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inertia {
+    /// Negative eigenvalues: 0 of a positive definite matrix.
+    pub negative: usize,
+}
+
+/// What was done, in counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinearWork {
+    /// What solved the last system.
+    pub solver: Solver,
+    /// Numeric factorisations.
+    pub factorisations: usize,
+    /// Steps found with a factor or a multigrid hierarchy kept from earlier.
+    pub reused: usize,
+    /// Back substitutions, each iteration with a factor as preconditioner counting one.
+    pub back_substitutions: usize,
+    /// Multigrid hierarchies built.
+    pub hierarchies: usize,
+    /// Multigrid cycles.
+    pub cycles: usize,
+    /// Shifts of an indefinite matrix.
+    pub shifted: usize,
+}
+
+/// Solves the systems of nonlinear solves that follow each other on one mesh, and keeps what serves the next one.
+///
+/// Matrices change from call to call, their pattern does not. Results depend on what was kept within the accuracy asked;
+/// the same calls in the same order give the same bits.
+pub trait LinearSolver: Debug + Send + Sync {
+    /// Begins another nonlinear solve: counts that decide about new factors start again, what is kept stays.
+    fn restart(&mut self);
+
+    /// Drops what is kept.
+    fn clear(&mut self);
+
+    /// Makes ready for several solutions with this matrix: factorises unless it was.
+    ///
+    /// # Errors
+    /// A matrix that cannot be factorised.
+    fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError>;
+
+    /// A Newton step `A x = b` to a relative residual of about `tolerance`; it may end early where the curvature turns
+    /// negative, which the answer tells.
+    ///
+    /// # Errors
+    /// [`LinearError::Indefinite`] where the solver finds no step in a matrix that is not positive definite.
+    fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError>;
+
+    /// `A x = b`; A may be indefinite.
+    ///
+    /// # Errors
+    /// A matrix that is singular to working precision, or that this solver does not take.
+    fn solve(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError>;
+
+    /// `A^T x = b`.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    fn solve_transposed(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        self.solve(system, b, accuracy, work)
+    }
+
+    /// `A x = b` with A as a product alone, where what is kept is good enough for `most` iterations; `None` where it is not.
+    fn solve_by_products(
+        &mut self,
+        _product: &dyn Operator,
+        _at: &System,
+        _b: &[f64],
+        _accuracy: Accuracy,
+        _most: usize,
+        _work: &mut LinearWork,
+    ) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// `A x = b` if A is positive definite, else `None`; for a matrix that does not come again, of which nothing is kept.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    fn solve_definite(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError>;
+
+    /// Counts negative eigenvalues.
+    ///
+    /// # Errors
+    /// A matrix that is singular to working precision, or not symmetric.
+    fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError>;
+
+    /// Memory of what is kept, in bytes.
+    fn bytes(&self) -> usize;
+
+    /// The factor that is kept, if this solver keeps one.
+    fn factor(&self) -> Option<&super::factor::Factor> {
+        None
+    }
+
+    /// A copy with what is kept.
+    fn boxed_clone(&self) -> Box<dyn LinearSolver>;
+}
+
+/// The solver of a name for matrices of a pattern; multigrid falls back on a factor where it fails and a factor fits.
+pub fn solver(kind: Solver, symbolic: &Arc<Symbolic>) -> Box<dyn LinearSolver> {
+    match kind {
+        Solver::Direct => Box::new(Direct::new(symbolic.clone())),
+        Solver::Multigrid => Box::new(MultigridOrDirect::new(symbolic.clone())),
+        Solver::General => Box::new(General::new(symbolic.clone())),
+    }
+}
