@@ -3,6 +3,7 @@
 use crate::solid::Solid;
 use crate::solution::state::SolveReport;
 use nastic_linear::{CgEnd, CgReport, FactorError, Geometry, Multigrid, SymmetricMatrix, conjugate_gradient};
+use nastic_numeric::vector::norm;
 
 /// Residual wanted of a Newton step: the step is corrected by the next one anyway.
 const STEP_TOLERANCE: f64 = 1e-4;
@@ -151,8 +152,4 @@ fn arrived(matrix: &SymmetricMatrix, b: &[f64], x: &[f64], cg: &CgReport) -> boo
 /// What conjugate gradients found before they met negative curvature, if they took a step.
 fn moved(x: Vec<f64>) -> Option<Vec<f64>> {
     x.iter().any(|&x| x != 0.0).then_some(x)
-}
-
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }

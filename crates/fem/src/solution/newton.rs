@@ -9,6 +9,7 @@ use crate::solution::rotation_corrected_step::{Fit, Reach};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent::{Curvature, Tangents};
 use nastic_linear::{Factor, SymmetricMatrix};
+use nastic_numeric::vector::{max_abs, norm};
 
 /// One equilibrium to be found: controls and load are held, the displacement is not.
 pub(crate) struct Newton<'a> {
@@ -104,7 +105,7 @@ impl Newton<'_> {
                 step = tangents.solve_shifted(matrix.clone(), &rhs, factor, report).map_err(Stop::Linear)?;
                 self.downhill(&here, &step, &mut fit)?
             };
-            let tiny = curvature == Curvature::Positive && largest(&step) <= RESOLUTION * self.solid.mesh().diagonal();
+            let tiny = curvature == Curvature::Positive && max_abs(&step) <= RESOLUTION * self.solid.mesh().diagonal();
             (u, now) = next;
             self.tell(length, &now, &u, report);
             if tiny && length == 1.0 {
@@ -294,12 +295,4 @@ fn forcing(relative: f64, accuracy: f64) -> f64 {
 
 fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {
     u.iter().zip(step).map(|(u, s)| u + length * s).collect()
-}
-
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|v| v * v).sum::<f64>().sqrt()
-}
-
-fn largest(v: &[f64]) -> f64 {
-    v.iter().fold(0.0, |m, v| m.max(v.abs()))
 }
