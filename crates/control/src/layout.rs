@@ -2,7 +2,9 @@
 
 use crate::error::ControlError;
 use crate::map::{ControlMap, Space};
+use nastic_energy::SlotGroup;
 use nastic_fem::{Controls, Solid};
+use nastic_numeric::vector::norm;
 
 /// One control field: some slots of one actuation, with a space.
 #[derive(Debug, Clone)]
@@ -144,7 +146,7 @@ impl Layout {
         space: Space,
         direction: [f64; 3],
     ) -> Result<&ControlBlock, ControlError> {
-        let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+        let length = norm(&direction);
         if !(length.is_finite() && length > 0.0) {
             return Err(ControlError::Direction { name: of.to_owned(), why: "its length is not a positive number" });
         }
@@ -158,8 +160,9 @@ impl Layout {
         space: Space,
         direction: Option<[f64; 3]>,
     ) -> Result<&ControlBlock, ControlError> {
-        let (actuation, slot, slots, unit) = resolve(solid, of)?;
-        if direction.is_some() && slots != 3 {
+        let (actuation, group) = resolve(solid, of)?;
+        let (slot, slots, unit) = (group.first, group.len, group.unit);
+        if direction.is_some() && !group.is_vector() {
             return Err(ControlError::Direction { name: of.to_owned(), why: "the control is no vector of space" });
         }
         let overlaps =
@@ -265,42 +268,26 @@ impl Layout {
     }
 }
 
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|v| v * v).sum::<f64>().sqrt()
-}
-
-/// Actuation, first slot, number of components and unit of a control's name.
-fn resolve(solid: &Solid, of: &str) -> Result<(usize, usize, usize, &'static str), ControlError> {
+/// Actuation and slots of a control's name.
+fn resolve(solid: &Solid, of: &str) -> Result<(usize, SlotGroup), ControlError> {
     let all = groups(solid);
     let found = all.iter().find(|(name, ..)| name == of);
-    found.map(|&(_, actuation, slot, components, unit)| (actuation, slot, components, unit)).ok_or_else(|| {
+    found.map(|&(_, actuation, group)| (actuation, group)).ok_or_else(|| {
         let known = all.iter().map(|(name, ..)| name.as_str()).collect::<Vec<_>>().join(", ");
         ControlError::UnknownControl { name: of.to_owned(), known }
     })
 }
 
-/// Name, actuation, first slot, number of components and unit of all that can be controlled.
-fn groups(solid: &Solid) -> Vec<(String, usize, usize, usize, &'static str)> {
+/// Name, actuation and slots of all that can be controlled.
+fn groups(solid: &Solid) -> Vec<(String, usize, SlotGroup)> {
     let mut all = Vec::new();
     for (k, attached) in solid.body().actuations().iter().enumerate() {
-        let groups = slot_groups(attached.law.slots());
-        for &(name, first, count, unit) in &groups {
-            let full = if groups.len() == 1 { attached.name.clone() } else { format!("{}.{name}", attached.name) };
-            all.push((full, k, first, count, unit));
+        let groups = SlotGroup::of(attached.law.slots());
+        for group in &groups {
+            let several = groups.len() > 1;
+            let name = if several { format!("{}.{}", attached.name, group.name) } else { attached.name.clone() };
+            all.push((name, k, *group));
         }
     }
     all
-}
-
-/// Slots named `NAME.x`, `NAME.y`, `NAME.z` in a row form one vector group; others stand alone.
-fn slot_groups(slots: &[nastic_energy::Slot]) -> Vec<(&'static str, usize, usize, &'static str)> {
-    let mut groups: Vec<(&'static str, usize, usize, &'static str)> = Vec::new();
-    for (s, slot) in slots.iter().enumerate() {
-        let stem = slot.name.split_once('.').map_or(slot.name, |(stem, _)| stem);
-        match groups.last_mut() {
-            Some(last) if last.0 == stem => last.2 += 1,
-            _ => groups.push((stem, s, 1, slot.unit)),
-        }
-    }
-    groups
 }

@@ -28,3 +28,4 @@ pub use layout::{ControlBlock, Layout};
 pub use map::{ControlMap, Space};
 pub use nastic_hausdorff::Phi;
 pub use reduced::{Evaluated, Reduced};
+pub use snapshot::View;

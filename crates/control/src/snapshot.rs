@@ -4,133 +4,177 @@ use crate::error::ControlError;
 use crate::layout::ControlBlock;
 use crate::map::Space;
 use crate::reduced::{Evaluated, Reduced};
-use nastic_fem::{CellFields, Controls};
-use nastic_mesh::{Mesh, Snapshot};
+use nastic_energy::SlotGroup;
+use nastic_fem::State;
+use nastic_mesh::{Mesh, MeshError, Snapshot};
 use nastic_opt::Problem;
 
+/// A state, and what is known of it.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// The equilibrium.
+    pub state: &'a State,
+    /// The control vector.
+    pub m: &'a [f64],
+    /// Adjoint displacement, flat.
+    pub adjoint: Option<&'a [f64]>,
+    /// Gradient of the cost: the Riesz image of its derivative.
+    pub gradient: Option<&'a [f64]>,
+    /// Names of the arrays of the control fields, in their order; their own names where there are none.
+    pub names: &'a [&'a str],
+}
+
+impl<'a> View<'a> {
+    /// A state and its control vector.
+    pub fn new(state: &'a State, m: &'a [f64]) -> Self {
+        View { state, m, adjoint: None, gradient: None, names: &[] }
+    }
+}
+
 impl Reduced {
-    /// The state with everything worth looking at, for VTU files and pictures.
-    ///
-    /// Point data: `displacement`, `adjoint` (once the derivative was asked for), nodal controls under their names and
-    /// `gradient_NAME` (where a derivative is given; the Riesz image in the problem's product). Cell data, averages over
-    /// the reference volume: every control and gradient, `J`, `P` and `cauchy_stress` (row by row), `energy` (stored by the
-    /// passive material), `fiber`, `direction_NAME` of each actuation that has one, `region` (index of the first region
-    /// in alphabetical order, -1 for none), `B_r` and `B_a` where there are magnets. Components are always three for
-    /// vectors and nine for tensors.
+    /// The state with everything worth looking at: [`view`](Self::view) of an evaluated control, with the gradient where a
+    /// derivative is given (the Riesz image in the problem's product).
     ///
     /// # Errors
-    /// A derivative of the wrong length, a body turned inside out.
+    /// Vectors of the wrong length.
     pub fn snapshot(&self, point: &Evaluated, derivative: Option<&[f64]>) -> Result<Snapshot, ControlError> {
+        let gradient = match derivative {
+            Some(derivative) => {
+                self.layout().check(derivative)?;
+                Some(self.inner_product().riesz(derivative))
+            }
+            None => None,
+        };
+        let view =
+            View { adjoint: point.adjoint(), gradient: gradient.as_deref(), ..View::new(&point.state, &point.m) };
+        self.view(&view)
+    }
+
+    /// A state as arrays, for VTU files and pictures.
+    ///
+    /// Point data: `displacement`, `adjoint`, nodal controls and `gradient_NAME`. Cell data: the other controls and
+    /// gradients, one value per cell; averages over the reference volume of every scalar slot that nobody controls (under
+    /// the actuation's name), of `B_r` and `B_a` (the sums over all magnets), `J`, `P` and `cauchy_stress` (row by row),
+    /// `energy` (stored by the passive material), `fiber` and `direction_NAME` of each actuation that has one. Vectors
+    /// always have three components, tensors nine. What follows from `J` and `F` is left out where a cell is inverted.
+    /// Writers of VTU files add `region`.
+    ///
+    /// # Errors
+    /// Vectors of the wrong length.
+    pub fn view(&self, view: &View<'_>) -> Result<Snapshot, ControlError> {
+        self.layout().check(view.m)?;
+        view.gradient.map_or(Ok(()), |gradient| self.layout().check(gradient))?;
         let mesh = self.solid().mesh();
-        let spatial = |u: &[f64]| vectors(u, mesh.dim());
-        let mut shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, spatial(&point.state.u))?;
-        if let Some(lambda) = point.adjoint() {
-            shot = shot.with_points("adjoint", 3, spatial(lambda))?;
+        let mut shot =
+            Snapshot::new(mesh.clone()).with_points("displacement", 3, vectors(&view.state.u, mesh.dim()))?;
+        if let Some(adjoint) = view.adjoint {
+            shot = shot.with_points("adjoint", 3, vectors(adjoint, mesh.dim()))?;
         }
-        shot = self.add_field(shot, "", &point.m)?;
-        if let Some(derivative) = derivative {
-            self.layout().check(derivative)?;
-            shot = self.add_field(shot, "gradient_", &self.inner_product().riesz(derivative))?;
+        for (k, block) in self.layout().blocks().iter().enumerate() {
+            let name = view.names.get(k).copied().unwrap_or(&block.name);
+            shot = self.with_field(shot, block, name, view.m)?;
+            if let Some(gradient) = view.gradient {
+                shot = self.with_field(shot, block, &format!("gradient_{name}"), gradient)?;
+            }
         }
-        shot = self.add_magnets(shot, &point.state.controls)?;
-        add_cell_fields(shot, self.solid().cell_fields(&point.state)?)?
-            .with_cells("region", 1, region_numbers(mesh))
-            .map_err(Into::into)
+        shot = self.with_actuations(shot, view.state)?;
+        Ok(self.with_state(shot, view.state)?)
     }
 
-    /// Adds a field of the control space, block by block, cell-wise and for nodal spaces nodal too.
-    fn add_field(&self, mut shot: Snapshot, prefix: &str, m: &[f64]) -> Result<Snapshot, ControlError> {
-        let disc = self.solid().discretization();
-        let width = |block: &ControlBlock| if block.components == 2 { 3 } else { block.components };
-        for block in self.layout().blocks() {
-            let name = format!("{prefix}{}", block.name);
-            let (components, wide) = (block.components, width(block));
-            let mut at_points = vec![0.0; wide * block.map.points()];
-            for c in 0..components {
-                block.map.to_points(block.of(m), components, c, wide, c, &mut at_points);
+    /// A field of the control space, by node or by cell.
+    fn with_field(&self, shot: Snapshot, block: &ControlBlock, name: &str, m: &[f64]) -> Result<Snapshot, MeshError> {
+        let (n, values) = (block.components, block.of(m));
+        match block.map.space() {
+            Space::Node => {
+                let cells = &self.solid().body().actuations()[block.actuation].cells;
+                shot.with_points(name, n, by_node(self.solid().mesh(), cells, block, values))
             }
-            if prefix.is_empty() {
-                at_points.chunks_exact_mut(wide).for_each(|v| block.scale(&mut v[..components]));
+            _ => shot.with_cells(name, n, self.by_cell(block, values)),
+        }
+    }
+
+    /// A field that is constant in each cell; zero where it does not act.
+    fn by_cell(&self, block: &ControlBlock, values: &[f64]) -> Vec<f64> {
+        let n = block.components;
+        let mut out = vec![0.0; self.solid().mesh().cells() * n];
+        for (cell, (first, _)) in self.solid().discretization().points_of_cells().into_iter().enumerate() {
+            if let Some((unknown, _)) = block.map.at_point(first).next() {
+                out[cell * n..][..n].copy_from_slice(&values[unknown * n..][..n]);
             }
-            shot = shot.with_cells(&name, wide, disc.cell_average(&at_points, wide))?;
-            if block.map.space() == Space::Node {
-                shot = shot.with_points(&name, wide, at_nodes(disc.mesh(), block, block.of(m), wide))?;
+        }
+        out
+    }
+
+    /// Scalar slots nobody controls, and remanence and applied field of all magnets together: the means of each cell.
+    fn with_actuations(&self, mut shot: Snapshot, state: &State) -> Result<Snapshot, MeshError> {
+        let (disc, cells) = (self.solid().discretization(), self.solid().mesh().cells());
+        let mut sums = [("B_r", "remanence", None::<Vec<f64>>), ("B_a", "field", None)];
+        for (k, attached) in self.solid().body().actuations().iter().enumerate() {
+            let slots = attached.law.slots();
+            let means = disc.cell_average(state.controls.values(k), slots.len());
+            if slots.len() == 1 && self.layout().blocks().iter().all(|block| block.actuation != k) {
+                shot = shot.with_cells(&attached.name, 1, means.clone())?;
+            }
+            for group in SlotGroup::of(slots).into_iter().filter(SlotGroup::is_vector) {
+                for (_, _, sum) in sums.iter_mut().filter(|(_, name, _)| *name == group.name) {
+                    let own = means.chunks_exact(slots.len()).flat_map(|at| &at[group.first..group.first + 3]);
+                    let sum = sum.get_or_insert_with(|| vec![0.0; 3 * cells]);
+                    sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+                }
+            }
+        }
+        for (array, _, sum) in sums {
+            if let Some(values) = sum {
+                shot = shot.with_cells(array, 3, values)?;
             }
         }
         Ok(shot)
     }
 
-    /// Remanence and applied field of all magnets together, whether controlled or fixed: the means of each cell.
-    fn add_magnets(&self, mut shot: Snapshot, controls: &Controls) -> Result<Snapshot, ControlError> {
-        let disc = self.solid().discretization();
-        for (name, slot) in [("B_r", "remanence.x"), ("B_a", "field.x")] {
-            let mut total: Option<Vec<f64>> = None;
-            for (k, attached) in self.solid().body().actuations().iter().enumerate() {
-                let slots = attached.law.slots();
-                let Some(first) = slots.iter().position(|s| s.name == slot) else { continue };
-                let means = disc.cell_average(controls.values(k), slots.len());
-                let own = means.chunks_exact(slots.len()).flat_map(|at| &at[first..first + 3]);
-                let sum = total.get_or_insert_with(|| vec![0.0; 3 * self.solid().mesh().cells()]);
-                sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-            }
-            if let Some(values) = total {
-                shot = shot.with_cells(name, 3, values)?;
-            }
+    /// What follows from the state alone; a state with an inverted cell has no such thing.
+    fn with_state(&self, shot: Snapshot, state: &State) -> Result<Snapshot, MeshError> {
+        let Ok(fields) = self.solid().cell_fields(state) else { return Ok(shot) };
+        let mut shot = shot
+            .with_cells("J", 1, fields.j)?
+            .with_cells("P", 9, fields.piola)?
+            .with_cells("cauchy_stress", 9, fields.cauchy)?
+            .with_cells("energy", 1, fields.energy)?;
+        for (name, direction) in fields.directions {
+            shot = shot.with_cells(&format!("direction_{name}"), 3, direction)?;
         }
-        Ok(shot)
+        match fields.fiber {
+            Some(fiber) => shot.with_cells("fiber", 3, fiber),
+            None => Ok(shot),
+        }
     }
 }
 
-fn add_cell_fields(shot: Snapshot, fields: CellFields) -> Result<Snapshot, ControlError> {
-    let mut shot = shot
-        .with_cells("J", 1, fields.j)?
-        .with_cells("P", 9, fields.piola)?
-        .with_cells("cauchy_stress", 9, fields.cauchy)?
-        .with_cells("energy", 1, fields.energy)?;
-    if let Some(fiber) = fields.fiber {
-        shot = shot.with_cells("fiber", 3, fiber)?;
-    }
-    for (name, values) in fields.directions {
-        shot = shot.with_cells(&format!("direction_{name}"), 3, values)?;
-    }
-    Ok(shot)
-}
-
-/// A nodal field at every node: on corners as it is, between them by the corner shape functions.
-fn at_nodes(mesh: &Mesh, block: &ControlBlock, m: &[f64], wide: usize) -> Vec<f64> {
-    let mut unknown_of = vec![u32::MAX; mesh.points().len()];
-    for (i, &node) in block.map.entities().iter().enumerate() {
-        unknown_of[node as usize] = i as u32;
-    }
-    let mut out = vec![0.0; wide * mesh.points().len()];
-    for cell in (0..mesh.cells()).map(|id| mesh.cell(id)) {
-        let corners = &cell.nodes[..cell.kind.corners()];
-        if corners.iter().any(|&node| unknown_of[node as usize] == u32::MAX) {
-            continue;
-        }
-        let mut shapes = vec![0.0; corners.len()];
-        for (node, xi) in cell.nodes.iter().zip(cell.kind.reference_nodes()) {
-            cell.kind.corner_kind().shapes(xi, &mut shapes);
-            for c in 0..block.components {
-                let value = |(&corner, shape): (&u32, &f64)| {
-                    shape * m[unknown_of[corner as usize] as usize * block.components + c]
-                };
-                out[wide * *node as usize + c] = corners.iter().zip(&shapes).map(value).sum();
+/// A nodal field on all nodes of the mesh: on corners as it is, between them by the corner shape functions, zero where it
+/// does not act.
+fn by_node(mesh: &Mesh, cells: &[u32], block: &ControlBlock, values: &[f64]) -> Vec<f64> {
+    let n = block.components;
+    let mut out = vec![0.0; mesh.points().len() * n];
+    let unknown = |node: u32| block.map.entities().binary_search(&node).ok();
+    for &id in cells {
+        let cell = mesh.cell(id as usize);
+        let corners = cell.kind.corners();
+        let mut shapes = vec![0.0; corners];
+        for (a, &node) in cell.nodes.iter().enumerate().skip(corners) {
+            cell.kind.corner_kind().shapes(&cell.kind.reference_nodes()[a], &mut shapes);
+            for c in 0..n {
+                let terms = cell.nodes.iter().zip(&shapes);
+                out[node as usize * n + c] =
+                    terms.filter_map(|(&corner, shape)| Some(shape * values[unknown(corner)? * n + c])).sum();
             }
         }
+    }
+    for (k, &node) in block.map.entities().iter().enumerate() {
+        out[node as usize * n..][..n].copy_from_slice(&values[k * n..][..n]);
     }
     out
 }
 
 /// Displacements as triples.
 fn vectors(u: &[f64], dim: usize) -> Vec<f64> {
-    u.chunks_exact(dim).flat_map(|u| [u[0], u[1], u.get(2).copied().unwrap_or(0.0)]).collect()
-}
-
-fn region_numbers(mesh: &Mesh) -> Vec<f64> {
-    let mut numbers = vec![-1.0; mesh.cells()];
-    for (r, cells) in mesh.regions().values().enumerate().rev() {
-        cells.iter().for_each(|&cell| numbers[cell as usize] = r as f64);
-    }
-    numbers
+    u.chunks_exact(dim).flat_map(|u| std::array::from_fn::<f64, 3, _>(|k| u.get(k).copied().unwrap_or(0.0))).collect()
 }

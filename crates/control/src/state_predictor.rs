@@ -1,5 +1,6 @@
 //! [`StatePredictor`]: the points before this one, from which the state of the next is guessed.
 
+use nastic_numeric::vector::{axpy, dot, norm, sub};
 use std::sync::Arc;
 
 /// Points that are remembered: steps of quasi-Newton methods lie mostly in the span of the last two or three.
@@ -40,7 +41,7 @@ impl StatePredictor {
     /// `u + sum_i c_i du_i` where `sum_i c_i dm_i` is nearest to the step to m. `None` where that is not near.
     pub fn guess(&self, m: &[f64]) -> Option<Vec<f64>> {
         let (here, before) = self.0.split_first()?;
-        let step = minus(m, &here.m);
+        let step = sub(m, &here.m);
         let mut directions: Vec<Direction> = Vec::with_capacity(before.len());
         for footprint in before {
             directions.extend(Direction::new(here, footprint, &directions));
@@ -50,7 +51,7 @@ impl StatePredictor {
         for direction in &directions {
             let c = dot(&direction.m, &step);
             if c.abs() <= FARTHEST * direction.length {
-                add(&mut u, c, &direction.u);
+                axpy(c, &direction.u, &mut u);
                 reached += c * c;
             }
         }
@@ -61,30 +62,18 @@ impl StatePredictor {
 impl Direction {
     /// What of a difference is at right angles to the directions there are.
     fn new(here: &Footprint, there: &Footprint, others: &[Direction]) -> Option<Self> {
-        let (mut m, mut u) = (minus(&there.m, &here.m), minus(&there.u, &here.u));
-        let whole = dot(&m, &m).sqrt();
+        let (mut m, mut u) = (sub(&there.m, &here.m), sub(&there.u, &here.u));
+        let whole = norm(&m);
         for other in others {
             let c = dot(&other.m, &m);
-            add(&mut m, -c, &other.m);
-            add(&mut u, -c, &other.u);
+            axpy(-c, &other.m, &mut m);
+            axpy(-c, &other.u, &mut u);
         }
-        let length = dot(&m, &m).sqrt();
+        let length = norm(&m);
         if length <= NEW * whole {
             return None;
         }
         m.iter_mut().chain(&mut u).for_each(|x| *x /= length);
         Some(Direction { m, u, length })
     }
-}
-
-fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn add(x: &mut [f64], c: f64, y: &[f64]) {
-    x.iter_mut().zip(y).for_each(|(x, y)| *x += c * y);
 }

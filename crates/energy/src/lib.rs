@@ -25,4 +25,4 @@ pub use material::{MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRi
 pub use moduli::Moduli;
 pub use polyconvex::{Block, Conjugates, ConvexDensity, Curvature};
 pub use sum::Sum;
-pub use term::{Actuation, EnergyTerm, Points, Response, Slot, Slots, Want};
+pub use term::{Actuation, EnergyTerm, Points, Response, Slot, SlotGroup, Slots, Want};

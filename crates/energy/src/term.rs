@@ -148,13 +148,63 @@ pub trait EnergyTerm: Debug + Send + Sync {
     }
 }
 
-/// One control component of an actuation.
+/// One control component of an actuation: a scalar, or a component of a vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slot {
-    /// `tension`, `pressure`, `remanence.x` ...: the part before the dot is the control's name.
-    pub name: &'static str,
+    /// Name of the quantity: `tension`, `pressure`, `remanence` ... Slots of one vector stand in a row and share it.
+    pub group: &'static str,
+    /// Which component of the vector (0 to 2); `None` for a scalar.
+    pub component: Option<usize>,
     /// `Pa`, `T` ...
     pub unit: &'static str,
+}
+
+impl Slot {
+    /// The slot of a scalar.
+    pub const fn scalar(group: &'static str, unit: &'static str) -> Self {
+        Slot { group, component: None, unit }
+    }
+
+    /// The three slots of a vector.
+    pub const fn vector(group: &'static str, unit: &'static str) -> [Self; 3] {
+        [
+            Slot { group, component: Some(0), unit },
+            Slot { group, component: Some(1), unit },
+            Slot { group, component: Some(2), unit },
+        ]
+    }
+}
+
+/// Slots of one quantity: a scalar alone, or the components of a vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SlotGroup {
+    /// Name of the quantity.
+    pub name: &'static str,
+    /// Its first slot.
+    pub first: usize,
+    /// Number of slots.
+    pub len: usize,
+    /// `Pa`, `T` ...
+    pub unit: &'static str,
+}
+
+impl SlotGroup {
+    /// The groups of an actuation's slots, in their order.
+    pub fn of(slots: &[Slot]) -> Vec<Self> {
+        let mut groups: Vec<Self> = Vec::new();
+        for (first, slot) in slots.iter().enumerate() {
+            match groups.last_mut() {
+                Some(last) if last.name == slot.group => last.len += 1,
+                _ => groups.push(SlotGroup { name: slot.group, first, len: 1, unit: slot.unit }),
+            }
+        }
+        groups
+    }
+
+    /// Whether it is a vector of space.
+    pub fn is_vector(&self) -> bool {
+        self.len == 3
+    }
 }
 
 /// An energy term that controls act on.

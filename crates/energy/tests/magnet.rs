@@ -1,7 +1,7 @@
 //! The three magnets against what is known of rotations and stretches.
 
 use nastic_energy::catalogue::{self, Inputs};
-use nastic_energy::{Actuation, EnergyTerm, Magnet, MagnetIsochoric, MagnetRotation, Place, check, magnet};
+use nastic_energy::{Actuation, EnergyTerm, Magnet, MagnetIsochoric, MagnetRotation, Place, SlotGroup, check, magnet};
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
 const HERE: Place = Place { cell: 0, point: 0 };
@@ -73,8 +73,15 @@ fn extreme_stretches_still_have_a_rotation() {
 #[test]
 fn slots_and_permeability() {
     let magnet = Magnet::with_permeability(2.0).unwrap();
-    let names: Vec<_> = magnet.slots().iter().map(|slot| slot.name).collect();
-    assert_eq!(names, ["remanence.x", "remanence.y", "remanence.z", "field.x", "field.y", "field.z"]);
+    let components: Vec<_> = magnet.slots().iter().map(|slot| (slot.group, slot.component)).collect();
+    assert_eq!(components[..3], [0, 1, 2].map(|k| ("remanence", Some(k))));
+    assert_eq!(components[3..], [0, 1, 2].map(|k| ("field", Some(k))));
+    let groups = SlotGroup::of(magnet.slots());
+    assert_eq!(
+        groups.iter().map(|g| (g.name, g.first, g.len)).collect::<Vec<_>>(),
+        [("remanence", 0, 3), ("field", 3, 3)]
+    );
+    assert!(groups.iter().all(SlotGroup::is_vector));
     let controls = [3.0, 0.0, 0.0, 5.0, 0.0, 0.0];
     assert_eq!(check::evaluate(&magnet, HERE, &Kinematics::rest(), &controls).energy, -7.5);
     assert!(Magnet::with_permeability(0.0).is_err());

@@ -1,9 +1,8 @@
 //! Conjugate gradients with a preconditioner (a factor of a nearby matrix, multigrid), and iterative refinement.
 
 use super::factor::Factor;
+use nastic_numeric::vector::{dot, norm};
 
-/// Partial sums of a scalar product.
-const LANES: usize = 16;
 /// Factor between the true residual and the one carried along within which the steps taken are believed.
 const DRIFT: f64 = 2.0;
 
@@ -246,20 +245,4 @@ fn residual(apply: &dyn Fn(&[f64], &mut [f64]), b: &[f64], x: &[f64], r: &mut [f
 
 fn relative(size: f64, scale: f64) -> f64 {
     if size == 0.0 { 0.0 } else { size / scale }
-}
-
-/// In partial sums, a vector register or two of them, always the same ones.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.iter().zip(b) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
-}
-
-fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
 }

@@ -28,12 +28,16 @@ impl Located {
 const EDGE: f64 = 1e-9;
 
 impl Mesh {
-    /// The first cell that holds the point (to 1e-9 of its size), and its shape functions there; `None` outside the
-    /// body. Looks at every cell: meant for hundreds of points, not for millions.
+    /// The first cell that holds the point (to 1e-9 of its size), and its shape functions there; a node of the mesh has
+    /// the weight one and is alone. `None` outside the body. Looks at every cell: meant for hundreds of points, not for
+    /// millions.
     pub fn locate(&self, point: [f64; 3]) -> Option<Located> {
         (0..self.cells()).find_map(|id| {
             let cell = self.cell(id);
             let positions = self.gather(self.points(), cell.nodes);
+            if let Some(node) = positions.iter().position(|x| *x == point) {
+                return Some(Located { cell: id, weights: vec![(cell.nodes[node], 1.0)] });
+            }
             let xi = invert(cell.kind, &positions, point)?;
             let mut shapes = vec![0.0; cell.kind.nodes()];
             cell.kind.shapes(&xi, &mut shapes);

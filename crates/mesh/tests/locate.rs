@@ -27,6 +27,10 @@ fn every_point_of_a_body_is_found_and_no_other() -> Outcome {
                 assert!((0..3).all(|k| (back[k] - moved[k]).abs() < 1e-10), "{kind}, curved: {moved:?} {back:?}");
             }
         }
+        for (node, x) in straight.points().iter().enumerate() {
+            let at = straight.locate(*x).ok_or("a node was not found")?;
+            assert_eq!(at.weights, [(node as u32, 1.0)], "{kind}");
+        }
         assert!(straight.locate([1.001, 0.1, 0.1]).is_none(), "{kind}");
         assert!(straight.locate([f64::NAN, 0.1, 0.1]).is_none(), "{kind}");
     }

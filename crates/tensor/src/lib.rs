@@ -8,10 +8,12 @@
 
 mod cross;
 mod kinematics;
+mod polar;
 mod tangent;
 
 pub use cross::{cofactor, cross};
 pub use kinematics::{Inverted, Kinematics};
+pub use polar::polar_rotation;
 pub use tangent::Tangent;
 
 /// A vector of three components.

@@ -1,6 +1,6 @@
 //! The algebra everything constitutive rests on, against definitions written out with permutation symbols.
 
-use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, cofactor, cross};
+use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, cofactor, cross, polar_rotation};
 
 fn permutation(i: usize, j: usize, k: usize) -> f64 {
     let [i, j, k] = [i as f64, j as f64, k as f64];
@@ -113,4 +113,26 @@ fn the_isotropic_tangent_is_the_sum_of_its_parts() {
         once.add_isotropic(&f, &h, &a, [ff, hh, jj]);
         same(&once, |b| b * (0.5 + ff) + cross(&a, b) + cross(&f, &cross(&f, b)) * hh + h * (jj * h.dot(b)));
     }
+}
+
+#[test]
+fn the_polar_rotation_is_orthogonal_and_leaves_a_symmetric_stretch() {
+    let turn = nalgebra::Rotation3::from_euler_angles(0.7, -1.9, 2.8).into_inner();
+    let axes = nalgebra::Rotation3::from_euler_angles(0.3, 0.4, -0.8).into_inner();
+    // axes along the coordinates where rounding would be of the size of the smallest stretch
+    let cases = [
+        ([1.0; 3], axes),
+        ([3.0, 0.5, 1.1], axes),
+        ([1e-90, 1e-90, 2e-90], axes),
+        ([1e8, 1e-8, 1.0], Mat3::identity()),
+    ];
+    for (stretches, axes) in cases {
+        let u = axes * Mat3::from_diagonal(&stretches.into()) * axes.transpose();
+        let r = polar_rotation(&(turn * u)).unwrap();
+        assert!((r.transpose() * r - Mat3::identity()).norm() < 1e-14, "{stretches:?}");
+        assert!((r - turn).norm() < 1e-14, "{stretches:?}");
+    }
+    assert_eq!(polar_rotation(&Mat3::zeros()), None);
+    assert_eq!(polar_rotation(&-Mat3::identity()), None);
+    assert_eq!(polar_rotation(&Mat3::repeat(f64::NAN)), None);
 }

@@ -63,7 +63,7 @@ fn fix_slot(
     let disc = reduced.solid().discretization().clone();
     let attached = reduced.solid().body().actuations();
     let index = attached.iter().position(|a| a.name == actuation.name)?;
-    let first = attached[index].law.slots().iter().position(|slot| slot.name.split('.').next() == Some(key))?;
+    let first = attached[index].law.slots().iter().position(|slot| slot.group == key)?;
     let points = Points::of_body(case, &disc, &attached[index].cells);
     let columns: Vec<Vec<f64>> = match value {
         Fixed::Scalar(value) => vec![points.scalars(value, &at, context)?],

@@ -4,6 +4,7 @@ use super::shown::Shown;
 use crate::lower::{Admitted, CaseMember, ControlField, Problem};
 use nastic_control::{ControlBlock, ControlError, EnsembleBlock};
 use nastic_fem::{InvertedAt, SolveReport, State};
+use nastic_numeric::vector::norm;
 use nastic_opt::Problem as _;
 use serde_json::{Map, Value, json};
 
@@ -40,8 +41,7 @@ pub(crate) fn hausdorff(member: CaseMember<'_>, state: &State, m: &[f64], stage:
 
 /// `{ "euclidean": ..., "metric": ... }`
 pub(crate) fn derivative_norm(problem: &Problem, derivative: &[f64]) -> Value {
-    let euclidean = derivative.iter().map(|d| d * d).sum::<f64>().sqrt();
-    json!({ "euclidean": euclidean, "metric": problem.ensemble.inner_product().dual_norm(derivative) })
+    json!({ "euclidean": norm(derivative), "metric": problem.ensemble.inner_product().dual_norm(derivative) })
 }
 
 /// `{ NAME: { "point": [...], "displacement": [...], "position": [...] } }`
@@ -59,7 +59,7 @@ fn probes(member: CaseMember<'_>, state: &State) -> Value {
 pub(crate) fn controls(problem: &Problem, m: &[f64]) -> Value {
     let of = |(block, field): (&EnsembleBlock, &ControlField)| {
         let n = owner(problem, block).components;
-        let size = |v: &[f64]| if n == 1 { v[0] } else { v.iter().map(|x| x * x).sum::<f64>().sqrt() };
+        let size = |v: &[f64]| if n == 1 { v[0] } else { norm(v) };
         let sizes: Vec<f64> = block.of(m).chunks_exact(n).map(size).collect();
         let (min, max) = sizes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let active = sizes.iter().enumerate().filter(|(i, x)| is_active(*i, **x, field)).count();

@@ -3,7 +3,6 @@
 use crate::syntax::Diagnostics;
 use nastic_control::ControlError;
 use nastic_io::WriteError;
-use nastic_mesh::MeshError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -72,7 +71,7 @@ pub enum RunError {
     Write(#[from] WriteError),
     /// An array that does not fit its mesh.
     #[error(transparent)]
-    Snapshot(#[from] MeshError),
+    Snapshot(#[from] ControlError),
     /// Somebody asked to stop before there was anything to keep.
     #[error("stopped before there was a result")]
     Cancelled,

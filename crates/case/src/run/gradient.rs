@@ -7,9 +7,9 @@ use super::solve::{ACCURACY, say_cost, say_files, say_members, say_probes, write
 use crate::lower::Problem;
 use crate::result::files::Directory;
 use crate::result::shown::{self, Detail};
-use crate::result::snapshot::{self, View};
+use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::EnsemblePoint;
+use nastic_control::{EnsemblePoint, View};
 use nastic_opt::{Problem as _, Request};
 use serde_json::{Map, Value, json};
 
@@ -93,7 +93,7 @@ pub(super) fn write_states(
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.parts) {
         let gradient = member.local(&gradient);
-        let view = View { state: &at.state, m: &at.m, adjoint: at.adjoint(), gradient: Some(&gradient) };
+        let view = View { adjoint: at.adjoint(), gradient: Some(&gradient), ..View::new(&at.state, &at.m) };
         files.push(member.file(&format!("{what}.vtu")));
         out.write_vtu(&member.file(&format!("{what}.vtu")), &snapshot::snapshot(member, &view)?)?;
     }

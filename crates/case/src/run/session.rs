@@ -7,10 +7,10 @@ use crate::console::Console;
 use crate::lower::{CaseMember, Problem};
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
-use crate::result::snapshot::{self, View};
+use crate::result::snapshot;
 use crate::schema::Command;
 use crate::syntax::Document;
-use nastic_control::{ControlError, EnsembleError};
+use nastic_control::{ControlError, EnsembleError, View};
 use nastic_fem::{State, StateError};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -205,12 +205,12 @@ impl<'c> Session<'c> {
         let Some(out) = &self.out else { return Ok(None) };
         // The start control is what was asked for; the state shows how far the body came.
         let m = member.local(&self.problem.start);
-        let view = View { state: last, m: &m, adjoint: None, gradient: None };
+        let view = View::new(last, &m);
         let mut snapshot = snapshot::snapshot(member, &view)?;
         if let Some(cell) = cell {
             let mut failed = vec![0.0; self.problem.mesh().cells()];
             failed[cell] = 1.0;
-            snapshot = snapshot.with_cells("failed", 1, failed)?;
+            snapshot = snapshot.with_cells("failed", 1, failed).map_err(ControlError::from)?;
         }
         out.write_vtu("failure.vtu", &snapshot)?;
         Ok(Some(out.file("failure.vtu")))

@@ -7,8 +7,9 @@ use crate::lower::{CaseMember, Problem, TargetShape, file_name};
 use crate::result::files::Directory;
 use crate::result::picture::{self, Drawing};
 use crate::result::shown::{self, Detail, MemberError, Shown};
-use crate::result::snapshot::{self, View};
+use crate::result::snapshot;
 use crate::result::summary;
+use nastic_control::View;
 use nastic_fem::{Progress, SolveOptions, SolveReport, State};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -234,7 +235,7 @@ fn write(session: &mut Session<'_>, states: &[State]) -> Result<(), RunError> {
     let mut files = Vec::new();
     for (member, state) in problem.members().zip(states) {
         let m = member.local(&problem.start);
-        let shot = snapshot::snapshot(member, &View { state, m: &m, adjoint: None, gradient: None })?;
+        let shot = snapshot::snapshot(member, &View::new(state, &m))?;
         files.push(member.file("start.vtu"));
         out.write_vtu(&member.file("start.vtu"), &shot)?;
         if member.part().scenario() == 0 {

@@ -6,6 +6,7 @@ use crate::schema::field::{Parameter, VectorField, check_unit};
 use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
 use crate::syntax::{At, Node, Property};
+use nastic_energy::SlotGroup;
 use nastic_energy::catalogue::{self, ActuationRow, Takes};
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
@@ -46,17 +47,13 @@ pub(crate) struct SlotName {
     pub(crate) vector: bool,
 }
 
-/// The control slots of an actuation; components "field.x", "field.y", ... are one vector.
+/// The control slots of an actuation; the components of a vector are one.
 pub(crate) fn slots(row: &ActuationRow) -> Vec<SlotName> {
-    let example = row.examples().into_iter().next().and_then(|inputs| row.build(&inputs).ok());
-    let mut out: Vec<SlotName> = Vec::new();
-    for slot in example.iter().flat_map(|actuation| actuation.slots()) {
-        let (key, component) = slot.name.split_once('.').map_or((slot.name, None), |(key, rest)| (key, Some(rest)));
-        if !out.iter().any(|known| known.key == key) {
-            out.push(SlotName { key, want: want(slot.unit), vector: component.is_some() });
-        }
-    }
-    out
+    let Some(example) = row.examples().into_iter().next().and_then(|inputs| row.build(&inputs).ok()) else {
+        return vec![];
+    };
+    let name = |group: SlotGroup| SlotName { key: group.name, want: want(group.unit), vector: group.is_vector() };
+    SlotGroup::of(example.slots()).into_iter().map(name).collect()
 }
 
 /// All keys of all forms, each once.

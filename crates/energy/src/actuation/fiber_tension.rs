@@ -24,7 +24,7 @@ pub struct FiberTension {
 impl FiberTension {
     /// Name in case files and messages.
     pub const NAME: &str = "fiber_tension";
-    const SLOTS: [Slot; 1] = [Slot { name: "tension", unit: "Pa" }];
+    const SLOTS: [Slot; 1] = [Slot::scalar("tension", "Pa")];
 
     /// Fibres along the unit vector `a` everywhere.
     ///

@@ -30,7 +30,7 @@ pub type MagnetRotation = Magnetic<Rotation>;
 /// **Convexity.** For `F` linear, hence polyconvex for every control. The others are not convex in `F`.
 ///
 /// **Parameters.** `mu0`, the vacuum permeability, N/A^2 in SI units and to be given in any other system; controls
-/// `remanence.x` ... and `field.x` ..., T. The remanence is a vector of the reference body, the field one of space.
+/// `remanence` and `field`, vectors, T. The remanence is a vector of the reference body, the field one of space.
 ///
 /// **Source.** R. Zhao, Y. Kim, S. A. Chester, P. Sharma, X. Zhao, *Mechanics of hard-magnetic soft materials*,
 /// J. Mech. Phys. Solids 124 (2019); for the rotation, K. Danas & P. M. Reis, *Stretch-independent magnetization in
@@ -131,14 +131,10 @@ fn axial(c: &Mat3) -> Vec3 {
 impl<C> Magnetic<C> {
     /// Name in case files and messages.
     pub const NAME: &str = "magnet";
-    const SLOTS: [Slot; 6] = [
-        Slot { name: "remanence.x", unit: "T" },
-        Slot { name: "remanence.y", unit: "T" },
-        Slot { name: "remanence.z", unit: "T" },
-        Slot { name: "field.x", unit: "T" },
-        Slot { name: "field.y", unit: "T" },
-        Slot { name: "field.z", unit: "T" },
-    ];
+    const SLOTS: [Slot; 6] = {
+        let ([a, b, c], [d, e, f]) = (Slot::vector("remanence", "T"), Slot::vector("field", "T"));
+        [a, b, c, d, e, f]
+    };
 
     /// A magnet in SI units: `mu0` is [`VACUUM_PERMEABILITY`].
     pub fn new() -> Self {

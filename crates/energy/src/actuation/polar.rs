@@ -1,4 +1,4 @@
-use nastic_tensor::{Kinematics, Mat3, cofactor};
+use nastic_tensor::{Kinematics, Mat3, cofactor, polar_rotation};
 
 /// Polar decomposition `F = R U`, and what turns moments about the axes of `U` into spins.
 pub struct Polar {
@@ -11,21 +11,9 @@ pub struct Polar {
 }
 
 impl Polar {
-    /// By Newton's iteration `X <- (g X + X^-T / g) / 2` with Higham's scaling, which ends within ten steps even for
-    /// stretches sixteen decades apart.
+    /// Of `F`; its `J > 0`, so that there is a rotation.
     pub fn new(k: &Kinematics) -> Self {
-        let mut r = *k.f();
-        for _ in 0..20 {
-            let h = cofactor(&r);
-            let inverse_transpose = h / (h.dot(&r) / 3.0);
-            let scale = (inverse_transpose.norm() / r.norm()).sqrt();
-            let next = (r * scale + inverse_transpose / scale) * 0.5;
-            let change = (next - r).norm();
-            r = next;
-            if change < 1e-15 {
-                break;
-            }
-        }
+        let r = polar_rotation(k.f()).unwrap_or_else(|| Mat3::repeat(f64::NAN));
         let ru = r.transpose() * k.f();
         let u = (ru + ru.transpose()) * 0.5;
         let g = Mat3::from_diagonal_element(u.trace()) - u;

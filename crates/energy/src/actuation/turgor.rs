@@ -20,7 +20,7 @@ pub struct Turgor;
 impl Turgor {
     /// Name in case files and messages.
     pub const NAME: &str = "turgor";
-    const SLOTS: [Slot; 1] = [Slot { name: "pressure", unit: "Pa" }];
+    const SLOTS: [Slot; 1] = [Slot::scalar("pressure", "Pa")];
 
     /// Turgor in the whole region it is attached to.
     pub const fn new() -> Self {

@@ -3,6 +3,7 @@
 use crate::error::FemError;
 use nalgebra::DMatrix;
 use nastic_mesh::Mesh;
+use nastic_numeric::DisjointSets;
 use std::collections::BTreeSet;
 
 /// The names of displacement components.
@@ -185,26 +186,15 @@ fn extent(mesh: &Mesh, nodes: &[u32]) -> ([f64; 3], f64) {
 /// Node sets of the parts of the mesh that hang together.
 fn connected_parts(mesh: &Mesh) -> Vec<Vec<u32>> {
     let n = mesh.points().len();
-    let mut root: Vec<u32> = (0..n as u32).collect();
-    fn find(root: &mut [u32], mut a: u32) -> u32 {
-        while root[a as usize] != a {
-            root[a as usize] = root[root[a as usize] as usize];
-            a = root[a as usize];
-        }
-        a
-    }
+    let mut sets = DisjointSets::new(n);
     for block in mesh.blocks() {
         for cell in block.nodes.chunks_exact(block.kind.nodes()) {
-            for &node in &cell[1..] {
-                let (a, b) = (find(&mut root, cell[0]), find(&mut root, node));
-                root[a.max(b) as usize] = a.min(b);
-            }
+            cell[1..].iter().for_each(|&node| sets.union(cell[0], node));
         }
     }
     let mut parts: std::collections::BTreeMap<u32, Vec<u32>> = std::collections::BTreeMap::new();
     for node in 0..n as u32 {
-        let top = find(&mut root, node);
-        parts.entry(top).or_default().push(node);
+        parts.entry(sets.find(node)).or_default().push(node);
     }
     parts.into_values().collect()
 }

@@ -11,7 +11,7 @@ use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver, SparseMatrix};
-use nastic_numeric::vector::norm;
+use nastic_numeric::vector::{max_abs, norm};
 
 /// One equilibrium to be found: controls and load are held, the displacement is not.
 pub(crate) struct Newton<'a> {
@@ -117,7 +117,7 @@ impl Newton<'_> {
                 self.downhill(&here, &step, &mut fit)?
             };
             let resolution = RESOLUTION * self.model.discretization().mesh().diagonal();
-            let tiny = curvature == Curvature::Positive && largest(&step) <= resolution;
+            let tiny = curvature == Curvature::Positive && max_abs(&step) <= resolution;
             (u, now) = next;
             self.tell(length, &now, report);
             if tiny && length == 1.0 {
@@ -318,8 +318,4 @@ fn forcing(relative: f64, accuracy: f64) -> f64 {
 
 fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {
     u.iter().zip(step).map(|(u, s)| u + length * s).collect()
-}
-
-fn largest(v: &[f64]) -> f64 {
-    v.iter().fold(0.0, |m, v| m.max(v.abs()))
 }

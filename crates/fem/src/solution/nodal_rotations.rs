@@ -6,7 +6,7 @@ use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::Cells;
 use crate::kernels::kernel;
 use nastic_linear::Rotations;
-use nastic_tensor::Mat3;
+use nastic_tensor::{Mat3, polar_rotation};
 use rayon::prelude::*;
 
 /// Cells of one task.
@@ -43,20 +43,7 @@ fn means(disc: &Discretization, part: &Part, cells: &[usize], u: &[f64]) -> Vec<
     cells.iter().map(mean).collect()
 }
 
-/// The rotation R of `F = R U`, by Newton's iteration `R <- (R + R^-T) / 2` (Higham, SIAM J. Sci. Stat. Comput. 7, 1986);
-/// the identity where there is none.
+/// The rotation of a mean deformation gradient; the identity where there is none.
 fn rotation(f: &Mat3) -> Mat3 {
-    // the size of a rotation
-    let mut r = f * (3.0_f64.sqrt() / f.norm().max(f64::MIN_POSITIVE));
-    for _ in 0..30 {
-        let Some(inverse) = r.try_inverse() else { return Mat3::identity() };
-        let next = 0.5 * (r + inverse.transpose());
-        let change = (next - r).norm();
-        r = next;
-        // squared by the next iteration, which nobody needs then
-        if change <= 1e-8 {
-            break;
-        }
-    }
-    if r.determinant() > 0.0 && r.iter().all(|x| x.is_finite()) { r } else { Mat3::identity() }
+    polar_rotation(f).unwrap_or_else(Mat3::identity)
 }

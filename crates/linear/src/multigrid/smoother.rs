@@ -1,6 +1,7 @@
 //! The smoother: Chebyshev polynomials in the matrix scaled by its diagonal blocks.
 
 use nalgebra::DMatrix;
+use nastic_numeric::vector::dot;
 
 use super::block_matrix::BlockMatrix;
 
@@ -138,8 +139,4 @@ fn scattered(n: usize) -> Vec<f64> {
         (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
     (0..n).map(next).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -2,6 +2,7 @@
 
 use super::aggregation::ALONE;
 use super::block_matrix::BlockMatrix;
+use nastic_numeric::vector::norm;
 
 /// A mode that keeps less than this share of its length after orthogonalisation adds nothing on its aggregate.
 const DEPENDENT: f64 = 1e-6;
@@ -78,8 +79,4 @@ fn orthonormalise(columns: &mut [Vec<f64>], triangle: &mut [f64], idle: &mut [bo
             idle[m] = true;
         }
     }
-}
-
-fn norm(column: &[f64]) -> f64 {
-    column.iter().map(|value| value * value).sum::<f64>().sqrt()
 }

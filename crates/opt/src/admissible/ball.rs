@@ -1,7 +1,7 @@
 //! The ball per point: |m_p| <= radius at every point p.
 
-use super::{Admissible, Face, Outside, SetError, check_radius, length};
-use nastic_numeric::vector::{add, dot};
+use super::{Admissible, Face, Outside, SetError, check_radius};
+use nastic_numeric::vector::{add, dot, norm};
 
 /// Vectors of `dim` components, one per point and stored point by point, each no longer than a given radius: an applied
 /// field.
@@ -26,10 +26,10 @@ impl Ball {
 
     /// Shortens one vector to the radius, never past it by rounding.
     fn shorten(&self, v: &mut [f64]) {
-        let size = length(v);
+        let size = norm(v);
         if size > self.radius {
             v.iter_mut().for_each(|x| *x *= self.radius / size);
-            while length(v) > self.radius {
+            while norm(v) > self.radius {
                 v.iter_mut().for_each(|x| *x *= 1.0 - f64::EPSILON);
             }
         }
@@ -40,7 +40,7 @@ impl Admissible for Ball {
     fn check(&self, m: &[f64]) -> Result<(), Outside> {
         let ragged = !m.len().is_multiple_of(self.dim);
         for (p, v) in m.chunks(self.dim).enumerate() {
-            let value = length(v);
+            let value = norm(v);
             let inside = value <= self.radius;
             if ragged || !inside {
                 let allowed = format!("vectors of {} components no longer than {:e}", self.dim, self.radius);
@@ -77,7 +77,7 @@ impl Admissible for Ball {
             let block = at..at + self.dim;
             let x: Vec<f64> = block.clone().map(|i| m[i] + d[i]).collect();
             let outward = -dot(&derivative[block], &x);
-            if length(&x) >= self.radius * (1.0 - Self::BOUNDARY) && outward > 0.0 {
+            if norm(&x) >= self.radius * (1.0 - Self::BOUNDARY) && outward > 0.0 {
                 face.bar(at, &x, true);
             }
         }
@@ -87,7 +87,7 @@ impl Admissible for Ball {
     fn inward(&self, m: &[f64], d: &mut [f64]) {
         for (m, d) in m.chunks(self.dim).zip(d.chunks_mut(self.dim)) {
             // A chord of the ball is admissible all along.
-            if length(&add(m, d)) > self.radius {
+            if norm(&add(m, d)) > self.radius {
                 d.iter_mut().for_each(|d| *d = -*d);
             }
         }

@@ -122,11 +122,6 @@ pub trait Admissible: Debug + Send + Sync {
     }
 }
 
-/// Euclidean norm of a short vector.
-fn length(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
 /// Checks the dimension of vectors and the radius they are measured by.
 fn check_radius(dim: usize, radius: f64) -> Result<(), SetError> {
     if !(1..=3).contains(&dim) {

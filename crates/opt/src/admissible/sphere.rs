@@ -1,7 +1,8 @@
 //! The sphere per point: |m_p| = radius at every point p.
 
-use super::{Admissible, Face, Outside, SetError, check_radius, length};
+use super::{Admissible, Face, Outside, SetError, check_radius};
 use nastic_numeric::Random;
+use nastic_numeric::vector::norm;
 
 /// Vectors of `dim` components, one per point and stored point by point, each of the same given length: a magnetisation.
 /// The retraction is (m + t d) radius/|m + t d|, the transport the projection onto the new tangent plane.
@@ -32,7 +33,7 @@ impl Sphere {
         while out.len() < points * self.dim {
             // Evenly in the ball, hence evenly in direction.
             let mut v: Vec<f64> = (0..self.dim).map(|_| random.symmetric()).collect();
-            if (0.1..=1.0).contains(&length(&v)) {
+            if (0.1..=1.0).contains(&norm(&v)) {
                 self.normalise(&mut v);
                 out.extend(v);
             }
@@ -42,7 +43,7 @@ impl Sphere {
 
     /// Scales one vector to the sphere; one without a direction gets the first axis.
     fn normalise(&self, v: &mut [f64]) {
-        let size = length(v);
+        let size = norm(v);
         if size > 0.0 && size.is_finite() {
             v.iter_mut().for_each(|x| *x *= self.radius / size);
         } else {
@@ -56,7 +57,7 @@ impl Admissible for Sphere {
     fn check(&self, m: &[f64]) -> Result<(), Outside> {
         let ragged = !m.len().is_multiple_of(self.dim);
         for (p, v) in m.chunks(self.dim).enumerate() {
-            let value = length(v);
+            let value = norm(v);
             let on_sphere = (value - self.radius).abs() <= Self::TOLERANCE * self.radius;
             if ragged || !on_sphere {
                 let allowed = format!("vectors of {} components and length {:e}", self.dim, self.radius);

@@ -11,9 +11,9 @@ use crate::lower::file_name;
 use crate::result::files::Directory;
 use crate::result::picture::{self, Drawing};
 use crate::result::shown::{self, Detail};
-use crate::result::snapshot::{self, View};
+use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::EnsemblePoint;
+use nastic_control::{EnsemblePoint, View};
 use nastic_fem::SolveReport;
 use nastic_opt::{Best, Stop};
 use serde_json::{Value, json};
@@ -156,7 +156,7 @@ fn write(session: &mut Session<'_>, ended: &Ended, starts: usize) -> Result<(), 
     for (k, member) in problem.leads().enumerate() {
         let shot = |point: &EnsemblePoint| {
             let at = &point.parts[k];
-            snapshot::snapshot(member, &View { state: &at.state, m: &at.m, adjoint: None, gradient: None })
+            snapshot::snapshot(member, &View::new(&at.state, &at.m))
         };
         let (begin, end) = (shot(start)?, shot(&best.point)?);
         let drawing = Drawing {

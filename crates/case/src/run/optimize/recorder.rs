@@ -8,9 +8,9 @@ use crate::console::Console;
 use crate::history::{self, History};
 use crate::lower::Problem;
 use crate::result::files::Directory;
-use crate::result::snapshot::{self, View};
+use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::EnsemblePoint;
+use nastic_control::{EnsemblePoint, View};
 use nastic_fem::SolveReport;
 use nastic_opt::{Problem as _, Reason, Trial};
 use serde_json::json;
@@ -141,7 +141,7 @@ impl<'s> Recorder<'s> {
         self.steps.push(iteration);
         for (member, at) in self.problem.leads().zip(&point.parts) {
             let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
-            let view = View { state: &at.state, m: &at.m, adjoint: at.adjoint(), gradient: gradient.as_deref() };
+            let view = View { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..View::new(&at.state, &at.m) };
             out.write_vtu(&member.case_file(&file(iteration)), &snapshot::snapshot(member, &view)?)?;
             let steps: Vec<(f64, String)> =
                 self.steps.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
