@@ -51,8 +51,8 @@ pub use nastic_uncertainty as uncertainty;
 /// What most programs need.
 pub mod prelude {
     pub use crate::control::{
-        ControlNorm, ControlSmoothness, Cost, Ensemble, Evaluated, LoadCase, Metric, Phi, Reduced, SmoothedHausdorff,
-        Space, Target, Tracking,
+        ControlNorm, ControlSmoothness, Cost, CostPoint, Ensemble, Evaluated, LoadCase, Metric, Phi, Reduced,
+        SmoothedHausdorff, Space, Target, Tracking,
     };
     pub use crate::energy::{
         Actuation, ConvexDensity, EnergyTerm, FiberTension, Field, Magnet, MagnetIsochoric, MagnetRotation,

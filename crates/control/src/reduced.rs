@@ -1,6 +1,6 @@
 //! [`Reduced`]: the cost as a function of the controls alone.
 
-use crate::cost::{Cost, CostContext, IntoCost, Partials};
+use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost, Partials};
 use crate::error::ControlError;
 use crate::inner_product::{Metric, inner_product};
 use crate::kept_factor::SharedWorkspace;
@@ -9,6 +9,7 @@ use crate::map::Space;
 use crate::state_predictor::StatePredictor;
 use nastic_fem::{Solid, SolveOptions, SolveReport, State};
 use nastic_opt::{Failed, InnerProduct, Objective, Problem, Report, Request};
+use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
@@ -47,12 +48,17 @@ pub struct Evaluated {
     pub stage: usize,
     /// Work of this evaluation, and later of its adjoint.
     pub work: SolveReport,
+    /// The evaluated terms, for their partials and figures; empty where points keep no factors.
+    costs: Vec<Arc<dyn CostPoint>>,
     /// Shared with the point it was evaluated from.
     factor: SharedWorkspace,
     /// The points it was evaluated from, one after the other.
     predictor: StatePredictor,
     adjoint: OnceLock<AdjointPart>,
 }
+
+/// Values of the cost terms, and the evaluated terms.
+type Terms = (Vec<f64>, Vec<Arc<dyn CostPoint>>);
 
 /// What the derivative leaves behind for output; its factor takes the place of the evaluation's.
 #[derive(Debug, Clone)]
@@ -191,9 +197,9 @@ impl Reduced {
         self
     }
 
-    /// Whether evaluated points keep a factor of their tangent for the next solve (they do, unless told otherwise).
-    /// Without, a solve begins with a factorisation of its own and a point is little more than its state: for the many
-    /// points of a sample that are evaluated once.
+    /// Whether evaluated points keep a factor of their tangent for the next solve, and what their costs need for partials
+    /// (they do, unless told otherwise). Without, a solve begins with a factorisation of its own, costs are evaluated again
+    /// for partials, and a point is little more than its state: for the many points of a sample that are evaluated once.
     pub fn keep_factors(mut self, keep: bool) -> Self {
         self.keep_factors = keep;
         self
@@ -275,14 +281,39 @@ impl Reduced {
             kept.put(workspace);
         }
         let state = solved?;
-        let terms = self.terms(&state, m, stage)?;
-        let work = state.report;
-        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, factor: kept, predictor, adjoint: OnceLock::new() })
+        let (terms, costs) = self.terms(&state, m, stage)?;
+        let (m, work) = (m.to_vec(), state.report);
+        Ok(Evaluated { m, state, terms, stage, work, costs, factor: kept, predictor, adjoint: OnceLock::new() })
     }
 
-    fn terms(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<f64>, ControlError> {
+    /// Values of the terms, and the evaluated terms where points keep them.
+    fn terms(&self, state: &State, m: &[f64], stage: usize) -> Result<Terms, ControlError> {
+        let mut costs = self.costs_at(state, m, stage)?;
+        let values = costs.iter().map(|cost| cost.value()).collect();
+        if !self.keep_factors {
+            costs.clear();
+        }
+        Ok((values, costs))
+    }
+
+    /// Evaluates the terms in a state.
+    ///
+    /// # Errors
+    /// A cost that is not defined there.
+    pub fn costs_at(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<Arc<dyn CostPoint>>, ControlError> {
         let context = self.context(state, m, stage);
-        self.costs.iter().map(|cost| cost.value(&context)).collect()
+        self.costs.iter().map(|cost| cost.at(&context)).collect()
+    }
+
+    /// The evaluated terms of a point: those it keeps, or evaluated again.
+    ///
+    /// # Errors
+    /// A cost that is not defined there.
+    pub fn costs_of<'a>(&self, point: &'a Evaluated) -> Result<Cow<'a, [Arc<dyn CostPoint>]>, ControlError> {
+        if point.costs.len() == self.costs.len() {
+            return Ok(Cow::Borrowed(&point.costs));
+        }
+        self.costs_at(&point.state, &point.m, point.stage).map(Cow::Owned)
     }
 
     fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {
@@ -294,11 +325,11 @@ impl Reduced {
     /// # Errors
     /// A cost that is not defined there.
     pub fn try_restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
-        let terms = self.terms(&point.state, &point.m, stage)?;
+        let (terms, costs) = self.terms(&point.state, &point.m, stage)?;
         let (m, state, factor) = (point.m.clone(), point.state.clone(), point.factor.clone());
         let predictor = point.predictor.clone();
         let work = SolveReport::default();
-        Ok(Evaluated { m, state, terms, stage, work, factor, predictor, adjoint: OnceLock::new() })
+        Ok(Evaluated { m, state, terms, stage, work, costs, factor, predictor, adjoint: OnceLock::new() })
     }
 
     /// Partial derivatives of the cost (all terms, or one of them).
@@ -307,10 +338,9 @@ impl Reduced {
     /// A cost that is not defined there.
     pub fn partials(&self, point: &Evaluated, term: Option<usize>) -> Result<Partials, ControlError> {
         let mut partials = Partials { u: vec![0.0; point.state.u.len()], m: vec![0.0; point.m.len()] };
-        let context = self.context(&point.state, &point.m, point.stage);
-        for (k, cost) in self.costs.iter().enumerate() {
+        for (k, cost) in self.costs_of(point)?.iter().enumerate() {
             if term.is_none_or(|t| t == k) {
-                cost.partials(&context, &mut partials)?;
+                cost.add_partials(&mut partials)?;
             }
         }
         Ok(partials)
@@ -355,17 +385,12 @@ impl Reduced {
         (0..self.costs.len()).map(name).collect()
     }
 
-    /// Figures the costs report beside their values (a true distance, say); dearer than the values.
+    /// Figures of every cost term beside its value (a true distance, say), more expensive than the values.
     ///
     /// # Errors
     /// Where a cost cannot.
-    pub fn figures(&self, point: &Evaluated) -> Result<Vec<(String, f64)>, ControlError> {
-        let context = self.context(&point.state, &point.m, point.stage);
-        let mut out = Vec::new();
-        for cost in &self.costs {
-            out.extend(cost.figures(&context)?);
-        }
-        Ok(out)
+    pub fn figures(&self, point: &Evaluated) -> Result<Vec<Vec<Figure>>, ControlError> {
+        self.costs_of(point)?.iter().map(|cost| cost.figures()).collect()
     }
 }
 

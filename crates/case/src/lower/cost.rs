@@ -6,7 +6,7 @@ use crate::expression::EvaluationError;
 use crate::schema::{self, Case, Cost as Block, Phi as PhiBlock, Target as TargetBlock, vector_at};
 use crate::syntax::At;
 use nastic_control::{
-    ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, IntoCost, Partials, Phi, Reduced,
+    ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, IntoCost, Phi, Reduced,
     SmoothedHausdorff, Target, Tracking,
 };
 use nastic_fem::Solid;
@@ -313,20 +313,12 @@ impl Cost for Named {
         &self.name
     }
 
-    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
-        self.cost.value(at)
-    }
-
-    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
-        self.cost.partials(at, out)
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        self.cost.at(at)
     }
 
     fn stages(&self) -> usize {
         self.cost.stages()
-    }
-
-    fn figures(&self, at: &CostContext) -> Result<Vec<(String, f64)>, ControlError> {
-        self.cost.figures(at)
     }
 
     fn warnings(&self, solid: &Solid) -> Vec<String> {

@@ -3,8 +3,8 @@
 use super::cost::TargetShape;
 use super::{ControlField, Problem};
 use crate::schema::Case;
-use nastic_control::{ControlBlock, ControlError, CostContext, Layout, Member, Reduced};
-use nastic_fem::{Solid, State};
+use nastic_control::{ControlBlock, Layout, Member, Reduced};
+use nastic_fem::Solid;
 use nastic_mesh::Mesh;
 use std::sync::Arc;
 
@@ -161,23 +161,5 @@ impl<'p> CaseMember<'p> {
     #[must_use]
     pub fn local(&self, m: &[f64]) -> Vec<f64> {
         self.problem.ensemble.local(self.part(), m).unwrap_or_default()
-    }
-
-    /// What its costs may look at in a state; `m` is its own control vector.
-    #[must_use]
-    pub fn context<'a>(&self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a>
-    where
-        'p: 'a,
-    {
-        CostContext { solid: self.solid(), layout: self.layout(), u: &state.u, m, stage }
-    }
-
-    /// The values of all its cost terms, weights included.
-    ///
-    /// # Errors
-    /// A cost that is not defined there.
-    pub fn terms(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<f64>, ControlError> {
-        let context = self.context(state, m, stage);
-        self.reduced().costs().iter().map(|cost| cost.value(&context)).collect()
     }
 }

@@ -2,20 +2,22 @@
 
 use super::summary;
 use crate::lower::{CaseMember, Problem};
-use nastic_control::{ControlError, EnsemblePoint};
+use nastic_control::{ControlError, CostPoint, EnsemblePoint};
 use nastic_fem::{SolveReport, State};
 use nastic_uncertainty::risk::deviation;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
+use std::sync::Arc;
 
 /// A state of one member, with the values of its costs.
 pub(crate) struct Shown<'a> {
     pub member: CaseMember<'a>,
     pub state: &'a State,
-    /// Its own control vector.
-    pub m: Vec<f64>,
     /// Values of its cost terms; empty without costs.
     pub terms: Vec<f64>,
+    /// The terms themselves, evaluated.
+    pub costs: Cow<'a, [Arc<dyn CostPoint>]>,
     pub stage: usize,
     pub work: SolveReport,
 }
@@ -33,14 +35,11 @@ pub(crate) enum Detail {
 pub(crate) type MemberError = (usize, ControlError);
 
 /// The states of an evaluated control, with the work of its evaluation.
-pub(crate) fn of_point<'a>(problem: &'a Problem, point: &'a EnsemblePoint) -> Vec<Shown<'a>> {
-    let of = |(member, at): (CaseMember<'a>, &'a nastic_control::Evaluated)| Shown {
-        member,
-        state: &at.state,
-        m: at.m.clone(),
-        terms: at.terms.clone(),
-        stage: at.stage,
-        work: at.total_work(),
+pub(crate) fn of_point<'a>(problem: &'a Problem, point: &'a EnsemblePoint) -> Result<Vec<Shown<'a>>, MemberError> {
+    let of = |(member, at): (CaseMember<'a>, &'a nastic_control::Evaluated)| {
+        let costs = member.reduced().costs_of(at).map_err(|error| (member.index(), error))?;
+        let (terms, work) = (at.terms.clone(), at.total_work());
+        Ok(Shown { member, state: &at.state, terms, costs, stage: at.stage, work })
     };
     problem.members().zip(&point.parts).map(of).collect()
 }
@@ -91,7 +90,7 @@ fn entry(one: &Shown<'_>, detail: Detail) -> Result<Map<String, Value>, MemberEr
     if !one.terms.is_empty() {
         out.insert("stage".into(), json!(one.stage));
         out.insert("cost".into(), summary::cost(one));
-        let figures = summary::hausdorff(one.member, one.state, &one.m, one.stage);
+        let figures = summary::hausdorff(one.member, &one.costs);
         let figures = figures.map_err(|error| (one.member.index(), error))?;
         if !figures.is_null() {
             out.insert("hausdorff".into(), figures);

@@ -2,11 +2,12 @@
 
 use super::shown::Shown;
 use crate::lower::{Admitted, CaseMember, ControlField, Problem};
-use nastic_control::{ControlBlock, ControlError, EnsembleBlock};
+use nastic_control::{ControlBlock, ControlError, CostPoint, EnsembleBlock, FigureKind};
 use nastic_fem::{InvertedAt, SolveReport, State};
 use nastic_numeric::vector::norm;
 use nastic_opt::Problem as _;
 use serde_json::{Map, Value, json};
+use std::sync::Arc;
 
 /// `{ "total": ..., "terms": { NAME: ... } }` of a member.
 pub(crate) fn cost(shown: &Shown<'_>) -> Value {
@@ -18,15 +19,12 @@ pub(crate) fn cost(shown: &Shown<'_>) -> Value {
 
 /// `{ "smoothed": ..., "true": ..., "self": ... }` of the first such cost, and of each under its name where there are
 /// several; null without one.
-pub(crate) fn hausdorff(member: CaseMember<'_>, state: &State, m: &[f64], stage: usize) -> Result<Value, ControlError> {
-    let context = member.context(state, m, stage);
+pub(crate) fn hausdorff(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> Result<Value, ControlError> {
     let mut all = Vec::new();
-    for (name, cost) in member.reduced().term_names().into_iter().zip(member.reduced().costs()) {
-        let figures = cost.figures(&context)?;
-        let own = figures
-            .into_iter()
-            .filter_map(|(key, value)| Some((key.strip_prefix("hausdorff/")?.to_owned(), json!(value))));
-        let own: Map<String, Value> = own.collect();
+    for (name, cost) in member.reduced().term_names().into_iter().zip(costs) {
+        let distances = cost.figures()?.into_iter().filter(|figure| figure.kind.is_distance());
+        let own: Map<String, Value> =
+            distances.map(|figure| (figure.kind.name().to_owned(), json!(figure.value))).collect();
         if !own.is_empty() {
             all.push((name, own));
         }
@@ -37,6 +35,17 @@ pub(crate) fn hausdorff(member: CaseMember<'_>, state: &State, m: &[f64], stage:
         out.extend(all.into_iter().map(|(name, own)| (name, Value::Object(own))));
     }
     Ok(Value::Object(out))
+}
+
+/// The true Hausdorff distance that the first cost with one reports.
+pub(crate) fn true_distance(costs: &[Arc<dyn CostPoint>]) -> Result<Option<f64>, ControlError> {
+    for cost in costs {
+        let figures = cost.figures()?;
+        if let Some(figure) = figures.iter().find(|figure| figure.kind == FigureKind::TrueDistance) {
+            return Ok(Some(figure.value));
+        }
+    }
+    Ok(None)
 }
 
 /// `{ "euclidean": ..., "metric": ... }`

@@ -32,7 +32,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {
-    let shown = shown::of_point(&session.problem, point);
+    let shown = shown::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
     let entries = shown::entries(&session.problem, &shown, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(&session.problem, derivative);

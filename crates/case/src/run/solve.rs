@@ -70,8 +70,9 @@ fn report(session: &mut Session<'_>, states: &[State]) -> Result<(), RunError> {
 fn shown<'a>(problem: &'a Problem, states: &'a [State]) -> Result<Vec<Shown<'a>>, MemberError> {
     let of = |(member, state): (CaseMember<'a>, &'a State)| {
         let m = member.local(&problem.start);
-        let terms = member.terms(state, &m, 0).map_err(|error| (member.index(), error))?;
-        Ok(Shown { member, state, m, terms, stage: 0, work: state.report })
+        let costs = member.reduced().costs_at(state, &m, 0).map_err(|error| (member.index(), error))?;
+        let terms = costs.iter().map(|cost| cost.value()).collect();
+        Ok(Shown { member, state, terms, costs: costs.into(), stage: 0, work: state.report })
     };
     problem.members().zip(states).map(of).collect()
 }

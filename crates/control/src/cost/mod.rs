@@ -1,17 +1,22 @@
-//! Costs: how far a body is from the wish.
+//! Costs: terms j(u, m) of the objective functional.
 
+mod bound_hausdorff;
+mod figure;
 mod regularization;
 mod smoothed_hausdorff;
 mod tracking;
 
+pub use bound_hausdorff::BoundHausdorff;
+pub use figure::{Figure, FigureKind};
 pub use regularization::{ControlNorm, ControlSmoothness};
-pub use smoothed_hausdorff::{BoundHausdorff, SmoothedHausdorff};
+pub use smoothed_hausdorff::SmoothedHausdorff;
 pub use tracking::{BoundTracking, Target, Tracking};
 
 use crate::error::ControlError;
 use crate::layout::Layout;
 use nastic_fem::Solid;
 use std::fmt::Debug;
+use std::sync::Arc;
 
 /// What a cost may look at.
 #[derive(Clone, Copy)]
@@ -39,40 +44,47 @@ pub struct Partials {
 
 /// A term of the objective, j(u, m), bound to a body.
 ///
-/// Implement it for your own wish; the derivative through the state equation comes for free. Contract: `partials` is the
-/// exact derivative of `value` (the same quadrature), and both are deterministic.
+/// Implement it for your own target; the derivative through the state equation comes for free. Contract: `add_partials`
+/// of a [`CostPoint`] is the exact derivative of its `value` (the same quadrature), and both are deterministic.
 pub trait Cost: Debug + Send + Sync {
     /// Name of the term in tables and results.
     fn name(&self) -> &str;
 
-    /// The value, weight included. Line searches need no more than this.
+    /// The cost evaluated at a displacement and a control: its value, and what its partials and figures need of what the
+    /// value took. The point outlives the context; a line search drops it, an accepted trial asks it for its partials.
     ///
     /// # Errors
     /// Where the cost is not defined.
-    fn value(&self, at: &CostContext) -> Result<f64, ControlError>;
-
-    /// Adds the partial derivatives and returns the value.
-    ///
-    /// # Errors
-    /// Where the cost is not defined.
-    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError>;
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError>;
 
     /// Number of continuation stages.
     fn stages(&self) -> usize {
         1
     }
 
-    /// Figures worth reporting beside the value, dearer than it (for accepted points alone): a true distance, say.
-    ///
-    /// # Errors
-    /// Where they are not defined.
-    fn figures(&self, _at: &CostContext) -> Result<Vec<(String, f64)>, ControlError> {
-        Ok(vec![])
-    }
-
     /// Things the user should know (a smoothing length below the point spacing, say).
     fn warnings(&self, _solid: &Solid) -> Vec<String> {
         vec![]
+    }
+}
+
+/// A cost evaluated at one (u, m). A value: it depends on nothing that changes.
+pub trait CostPoint: Debug + Send + Sync {
+    /// j(u, m), weight included.
+    fn value(&self) -> f64;
+
+    /// Adds `dj/du` and `dj/dm`.
+    ///
+    /// # Errors
+    /// A derivative that is not finite.
+    fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError>;
+
+    /// Figures worth reporting beside the value, more expensive than it: for accepted points alone.
+    ///
+    /// # Errors
+    /// Where they are not defined.
+    fn figures(&self) -> Result<Vec<Figure>, ControlError> {
+        Ok(vec![])
     }
 }
 

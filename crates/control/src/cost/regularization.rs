@@ -1,8 +1,9 @@
 //! Costs of the control itself: [`ControlNorm`] and [`ControlSmoothness`].
 
-use super::{Cost, CostContext, Partials, check_weight};
+use super::{Cost, CostContext, CostPoint, Partials, check_weight};
 use crate::error::ControlError;
 use crate::inner_product::{mass_product, stiffness_product};
+use std::sync::Arc;
 
 /// `j = (weight/2) int |m|^2 dX` over the region the control acts on.
 ///
@@ -29,12 +30,8 @@ impl Cost for ControlNorm {
         "control_norm"
     }
 
-    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
-        quadratic(at, &self.of, self.weight, mass_product, None)
-    }
-
-    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
-        quadratic(at, &self.of, self.weight, mass_product, Some(out))
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        Ok(Arc::new(Quadratic::new(at, &self.of, self.weight, mass_product)?))
     }
 }
 
@@ -65,36 +62,47 @@ impl Cost for ControlSmoothness {
         "control_smoothness"
     }
 
-    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
-        quadratic(at, &self.of, self.weight, stiffness_product, None)
-    }
-
-    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
-        quadratic(at, &self.of, self.weight, stiffness_product, Some(out))
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        Ok(Arc::new(Quadratic::new(at, &self.of, self.weight, stiffness_product)?))
     }
 }
 
 type Product = fn(&nastic_fem::Discretization, &crate::map::ControlMap, &[f64]) -> Vec<f64>;
 
-/// `(weight/2) m . A m` summed over the components, and its derivative `weight A m`.
-fn quadratic(
-    at: &CostContext,
-    of: &str,
-    weight: f64,
-    product: Product,
-    mut out: Option<&mut Partials>,
-) -> Result<f64, ControlError> {
-    let block = at.layout.block(of)?;
-    let m = block.of(at.m);
-    let mut value = 0.0;
-    for c in 0..block.components {
-        let component: Vec<f64> = m.iter().skip(c).step_by(block.components).copied().collect();
-        let image = product(at.solid.discretization(), &block.map, &component);
-        value += 0.5 * weight * component.iter().zip(&image).map(|(m, a)| m * a).sum::<f64>();
-        if let Some(out) = &mut out {
-            let entries = out.m[block.first..block.first + block.len()].iter_mut().skip(c).step_by(block.components);
-            entries.zip(&image).for_each(|(o, a)| *o += weight * a);
+/// `(weight/2) m . A m` summed over the components, evaluated: its derivative is `weight A m`.
+#[derive(Debug)]
+struct Quadratic {
+    value: f64,
+    /// Where the control field begins in the control vector.
+    first: usize,
+    /// `weight A m`, as the control vector has it.
+    derivative: Vec<f64>,
+}
+
+impl Quadratic {
+    fn new(at: &CostContext, of: &str, weight: f64, product: Product) -> Result<Self, ControlError> {
+        let block = at.layout.block(of)?;
+        let m = block.of(at.m);
+        let (mut value, mut derivative) = (0.0, vec![0.0; m.len()]);
+        for c in 0..block.components {
+            let component: Vec<f64> = m.iter().skip(c).step_by(block.components).copied().collect();
+            let image = product(at.solid.discretization(), &block.map, &component);
+            value += 0.5 * weight * component.iter().zip(&image).map(|(m, a)| m * a).sum::<f64>();
+            let entries = derivative.iter_mut().skip(c).step_by(block.components);
+            entries.zip(&image).for_each(|(d, a)| *d = weight * a);
         }
+        Ok(Quadratic { value, first: block.first, derivative })
     }
-    Ok(value)
+}
+
+impl CostPoint for Quadratic {
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
+        let entries = out.m[self.first..].iter_mut();
+        entries.zip(&self.derivative).for_each(|(o, d)| *o += d);
+        Ok(())
+    }
 }

@@ -1,12 +1,11 @@
-//! [`SmoothedHausdorff`]: how far the deformed body is from a target domain.
+//! [`SmoothedHausdorff`]: the smoothed Hausdorff distance of the deformed body from a target domain.
 
-use super::{Cost, CostContext, IntoCost, Partials, check_weight};
+use super::bound_hausdorff::{BoundHausdorff, Setup, Stage};
+use super::{Cost, IntoCost, check_weight};
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
-use nastic_hausdorff::{Cloud, Evaluation, Method, Phi, Smoothing};
-use nastic_mesh::Mesh;
-use nastic_mesh::{Hausdorff, Shape, hausdorff};
-use nastic_tensor::Mat3;
+use nastic_hausdorff::{Cloud, Phi, Smoothing};
+use nastic_mesh::{Mesh, Shape};
 use std::sync::Arc;
 
 /// The smoothed Hausdorff distance rho between the deformed body and a target domain, times a weight.
@@ -125,7 +124,9 @@ impl SmoothedHausdorff {
         let body_spacing =
             Cloud::new(body_spacing, body.weights().to_vec()).map_err(|e| fail(e.to_string()))?.spacing();
         let spacing = body_spacing.max(cloud.spacing());
-        Ok(BoundHausdorff { body, region: self.region, target: self.target, cloud, shape, stages, weight, spacing })
+        let stages = stages.into_iter().map(Stage::from).collect();
+        let (region, target) = (self.region, self.target);
+        Ok(BoundHausdorff::new(Setup { body, region, target, cloud, shape, stages, weight, spacing }))
     }
 }
 
@@ -144,116 +145,4 @@ fn sample(mesh: &Mesh, region: Option<&str>, points: usize) -> Result<Quadrature
         return Err(ControlError::Cost { what: format!("{} has no cells to measure a distance to", mesh.name()) });
     }
     Ok(QuadraturePoints::of_cells(mesh, cells, |kind| kind.rule_of_points(points))?)
-}
-
-/// [`SmoothedHausdorff`] bound to a body.
-#[derive(Debug)]
-pub struct BoundHausdorff {
-    body: QuadraturePoints,
-    region: Option<String>,
-    target: Arc<Mesh>,
-    cloud: Cloud,
-    shape: Shape,
-    stages: Vec<Smoothing>,
-    weight: f64,
-    /// The coarser of the mean point spacings of body and target.
-    spacing: f64,
-}
-
-impl BoundHausdorff {
-    fn smoothing(&self, stage: usize) -> Smoothing {
-        self.stages[stage.min(self.stages.len() - 1)]
-    }
-
-    fn evaluation(&self, at: &CostContext) -> Result<(Evaluation, Vec<Mat3>), ControlError> {
-        let kinematics = self.body.kinematics(at.u)?;
-        let weights: Vec<f64> = self.body.weights().iter().zip(&kinematics).map(|(w, k)| w * k.j()).collect();
-        let positions = self.body.positions(at.solid.mesh(), Some(at.u));
-        let fail = |e: nastic_hausdorff::HausdorffError| ControlError::Cost { what: e.to_string() };
-        let cloud = Cloud::new(positions, weights).map_err(fail)?;
-        let evaluation = Evaluation::new(&cloud, &self.cloud, self.smoothing(at.stage), Method::Auto).map_err(fail)?;
-        let cofactors = kinematics.iter().map(|k| *k.h()).collect();
-        Ok((evaluation, cofactors))
-    }
-
-    /// The true Hausdorff distance of the deformed body from the target.
-    ///
-    /// # Errors
-    /// A body turned inside out.
-    pub fn true_distance(&self, solid: &Solid, u: &[f64]) -> Result<Hausdorff, ControlError> {
-        let dim = solid.discretization().dim();
-        let mut positions = solid.mesh().points().to_vec();
-        for (x, u) in positions.iter_mut().zip(u.chunks_exact(dim)) {
-            x.iter_mut().zip(u).for_each(|(x, u)| *x += u);
-        }
-        let body = Shape::new(solid.mesh(), &positions, self.region.as_deref());
-        let body = body.map_err(|e| ControlError::Cost { what: e.to_string() })?;
-        hausdorff(&body, &self.shape).map_err(|e| ControlError::Cost { what: e.to_string() })
-    }
-
-    /// rho(T, T): what a perfect match would cost, weight not included.
-    ///
-    /// # Errors
-    /// Parameters out of the range of numbers.
-    pub fn self_distance(&self, stage: usize) -> Result<f64, ControlError> {
-        let own = Evaluation::new(&self.cloud, &self.cloud, self.smoothing(stage), Method::Auto);
-        Ok(own.map_err(|e| ControlError::Cost { what: e.to_string() })?.distance().rho)
-    }
-
-    /// The target.
-    pub fn target(&self) -> &Arc<Mesh> {
-        &self.target
-    }
-}
-
-impl Cost for BoundHausdorff {
-    fn name(&self) -> &str {
-        "smoothed_hausdorff"
-    }
-
-    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
-        Ok(self.weight * self.evaluation(at)?.0.distance().rho)
-    }
-
-    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
-        let (evaluation, cofactors) = self.evaluation(at)?;
-        let partials = evaluation.partials().map_err(|e| ControlError::Cost { what: e.to_string() })?;
-        let dim = at.solid.discretization().dim();
-        let weight = self.weight;
-        let forces: Vec<f64> =
-            partials.points.iter().flat_map(|p| p.iter().take(dim).map(move |p| weight * p)).collect();
-        self.body.spread(&forces, dim, &mut out.u);
-        // dw_q = w_q^0 H : grad v
-        let stresses = cofactors.iter().zip(self.body.weights()).zip(&partials.weights);
-        let stresses: Vec<Mat3> = stresses.map(|((h, w), d)| h * (weight * w * d)).collect();
-        self.body.spread_stress(&stresses, &mut out.u);
-        Ok(weight * evaluation.distance().rho)
-    }
-
-    fn stages(&self) -> usize {
-        self.stages.len()
-    }
-
-    fn figures(&self, at: &CostContext) -> Result<Vec<(String, f64)>, ControlError> {
-        Ok(vec![
-            ("hausdorff/smoothed".to_owned(), self.evaluation(at)?.0.distance().rho),
-            ("hausdorff/true".to_owned(), self.true_distance(at.solid, at.u)?.distance),
-            ("hausdorff/self".to_owned(), self.self_distance(at.stage)?),
-        ])
-    }
-
-    fn warnings(&self, _: &Solid) -> Vec<String> {
-        let coarse = |(k, s): (usize, &Smoothing)| {
-            let length = s.resolution();
-            (length < self.spacing).then(|| {
-                format!(
-                    "stage {} of smoothed_hausdorff resolves {length:.3e}, below the mean spacing {:.3e} of the quadrature \
-                     points: it sees separate points, not a body; lower alpha, or raise the quadrature or the length",
-                    k + 1,
-                    self.spacing
-                )
-            })
-        };
-        self.stages.iter().enumerate().filter_map(coarse).collect()
-    }
 }

@@ -1,6 +1,6 @@
-//! [`Tracking`]: the mean squared distance of a surface, region or node set from wanted positions.
+//! [`Tracking`]: the mean squared distance of a surface, region or node set from target positions.
 
-use super::{Cost, CostContext, IntoCost, Partials, check_weight};
+use super::{Cost, CostContext, CostPoint, IntoCost, Partials, check_weight};
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
 use nastic_mesh::Mesh;
@@ -27,12 +27,12 @@ enum Place {
     Nodes(String),
 }
 
-/// Where the tracked points should be.
+/// Target positions of the tracked points.
 #[derive(Clone)]
 pub enum Target {
-    /// The wanted position of the point that is at X in the reference body.
+    /// The target position of the point that is at X in the reference body.
     Position(Arc<dyn Fn([f64; 3]) -> [f64; 3] + Send + Sync>),
-    /// A wanted displacement by node, flat (`dim` per node), interpolated.
+    /// A target displacement by node, flat (`dim` per node), interpolated.
     Displacement(Vec<f64>),
 }
 
@@ -46,7 +46,7 @@ impl fmt::Debug for Target {
 }
 
 impl Target {
-    /// The wanted position as a function of the reference position.
+    /// The target position as a function of the reference position.
     pub fn position(at: impl Fn([f64; 3]) -> [f64; 3] + Send + Sync + 'static) -> Self {
         Target::Position(Arc::new(at))
     }
@@ -110,35 +110,37 @@ impl Tracking {
         let mesh = solid.mesh();
         // Two points more than the shape functions need: targets are curved.
         let points = match &self.place {
-            Place::Surface(name) => Look::Points(QuadraturePoints::of_facets(mesh, mesh.surface(name)?, |k| {
-                k.rule_of_points(k.order() + 2)
-            })),
+            Place::Surface(name) => {
+                TrackedPoints::Points(QuadraturePoints::of_facets(mesh, mesh.surface(name)?, |k| {
+                    k.rule_of_points(k.order() + 2)
+                }))
+            }
             Place::Region(name) => {
                 let cells = mesh.region(name)?.to_vec();
-                Look::Points(QuadraturePoints::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?)
+                TrackedPoints::Points(QuadraturePoints::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?)
             }
-            Place::Nodes(name) => Look::Nodes(solid.nodes_of(name)?),
+            Place::Nodes(name) => TrackedPoints::Nodes(solid.nodes_of(name)?),
         };
         let target = points.targets(solid, &self.target)?;
-        Ok(BoundTracking { points, target, weight })
+        Ok(BoundTracking { points: Arc::new(points), target, weight })
     }
 }
 
 /// [`Tracking`] bound to a body.
 #[derive(Debug)]
 pub struct BoundTracking {
-    points: Look,
+    points: Arc<TrackedPoints>,
     target: Vec<[f64; 3]>,
     weight: f64,
 }
 
 #[derive(Debug)]
-enum Look {
+enum TrackedPoints {
     Points(QuadraturePoints),
     Nodes(Vec<u32>),
 }
 
-impl Look {
+impl TrackedPoints {
     fn targets(&self, solid: &Solid, target: &Target) -> Result<Vec<[f64; 3]>, ControlError> {
         let reference = self.positions(solid, None);
         let out: Vec<[f64; 3]> = match target {
@@ -165,8 +167,8 @@ impl Look {
     fn positions(&self, solid: &Solid, u: Option<&[f64]>) -> Vec<[f64; 3]> {
         let (mesh, dim) = (solid.mesh(), solid.discretization().dim());
         match self {
-            Look::Points(sampling) => sampling.positions(mesh, u),
-            Look::Nodes(nodes) => {
+            TrackedPoints::Points(points) => points.positions(mesh, u),
+            TrackedPoints::Nodes(nodes) => {
                 let position = |&node: &u32| {
                     let mut x = mesh.points()[node as usize];
                     if let Some(u) = u {
@@ -181,16 +183,16 @@ impl Look {
 
     fn weight(&self, q: usize) -> f64 {
         match self {
-            Look::Points(sampling) => sampling.weights()[q],
-            Look::Nodes(_) => 1.0,
+            TrackedPoints::Points(points) => points.weights()[q],
+            TrackedPoints::Nodes(_) => 1.0,
         }
     }
 
     /// Adds the nodal image of vectors at the points.
     fn spread(&self, values: &[f64], dim: usize, out: &mut [f64]) {
         match self {
-            Look::Points(sampling) => sampling.spread(values, dim, out),
-            Look::Nodes(nodes) => {
+            TrackedPoints::Points(points) => points.spread(values, dim, out),
+            TrackedPoints::Nodes(nodes) => {
                 for (&node, value) in nodes.iter().zip(values.chunks_exact(dim)) {
                     for (i, v) in value.iter().enumerate() {
                         out[node as usize * dim + i] += v;
@@ -201,38 +203,42 @@ impl Look {
     }
 }
 
-impl BoundTracking {
-    /// Distance vectors `x - x_target` at the points.
-    fn gaps(&self, at: &CostContext) -> Vec<[f64; 3]> {
-        let x = self.points.positions(at.solid, Some(at.u));
-        x.iter().zip(&self.target).map(|(x, t)| [x[0] - t[0], x[1] - t[1], x[2] - t[2]]).collect()
-    }
-
-    fn sum(&self, gaps: &[[f64; 3]]) -> f64 {
-        let squares =
-            gaps.iter().enumerate().map(|(q, g)| self.points.weight(q) * g.iter().map(|g| g * g).sum::<f64>());
-        0.5 * self.weight * squares.sum::<f64>()
-    }
-}
-
 impl Cost for BoundTracking {
     fn name(&self) -> &str {
         "tracking"
     }
 
-    fn value(&self, at: &CostContext) -> Result<f64, ControlError> {
-        Ok(self.sum(&self.gaps(at)))
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        let dim = at.solid.discretization().dim();
+        let x = self.points.positions(at.solid, Some(at.u));
+        let (mut squares, mut forces) = (0.0, Vec::with_capacity(dim * x.len()));
+        for (q, (x, target)) in x.iter().zip(&self.target).enumerate() {
+            let gap: [f64; 3] = std::array::from_fn(|i| x[i] - target[i]);
+            let weight = self.points.weight(q);
+            squares += weight * gap.iter().map(|g| g * g).sum::<f64>();
+            forces.extend(gap[..dim].iter().map(|g| self.weight * weight * g));
+        }
+        Ok(Arc::new(TrackingPoint { points: self.points.clone(), dim, value: 0.5 * self.weight * squares, forces }))
+    }
+}
+
+/// [`Tracking`] evaluated.
+#[derive(Debug)]
+struct TrackingPoint {
+    points: Arc<TrackedPoints>,
+    dim: usize,
+    value: f64,
+    /// `weight w_q (x - x_target)` at every point, `dim` numbers each.
+    forces: Vec<f64>,
+}
+
+impl CostPoint for TrackingPoint {
+    fn value(&self) -> f64 {
+        self.value
     }
 
-    fn partials(&self, at: &CostContext, out: &mut Partials) -> Result<f64, ControlError> {
-        let dim = at.solid.discretization().dim();
-        let gaps = self.gaps(at);
-        let weighted = |(q, gap): (usize, &[f64; 3])| {
-            let w = self.weight * self.points.weight(q);
-            (0..dim).map(move |i| w * gap[i]).collect::<Vec<f64>>()
-        };
-        let forces: Vec<f64> = gaps.iter().enumerate().flat_map(weighted).collect();
-        self.points.spread(&forces, dim, &mut out.u);
-        Ok(self.sum(&gaps))
+    fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
+        self.points.spread(&self.forces, self.dim, &mut out.u);
+        Ok(())
     }
 }

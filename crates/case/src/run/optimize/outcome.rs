@@ -29,13 +29,13 @@ pub(super) fn write_start(session: &Session<'_>, start: &EnsemblePoint, derivati
 pub(super) fn report(session: &mut Session<'_>, starts: &Starts) -> Result<(), RunError> {
     let Ended { start, best, work } = starts.best();
     let problem = &session.problem;
-    let mut shown = shown::of_point(problem, &best.point);
+    let mut shown = shown::of_point(problem, &best.point).map_err(|error| session.member_failed(error))?;
     shown.iter_mut().zip(work).for_each(|(one, work)| one.work = *work);
     let entries = shown::entries(problem, &shown, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
     drop(shown);
-    let begin =
-        revalued(problem, start).map(|start| shown::entries(problem, &shown::of_point(problem, &start), Detail::Costs));
+    let begin = revalued(problem, start)
+        .map(|start| shown::entries(problem, &shown::of_point(problem, &start)?, Detail::Costs));
     let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(problem, &best.derivative);
     let controls = summary::controls(problem, &best.m);

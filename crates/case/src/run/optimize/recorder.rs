@@ -116,7 +116,7 @@ impl<'s> Recorder<'s> {
     fn distance(&self, trial: &Trial<'_, EnsemblePoint>) -> Option<f64> {
         let point = trial.point.filter(|_| trial.accepted && self.table.distance)?;
         let of = |(member, at): (crate::lower::CaseMember<'_>, &nastic_control::Evaluated)| {
-            summary::hausdorff(member, &at.state, &at.m, at.stage).ok()?["true"].as_f64()
+            summary::true_distance(&member.reduced().costs_of(at).ok()?).ok()?
         };
         self.problem.members().zip(&point.parts).filter_map(of).reduce(f64::max)
     }

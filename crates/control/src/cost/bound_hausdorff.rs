@@ -1,0 +1,173 @@
+//! [`BoundHausdorff`]: [`SmoothedHausdorff`](super::SmoothedHausdorff) on a body, and its evaluated points.
+
+use super::{Cost, CostContext, CostPoint, Figure, FigureKind, Partials};
+use crate::error::ControlError;
+use nastic_fem::{Discretization, QuadraturePoints, Solid};
+use nastic_hausdorff::{Cloud, Evaluation, HausdorffError, Method, Smoothing};
+use nastic_mesh::{Hausdorff, Mesh, Shape, hausdorff};
+use nastic_tensor::Mat3;
+use std::sync::{Arc, OnceLock};
+
+/// [`SmoothedHausdorff`](super::SmoothedHausdorff) bound to a body.
+#[derive(Debug)]
+pub struct BoundHausdorff(Arc<Setup>);
+
+/// All that does not depend on the displacement, shared with the evaluated points.
+#[derive(Debug)]
+pub(super) struct Setup {
+    pub body: QuadraturePoints,
+    /// Region of the body; `None`: all of it.
+    pub region: Option<String>,
+    pub target: Arc<Mesh>,
+    pub cloud: Cloud,
+    pub shape: Shape,
+    pub stages: Vec<Stage>,
+    pub weight: f64,
+    /// The coarser of the mean point spacings of body and target.
+    pub spacing: f64,
+}
+
+/// The parameters of a stage, and rho(T, T) once it was asked for: it depends on nothing else.
+#[derive(Debug)]
+pub(super) struct Stage {
+    smoothing: Smoothing,
+    self_distance: OnceLock<f64>,
+}
+
+impl From<Smoothing> for Stage {
+    fn from(smoothing: Smoothing) -> Self {
+        Stage { smoothing, self_distance: OnceLock::new() }
+    }
+}
+
+impl Setup {
+    fn stage(&self, stage: usize) -> &Stage {
+        &self.stages[stage.min(self.stages.len() - 1)]
+    }
+
+    fn true_distance(&self, mesh: &Mesh, u: &[f64]) -> Result<Hausdorff, ControlError> {
+        let mut positions = mesh.points().to_vec();
+        for (x, u) in positions.iter_mut().zip(u.chunks_exact(mesh.dim())) {
+            x.iter_mut().zip(u).for_each(|(x, u)| *x += u);
+        }
+        let body = Shape::new(mesh, &positions, self.region.as_deref());
+        let body = body.map_err(|e| ControlError::Cost { what: e.to_string() })?;
+        hausdorff(&body, &self.shape).map_err(|e| ControlError::Cost { what: e.to_string() })
+    }
+
+    fn self_distance(&self, stage: usize) -> Result<f64, ControlError> {
+        let stage = self.stage(stage);
+        if let Some(known) = stage.self_distance.get() {
+            return Ok(*known);
+        }
+        let own = Evaluation::new(&self.cloud, &self.cloud, stage.smoothing, Method::Auto).map_err(failed)?;
+        Ok(*stage.self_distance.get_or_init(|| own.distance().rho))
+    }
+}
+
+fn failed(error: HausdorffError) -> ControlError {
+    ControlError::Cost { what: error.to_string() }
+}
+
+impl BoundHausdorff {
+    pub(super) fn new(setup: Setup) -> Self {
+        BoundHausdorff(Arc::new(setup))
+    }
+
+    /// The true Hausdorff distance of the deformed body from the target.
+    ///
+    /// # Errors
+    /// A body turned inside out.
+    pub fn true_distance(&self, solid: &Solid, u: &[f64]) -> Result<Hausdorff, ControlError> {
+        self.0.true_distance(solid.mesh(), u)
+    }
+
+    /// rho(T, T): the cost of a perfect match, weight not included. Computed once per stage.
+    ///
+    /// # Errors
+    /// Parameters out of the range of numbers.
+    pub fn self_distance(&self, stage: usize) -> Result<f64, ControlError> {
+        self.0.self_distance(stage)
+    }
+
+    /// The target.
+    pub fn target(&self) -> &Arc<Mesh> {
+        &self.0.target
+    }
+}
+
+impl Cost for BoundHausdorff {
+    fn name(&self) -> &str {
+        "smoothed_hausdorff"
+    }
+
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        let setup = self.0.clone();
+        let kinematics = setup.body.kinematics(at.u)?;
+        let weights: Vec<f64> = setup.body.weights().iter().zip(&kinematics).map(|(w, k)| w * k.j()).collect();
+        let positions = setup.body.positions(at.solid.mesh(), Some(at.u));
+        let cloud = Cloud::new(positions, weights).map_err(failed)?;
+        let smoothing = setup.stage(at.stage).smoothing;
+        let evaluation = Evaluation::new(&cloud, &setup.cloud, smoothing, Method::Auto).map_err(failed)?;
+        let discretization = at.solid.discretization().clone();
+        Ok(Arc::new(HausdorffPoint { setup, discretization, u: at.u.to_vec(), stage: at.stage, evaluation }))
+    }
+
+    fn stages(&self) -> usize {
+        self.0.stages.len()
+    }
+
+    fn warnings(&self, _: &Solid) -> Vec<String> {
+        let coarse = |(k, stage): (usize, &Stage)| {
+            let (length, spacing) = (stage.smoothing.resolution(), self.0.spacing);
+            (length < spacing).then(|| {
+                format!(
+                    "stage {} of smoothed_hausdorff resolves {length:.3e}, below the mean spacing {spacing:.3e} of the \
+                     quadrature points: it sees separate points, not a body; lower alpha, or raise the quadrature or \
+                     the length",
+                    k + 1
+                )
+            })
+        };
+        self.0.stages.iter().enumerate().filter_map(coarse).collect()
+    }
+}
+
+/// The distance at one displacement: the pair sums are formed here once, for the value, and kept for the partials.
+#[derive(Debug)]
+struct HausdorffPoint {
+    setup: Arc<Setup>,
+    discretization: Arc<Discretization>,
+    u: Vec<f64>,
+    stage: usize,
+    evaluation: Evaluation,
+}
+
+impl CostPoint for HausdorffPoint {
+    fn value(&self) -> f64 {
+        self.setup.weight * self.evaluation.distance().rho
+    }
+
+    fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
+        let partials = self.evaluation.partials().map_err(failed)?;
+        let (body, weight, dim) = (&self.setup.body, self.setup.weight, self.discretization.dim());
+        let forces: Vec<f64> =
+            partials.points.iter().flat_map(|p| p.iter().take(dim).map(move |p| weight * p)).collect();
+        body.spread(&forces, dim, &mut out.u);
+        // dw_q = w_q^0 H : grad v. H is cheap beside the sums, and large: nine numbers per point.
+        let kinematics = body.kinematics(&self.u)?;
+        let stresses = kinematics.iter().zip(body.weights()).zip(&partials.weights);
+        let stresses: Vec<Mat3> = stresses.map(|((k, w), d)| k.h() * (weight * w * d)).collect();
+        body.spread_stress(&stresses, &mut out.u);
+        Ok(())
+    }
+
+    fn figures(&self) -> Result<Vec<Figure>, ControlError> {
+        let truth = self.setup.true_distance(self.discretization.mesh(), &self.u)?;
+        Ok(vec![
+            Figure::length(FigureKind::SmoothedDistance, self.evaluation.distance().rho),
+            Figure::length(FigureKind::TrueDistance, truth.distance),
+            Figure::length(FigureKind::SelfDistance, self.setup.self_distance(self.stage)?),
+        ])
+    }
+}

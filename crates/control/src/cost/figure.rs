@@ -1,0 +1,49 @@
+//! [`Figure`]: a number that a cost reports beside its value.
+
+/// What a figure is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FigureKind {
+    /// Smoothed Hausdorff distance rho of the deformed body from the target, weight not included.
+    SmoothedDistance,
+    /// Hausdorff distance of the same two solids without smoothing.
+    TrueDistance,
+    /// rho(T, T): the smoothed distance of the target from itself.
+    SelfDistance,
+    /// A figure of a cost from outside the workspace.
+    Other(&'static str),
+}
+
+impl FigureKind {
+    /// Its key in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            FigureKind::SmoothedDistance => "smoothed",
+            FigureKind::TrueDistance => "true",
+            FigureKind::SelfDistance => "self",
+            FigureKind::Other(name) => name,
+        }
+    }
+
+    /// Whether it is one of the three Hausdorff distances.
+    pub fn is_distance(self) -> bool {
+        !matches!(self, FigureKind::Other(_))
+    }
+}
+
+/// A number that a cost reports beside its value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figure {
+    /// What it is.
+    pub kind: FigureKind,
+    /// Its value, in `unit`.
+    pub value: f64,
+    /// SI unit, empty for plain numbers.
+    pub unit: &'static str,
+}
+
+impl Figure {
+    /// A length in metres.
+    pub fn length(kind: FigureKind, value: f64) -> Self {
+        Figure { kind, value, unit: "m" }
+    }
+}
