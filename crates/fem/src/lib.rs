@@ -14,7 +14,11 @@ mod solid;
 mod solution;
 
 pub use adjoint::Adjoint;
+pub use adjoint::reverse_sweep::{StatePartials, Swept};
 pub use contributions::body_energy::{Attached, BodyEnergy};
+pub use contributions::catalogue::{CATALOGUE, Entry};
+pub use contributions::cavity::Cavity;
+pub use contributions::check::check_contribution;
 pub use contributions::controls::Controls;
 pub use contributions::instant::{Instant, TimeStep};
 pub use contributions::sensitivities::Sensitivities;
@@ -29,4 +33,5 @@ pub use nastic_linear::Solver;
 pub use solid::Solid;
 pub use solution::options::{Progress, SolveOptions};
 pub use solution::state::{SolveReport, State};
+pub use solution::trajectory::{Begin, StepTo, Trajectory};
 pub use solution::workspace::Workspace;

@@ -198,9 +198,10 @@ impl Model {
     /// [`max_step`](Self::max_step) of the contributions beside the body energy.
     pub(crate) fn max_step_of_others(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
         let mut least: f64 = 1.0;
-        for contribution in &self.others {
+        self.each_other(at, |contribution, at| {
             least = least.min(contribution.max_step(at, du)?);
-        }
+            Ok(())
+        })?;
         Ok(least)
     }
 
@@ -214,13 +215,45 @@ impl Model {
         Ok(sums)
     }
 
-    /// Internal variables at the end of a time step.
-    pub(crate) fn commit(&self, at: &Instant) -> Vec<f64> {
-        let mut internal = Vec::new();
-        for contribution in &self.others {
-            contribution.commit(at, &mut internal);
+    /// A contribution by name, and the index of its block of controls.
+    pub(crate) fn contribution(&self, name: &str) -> Option<(&dyn Contribution, usize)> {
+        let mut found: Option<(&dyn Contribution, usize)> = None;
+        let mut block = self.body.actuations().len();
+        for contribution in [&self.body as &dyn Contribution, &self.dead_load].into_iter().filter(|c| c.name() == name)
+        {
+            found = Some((contribution, 0));
         }
-        internal
+        for contribution in &self.others {
+            if contribution.name() == name {
+                found = Some((contribution.as_ref(), block));
+            }
+            block += usize::from(!contribution.slots().is_empty());
+        }
+        found
+    }
+
+    /// Named numbers of every contribution that has some: name of the contribution, of the number, value.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where a contribution needs J > 0.
+    pub fn quantities(&self, at: &Instant) -> Result<Vec<(String, &'static str, f64)>, InvertedAt> {
+        let mut all = Vec::new();
+        self.each_other(at, |contribution, at| {
+            let own = contribution.quantities(at);
+            all.extend(own.into_iter().map(|(name, value)| (contribution.name().to_owned(), name, value)));
+            Ok(())
+        })?;
+        Ok(all)
+    }
+
+    /// Internal variables at the end of a time step.
+    pub(crate) fn commit(&self, at: &Instant) -> Result<Vec<f64>, InvertedAt> {
+        let mut internal = Vec::new();
+        self.each(at, |contribution, at| {
+            contribution.commit(at, &mut internal);
+            Ok(())
+        })?;
+        Ok(internal)
     }
 
     /// Calls with every contribution, in a fixed order, and where it is evaluated.
@@ -231,6 +264,14 @@ impl Model {
     ) -> Result<(), InvertedAt> {
         call(&self.body, at)?;
         call(&self.dead_load, at)?;
+        self.each_other(at, call)
+    }
+
+    fn each_other(
+        &self,
+        at: &Instant,
+        mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), InvertedAt>,
+    ) -> Result<(), InvertedAt> {
         let mut block = self.body.actuations().len();
         for contribution in &self.others {
             call(contribution.as_ref(), &Instant { block, ..*at })?;

@@ -3,6 +3,7 @@
 use crate::adjoint::Adjoint;
 use crate::contributions::Contribution;
 use crate::contributions::body_energy::{Attached, BodyEnergy};
+use crate::contributions::cavity::Cavity;
 use crate::contributions::controls::Controls;
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
@@ -240,6 +241,16 @@ impl Solid {
     /// Controls of this body, all zero.
     pub fn controls(&self) -> Controls {
         self.model.controls()
+    }
+
+    /// Adds a cavity under pressure.
+    ///
+    /// # Errors
+    /// As [`Cavity`] says; a name that is taken.
+    pub fn cavity(mut self, cavity: Cavity) -> Result<Self, FemError> {
+        let contribution = cavity.on(self.mesh())?;
+        self.model.add(Arc::new(contribution))?;
+        Ok(self)
     }
 
     /// Adds a contribution of your own to the residual.

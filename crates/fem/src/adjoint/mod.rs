@@ -1,6 +1,8 @@
 //! The adjoint of the state equation, and the inertia of an equilibrium.
 
-use crate::contributions::instant::Instant;
+pub(crate) mod reverse_sweep;
+
+use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::StateError;
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
@@ -87,7 +89,7 @@ impl Model {
         if !quadratic || self.symmetry() != Symmetry::Symmetric {
             return None;
         }
-        let at = self.instant_of(state, how.parallel);
+        let at = self.instant(state, None, how.parallel);
         let product = |v: &[f64], out: &mut [f64]| {
             // NaN ends the iterations
             if !self.tangent_product(&at, v, out).unwrap_or(false) {
@@ -98,9 +100,9 @@ impl Model {
         systems.solve_by_products(&product, &state.u, b, PRODUCTS, report)
     }
 
-    /// Where a static state was evaluated.
-    pub(crate) fn instant_of<'s>(&self, state: &'s State, parallel: bool) -> Instant<'s> {
-        Instant { parallel, ..Instant::new(&state.u, &state.controls, state.load) }
+    /// Where a state was evaluated, at the end of a time step if there is one.
+    pub(crate) fn instant<'s>(&self, state: &'s State, step: Option<&'s TimeStep>, parallel: bool) -> Instant<'s> {
+        Instant { parallel, step, ..Instant::new(&state.u, &state.controls, state.load) }
     }
 
     /// Number of negative eigenvalues of the tangent at a state: 0 for a stable equilibrium.
@@ -127,13 +129,18 @@ impl Model {
 
     /// The tangent K(u, m) at a state, supports not eliminated.
     fn tangent(&self, state: &State, parallel: bool) -> Result<SparseMatrix, StateError> {
+        self.tangent_at(&self.instant(state, None, parallel), state)
+    }
+
+    /// The tangent at the instant of a state.
+    pub(crate) fn tangent_at(&self, at: &Instant, state: &State) -> Result<SparseMatrix, StateError> {
         let mut matrix = self.matrix();
-        let evaluated = self.add_tangent(&self.instant_of(state, parallel), &mut matrix);
-        evaluated.map_err(|at| StateError::Inverted {
+        let last = || Box::new(state.clone());
+        self.add_tangent(at, &mut matrix).map_err(|at| StateError::Inverted {
             at,
             load: state.load,
             cuts: 0,
-            last: Box::new(state.clone()),
+            last: last(),
         })?;
         Ok(matrix)
     }

@@ -1,6 +1,9 @@
 //! What the residual is made of: [`Contribution`]s, summed by [`Model`](crate::Model).
 
 pub(crate) mod body_energy;
+pub mod catalogue;
+pub(crate) mod cavity;
+pub(crate) mod check;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
 pub(crate) mod instant;
@@ -43,6 +46,11 @@ pub trait Contribution: Debug + Send + Sync {
     /// Its controls: numbers for the whole contribution, one per slot (see [`Instant::control`]).
     fn slots(&self) -> &[Slot] {
         &[]
+    }
+
+    /// Named numbers worth reporting of a state: the volume of a cavity, say.
+    fn quantities(&self, _at: &Instant) -> Vec<(&'static str, f64)> {
+        Vec::new()
     }
 
     /// Size of what its controls act on (a volume, say): their weight in the inner product of the control space.

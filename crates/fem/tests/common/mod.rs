@@ -4,6 +4,7 @@
 
 pub mod block;
 pub mod homogeneous;
+pub mod shells;
 
 use nastic_energy::EnergyTerm;
 use nastic_energy::catalogue;

@@ -1,0 +1,173 @@
+//! [`check_contribution`]: what every contribution must fulfil.
+
+use super::{Contribution, Demand, Instant, Sensitivities, Sums};
+use crate::contributions::controls::Controls;
+use crate::contributions::instant::TimeStep;
+use crate::error::InvertedAt;
+use crate::model::Model;
+use nastic_linear::{SparseMatrix, Symmetry};
+use nastic_numeric::Random;
+use nastic_numeric::vector::{dot, max_abs, norm, sub};
+
+/// Relative size of the displacements, as a share of the body's diagonal, at which a contribution is looked at.
+const AMPLITUDE: f64 = 0.02;
+/// Relative error of the sixth-order differences that counts as agreement.
+const TOLERANCE: f64 = 1e-7;
+
+/// Holds a contribution of a model to its contract at displacements, controls and directions drawn at random from a seed:
+/// the residual is the derivative of the potential (where there is one), the tangent that of the residual, static and in a
+/// time step; the tangent is symmetric if said so; products with it are its products; `vjp` is the derivative of
+/// `lambda . r` by controls, velocity and acceleration; the same question has the same answer to the bit.
+///
+/// # Errors
+/// What is violated, where, by how much; an unknown name.
+pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), String> {
+    let (contribution, block) =
+        model.contribution(name).ok_or_else(|| format!("there is no contribution \"{name}\""))?;
+    let mut random = Random::new(seed);
+    let n = model.unknowns().len();
+    let size = AMPLITUDE * model.discretization().mesh().diagonal() / (model.unknowns().nodes as f64).cbrt();
+    let mut draw = |scale: f64| -> Vec<f64> { (0..n).map(|_| scale * random.symmetric()).collect() };
+    let (u, direction, lambda) = (draw(size), draw(size), draw(1.0));
+    let mut before = model.rest();
+    before.u = draw(size).into();
+    before.velocity = Some(draw(size).into());
+    let mut controls = model.controls();
+    for k in 0..controls.len() {
+        let scale = if k == block { 1e3 } else { 0.0 };
+        controls.values_mut(k).iter_mut().for_each(|m| *m = scale * random.symmetric());
+    }
+    let step = TimeStep::backward_euler(&before, 0.3);
+    for step in [None, Some(&step)] {
+        let at = Instant { step, block, ..Instant::new(&u, &controls, 0.7) };
+        let subject = Subject { contribution, model, at };
+        subject.check(&direction, &lambda).map_err(|why| {
+            let when = if step.is_some() { "in a time step" } else { "static" };
+            format!("contribution \"{name}\", {when}: {why}")
+        })?;
+    }
+    Ok(())
+}
+
+struct Subject<'a> {
+    contribution: &'a dyn Contribution,
+    model: &'a Model,
+    at: Instant<'a>,
+}
+
+impl Subject<'_> {
+    fn check(&self, direction: &[f64], lambda: &[f64]) -> Result<(), String> {
+        let told = |at: InvertedAt| at.to_string();
+        let sums = self.sums(self.at).map_err(told)?;
+        if sums.force != self.sums(self.at).map_err(told)?.force {
+            return Err("the residual has other bits when asked again".into());
+        }
+        if self.contribution.has_potential() && self.at.step.is_none() {
+            let slope = difference(|s| Ok(vec![self.sums(self.moved(&self.along(direction, s)))?.energy]))?[0];
+            let found = dot(&sums.force, direction);
+            agree(
+                "the residual along a direction",
+                &[found],
+                "the slope of the potential",
+                &[slope],
+                sums.energy_scale,
+            )?;
+        }
+        let mut tangent = self.model.matrix();
+        self.contribution.add_tangent(&self.at, &mut tangent).map_err(told)?;
+        let product = multiply(&tangent, direction);
+        let expected = difference(|s| Ok(self.sums(self.moved(&self.along(direction, s)))?.force))?;
+        agree(
+            "tangent times a direction",
+            &product,
+            "differences of the residual",
+            &expected,
+            norm(&sums.force_scale),
+        )?;
+        if self.contribution.symmetry() == Symmetry::Symmetric {
+            let (left, right) = (dot(lambda, &product), dot(direction, &multiply(&tangent, lambda)));
+            agree("a . K b", &[left], "b . K a", &[right], norm(lambda) * norm(&product))?;
+        }
+        let mut out = vec![0.0; direction.len()];
+        if self.contribution.add_tangent_product(&self.at, direction, &mut out).map_err(told)? {
+            agree("the product without a matrix", &out, "the tangent times the vector", &product, 0.0)?;
+        }
+        self.check_sensitivities(lambda)
+    }
+
+    fn check_sensitivities(&self, lambda: &[f64]) -> Result<(), String> {
+        let mut found = Sensitivities::zero(self.model.controls(), &self.at);
+        self.contribution.vjp(&self.at, lambda, &mut found).map_err(|at| at.to_string())?;
+        let work = |at: Instant| Ok(vec![dot(lambda, &self.sums(at)?.force)]);
+        let mut random = Random::new(11);
+        for k in 0..found.controls.len() {
+            let along: Vec<f64> = found.controls.values(k).iter().map(|_| 10.0 * random.symmetric()).collect();
+            let moved = |s: f64| -> Controls {
+                let mut controls = self.at.controls.clone();
+                controls.values_mut(k).iter_mut().zip(&along).for_each(|(m, d)| *m += s * d);
+                controls
+            };
+            let expected = difference(|s| work(Instant { controls: &moved(s), ..self.at }))?;
+            let slope = dot(found.controls.values(k), &along);
+            let scale: f64 = found.controls.values(k).iter().zip(&along).map(|(g, d)| (g * d).abs()).sum();
+            agree("the derivative by the controls", &[slope], "differences", &expected, scale)?;
+        }
+        let Some(step) = self.at.step else { return Ok(()) };
+        let offset = |b: &[f64], s: f64| -> Vec<f64> { b.iter().zip(lambda).map(|(b, d)| b + s * d).collect() };
+        let with = |velocity: f64, acceleration: f64| TimeStep {
+            velocity: (step.velocity.0, offset(&step.velocity.1, velocity)),
+            acceleration: (step.acceleration.0, offset(&step.acceleration.1, acceleration)),
+            ..step.clone()
+        };
+        let by_velocity = difference(|s| work(Instant { step: Some(&with(s, 0.0)), ..self.at }))?;
+        let slope = [dot(&found.velocity, lambda)];
+        agree("the derivative by the velocity", &slope, "differences", &by_velocity, norm(&found.velocity))?;
+        let by_acceleration = difference(|s| work(Instant { step: Some(&with(0.0, s)), ..self.at }))?;
+        let slope = [dot(&found.acceleration, lambda)];
+        agree("the derivative by the acceleration", &slope, "differences", &by_acceleration, norm(&found.acceleration))
+    }
+
+    fn sums(&self, at: Instant) -> Result<Sums, InvertedAt> {
+        let mut sums = Sums::zero(self.model.unknowns().len());
+        self.contribution.add_residual(&at, Demand { energy: true, force: true }, &mut sums)?;
+        Ok(sums)
+    }
+
+    fn along(&self, direction: &[f64], s: f64) -> Vec<f64> {
+        self.at.u.iter().zip(direction).map(|(u, d)| u + s * d).collect()
+    }
+
+    fn moved<'u>(&'u self, u: &'u [f64]) -> Instant<'u> {
+        Instant { u, ..self.at }
+    }
+}
+
+fn multiply(tangent: &SparseMatrix, v: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; v.len()];
+    tangent.multiply(v, &mut out);
+    out
+}
+
+/// The derivative at 0 by central differences of sixth order.
+fn difference(f: impl Fn(f64) -> Result<Vec<f64>, InvertedAt>) -> Result<Vec<f64>, String> {
+    const H: f64 = 0.02;
+    let mut sum: Vec<f64> = Vec::new();
+    for (offset, weight) in [(1.0, 45.0), (2.0, -9.0), (3.0, 1.0)] {
+        for sign in [1.0, -1.0] {
+            let value = f(sign * offset * H).map_err(|at| at.to_string())?;
+            sum.resize(value.len(), 0.0);
+            sum.iter_mut().zip(&value).for_each(|(s, v)| *s += sign * weight * v / (60.0 * H));
+        }
+    }
+    Ok(sum)
+}
+
+/// Whether two vectors agree beside their size and what they are the difference of.
+fn agree(what: &str, found: &[f64], other: &str, expected: &[f64], scale: f64) -> Result<(), String> {
+    let error = max_abs(&sub(found, expected));
+    let allowed = TOLERANCE * max_abs(expected).max(max_abs(found)) + 1e-9 * scale;
+    if error <= allowed {
+        return Ok(());
+    }
+    Err(format!("{what} differs from {other} by {error:.3e} of {:.3e}", max_abs(expected)))
+}

@@ -1,0 +1,353 @@
+//! Contributions: the contract of every member of the catalogue and of some that only a test needs; problems in time and
+//! without a potential, which prove that the model carries them.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+
+use common::block::STRICT;
+use common::{Outcome, largest, noise, regular};
+use nastic_energy::{FiberTension, NeoHooke, Slot};
+use nastic_fem::{
+    CATALOGUE, Contribution, Demand, Instant, InvertedAt, Sensitivities, Solid, SolveOptions, StatePartials, StepTo,
+    Sums, Trajectory, Workspace, check_contribution,
+};
+use nastic_linear::{SparseMatrix, Symmetry};
+use nastic_mesh::CellKind;
+use nastic_tensor::Vec3;
+
+/// Point masses and dampers to the ground at every node: `r = mass a + damping v + stiffness u`, less a control.
+#[derive(Debug, Clone)]
+struct Oscillators {
+    mass: f64,
+    damping: f64,
+    stiffness: f64,
+}
+
+const PUSH: [Slot; 1] = [Slot::scalar("push", "N")];
+
+impl Contribution for Oscillators {
+    fn name(&self) -> &str {
+        "oscillators"
+    }
+
+    fn slots(&self) -> &[Slot] {
+        &PUSH
+    }
+
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+        for dof in 0..at.u.len() {
+            let u = at.u[dof];
+            // the incremental potential of backward Euler, whose velocity and acceleration are linear in u
+            if let Some(step) = at.step {
+                let (c_v, b_v) = (step.velocity.0, step.velocity.1[dof]);
+                let (c_a, b_a) = (step.acceleration.0, step.acceleration.1[dof]);
+                sums.energy += self.mass * (0.5 * c_a * u + b_a) * u + self.damping * (0.5 * c_v * u + b_v) * u;
+            }
+            sums.energy += 0.5 * self.stiffness * u * u - at.control(0) * u;
+            if demand.force {
+                let inertia = self.mass * at.acceleration(dof) + self.damping * at.velocity(dof);
+                sums.force[dof] += inertia + self.stiffness * u - at.control(0);
+                sums.force_scale[dof] += inertia.abs() + (self.stiffness * u).abs() + at.control(0).abs();
+            }
+        }
+        Ok(())
+    }
+
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        let step = at.step.map_or(0.0, |step| self.mass * step.acceleration.0 + self.damping * step.velocity.0);
+        tangent.add_to_diagonal(self.stiffness + step);
+        Ok(())
+    }
+
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+        into.add_control(at, 0, -lambda.iter().sum::<f64>());
+        into.velocity.iter_mut().zip(lambda).for_each(|(v, l)| *v += self.damping * l);
+        into.acceleration.iter_mut().zip(lambda).for_each(|(a, l)| *a += self.mass * l);
+        Ok(())
+    }
+}
+
+/// A force on every node that turns with its displacement: `f = control (1 + s u_y, -s u_x, 0)`, not conservative.
+#[derive(Debug, Clone)]
+struct Swirl {
+    nodes: Vec<u32>,
+    rate: f64,
+}
+
+const SWIRL: [Slot; 1] = [Slot::scalar("force", "N")];
+
+impl Contribution for Swirl {
+    fn name(&self) -> &str {
+        "swirl"
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        Symmetry::General
+    }
+
+    fn has_potential(&self) -> bool {
+        false
+    }
+
+    fn slots(&self) -> &[Slot] {
+        &SWIRL
+    }
+
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+        for &node in self.nodes.iter().filter(|_| demand.force) {
+            let dof = 3 * node as usize;
+            let force = self.force(at.u, dof).map(|f| at.control(0) * f);
+            for i in 0..2 {
+                sums.force[dof + i] -= force[i];
+                sums.force_scale[dof + i] += force[i].abs();
+            }
+        }
+        Ok(())
+    }
+
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        let s = at.control(0) * self.rate;
+        let element = [0.0, -s, 0.0, s, 0.0, 0.0, 0.0, 0.0, 0.0];
+        for &node in &self.nodes {
+            let map = tangent.pattern().scatter_map(&[node]).unwrap();
+            tangent.add_element(&map, &element);
+        }
+        Ok(())
+    }
+
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+        let work = |&node: &u32| {
+            let dof = 3 * node as usize;
+            let force = self.force(at.u, dof);
+            -(force[0] * lambda[dof] + force[1] * lambda[dof + 1])
+        };
+        into.add_control(at, 0, self.nodes.iter().map(work).sum());
+        Ok(())
+    }
+}
+
+impl Swirl {
+    fn force(&self, u: &[f64], dof: usize) -> [f64; 2] {
+        [1.0 + self.rate * u[dof + 1], -self.rate * u[dof]]
+    }
+}
+
+fn bar() -> Outcome<Solid> {
+    Ok(Solid::new(regular(CellKind::Hex8, [1.0, 0.3, 0.3], [4, 1, 1])?)?
+        .material("body", NeoHooke::new(1e3, 2e3)?)?
+        .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
+        .clamp("x-")?)
+}
+
+fn swirling() -> Outcome<Solid> {
+    let bar = bar()?;
+    let nodes = bar.nodes_of("x+")?;
+    Ok(bar.contribution(Swirl { nodes, rate: 2.0 })?)
+}
+
+fn oscillating() -> Outcome<Solid> {
+    Ok(bar()?.contribution(Oscillators { mass: 0.3, damping: 0.2, stiffness: 1.5 })?)
+}
+
+#[test]
+fn every_contribution_keeps_its_contract() -> Outcome {
+    for entry in CATALOGUE {
+        let solid = (entry.example)()?;
+        (0..3).try_for_each(|seed| check_contribution(solid.model(), entry.name, seed))?;
+    }
+    check_contribution(oscillating()?.model(), "oscillators", 5)?;
+    check_contribution(swirling()?.model(), "swirl", 5)?;
+    assert!(check_contribution(bar()?.model(), "swirl", 5).is_err());
+    Ok(())
+}
+
+/// Wrong on purpose, one line each; the contract test names it.
+#[test]
+fn a_broken_contract_is_told() -> Outcome {
+    #[derive(Debug, Clone)]
+    struct Broken(Oscillators, &'static str);
+    impl Contribution for Broken {
+        fn name(&self) -> &str {
+            "broken"
+        }
+        fn slots(&self) -> &[Slot] {
+            &PUSH
+        }
+        fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+            self.0.add_residual(at, demand, sums)?;
+            if self.1 == "potential" {
+                sums.energy += 0.1 * at.u[30];
+            }
+            Ok(())
+        }
+        fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+            self.0.add_tangent(at, tangent)?;
+            if self.1 == "tangent" {
+                tangent.add_to_diagonal(1e-3);
+            }
+            Ok(())
+        }
+        fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+            self.0.vjp(at, lambda, into)?;
+            match self.1 {
+                "controls" => into.add_control(at, 0, 1e-3 * lambda[0]),
+                "velocity" => into.velocity.iter_mut().for_each(|v| *v *= 1.001),
+                "acceleration" => into.acceleration.iter_mut().for_each(|a| *a *= 0.999),
+                _ => {}
+            }
+            Ok(())
+        }
+    }
+    let right = Oscillators { mass: 0.3, damping: 0.2, stiffness: 1.5 };
+    for wrong in ["potential", "tangent", "controls", "velocity", "acceleration"] {
+        let solid = bar()?.contribution(Broken(right.clone(), wrong))?;
+        let why = check_contribution(solid.model(), "broken", 3).err().ok_or(format!("{wrong} passes"))?;
+        assert!(why.contains(wrong), "{wrong}: {why}");
+    }
+    Ok(())
+}
+
+#[test]
+fn names_are_taken_once() -> Outcome {
+    let error =
+        swirling()?.contribution(Swirl { nodes: vec![1], rate: 0.0 }).err().ok_or("two contributions of one name")?;
+    assert!(error.to_string().contains("swirl"), "{error}");
+    Ok(())
+}
+
+/// Without a potential: solved, with an adjoint that is that of the transposed tangent.
+#[test]
+fn a_force_without_a_potential_is_solved_and_differentiated() -> Outcome {
+    let solid = swirling()?;
+    let mut controls = solid.controls();
+    let block = controls.len() - 1;
+    controls.values_mut(block)[0] = 6.0;
+    controls.values_mut(0).fill(-100.0);
+    let state = solid.solve(&controls, &STRICT)?;
+    assert!(largest(&state.u) > 0.02, "it hardly moves: {:e}", largest(&state.u));
+    let sums = solid.model().evaluate(&Instant::new(&state.u, &controls, 1.0), Demand { energy: true, force: true })?;
+    let mut residual = sums.force;
+    solid.supports().clear(&mut residual);
+    assert!(largest(&residual) < 1e-10, "{:e}", largest(&residual));
+
+    let mut wish: Vec<f64> = (0..state.u.len()).map(noise).collect();
+    solid.supports().clear(&mut wish);
+    let partials = StatePartials { u: wish.clone(), ..StatePartials::default() };
+    let trajectory = Trajectory::from(state.clone());
+    let swept = solid.model().reverse_sweep(&trajectory, &[partials], &STRICT, &mut Workspace::default())?;
+    let value = |t: f64| -> Outcome<f64> {
+        let mut moved = controls.clone();
+        moved.values_mut(block)[0] += t;
+        let u = solid.solve(&moved, &SolveOptions { near: Some(&state), ..STRICT })?.u;
+        Ok(u.iter().zip(&wish).map(|(u, c)| u * c).sum())
+    };
+    let difference = |s: f64| -> Outcome<f64> { Ok(value(0.05 * s)? - value(-0.05 * s)?) };
+    let expected = (45.0 * difference(1.0)? - 9.0 * difference(2.0)? + difference(3.0)?) / (60.0 * 0.05);
+    let found = swept.controls[0].values(block)[0];
+    assert!((found / expected - 1.0).abs() < 1e-8, "{found} where differences give {expected}");
+    Ok(())
+}
+
+/// Masses on a soft bar, pushed step by step.
+fn pushed(solid: &Solid, pushes: &[f64], begin: &Trajectory) -> Outcome<Trajectory> {
+    let mut trajectory = begin.clone();
+    let steps: Vec<StepTo> = pushes
+        .iter()
+        .enumerate()
+        .map(|(n, &push)| {
+            let mut controls = solid.controls();
+            controls.values_mut(1)[0] = push;
+            controls.values_mut(0).fill(-50.0 * push);
+            StepTo { dt: 0.1 + 0.02 * n as f64, controls }
+        })
+        .collect();
+    solid.model().advance(&mut trajectory, &steps, &STRICT, &mut Workspace::default())?;
+    Ok(trajectory)
+}
+
+/// One mass on springs alone: backward Euler's own recurrence.
+#[test]
+fn steps_are_those_of_backward_euler() -> Outcome {
+    let (mass, damping, stiffness) = (0.3, 0.2, 1.5);
+    let solid = Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
+        .material("body", NeoHooke::new(1e-9, 0.0)?)?
+        .clamp("x-")?
+        .contribution(Oscillators { mass, damping, stiffness })?;
+    let mut trajectory = Trajectory::from_given(solid.rest());
+    let mut controls = solid.controls();
+    controls.values_mut(0)[0] = 0.01;
+    let steps = vec![StepTo { dt: 0.1, controls }; 5];
+    solid.model().advance(&mut trajectory, &steps, &STRICT, &mut Workspace::default())?;
+    let (mut u, mut v, h) = (0.0, 0.0, 0.1);
+    let free = solid.supports().fixed().iter().position(|fixed| !fixed).ok_or("nothing is free")?;
+    for state in &trajectory.states()[1..] {
+        v = (v + h / mass * (0.01 - stiffness * u)) / (1.0 + h * damping / mass + h * h * stiffness / mass);
+        u += h * v;
+        assert!((state.u[free] - u).abs() < 1e-8 * u.abs(), "{} instead of {u}", state.u[free]);
+        let velocity = state.velocity.as_ref().ok_or("a step without a velocity")?[free];
+        assert!((velocity - v).abs() < 1e-8 * v.abs(), "{velocity} instead of {v}");
+    }
+    assert!((trajectory.end().time - 0.5).abs() < 1e-15);
+    Ok(())
+}
+
+/// The derivative by the control of every instant, the first equilibrium's included, against differences of whole runs.
+#[test]
+fn the_reverse_sweep_is_the_derivative_of_the_run() -> Outcome {
+    let solid = oscillating()?;
+    let pushes = [0.3, -0.2, 0.5, 0.1, -0.4];
+    let dofs = solid.rest().u.len();
+    let weights: Vec<Vec<f64>> =
+        (0..=2 * pushes.len() + 1).map(|k| (0..dofs).map(|i| noise(i + 1000 * k)).collect()).collect();
+    for (name, given) in [("a given state", true), ("an equilibrium", false)] {
+        let run = |first: f64, pushes: &[f64]| -> Outcome<Trajectory> {
+            let begin = match given {
+                true => Trajectory::from_given(solid.rest()),
+                false => {
+                    let mut controls = solid.controls();
+                    controls.values_mut(1)[0] = first;
+                    Trajectory::from(solid.solve(&controls, &STRICT)?)
+                }
+            };
+            pushed(&solid, pushes, &begin)
+        };
+        let value = |trajectory: &Trajectory| -> f64 {
+            let of = |(n, state): (usize, &nastic_fem::State)| {
+                let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+                let v = state.velocity.as_ref().map_or(0.0, |v| dot(&weights[2 * n + 1], v));
+                dot(&weights[2 * n], &state.u) + 0.1 * v
+            };
+            trajectory.states().iter().enumerate().map(of).sum()
+        };
+        let base = run(0.2, &pushes)?;
+        let partials: Vec<StatePartials> = (0..=pushes.len())
+            .map(|n| StatePartials {
+                u: weights[2 * n].clone(),
+                velocity: if n == 0 { vec![] } else { weights[2 * n + 1].iter().map(|w| 0.1 * w).collect() },
+            })
+            .collect();
+        let swept = solid.model().reverse_sweep(&base, &partials, &STRICT, &mut Workspace::default())?;
+        for n in usize::from(given)..=pushes.len() {
+            let moved = |t: f64| -> Outcome<f64> {
+                let mut pushes = pushes;
+                match n {
+                    0 => return Ok(value(&run(0.2 + t, &pushes)?)),
+                    n => pushes[n - 1] += t,
+                }
+                Ok(value(&run(0.2, &pushes)?))
+            };
+            const H: f64 = 1e-2;
+            let difference = |s: f64| -> Outcome<f64> { Ok(moved(s * H)? - moved(-s * H)?) };
+            let expected = (45.0 * difference(1.0)? - 9.0 * difference(2.0)? + difference(3.0)?) / (60.0 * H);
+            let by = &swept.controls[n];
+            let fibre = if n == 0 { 0.0 } else { -50.0 * by.values(0).iter().sum::<f64>() };
+            let found = by.values(1)[0] + fibre;
+            assert!(
+                (found - expected).abs() < 1e-7 * expected.abs().max(1.0),
+                "{name}, instant {n}: {found}, {expected}"
+            );
+        }
+    }
+    Ok(())
+}
