@@ -7,7 +7,7 @@ mod bent_skins;
 
 use bent_skins::BentSkins;
 use divan::Bencher;
-use nastic::hausdorff::Method;
+use nastic::hausdorff::Summation;
 
 const PHIS: [&str; 3] = ["exp", "rat", "smooth"];
 const ALPHA: f64 = 60.0;
@@ -24,11 +24,11 @@ fn problem(phi: &str, n: usize) -> BentSkins {
 #[divan::bench(args = PHIS, consts = [1_000, 10_000, 100_000], sample_count = 5)]
 fn value<const N: usize>(bencher: Bencher, phi: &str) {
     let problem = problem(phi, N);
-    bencher.bench(|| problem.value(Method::Auto));
+    bencher.bench(|| problem.value(Summation::default()));
 }
 
 #[divan::bench(args = PHIS, consts = [1_000, 10_000, 100_000], sample_count = 5)]
 fn value_and_gradient<const N: usize>(bencher: Bencher, phi: &str) {
     let problem = problem(phi, N);
-    bencher.bench(|| problem.value_and_gradient(Method::Auto));
+    bencher.bench(|| problem.value_and_gradient(Summation::default()));
 }

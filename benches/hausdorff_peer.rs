@@ -2,7 +2,7 @@
 //! with the keys of the Python script it is compared with.
 //!
 //! `cargo bench --bench hausdorff_peer -- n=10000 phi=exp alpha=60 grad=1 reps=5` (several n: `n=1000,10000`); threads
-//! are set by `RAYON_NUM_THREADS`; `method=direct` and `tree=1e-9` (a tolerance) replace the automatic choice. Up to 1e5 points
+//! are set by `RAYON_NUM_THREADS`; `tolerance=1e-9` and `tolerance=0` (all pairs) replace 1e-10. Up to 1e5 points
 //! the line also has the errors against the direct sum, unless `check=0`.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
@@ -10,7 +10,7 @@
 mod bent_skins;
 
 use bent_skins::BentSkins;
-use nastic::hausdorff::Method;
+use nastic::hausdorff::Summation;
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
@@ -24,7 +24,7 @@ struct Options {
     alpha: f64,
     gradient: bool,
     repetitions: usize,
-    method: Method,
+    summation: Summation,
     check: bool,
 }
 
@@ -36,7 +36,7 @@ impl Options {
             alpha: 60.0,
             gradient: true,
             repetitions: 5,
-            method: Method::Auto,
+            summation: Summation::default(),
             check: true,
         };
         // Cargo adds `--bench`.
@@ -47,9 +47,8 @@ impl Options {
                 Some(("alpha", alpha)) => options.alpha = alpha.parse()?,
                 Some(("grad", flag)) => options.gradient = flag == "1",
                 Some(("reps", count)) => options.repetitions = count.parse::<usize>()?.max(1),
-                Some(("method", "auto")) => options.method = Method::Auto,
-                Some(("method", "direct")) => options.method = Method::Direct,
-                Some(("tree", tolerance)) => options.method = Method::Tree { tolerance: tolerance.parse()? },
+                Some(("tolerance", "0")) => options.summation = Summation::Direct,
+                Some(("tolerance", value)) => options.summation = Summation::Truncated { tolerance: value.parse()? },
                 Some(("check", flag)) => options.check = flag == "1",
                 _ => return Err(format!("{argument}: see the head of benches/hausdorff_peer.rs").into()),
             }
@@ -70,10 +69,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut seconds = Vec::new();
         let run = || -> Result<_, Box<dyn Error>> {
             Ok(if options.gradient {
-                let (value, gradient) = problem.value_and_gradient(options.method)?;
+                let (value, gradient) = problem.value_and_gradient(options.summation)?;
                 (value, Some(gradient))
             } else {
-                (problem.value(options.method)?, None)
+                (problem.value(options.summation)?, None)
             })
         };
         let (value, gradient) = run()?;
@@ -83,7 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             seconds.push(start.elapsed().as_secs_f64());
         }
         seconds.sort_by(f64::total_cmp);
-        let counts = problem.pairs(options.method)?.counts();
+        let counts = problem.pairs(options.summation)?.counts();
         let mut line = format!(
             r#"{{"peer":"nastic","n":{n},"phi":"{}","alpha":{},"value":{value:?},"median_s":{:.6},"min_s":{:.6}"#,
             options.phi,
@@ -91,19 +90,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             seconds[seconds.len() / 2],
             seconds[0],
         );
-        let share = |pairs: f64| pairs / counts.all;
-        line += &format!(
-            r#","near":{:.4},"single":{:.4},"far":{:.4},"grid":{:.5}"#,
-            share(counts.near),
-            share(counts.single),
-            share(counts.far),
-            share(counts.grid)
-        );
+        line += &format!(r#","summed":{:.4}"#, counts.summed / counts.all);
         if let Some(gradient) = &gradient {
             line += &format!(r#","grad_norm":{:?}"#, norm(gradient));
         }
         if options.check && n <= DIRECT_UP_TO {
-            let (exact, exact_gradient) = problem.value_and_gradient(Method::Direct)?;
+            let (exact, exact_gradient) = problem.value_and_gradient(Summation::Direct)?;
             line += &format!(r#","value_error":{:.1e}"#, ((value - exact) / exact).abs());
             if let Some(gradient) = &gradient {
                 let apart = |(a, b): (&[f64; 3], &[f64; 3])| std::array::from_fn(|d| a[d] - b[d]);

@@ -5,7 +5,7 @@
 //! I(y) = (1/N sum_x phi(|y - x|)^alpha)^(1/alpha),    rho = mean_y (phi(0) - I(y)) + the same with x and y exchanged
 //! ```
 
-use nastic::hausdorff::{Cloud, HausdorffError, Method, Pairs, Phi};
+use nastic::hausdorff::{Cloud, HausdorffError, Pairs, Phi, Summation};
 
 /// The angle per length by which the body is bent.
 const BEND: f64 = 0.6;
@@ -87,28 +87,28 @@ impl BentSkins {
     }
 
     /// All that depends on the body: its tree and the choice of pairs.
-    pub fn pairs(&self, method: Method) -> Result<Pairs, HausdorffError> {
+    pub fn pairs(&self, summation: Summation) -> Result<Pairs, HausdorffError> {
         let body = Cloud::new(self.points.clone(), vec![1.0; self.points.len()])?;
-        Pairs::new(&body, &self.target, self.phi, self.alpha, method)
+        Pairs::new(&body, &self.target, self.phi, self.alpha, summation)
     }
 
     /// rho.
-    pub fn value(&self, method: Method) -> Result<f64, HausdorffError> {
-        let sums = self.pairs(method)?.log_sums();
-        Ok(self.side(&sums.target).0 + self.side(&sums.body).0)
+    pub fn value(&self, summation: Summation) -> Result<f64, HausdorffError> {
+        let sums = self.pairs(summation)?.log_sums();
+        Ok(self.mean(&sums.target).0 + self.mean(&sums.body).0)
     }
 
     /// rho and its derivative by the body's points.
-    pub fn value_and_gradient(&self, method: Method) -> Result<(f64, Vec<[f64; 3]>), HausdorffError> {
-        let pairs = self.pairs(method)?;
+    pub fn value_and_gradient(&self, summation: Summation) -> Result<(f64, Vec<[f64; 3]>), HausdorffError> {
+        let pairs = self.pairs(summation)?;
         let sums = pairs.log_sums();
-        let (to_body, by_target) = self.side(&sums.target);
-        let (to_target, by_body) = self.side(&sums.body);
+        let (to_body, by_target) = self.mean(&sums.target);
+        let (to_target, by_body) = self.mean(&sums.body);
         Ok((to_body + to_target, pairs.vjp(&sums, &by_target, &by_body)?.points))
     }
 
     /// One of the two means, and its derivative by the logarithms.
-    fn side(&self, logs: &[f64]) -> (f64, Vec<f64>) {
+    fn mean(&self, logs: &[f64]) -> (f64, Vec<f64>) {
         let (count, at_zero) = (logs.len() as f64, self.phi.value(0.0));
         let soft = logs.iter().map(|log| (log / self.alpha).exp());
         let mean = soft.clone().map(|soft| at_zero - soft).sum::<f64>() / count;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::bounds::{Bounds, norm};
+use super::bounding_box::{BoundingBox, norm};
 use super::error::HausdorffError;
 use super::tree::Tree;
 
@@ -98,10 +98,10 @@ impl Cloud {
         &self.inner.tree
     }
 
-    fn nearest_other(&self, boxes: &[Bounds], index: usize) -> f64 {
+    fn nearest_other(&self, boxes: &[BoundingBox], index: usize) -> f64 {
         let tree = self.tree();
         let x = self.points()[index];
-        let here = Bounds::point(x);
+        let here = BoundingBox::point(x);
         let mut best = f64::INFINITY;
         let mut stack = vec![(0.0, 0u32)];
         while let Some((gap, node)) = stack.pop() {
@@ -128,23 +128,23 @@ impl Cloud {
     }
 }
 
-fn bounds(points: &[[f64; 3]]) -> Bounds {
-    points.iter().fold(Bounds::EMPTY, |all, &x| all.join(&Bounds::point(x)))
+fn bounds(points: &[[f64; 3]]) -> BoundingBox {
+    points.iter().fold(BoundingBox::EMPTY, |all, &x| all.join(&BoundingBox::point(x)))
 }
 
 /// The box of every node of `tree` around `points` (in the cloud's numbering).
-fn node_bounds(tree: &Tree, points: &[[f64; 3]]) -> Vec<Bounds> {
+fn node_bounds(tree: &Tree, points: &[[f64; 3]]) -> Vec<BoundingBox> {
     fit(tree, |k| points[tree.order[k] as usize])
 }
 
 /// The box of every node of `tree`, from the points in tree order.
-pub(super) fn fit(tree: &Tree, point: impl Fn(usize) -> [f64; 3]) -> Vec<Bounds> {
-    let mut boxes = vec![Bounds::EMPTY; tree.nodes.len()];
+pub(super) fn fit(tree: &Tree, point: impl Fn(usize) -> [f64; 3]) -> Vec<BoundingBox> {
+    let mut boxes = vec![BoundingBox::EMPTY; tree.nodes.len()];
     // Preorder: children come after their parent, so backwards they come first.
     for node in (0..tree.nodes.len()).rev() {
         let it = &tree.nodes[node];
         boxes[node] = if it.is_leaf() {
-            it.range().fold(Bounds::EMPTY, |all, k| all.join(&Bounds::point(point(k))))
+            it.range().fold(BoundingBox::EMPTY, |all, k| all.join(&BoundingBox::point(point(k))))
         } else {
             let [left, right] = tree.children(node as u32);
             boxes[left as usize].join(&boxes[right as usize])

@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::cloud::Cloud;
 use super::error::HausdorffError;
-use super::pairs::{LogSums, Method, Pairs};
+use super::pairs::{LogSums, Pairs};
 use super::smoothing::Smoothing;
+use super::summation::Summation;
 
-/// rho and its two sides (metres).
+/// rho and its two directions (metres).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
     /// ((D1^gamma + D2^gamma) / sqrt 2)^(1/gamma).
@@ -55,8 +56,13 @@ impl Evaluation {
     /// The value alone: what a line search needs.
     ///
     /// Errors: a result out of the range of numbers.
-    pub fn new(body: &Cloud, target: &Cloud, smoothing: Smoothing, method: Method) -> Result<Self, HausdorffError> {
-        let pairs = Pairs::new(body, target, smoothing.phi(), smoothing.alpha(), method)?;
+    pub fn new(
+        body: &Cloud,
+        target: &Cloud,
+        smoothing: Smoothing,
+        summation: Summation,
+    ) -> Result<Self, HausdorffError> {
+        let pairs = Pairs::new(body, target, smoothing.phi(), smoothing.alpha(), summation)?;
         let sums = pairs.log_sums();
         let to_body = OneSided::new("D1", &smoothing, &sums.target, target)?;
         let to_target = OneSided::new("D2", &smoothing, &sums.body, body)?;
@@ -100,10 +106,10 @@ impl Evaluation {
         let by_d2 = self.by_side(self.to_target.mean);
         let by_target = self.to_body.seeds(by_d1, &self.smoothing, target);
         let by_body = self.to_target.seeds(by_d2, &self.smoothing, body);
-        let pulled = self.pairs.vjp(&self.sums, &by_target, &by_body)?;
+        let vjp = self.pairs.vjp(&self.sums, &by_target, &by_body)?;
         let own = self.to_target.by_weight(by_d2, &self.smoothing, body);
-        let weights = pulled.weights.iter().zip(own).map(|(through_a, own)| through_a + own).collect();
-        let partials = Partials { points: pulled.points, weights };
+        let weights = vjp.weights.iter().zip(own).map(|(through_a, own)| through_a + own).collect();
+        let partials = Partials { points: vjp.points, weights };
         partials.points.iter().flatten().chain(&partials.weights).try_for_each(|&d| finite("derivative", d))?;
         Ok(partials)
     }
@@ -114,7 +120,7 @@ impl Evaluation {
     }
 }
 
-/// One of the two sides: distances at the points of a cloud and their mean of power beta.
+/// One of the two directions: distances at the points of a cloud and their mean of power beta.
 #[derive(Debug)]
 struct OneSided {
     distances: Vec<f64>,

@@ -20,29 +20,6 @@ pub(super) trait Form: Copy + Send + Sync {
     /// log2 E(r).
     fn at(self, r: f64) -> f64;
 
-    /// Added in squares to the distances below: sqrt(r^2 + softening^2) is what the kernel is a function of.
-    fn softening(self) -> f64 {
-        0.0
-    }
-
-    /// A bound of |g(r) (x - y)_d| where Re r >= sqrt(m^2 - c) and |x - y|^2 <= m^2 + eta2, for m^2 >= near2 > c.
-    fn pull(self, near2: f64, c: f64, eta2: f64) -> f64;
-
-    /// The largest real |g(r) r| for r >= near.
-    fn slope(self, near: f64) -> f64;
-
-    /// d log2 E / dr.
-    fn log_slope(self, r: f64) -> f64;
-
-    /// The largest second derivative of log2 E, or zero, at distances from `near` on.
-    fn bulge(self, near: f64) -> f64;
-
-    /// The largest downward one.
-    fn dip(self, near: f64) -> f64;
-
-    /// How much log2 |E| may rise above log2 E(m) where Re r >= sqrt(m^2 - c), for m >= near.
-    fn loss(self, near: f64, c: f64) -> f64;
-
     /// The factor above.
     fn factor(self) -> f64;
 }
@@ -79,30 +56,6 @@ impl Form for Exponential {
         -r
     }
 
-    fn pull(self, near2: f64, c: f64, eta2: f64) -> f64 {
-        ((near2 + eta2) / (near2 - c)).sqrt()
-    }
-
-    fn slope(self, _near: f64) -> f64 {
-        1.0
-    }
-
-    fn log_slope(self, _r: f64) -> f64 {
-        -1.0
-    }
-
-    fn bulge(self, _near: f64) -> f64 {
-        0.0
-    }
-
-    fn dip(self, near: f64) -> f64 {
-        1.0 / near
-    }
-
-    fn loss(self, near: f64, c: f64) -> f64 {
-        shortening(near, c)
-    }
-
     fn factor(self) -> f64 {
         LN_2
     }
@@ -125,32 +78,6 @@ impl Form for Inverse {
 
     fn at(self, r: f64) -> f64 {
         -self.alpha * LOG2_E * r.ln_1p()
-    }
-
-    fn pull(self, near2: f64, c: f64, eta2: f64) -> f64 {
-        let shortest = (near2 - c).sqrt();
-        (near2 + eta2).sqrt() / (shortest * (1.0 + shortest))
-    }
-
-    fn slope(self, near: f64) -> f64 {
-        1.0 / (1.0 + near)
-    }
-
-    fn log_slope(self, r: f64) -> f64 {
-        -self.alpha * LOG2_E / (1.0 + r)
-    }
-
-    fn bulge(self, near: f64) -> f64 {
-        self.alpha * LOG2_E / ((1.0 + near) * (1.0 + near))
-    }
-
-    fn dip(self, near: f64) -> f64 {
-        self.alpha * LOG2_E / (near * (1.0 + near))
-    }
-
-    fn loss(self, near: f64, c: f64) -> f64 {
-        let shorter = shortening(near, c);
-        self.alpha * LOG2_E * shorter / (1.0 + near - shorter)
     }
 
     fn factor(self) -> f64 {
@@ -176,45 +103,9 @@ impl Form for SmoothInverse {
         -0.5 * self.alpha * LOG2_E * (r * r).ln_1p()
     }
 
-    fn softening(self) -> f64 {
-        1.0
-    }
-
-    fn pull(self, near2: f64, c: f64, eta2: f64) -> f64 {
-        // s / (s^2 - c) falls with s = sqrt(m^2 + 1).
-        (near2.sqrt() + eta2.sqrt()) / (near2 - c)
-    }
-
-    fn slope(self, near: f64) -> f64 {
-        let r = near.max(1.0);
-        r / (1.0 + r * r)
-    }
-
-    fn log_slope(self, r: f64) -> f64 {
-        -self.alpha * LOG2_E * r / (1.0 + r * r)
-    }
-
-    fn bulge(self, near: f64) -> f64 {
-        let s2 = (near * near).max(4.0);
-        self.alpha * LOG2_E * (s2 - 2.0) / (s2 * s2)
-    }
-
-    fn dip(self, near: f64) -> f64 {
-        self.alpha * LOG2_E / (near * near)
-    }
-
-    fn loss(self, near: f64, c: f64) -> f64 {
-        0.5 * self.alpha * LOG2_E * c / (near * near - c)
-    }
-
     fn factor(self) -> f64 {
         self.alpha
     }
-}
-
-/// m - sqrt(m^2 - c), at its largest for m >= near.
-fn shortening(near: f64, c: f64) -> f64 {
-    c / (near + (near * near - c).max(0.0).sqrt())
 }
 
 /// Any of the three.
@@ -260,46 +151,6 @@ impl Kernel {
     /// log2 E(r), r in units.
     pub fn at(&self, r: f64) -> f64 {
         with_form!(self, form => form.at(r))
-    }
-
-    /// See `Form::softening`.
-    pub fn softening(&self) -> f64 {
-        with_form!(self, form => form.softening())
-    }
-
-    /// See `Form::pull`.
-    pub fn pull(&self, near2: f64, c: f64, eta2: f64) -> f64 {
-        with_form!(self, form => form.pull(near2, c, eta2))
-    }
-
-    /// See `Form::slope`.
-    pub fn slope(&self, near: f64) -> f64 {
-        with_form!(self, form => form.slope(near))
-    }
-
-    /// See `Form::log_slope`.
-    pub fn log_slope(&self, r: f64) -> f64 {
-        with_form!(self, form => form.log_slope(r))
-    }
-
-    /// See `Form::bulge`.
-    pub fn bulge(&self, near: f64) -> f64 {
-        with_form!(self, form => form.bulge(near))
-    }
-
-    /// See `Form::dip`.
-    pub fn dip(&self, near: f64) -> f64 {
-        with_form!(self, form => form.dip(near))
-    }
-
-    /// See `Form::loss`.
-    pub fn loss(&self, near: f64, c: f64) -> f64 {
-        with_form!(self, form => form.loss(near, c))
-    }
-
-    /// 2^(-r), which tiles in single precision are written for.
-    pub fn is_exponential(&self) -> bool {
-        matches!(self.kind, Kind::Exponential(_))
     }
 
     /// grad_x E in 1/metres is this times g(r) E (x - y), with x - y in units.

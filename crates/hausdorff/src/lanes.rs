@@ -5,10 +5,6 @@
 use pulp::x86::{V3, V4};
 use pulp::{Scalar, Simd, WithSimd};
 
-#[cfg(target_arch = "x86_64")]
-use super::brief_lanes;
-use super::single_lanes::SingleLanes;
-
 /// Width that columns of numbers are padded to; every machine's vector length divides it.
 pub(super) const WIDTH: usize = 8;
 
@@ -17,7 +13,7 @@ pub(super) const WIDTH: usize = 8;
 pub(super) const EXP2_MIN: f64 = -960.0;
 
 /// The vector machine in use.
-pub(super) trait Lanes: SingleLanes {
+pub(super) trait Lanes: Simd {
     /// 1 / sqrt(x), for normal positive x.
     fn rsqrt(self, x: Self::f64s) -> Self::f64s;
 
@@ -26,20 +22,6 @@ pub(super) trait Lanes: SingleLanes {
 
     /// x = m 2^n with 1/sqrt 2 <= m < sqrt 2, for finite x >= 1; gives (n, m).
     fn split(self, x: Self::f64s) -> (Self::f64s, Self::f64s);
-
-    /// sqrt(x) and 1 / sqrt(x), for normal positive x, relative error below `brief_lanes::ROOT_ERROR`.
-    #[inline(always)]
-    fn roots_brief(self, x: Self::f64s) -> (Self::f64s, Self::f64s) {
-        let inverse = self.rsqrt(x);
-        (self.mul_f64s(x, inverse), inverse)
-    }
-
-    /// 2^(base - r) for a whole base and base - r between `EXP2_MIN` and 960, relative error below
-    /// `brief_lanes::POWER_ERROR`.
-    #[inline(always)]
-    fn power_brief(self, base: f64, r: Self::f64s) -> Self::f64s {
-        self.exp2(self.sub_f64s(self.splat_f64s(base), r))
-    }
 
     /// log2(x) for finite x >= 1, relative error about 4e-16.
     #[inline(always)]
@@ -99,7 +81,7 @@ const EXP2_NARROW: [f64; 6] = [
 
 /// 2^(j/16).
 #[cfg(target_arch = "x86_64")]
-pub(super) const EXP2_TABLE: [[f64; 8]; 2] = [
+const EXP2_TABLE: [[f64; 8]; 2] = [
     [
         1.0,
         1.0442737824274138,
@@ -127,7 +109,7 @@ const ROUND: f64 = 6755399441055744.0; // 1.5 * 2^52
 
 /// The same for sixteenths.
 #[cfg(target_arch = "x86_64")]
-pub(super) const ROUND_16: f64 = ROUND / 16.0;
+const ROUND_16: f64 = ROUND / 16.0;
 
 /// Bits of 1/sqrt 2.
 const SQRT_HALF: u64 = 0x3FE6_A09E_667F_3BCD;
@@ -166,16 +148,6 @@ impl Lanes for V4 {
         let table = self.avx512f._mm512_permutex2var_pd(pulp::cast(low), pulp::cast(t), pulp::cast(high));
         let p = self.mul_f64s(exp2_reduced(self, &EXP2_NARROW, f), pulp::cast(table));
         pulp::cast(self.avx512f._mm512_scalef_pd(pulp::cast(p), pulp::cast(rounded)))
-    }
-
-    #[inline(always)]
-    fn roots_brief(self, x: Self::f64s) -> (Self::f64s, Self::f64s) {
-        brief_lanes::roots(self, x)
-    }
-
-    #[inline(always)]
-    fn power_brief(self, base: f64, r: Self::f64s) -> Self::f64s {
-        brief_lanes::power(self, base, r)
     }
 
     #[inline(always)]
@@ -249,7 +221,7 @@ pub(super) trait Task {
 
 /// The best vector machine this processor has.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Machine {
+pub(super) enum InstructionSet {
     #[cfg(target_arch = "x86_64")]
     Avx512(V4),
     #[cfg(target_arch = "x86_64")]
@@ -257,7 +229,7 @@ pub(super) enum Machine {
     Portable,
 }
 
-impl Machine {
+impl InstructionSet {
     pub fn detect() -> Self {
         Self::all()[0]
     }

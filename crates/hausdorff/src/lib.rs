@@ -3,34 +3,25 @@
 //! It knows no finite elements: a body is its quadrature points with their deformed weights. The formulas are on
 //! `Evaluation`, the sums over all pairs on `Pairs`, the functions phi on `Phi`.
 
-mod account;
-mod adjoint;
 mod aligned;
-mod blocks;
-mod bounds;
-mod brief;
-mod brief_lanes;
-mod chebyshev;
+mod bounding_box;
 mod cloud;
 mod distance;
 mod error;
-mod floor;
-mod frame;
 mod kernel;
 mod lanes;
-mod mask;
+mod lower_bounds;
 mod pairs;
 mod phi;
-mod plan;
-mod pull;
-mod side;
-mod single;
-mod single_lanes;
+mod point_set;
 mod smoothing;
+mod sum_tiles;
+mod summation;
 mod sums;
-mod tile;
-mod transform;
 mod tree;
+mod truncation;
+mod vjp;
+mod vjp_tiles;
 
 #[cfg(test)]
 mod tests;
@@ -38,6 +29,7 @@ mod tests;
 pub use cloud::Cloud;
 pub use distance::{Distance, Evaluation, Partials};
 pub use error::HausdorffError;
-pub use pairs::{Counts, LogSums, Method, Pairs, Vjp};
+pub use pairs::{Counts, LogSums, Pairs, Vjp};
 pub use phi::Phi;
 pub use smoothing::Smoothing;
+pub use summation::Summation;

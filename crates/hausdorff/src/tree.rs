@@ -1,15 +1,11 @@
 //! A balanced tree of boxes over a cloud: every leaf is a full tile of points.
 //!
-//! The tree decides speed alone. The error bound holds for any partition, as every pair of points is in exactly one pair
-//! of nodes that is summed or left out: a pair of nodes is taken as it is or replaced by the two halves of one of them.
+//! The tree decides speed alone. The error bound holds for any partition.
 
 use rayon::join;
 
 /// Points in a leaf: the side of a tile of pairs. All leaves but the last are full.
 pub(super) const LEAF: usize = 64;
-
-/// Points of a leaf that are near each other: the first so many, the next, and so on.
-pub(super) const CHUNK: usize = 16;
 
 /// Below this many points a subtree is built by one thread.
 const PARALLEL: usize = 1 << 13;
@@ -54,27 +50,6 @@ impl Tree {
     pub fn children(&self, node: u32) -> [u32; 2] {
         [node + 1, self.nodes[node as usize].right]
     }
-
-    /// The numbers of a node and all nodes below it.
-    pub fn subtree(&self, node: u32) -> std::ops::Range<u32> {
-        node..node + 2 * leaves(self.nodes[node as usize].count as usize) as u32 - 1
-    }
-
-    /// Nodes that partition the points, none with more than `count` of them (or a leaf), in order.
-    pub fn cut(&self, count: usize) -> Vec<u32> {
-        let mut cut = Vec::new();
-        let mut stack = vec![0];
-        while let Some(node) = stack.pop() {
-            let it = &self.nodes[node as usize];
-            if it.is_leaf() || it.count as usize <= count {
-                cut.push(node);
-            } else {
-                let [left, right] = self.children(node);
-                stack.extend([right, left]);
-            }
-        }
-        cut
-    }
 }
 
 /// Leaves that n points need.
@@ -99,7 +74,7 @@ fn build(points: &[[f64; 3]], order: &mut [u32], nodes: &mut [Node], mut root: N
             build(points, right, second, on_right, root.right);
         }
     } else {
-        sort_leaf(points, order);
+        order.sort_unstable();
     }
     nodes[0] = root;
 }
@@ -113,17 +88,6 @@ fn split<'a>(points: &[[f64; 3]], order: &'a mut [u32], at: usize) -> (&'a mut [
         x.total_cmp(&y).then(i.cmp(&j))
     });
     order.split_at_mut(at)
-}
-
-/// Into chunks, each in the order of the cloud.
-fn sort_leaf(points: &[[f64; 3]], order: &mut [u32]) {
-    if order.len() <= CHUNK {
-        return order.sort_unstable();
-    }
-    let at = order.len().div_ceil(CHUNK).div_ceil(2) * CHUNK;
-    let (left, right) = split(points, order, at);
-    sort_leaf(points, left);
-    sort_leaf(points, right);
 }
 
 fn longest_axis(points: &[[f64; 3]], order: &[u32]) -> usize {

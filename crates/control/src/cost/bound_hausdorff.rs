@@ -3,7 +3,7 @@
 use super::{Cost, CostContext, CostPoint, Figure, FigureKind, Partials};
 use crate::error::ControlError;
 use nastic_fem::{Discretization, QuadraturePoints, Solid};
-use nastic_hausdorff::{Cloud, Evaluation, HausdorffError, Method, Smoothing};
+use nastic_hausdorff::{Cloud, Evaluation, HausdorffError, Smoothing, Summation};
 use nastic_mesh::{Hausdorff, Mesh, Shape, hausdorff};
 use nastic_tensor::Mat3;
 use std::sync::{Arc, OnceLock};
@@ -60,7 +60,7 @@ impl Setup {
         if let Some(known) = stage.self_distance.get() {
             return Ok(*known);
         }
-        let own = Evaluation::new(&self.cloud, &self.cloud, stage.smoothing, Method::Auto).map_err(failed)?;
+        let own = Evaluation::new(&self.cloud, &self.cloud, stage.smoothing, Summation::default()).map_err(failed)?;
         Ok(*stage.self_distance.get_or_init(|| own.distance().rho))
     }
 }
@@ -108,7 +108,7 @@ impl Cost for BoundHausdorff {
         let positions = setup.body.positions(at.solid.mesh(), Some(at.u));
         let cloud = Cloud::new(positions, weights).map_err(failed)?;
         let smoothing = setup.stage(at.stage).smoothing;
-        let evaluation = Evaluation::new(&cloud, &setup.cloud, smoothing, Method::Auto).map_err(failed)?;
+        let evaluation = Evaluation::new(&cloud, &setup.cloud, smoothing, Summation::default()).map_err(failed)?;
         let discretization = at.solid.discretization().clone();
         Ok(Arc::new(HausdorffPoint { setup, discretization, u: at.u.to_vec(), stage: at.stage, evaluation }))
     }

@@ -1,6 +1,6 @@
 //! Configurations whose distance is known in closed form, and limits.
 
-use super::{Cloud, Evaluation, Method, Phi, all_phi, bars, close, distance, rho, smoothing};
+use super::{Cloud, Evaluation, Phi, Summation, all_phi, bars, close, distance, rho, smoothing};
 
 #[test]
 fn two_points() {
@@ -8,7 +8,7 @@ fn two_points() {
     let (a, b) = (at([1.0, 2.0, 3.0]), at([1.0, 2.0, 3.5]));
     for phi in all_phi(0.1) {
         for [alpha, beta, gamma] in [[1.0, 1.0, 1.0], [300.0, 20.0, 4.0], [0.1, 0.2, 0.5]] {
-            let e = Evaluation::new(&a, &b, smoothing(phi, alpha, beta, gamma), Method::Direct).unwrap();
+            let e = Evaluation::new(&a, &b, smoothing(phi, alpha, beta, gamma), Summation::Direct).unwrap();
             close(e.distance().body_to_target, 0.5, 1e-13);
             close(e.distance().target_to_body, 0.5, 1e-13);
             close(e.distance().rho, 0.5 * 2f64.powf(0.5 / gamma), 1e-13);
@@ -27,7 +27,7 @@ fn ball_and_its_centre() {
     let centre = Cloud::new(vec![[0.0; 3]], vec![1.0]).unwrap();
     let (alpha, beta, length) = (3.0, 5.0, 0.2);
     let s = smoothing(Phi::Exponential { length }, alpha, beta, 2.0);
-    let found = Evaluation::new(&ball, &centre, s, Method::Direct).unwrap().distance();
+    let found = Evaluation::new(&ball, &centre, s, Summation::Direct).unwrap().distance();
     // Every body point is at its own radius: D2 = (3/(3+beta))^(1/beta) R.
     close(found.body_to_target, radius * (3.0f64 / (3.0 + beta)).powf(1.0 / beta), 1e-7);
     // A = 3/R^3 int_0^R r^2 exp(-k r) dr
@@ -45,8 +45,9 @@ fn segment_and_a_point() {
     let segment = Cloud::new((0..n).map(|k| [x(k), 1.0, 0.0]).collect(), vec![size / n as f64; n]).unwrap();
     let point = Cloud::new(vec![[-a, 1.0, 0.0]], vec![1.0]).unwrap();
     let (alpha, beta) = (6.0, 3.0);
-    let d =
-        |phi| Evaluation::new(&segment, &point, smoothing(phi, alpha, beta, 2.0), Method::Direct).unwrap().distance();
+    let d = |phi| {
+        Evaluation::new(&segment, &point, smoothing(phi, alpha, beta, 2.0), Summation::Direct).unwrap().distance()
+    };
     let d2 = (((a + size).powf(beta + 1.0) - a.powf(beta + 1.0)) / ((beta + 1.0) * size)).powf(1.0 / beta);
     let exponential = d(Phi::Exponential { length: 0.5 });
     close(exponential.body_to_target, d2, 1e-7);
@@ -70,7 +71,7 @@ fn limit_is_the_hausdorff_distance() {
     let (d1, d2) = (directed(&target, &body), directed(&body, &target));
     for phi in all_phi(0.1) {
         let found = |alpha: f64, beta: f64, gamma: f64| {
-            Evaluation::new(&body, &target, smoothing(phi, alpha, beta, gamma), Method::Direct).unwrap().distance()
+            Evaluation::new(&body, &target, smoothing(phi, alpha, beta, gamma), Summation::Direct).unwrap().distance()
         };
         let sharp = found(1e8, 1e6, 1e6);
         close(sharp.target_to_body, d1, 2e-5);

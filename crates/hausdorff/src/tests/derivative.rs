@@ -1,6 +1,6 @@
 //! Partial derivatives against differences, and where they meet kinks.
 
-use super::{Cloud, Evaluation, Method, Phi, Smoothing, Stream, all_phi, bars, cloud, rho, smoothing};
+use super::{Cloud, Evaluation, Phi, Smoothing, Stream, Summation, all_phi, bars, cloud, rho, smoothing};
 
 struct Motion {
     points: Vec<[f64; 3]>,
@@ -21,8 +21,8 @@ impl Motion {
         Cloud::new(points, weights).unwrap()
     }
 
-    fn slope(&self, body: &Cloud, target: &Cloud, smoothing: Smoothing, method: Method) -> f64 {
-        let partials = Evaluation::new(body, target, smoothing, method).unwrap().partials().unwrap();
+    fn slope(&self, body: &Cloud, target: &Cloud, smoothing: Smoothing, summation: Summation) -> f64 {
+        let partials = Evaluation::new(body, target, smoothing, summation).unwrap().partials().unwrap();
         let by_points = partials.points.iter().zip(&self.points).map(|(p, v)| p[0] * v[0] + p[1] * v[1] + p[2] * v[2]);
         let by_weights = partials.weights.iter().zip(&self.weights).map(|(p, v)| p * v);
         by_points.sum::<f64>() + by_weights.sum::<f64>()
@@ -46,8 +46,8 @@ fn partials_agree_with_differences() {
             let s = smoothing(phi, alpha, beta, gamma);
             let h = 2e-3 * phi.length() / alpha.max(1.0);
             let expected = difference(&body, &target, s, &motion, h);
-            super::close(motion.slope(&body, &target, s, Method::Direct), expected, 3e-8);
-            super::close(motion.slope(&body, &target, s, Method::Tree { tolerance: 1e-12 }), expected, 3e-8);
+            super::close(motion.slope(&body, &target, s, Summation::Direct), expected, 3e-8);
+            super::close(motion.slope(&body, &target, s, Summation::Truncated { tolerance: 1e-12 }), expected, 3e-8);
         }
     }
 }
@@ -62,7 +62,7 @@ fn points_and_weights_alone() {
         heavy.points.fill([0.0; 3]);
         for motion in [still, heavy] {
             let expected = difference(&body, &target, s, &motion, 1e-4);
-            super::close(motion.slope(&body, &target, s, Method::Direct), expected, 1e-8);
+            super::close(motion.slope(&body, &target, s, Summation::Direct), expected, 1e-8);
         }
     }
 }
@@ -80,7 +80,7 @@ fn partials_at_huge_alpha() {
     ] {
         let s = smoothing(phi, alpha, 20.0, 4.0);
         let expected = difference(&body, &target, s, &motion, 2e-7);
-        super::close(motion.slope(&body, &target, s, Method::Direct), expected, 1e-6);
+        super::close(motion.slope(&body, &target, s, Summation::Direct), expected, 1e-6);
     }
 }
 
@@ -90,7 +90,7 @@ fn taylor_remainder_is_of_second_order() {
     let motion = Motion::new(7, &body);
     for phi in all_phi(0.2) {
         let s = smoothing(phi, 2.0, 4.0, 2.0);
-        let (start, slope) = (rho(&body, &target, s), motion.slope(&body, &target, s, Method::Direct));
+        let (start, slope) = (rho(&body, &target, s), motion.slope(&body, &target, s, Summation::Direct));
         let remainder = |h: f64| (rho(&motion.apply(&body, h), &target, s) - start - h * slope).abs();
         let order = (remainder(2e-3) / remainder(1e-3)).log2();
         assert!((order - 2.0).abs() < 0.02, "{phi:?}: order {order}");
@@ -101,7 +101,7 @@ fn taylor_remainder_is_of_second_order() {
 fn weights_in_proportion_change_nothing() {
     let (body, target) = bars(100, 120);
     for phi in all_phi(0.1) {
-        let e = Evaluation::new(&body, &target, smoothing(phi, 5.0, 3.0, 2.0), Method::Direct).unwrap();
+        let e = Evaluation::new(&body, &target, smoothing(phi, 5.0, 3.0, 2.0), Summation::Direct).unwrap();
         let partials = e.partials().unwrap();
         let terms = || partials.weights.iter().zip(body.weights()).map(|(p, w)| p * w);
         assert!(terms().sum::<f64>().abs() < 1e-13 * terms().map(f64::abs).sum::<f64>());
@@ -113,13 +113,13 @@ fn coinciding_points_contribute_nothing() {
     for phi in all_phi(0.1) {
         let s = smoothing(phi, 50.0, 2.0, 2.0);
         let one = Cloud::new(vec![[0.3, -2.0, 1.0]], vec![2.0]).unwrap();
-        let e = Evaluation::new(&one, &one, s, Method::Direct).unwrap();
+        let e = Evaluation::new(&one, &one, s, Summation::Direct).unwrap();
         assert_eq!(e.distance().rho, 0.0);
         let partials = e.partials().unwrap();
         assert_eq!((partials.points[0], partials.weights[0]), ([0.0; 3], 0.0));
         // Two points on top of their targets: the force on each comes from the other's target alone.
         let two = Cloud::new(vec![[0.0; 3], [0.1, 0.0, 0.0]], vec![1.0; 2]).unwrap();
-        let partials = Evaluation::new(&two, &two, s, Method::Direct).unwrap().partials().unwrap();
+        let partials = Evaluation::new(&two, &two, s, Summation::Direct).unwrap().partials().unwrap();
         assert!(partials.points[0][0] < 0.0 && partials.points[0][0].is_finite());
         super::close(partials.points[1][0], -partials.points[0][0], 1e-12);
     }

@@ -1,7 +1,7 @@
 //! Input that is refused, and the helpers a caller warns with.
 
 use super::super::{HausdorffError, Pairs};
-use super::{Cloud, Evaluation, Method, Phi, Smoothing, bars, close, smoothing};
+use super::{Cloud, Evaluation, Phi, Smoothing, Summation, bars, close, smoothing};
 
 #[test]
 fn parameters_must_be_positive() {
@@ -34,13 +34,13 @@ fn clouds_are_checked() {
 #[test]
 fn seeds_and_extremes_are_checked() {
     let (body, target) = bars(10, 12);
-    let pairs = Pairs::new(&body, &target, Phi::Inverse { eps: 0.1 }, 2.0, Method::Auto).unwrap();
+    let pairs = Pairs::new(&body, &target, Phi::Inverse { eps: 0.1 }, 2.0, Summation::default()).unwrap();
     let sums = pairs.log_sums();
     assert!(matches!(pairs.vjp(&sums, &[0.0; 12], &[0.0; 9]), Err(HausdorffError::Length { found: 9, .. })));
     let s = smoothing(Phi::Exponential { length: 0.1 }, 1.0, 1.0, 1e-5);
-    let error = Evaluation::new(&body, &target, s, Method::Auto).unwrap_err();
+    let error = Evaluation::new(&body, &target, s, Summation::default()).unwrap_err();
     assert!(matches!(error, HausdorffError::Overflow { what: "rho", .. }));
-    let tree = Method::Tree { tolerance: 0.0 };
+    let tree = Summation::Truncated { tolerance: 0.0 };
     assert!(Pairs::new(&body, &target, Phi::Inverse { eps: 0.1 }, 2.0, tree).is_err());
 }
 

@@ -1,7 +1,7 @@
 //! What must not matter: units, place, order of points, number of threads.
 
 use super::super::pairs::Pairs;
-use super::{Cloud, Evaluation, Method, Phi, all_phi, bars, close, rho, smoothing};
+use super::{Cloud, Evaluation, Phi, Summation, all_phi, bars, close, rho, smoothing};
 
 fn mapped(cloud: &Cloud, f: impl Fn([f64; 3]) -> [f64; 3], weight: f64) -> Cloud {
     let weights = cloud.weights().iter().map(|w| w * weight).collect();
@@ -58,7 +58,7 @@ fn order_of_points_does_not_matter() {
     let points = (0..200).map(|k| body.points()[turned(k)]).collect();
     let shuffled = Cloud::new(points, (0..200).map(|k| body.weights()[turned(k)]).collect()).unwrap();
     let s = smoothing(Phi::Inverse { eps: 0.05 }, 9.0, 3.0, 2.0);
-    let partials = |body: &Cloud| Evaluation::new(body, &target, s, Method::Auto).unwrap().partials().unwrap();
+    let partials = |body: &Cloud| Evaluation::new(body, &target, s, Summation::default()).unwrap().partials().unwrap();
     let (a, b) = (partials(&body), partials(&shuffled));
     for k in 0..200 {
         for d in 0..3 {
@@ -76,15 +76,15 @@ fn bits(values: &[f64]) -> Vec<u64> {
 fn same_bits_for_any_number_of_threads() {
     let (body, target) = bars(1500, 1300);
     for (phi, alpha) in [(Phi::Exponential { length: 0.1 }, 6.0), (Phi::SmoothInverse { eps: 0.01 }, 800.0)] {
-        for method in [Method::Direct, Method::Auto, Method::Tree { tolerance: 1e-6 }] {
+        for summation in [Summation::Direct, Summation::default(), Summation::Truncated { tolerance: 1e-6 }] {
             let run = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| {
                     let body = Cloud::new(body.points().to_vec(), body.weights().to_vec()).unwrap();
-                    let pairs = Pairs::new(&body, &target, phi, alpha, method).unwrap();
+                    let pairs = Pairs::new(&body, &target, phi, alpha, summation).unwrap();
                     let sums = pairs.log_sums();
                     let pulled = pairs.vjp(&sums, target.weights(), body.weights()).unwrap();
-                    let e = Evaluation::new(&body, &target, smoothing(phi, alpha, 4.0, 2.0), method).unwrap();
+                    let e = Evaluation::new(&body, &target, smoothing(phi, alpha, 4.0, 2.0), summation).unwrap();
                     let points: Vec<f64> = pulled.points.into_iter().flatten().collect();
                     let rho = [e.distance().rho, e.partials().unwrap().weights[3]];
                     [sums.target, sums.body, points, pulled.weights, rho.to_vec()].map(|v| bits(&v))

@@ -1,17 +1,12 @@
 //! The elementary functions on every machine that runs here, against the standard library.
 
-use super::super::brief_lanes::{POWER_ERROR, ROOT_ERROR};
-use super::super::lanes::{Lanes, Machine, Task};
+use super::super::lanes::{InstructionSet, Lanes, Task};
 
 #[derive(Clone, Copy)]
 enum Function {
     Rsqrt,
     Exp2,
     Log2,
-    RootBrief,
-    InverseRootBrief,
-    /// 2^(base - x)
-    PowerBrief(f64),
 }
 
 struct Apply<'a>(Function, &'a mut [f64]);
@@ -26,16 +21,13 @@ impl Task for Apply<'_> {
                 Function::Rsqrt => s.rsqrt(*x),
                 Function::Exp2 => s.exp2(*x),
                 Function::Log2 => s.log2(*x),
-                Function::RootBrief => s.roots_brief(*x).0,
-                Function::InverseRootBrief => s.roots_brief(*x).1,
-                Function::PowerBrief(base) => s.power_brief(base, *x),
             };
         }
     }
 }
 
 /// Largest relative error over arguments lo, ..., hi.
-fn error(machine: Machine, f: Function, exact: fn(f64) -> f64, arguments: impl Fn(f64) -> f64) -> f64 {
+fn error(machine: InstructionSet, f: Function, exact: fn(f64) -> f64, arguments: impl Fn(f64) -> f64) -> f64 {
     let n = 1 << 14;
     let x: Vec<f64> = (0..n).map(|k| arguments((k as f64 + 0.37) / n as f64)).collect();
     let mut y = x.clone();
@@ -45,7 +37,7 @@ fn error(machine: Machine, f: Function, exact: fn(f64) -> f64, arguments: impl F
 
 #[test]
 fn elementary_functions_are_accurate() {
-    for machine in Machine::all() {
+    for machine in InstructionSet::all() {
         let e = |f, exact: fn(f64) -> f64, arguments: fn(f64) -> f64| error(machine, f, exact, arguments);
         assert!(e(Function::Rsqrt, |x| 1.0 / x.sqrt(), |t| 1e-300 * 1e300f64.powf(2.0 * t)) < 1e-15, "{machine:?}");
         assert!(e(Function::Rsqrt, |x| 1.0 / x.sqrt(), |t| 1.0 + 3.0 * t) < 1e-15, "{machine:?}");
@@ -57,22 +49,8 @@ fn elementary_functions_are_accurate() {
 }
 
 #[test]
-fn functions_in_brief_are_accurate_to_eleven_digits() {
-    for machine in Machine::all() {
-        let e = |f, exact: fn(f64) -> f64, arguments: fn(f64) -> f64| error(machine, f, exact, arguments);
-        for arguments in [|t| 1.0 + 3.0 * t, |t| 1e-6 + t, |t| 1.0 + 1e4 * t] {
-            assert!(e(Function::RootBrief, f64::sqrt, arguments) < ROOT_ERROR, "{machine:?}");
-            assert!(e(Function::InverseRootBrief, |x| 1.0 / x.sqrt(), arguments) < ROOT_ERROR, "{machine:?}");
-        }
-        assert!(e(Function::PowerBrief(0.0), |r| (-r).exp2(), |t| 100.0 * t) < POWER_ERROR, "{machine:?}");
-        assert!(e(Function::PowerBrief(57.0), |r| (57.0 - r).exp2(), |t| 57.0 + 42.0 * t) < POWER_ERROR, "{machine:?}");
-        assert!(e(Function::PowerBrief(3.0), |r| (3.0 - r).exp2(), |t| 4.0 * t) < POWER_ERROR, "{machine:?}");
-    }
-}
-
-#[test]
 fn whole_powers_and_the_least_argument() {
-    for machine in Machine::all() {
+    for machine in InstructionSet::all() {
         let mut x = [-960.0, -1.0, 0.0, 1.0, 2.0, 10.0, 512.0, 1000.0];
         let exact = x.map(f64::exp2);
         machine.run(Apply(Function::Exp2, &mut x));

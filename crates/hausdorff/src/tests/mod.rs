@@ -1,18 +1,16 @@
 //! Tests of the smoothed Hausdorff distance.
 
-mod bound;
-mod brief;
+mod bodies;
 mod closed_forms;
 mod derivative;
-mod far;
 mod input;
 mod invariance;
 mod lanes;
 mod reference;
-mod single;
 mod sweep;
+mod truncation;
 
-use super::{Cloud, Evaluation, Method, Phi, Smoothing};
+use super::{Cloud, Evaluation, Phi, Smoothing, Summation};
 
 /// A repeatable stream of numbers in [0, 1).
 pub(super) struct Stream(u64);
@@ -50,7 +48,7 @@ pub(super) fn smoothing(phi: Phi, alpha: f64, beta: f64, gamma: f64) -> Smoothin
 }
 
 pub(super) fn rho(body: &Cloud, target: &Cloud, smoothing: Smoothing) -> f64 {
-    Evaluation::new(body, target, smoothing, Method::Direct).unwrap().distance().rho
+    Evaluation::new(body, target, smoothing, Summation::Direct).unwrap().distance().rho
 }
 
 pub(super) fn distance(x: [f64; 3], y: [f64; 3]) -> f64 {

@@ -1,8 +1,8 @@
 //! Values and derivatives against numbers from 60-digit arithmetic and against the formulas written out.
 
-use super::super::lanes::Machine;
+use super::super::lanes::InstructionSet;
 use super::super::pairs::Pairs;
-use super::{Cloud, Evaluation, Method, Phi, all_phi, bars, close, distance, smoothing};
+use super::{Cloud, Evaluation, Phi, Summation, all_phi, bars, close, distance, smoothing};
 
 const BODY: [[f64; 3]; 5] =
     [[0.0, 0.0, 0.0], [0.5, 0.125, -0.25], [1.0, 0.25, 0.5], [0.25, 0.75, 0.125], [0.875, -0.5, 0.0]];
@@ -47,7 +47,7 @@ fn high_precision_values_and_slopes() {
     let body = Cloud::new(BODY.to_vec(), WEIGHTS.to_vec()).unwrap();
     let target = Cloud::new(TARGET.to_vec(), TARGET_WEIGHTS.to_vec()).unwrap();
     for (phi, [alpha, beta, gamma], [rho, d1, d2, slope]) in ROWS {
-        let e = Evaluation::new(&body, &target, smoothing(phi, alpha, beta, gamma), Method::Direct).unwrap();
+        let e = Evaluation::new(&body, &target, smoothing(phi, alpha, beta, gamma), Summation::Direct).unwrap();
         let found = e.distance();
         close(found.rho, rho, 1e-13);
         close(found.target_to_body, d1, 1e-13);
@@ -74,8 +74,8 @@ fn log_sums_on_every_machine() {
         for phi in all_phi(0.1) {
             // From no decay at all to one that leaves the range of numbers between neighbours.
             for alpha in [1e-3, 1.0, 60.0, 1e4, 1e6] {
-                for machine in Machine::all() {
-                    let sums = Pairs::on(machine, &body, &target, phi, alpha, Method::Direct).unwrap().log_sums();
+                for machine in InstructionSet::all() {
+                    let sums = Pairs::on(machine, &body, &target, phi, alpha, Summation::Direct).unwrap().log_sums();
                     let scale = alpha * phi.log(0.0).abs().max(phi.log(2.0).abs());
                     for (&y, log) in target.points().iter().zip(&sums.target) {
                         let exact = log_mean(phi, alpha, y, &body);
@@ -123,8 +123,8 @@ fn plain_formula_for_moderate_exponents() {
     for phi in all_phi(0.2) {
         for exponents in [[1.0, 1.0, 1.0], [2.0, 4.0, 2.0], [8.0, 6.0, 3.0], [0.5, 2.5, 0.7]] {
             let [alpha, beta, gamma] = exponents;
-            for method in [Method::Direct, Method::Auto, Method::Tree { tolerance: 1e-12 }] {
-                let e = Evaluation::new(&body, &target, smoothing(phi, alpha, beta, gamma), method).unwrap();
+            for summation in [Summation::Direct, Summation::default(), Summation::Truncated { tolerance: 1e-12 }] {
+                let e = Evaluation::new(&body, &target, smoothing(phi, alpha, beta, gamma), summation).unwrap();
                 close(e.distance().rho, plain(phi, exponents, &body, &target), 1e-12);
             }
         }
@@ -139,7 +139,7 @@ fn two_dimensions_are_three_with_zero() {
     };
     let (body, target) = bars(200, 210);
     let (body, target) = (flat(&body), flat(&target));
-    let e = Evaluation::new(&body, &target, smoothing(EXPONENTIAL, 4.0, 2.0, 2.0), Method::Direct).unwrap();
+    let e = Evaluation::new(&body, &target, smoothing(EXPONENTIAL, 4.0, 2.0, 2.0), Summation::Direct).unwrap();
     close(e.distance().rho, plain(EXPONENTIAL, [4.0, 2.0, 2.0], &body, &target), 1e-12);
     assert!(e.partials().unwrap().points.iter().all(|x| x[2] == 0.0));
 }

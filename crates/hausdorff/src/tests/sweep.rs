@@ -1,7 +1,7 @@
-//! The stated error of the sums over bodies of all kinds, drawn at random: grids and what is left out against all pairs.
+//! The stated error of the sums over bodies of all kinds, drawn at random: what is left out against all pairs.
 
-use super::far::{run, skin, strand};
-use super::{Cloud, Method, Phi, Stream, cloud, distance};
+use super::bodies::{run, skin, strand};
+use super::{Cloud, Phi, Stream, Summation, cloud, distance};
 
 fn weighted(points: Vec<[f64; 3]>, stream: &mut Stream, decades: f64) -> Cloud {
     let weights = points.iter().map(|_| 10f64.powf(-decades * stream.next())).collect();
@@ -72,7 +72,7 @@ fn phi(stream: &mut Stream) -> Phi {
 
 /// log A and log B by adding up all pairs, in order.
 fn plain(body: &Cloud, target: &Cloud, phi: Phi, alpha: f64) -> [Vec<f64>; 2] {
-    let side = |from: &Cloud, to: &Cloud| -> Vec<f64> {
+    let sums = |from: &Cloud, to: &Cloud| -> Vec<f64> {
         let at = |&y: &[f64; 3]| {
             let logs: Vec<f64> = to.points().iter().map(|&x| alpha * phi.log(distance(x, y))).collect();
             let top = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -81,39 +81,39 @@ fn plain(body: &Cloud, target: &Cloud, phi: Phi, alpha: f64) -> [Vec<f64>; 2] {
         };
         from.points().iter().map(at).collect()
     };
-    [side(target, body), side(body, target)]
+    [sums(target, body), sums(body, target)]
 }
 
 #[test]
 fn sums_and_derivatives_within_the_bound() {
     let mut stream = Stream::new(2024);
     let mut worst = [(0.0, String::new()), (0.0, String::new()), (0.0, String::new())];
-    let mut with_grids = 0;
+    let mut truncated = 0;
     for round in 0..8 * 12 {
         let kind = KINDS[round % 8];
         let (body, target) = bodies(kind, &mut stream);
-        // Grids pay for soft sums above all, for which there are not many points here.
-        let (phi, alpha) = (phi(&mut stream), 1000f64.powf(stream.next() * stream.next()));
+        let (phi, alpha) = (phi(&mut stream), 1000f64.powf(stream.next()));
         let tolerance = 10f64.powf(-2.0 - 8.0 * stream.next());
-        let (_, exact, pulled_exact) = run(&body, &target, phi, alpha, Method::Direct);
-        let (pairs, sums, pulled) = run(&body, &target, phi, alpha, Method::Tree { tolerance });
-        with_grids += usize::from(pairs.counts().far > 0.0);
+        let (_, exact, vjp_exact) = run(&body, &target, phi, alpha, Summation::Direct);
+        let (pairs, sums, vjp) = run(&body, &target, phi, alpha, Summation::Truncated { tolerance });
+        let counts = pairs.counts();
+        truncated += usize::from(counts.summed < 0.9 * counts.all);
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let logs = apart(&sums.target, &exact.target).max(apart(&sums.body, &exact.body));
-        // The seeds are at most one; what they are bounded by is stated on `Method`.
+        // The seeds are at most one; what they are bounded by is stated on `Summation`.
         let seeds = (body.len() + target.len()) as f64;
         let slope = alpha * phi.log_derivative(phi.length()).abs().max(phi.log_derivative(0.0).abs());
         let points = (0..3).map(|d| {
             let off = |(a, b): (&[f64; 3], &[f64; 3])| (a[d] - b[d]).abs();
-            pulled.points.iter().zip(&pulled_exact.points).map(off).sum::<f64>()
+            vjp.points.iter().zip(&vjp_exact.points).map(off).sum::<f64>()
         });
         let points = points.fold(0.0, f64::max) / (seeds * slope);
         let off = |((a, b), w): ((&f64, &f64), &f64)| (a - b).abs() * w;
-        let weights: f64 = pulled.weights.iter().zip(&pulled_exact.weights).zip(body.weights()).map(off).sum();
+        let weights: f64 = vjp.weights.iter().zip(&vjp_exact.weights).zip(body.weights()).map(off).sum();
         for (worst, error) in worst.iter_mut().zip([logs, points, weights / target.len() as f64]) {
             let ratio = error / tolerance;
             if ratio > worst.0 {
-                *worst = (ratio, format!("{kind}, {phi:?}, alpha {alpha:.1}, {tolerance:.1e}, {:?}", pairs.counts()));
+                *worst = (ratio, format!("{kind}, {phi:?}, alpha {alpha:.1}, {tolerance:.1e}, {:?}", counts));
             }
             assert!(ratio < 1.0, "{kind}, {phi:?}, alpha {alpha}, {tolerance:.1e}: error / bound {ratio:.3}");
         }
@@ -123,8 +123,8 @@ fn sums_and_derivatives_within_the_bound() {
             assert!(apart(&exact.target, &by_target).max(apart(&exact.body, &by_body)) < rounding, "{kind} {phi:?}");
         }
     }
-    eprintln!("{with_grids} with grids, largest error / bound of logs, points, weights: {worst:#?}");
-    assert!(with_grids > 25, "only {with_grids} of the bodies used grids");
+    eprintln!("{truncated} truncated, largest error / bound of logs, points, weights: {worst:#?}");
+    assert!(truncated > 25, "only {truncated} of the sums were truncated");
 }
 
 #[test]
@@ -136,11 +136,11 @@ fn weights_beyond_the_range_of_one_leaf() {
     let (body, target) = (Cloud::new(points, weights).unwrap(), cloud(8, 100, [0.0; 3], [0.3; 3]));
     for alpha in [1.0, 60.0, 600.0] {
         let phi = Phi::Exponential { length: 1.0 };
-        let (_, sums, pulled) = run(&body, &target, phi, alpha, Method::Tree { tolerance: 1e-9 });
+        let (_, sums, vjp) = run(&body, &target, phi, alpha, Summation::Truncated { tolerance: 1e-9 });
         let [by_target, by_body] = plain(&body, &target, phi, alpha);
         for (found, exact) in sums.target.iter().zip(&by_target).chain(sums.body.iter().zip(&by_body)) {
             assert!((found - exact).abs() < 1e-9, "{alpha}: {found} against {exact}");
         }
-        assert!(pulled.points.iter().flatten().all(|x| x.is_finite()));
+        assert!(vjp.points.iter().flatten().all(|x| x.is_finite()));
     }
 }

@@ -2,7 +2,6 @@
 
 use super::kernel::{Form, TINY};
 use super::lanes::{Lanes, Task, WIDTH};
-use super::mask::Mask;
 
 /// Points with weights, one array per coordinate, in units of the kernel. As columns their number is a multiple of
 /// `WIDTH`, and what pads them has weight zero.
@@ -46,11 +45,10 @@ fn head<S: Lanes>(sums: &mut [f64]) -> &mut S::f64s {
 
 /// With E scaled by 2^(-shift): adds to row q  row_factor sum_t w_t E_qt, spread over `WIDTH` numbers per row,
 /// and to column t  column_factor sum_q w_q E_qt.
-pub(super) struct Sums<'a, F> {
+pub(super) struct SumTile<'a, F> {
     pub form: F,
     pub rows: Slab<'a>,
     pub columns: Slab<'a>,
-    pub mask: Mask,
     pub shift: f64,
     pub row_factor: f64,
     pub column_factor: f64,
@@ -58,7 +56,7 @@ pub(super) struct Sums<'a, F> {
     pub column_sums: &'a mut [f64],
 }
 
-impl<F: Form> Task for Sums<'_, F> {
+impl<F: Form> Task for SumTile<'_, F> {
     type Output = ();
 
     #[inline(always)]
@@ -68,25 +66,19 @@ impl<F: Form> Task for Sums<'_, F> {
         let y = coordinates::<S>(&self.columns, n);
         let weights = vectors::<S>(self.columns.weight, n);
         let base = s.splat_f64s(-self.shift);
-        let runs = self.mask.runs(n, S::F64_LANES);
         for (q, row_sums) in self.row_sums.chunks_exact_mut(WIDTH).enumerate() {
             let x = splat(s, &self.rows.x, q);
             let weight = s.splat_f64s(self.rows.weight[q] * self.column_factor);
             let mut sum = s.splat_f64s(0.0);
-            for (first, end) in runs.of(q) {
-                if first == end {
-                    continue;
-                }
-                // The logarithm is formed one vector ahead of its exponential: two short chains of operations in flight
-                // instead of a long one.
-                let mut ahead = log2(s, self.form, x, y, first, base);
-                for t in first..end {
-                    let z = ahead;
-                    ahead = log2(s, self.form, x, y, (t + 1).min(n - 1), base);
-                    let e = s.exp2(z);
-                    sum = s.mul_add_e_f64s(weights[t], e, sum);
-                    sums[t] = s.mul_add_e_f64s(weight, e, sums[t]);
-                }
+            // The logarithm is formed one vector ahead of its exponential: two short chains of operations in flight instead of
+            // a long one.
+            let mut ahead = log2(s, self.form, x, y, 0, base);
+            for t in 0..n {
+                let z = ahead;
+                ahead = log2(s, self.form, x, y, (t + 1).min(n - 1), base);
+                let e = s.exp2(z);
+                sum = s.mul_add_e_f64s(weights[t], e, sum);
+                sums[t] = s.mul_add_e_f64s(weight, e, sums[t]);
             }
             let row = head::<S>(row_sums);
             *row = s.mul_add_e_f64s(sum, s.splat_f64s(self.row_factor), *row);
@@ -102,7 +94,7 @@ fn log2<S: Lanes>(s: S, form: impl Form, x: [S::f64s; 3], y: [&[S::f64s]; 3], t:
 
 /// The same where E varies too much within the tile for one scale: every row and column has its own, no less than the
 /// largest log2 E it meets (or below it by little), and every pair needs two exponentials.
-pub(super) struct WideSums<'a, F> {
+pub(super) struct WideSumTile<'a, F> {
     pub form: F,
     pub rows: Slab<'a>,
     pub columns: Slab<'a>,
@@ -112,7 +104,7 @@ pub(super) struct WideSums<'a, F> {
     pub column_sums: &'a mut [f64],
 }
 
-impl<F: Form> Task for WideSums<'_, F> {
+impl<F: Form> Task for WideSumTile<'_, F> {
     type Output = ();
 
     #[inline(always)]
@@ -138,26 +130,26 @@ impl<F: Form> Task for WideSums<'_, F> {
 }
 
 /// Largest log2 E of every row, spread over `WIDTH` numbers.
-pub(super) struct Peaks<'a, F> {
+pub(super) struct MaxTile<'a, F> {
     pub form: F,
     pub rows: Slab<'a>,
     pub columns: Slab<'a>,
-    pub peaks: &'a mut [f64],
+    pub largest: &'a mut [f64],
 }
 
-impl<F: Form> Task for Peaks<'_, F> {
+impl<F: Form> Task for MaxTile<'_, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Lanes>(self, s: S) {
         let n = self.columns.weight.len() / S::F64_LANES;
         let y = coordinates::<S>(&self.columns, n);
-        for (q, peak) in self.peaks.chunks_exact_mut(WIDTH).enumerate() {
+        for (q, largest) in self.largest.chunks_exact_mut(WIDTH).enumerate() {
             let x = splat(s, &self.rows.x, q);
-            let peak = head::<S>(peak);
+            let largest = head::<S>(largest);
             for t in 0..n {
                 let (r2, _) = apart(s, x, [y[0][t], y[1][t], y[2][t]]);
-                *peak = s.max_f64s(*peak, self.form.log2(s, r2, s.splat_f64s(0.0)));
+                *largest = s.max_f64s(*largest, self.form.log2(s, r2, s.splat_f64s(0.0)));
             }
         }
     }

@@ -1,16 +1,13 @@
 //! Axis-aligned boxes and the distances between them.
-//!
-//! They hold points, and bound distances between points. Grids lie on the boxes of `frame`, which may be turned and reach
-//! beyond these: distances between grids are bounded in `chebyshev`.
 
 /// A box; empty when lo > hi.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
+pub(super) struct BoundingBox {
     pub lo: [f64; 3],
     pub hi: [f64; 3],
 }
 
-impl Bounds {
+impl BoundingBox {
     pub const EMPTY: Self = Self { lo: [f64::INFINITY; 3], hi: [f64::NEG_INFINITY; 3] };
 
     pub fn point(x: [f64; 3]) -> Self {
@@ -28,10 +25,6 @@ impl Bounds {
 
     pub fn centre(&self) -> [f64; 3] {
         std::array::from_fn(|d| 0.5 * (self.lo[d] + self.hi[d]))
-    }
-
-    pub fn half_sides(&self) -> [f64; 3] {
-        std::array::from_fn(|d| 0.5 * (self.hi[d] - self.lo[d]))
     }
 
     /// Smallest distance between a point of one box and a point of the other.
