@@ -25,7 +25,7 @@ pub enum Metric {
 ///
 /// # Errors
 /// A control that acts on nothing, or a smoothing length that is not positive.
-pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<Box<dyn InnerProduct>, ControlError> {
+pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<Arc<dyn InnerProduct>, ControlError> {
     let weights = lumped_weights(solid.discretization(), layout);
     if let Some(i) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
         return Err(ControlError::Cost {
@@ -35,10 +35,10 @@ pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<B
     match metric {
         Metric::L2 => {
             let diagonal = Diagonal::new(weights).map_err(|e| ControlError::Cost { what: e.to_string() })?;
-            Ok(Box::new(diagonal))
+            Ok(Arc::new(diagonal))
         }
         Metric::H1 { length } if length.is_finite() && length > 0.0 => {
-            Ok(Box::new(H1::new(solid.discretization(), layout, &weights, length)?))
+            Ok(Arc::new(H1::new(solid.discretization(), layout, &weights, length)?))
         }
         Metric::H1 { length } => {
             let what = format!("the smoothing length of the H1 product is {length}; it is a positive length");

@@ -1,12 +1,12 @@
 //! What a viewer is shown of a problem at one control.
 
 use crate::error::ControlError;
+use crate::evaluated::Evaluated;
 use crate::layout::ControlBlock;
 use crate::map::Space;
-use crate::reduced::{Evaluated, Reduced};
+use crate::reduced::Reduced;
 use nastic_fem::{CellFields, Controls};
 use nastic_mesh::{Mesh, Snapshot};
-use nastic_opt::Problem;
 
 impl Reduced {
     /// The state with everything worth looking at, for VTU files and pictures.
@@ -30,7 +30,7 @@ impl Reduced {
         shot = self.add_field(shot, "", &point.m)?;
         if let Some(derivative) = derivative {
             self.layout().check(derivative)?;
-            shot = self.add_field(shot, "gradient_", &self.inner_product().riesz(derivative))?;
+            shot = self.add_field(shot, "gradient_", &self.build_inner_product()?.riesz(derivative))?;
         }
         shot = self.add_magnets(shot, &point.state.controls)?;
         add_cell_fields(shot, self.solid().cell_fields(&point.state)?)?

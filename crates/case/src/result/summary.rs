@@ -4,7 +4,6 @@ use super::shown::Shown;
 use crate::lower::{Admitted, CaseMember, ControlField, Problem};
 use nastic_control::{ControlBlock, ControlError, EnsembleBlock};
 use nastic_fem::{InvertedAt, SolveReport, State};
-use nastic_opt::Problem as _;
 use serde_json::{Map, Value, json};
 
 /// `{ "total": ..., "terms": { NAME: ... } }` of a member.
@@ -41,7 +40,7 @@ pub(crate) fn hausdorff(member: CaseMember<'_>, state: &State, m: &[f64], stage:
 /// `{ "euclidean": ..., "metric": ... }`
 pub(crate) fn derivative_norm(problem: &Problem, derivative: &[f64]) -> Value {
     let euclidean = derivative.iter().map(|d| d * d).sum::<f64>().sqrt();
-    json!({ "euclidean": euclidean, "metric": problem.ensemble.inner_product().dual_norm(derivative) })
+    json!({ "euclidean": euclidean, "metric": problem.inner_product().map(|product| product.dual_norm(derivative)) })
 }
 
 /// `{ NAME: { "point": [...], "displacement": [...], "position": [...] } }`

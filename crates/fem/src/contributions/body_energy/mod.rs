@@ -24,7 +24,7 @@ pub struct Body {
     pub(crate) actuations: Vec<Attached>,
     /// The distinct sets of terms, and which one each cell has.
     pub(crate) compositions: Vec<Composition>,
-    pub(crate) of_cell: Vec<u16>,
+    pub(crate) of_cell: Vec<u32>,
 }
 
 /// An actuation by name and place.
@@ -113,7 +113,7 @@ impl Body {
                 self.compositions.push(wanted);
                 self.compositions.len() - 1
             });
-            self.of_cell[cell as usize] = index as u16;
+            self.of_cell[cell as usize] = index as u32;
         }
     }
 
