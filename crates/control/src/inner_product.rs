@@ -21,6 +21,23 @@ pub enum Metric {
     },
 }
 
+/// A row of the catalogue of inner products of control fields.
+#[derive(Debug, Clone, Copy)]
+pub struct MetricRow {
+    /// The product's name in case files.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// The product, of this length if it has one.
+    pub make: fn(f64) -> Metric,
+}
+
+/// Every inner product of control fields.
+pub const METRICS: &[MetricRow] = &[
+    MetricRow { name: "L2", about: "int m v, lumped", make: |_| Metric::L2 },
+    MetricRow { name: "H1", about: "int m v + length^2 grad m . grad v", make: |length| Metric::H1 { length } },
+];
+
 /// The inner product of a layout.
 ///
 /// # Errors

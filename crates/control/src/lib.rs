@@ -26,9 +26,9 @@ pub use ensemble::{
 };
 pub use error::ControlError;
 pub use evaluated::{AdjointState, Evaluated};
-pub use inner_product::{Metric, inner_product};
+pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::{ControlBlock, Layout};
-pub use map::{ControlMap, Space};
+pub use map::{ControlMap, SPACES, Space, SpaceRow};
 pub use nastic_hausdorff::Phi;
 pub use reduced::Reduced;
 pub use workspace::ReducedWorkspace;

@@ -78,7 +78,7 @@ pub use admissible::{Admissible, Ball, Bounds, Face, Limit, Optimality, Outside,
 pub use bytes::SavedRunError;
 pub use failed::Failed;
 pub use figures::Figures;
-pub use inner_product::{Diagonal, Euclidean, InnerProduct, InnerProductError};
+pub use inner_product::{Diagonal, Euclidean, INNER_PRODUCTS, InnerProduct, InnerProductError, InnerProductRow};
 pub use lbfgs::Lbfgs;
 pub use line_search::LineSearch;
 pub use method::{Here, Memory, Method, Secant};
