@@ -22,7 +22,6 @@ mod roll;
 mod session;
 mod solve;
 mod table;
-mod watched;
 
 pub use certificate::{Certificate, certify};
 pub use error::{Exit, RunError};

@@ -32,6 +32,7 @@ pub fn certify<O: Objective>(
     objective: &O,
     set: &dyn Admissible,
     base: (&[f64], &O::Point, &[f64]),
+    workspace: &mut O::Workspace,
     size: Option<f64>,
     seed: u64,
 ) -> Result<Certificate, TaylorError> {
@@ -45,7 +46,7 @@ pub fn certify<O: Objective>(
     for t in STEPS {
         set.retract(m, &direction, t, &mut trial);
         certificate.trials += 1;
-        let Ok(evaluated) = objective.evaluate(&trial, &how) else { continue };
+        let Ok(evaluated) = objective.evaluate(&trial, &how, workspace) else { continue };
         let change = objective.value(&evaluated) - cost;
         let mismatch = (change - t * slope).abs() / (t * slope).abs();
         certificate.mismatch = certificate.mismatch.min(mismatch);

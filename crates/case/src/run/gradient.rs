@@ -9,22 +9,24 @@ use crate::result::files::Directory;
 use crate::result::shown::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::{EnsemblePoint, View};
-use nastic_opt::{Problem as _, Request};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace, View};
+use nastic_opt::{Objective, Request};
 use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
+    let mut workspace = EnsembleWorkspace::default();
     let point = session.timed("solve", |session| {
         session.console.pass("solving");
         let problem = &session.problem;
         // A request asks for the state's accuracy, which is a hundred times the residual's.
         let how = Request { near: None, accuracy: 100.0 * ACCURACY, stage: 0 };
-        problem.ensemble.try_evaluate(&problem.start, &how)
+        problem.ensemble.evaluate(&problem.start, &how, &mut workspace)
     });
-    let point = point.map_err(|error| session.forward_failed(error))?;
-    let derivative = session.timed("adjoint", |session| session.problem.ensemble.try_derivative(&point));
-    let derivative = derivative.map_err(|error| session.forward_failed(error))?;
+    let mut point = point.map_err(|failed| session.evaluation_failed(&failed))?;
+    let derivative =
+        session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
+    let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
     session.console.clear();
     report(session, &point, &derivative)?;
     session.timed("write", |session| write(session, &point, &derivative))?;
@@ -89,11 +91,11 @@ pub(super) fn write_states(
     derivative: &[f64],
     out: &Directory,
 ) -> Result<Vec<String>, RunError> {
-    let gradient = problem.ensemble.inner_product().riesz(derivative);
+    let gradient = problem.inner_product().map(|product| product.riesz(derivative));
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.parts) {
-        let gradient = member.local(&gradient);
-        let view = View { adjoint: at.adjoint(), gradient: Some(&gradient), ..View::new(&at.state, &at.m) };
+        let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
+        let view = View { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..View::new(&at.state, &at.m) };
         files.push(member.file(&format!("{what}.vtu")));
         out.write_vtu(&member.file(&format!("{what}.vtu")), &snapshot::snapshot(member, &view)?)?;
     }

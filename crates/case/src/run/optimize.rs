@@ -8,17 +8,19 @@ use super::certificate::{Certificate, certify};
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
-use super::watched::Watched;
 use crate::lower::Problem;
-use nastic_control::{EnsembleError, EnsemblePoint};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::SolveReport;
-use nastic_opt::{Best, Optimizer, Outcome, Problem as _, Request, Run, Stop, Verdict};
+use nastic_opt::{
+    Best, EvaluatedStart, Failed, Objective, Optimizer, Outcome, Problem as _, Request, Run, Stop, Verdict,
+};
 use recorder::Recorder;
 use serde_json::json;
+use std::sync::Arc;
 
 /// A run from one start.
 pub(super) struct Ended {
-    /// Where it began, without its factors.
+    /// Where it began.
     start: EnsemblePoint,
     best: Best<EnsemblePoint>,
     /// Work of all trials, by member.
@@ -31,12 +33,15 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         out.remove_old_iterations();
     }
     let optimizer = session.problem.optimizer()?;
-    let start = session.timed("solve", |session| evaluate(session, &session.problem.start));
-    let start = start.map_err(|error| session.forward_failed(error))?;
-    let derivative = session.timed("adjoint", |session| session.problem.ensemble.try_derivative(&start));
-    let derivative = derivative.map_err(|error| session.forward_failed(error))?;
-    outcome::write_start(session, &start, &derivative)?;
-    let certificate = session.timed("gradient_check", |session| check_gradient(session, &start, &derivative));
+    let mut workspace = EnsembleWorkspace::default();
+    let start = session.timed("solve", |session| evaluate(session, &session.problem.start, &mut workspace));
+    let mut point = start.map_err(|failed| session.evaluation_failed(&failed))?;
+    let derivative =
+        session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
+    let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
+    outcome::write_start(session, &point, &derivative)?;
+    let mut begun = Begun { point, derivative, workspace };
+    let certificate = session.timed("gradient_check", |session| check_gradient(session, &mut begun));
     if session.is_cancelled() {
         return Err(RunError::Cancelled);
     }
@@ -45,31 +50,34 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         return Ok(Exit::GradientWrong);
     }
     let began = std::time::Instant::now();
-    let starts = starts::run(session, optimizer.as_ref(), (start, derivative))?;
+    let starts = starts::run(session, optimizer.as_ref(), begun)?;
     session.note_time("optimize", began.elapsed().as_secs_f64());
     outcome::report(session, &starts)?;
     Ok(if starts.best().best.stop.is_converged() { Exit::Done } else { Exit::NotConverged })
 }
 
-fn evaluate(session: &Session<'_>, m: &[f64]) -> Result<EnsemblePoint, EnsembleError> {
+/// An evaluated start.
+pub(super) struct Begun {
+    point: EnsemblePoint,
+    derivative: Vec<f64>,
+    workspace: EnsembleWorkspace,
+}
+
+fn evaluate(session: &Session<'_>, m: &[f64], workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, Failed> {
     session.console.pass("solving at the start control");
-    let start = session.problem.ensemble.try_evaluate(m, &Request::default());
+    let start = session.problem.ensemble.evaluate(m, &Request::default(), workspace);
     session.console.clear();
     start
 }
 
 /// The short check; what it finds is said and put into the result.
-fn check_gradient(
-    session: &mut Session<'_>,
-    start: &EnsemblePoint,
-    derivative: &[f64],
-) -> Result<Certificate, RunError> {
+fn check_gradient(session: &mut Session<'_>, begun: &mut Begun) -> Result<Certificate, RunError> {
     session.console.pass("checking the gradient");
     let problem = &session.problem;
     let size = super::gradcheck::size(problem);
     let seed = problem.case.optimizer.seed;
-    let base = (start.m.as_slice(), start, derivative);
-    let certificate = certify(&problem.ensemble, &problem.set, base, size, seed);
+    let base = (begun.point.m.as_slice(), &begun.point, begun.derivative.as_slice());
+    let certificate = certify(&problem.ensemble, &problem.set, base, &mut begun.workspace, size, seed);
     session.console.clear();
     let certificate = match certificate {
         Ok(certificate) => certificate,
@@ -109,15 +117,16 @@ fn check_gradient(
 fn minimize(
     session: &Session<'_>,
     optimizer: &dyn Optimizer,
-    (start, derivative): (EnsemblePoint, Vec<f64>),
-    recorder: Recorder<'_>,
+    begun: Begun,
+    mut recorder: Recorder<'_>,
 ) -> Result<Ended, RunError> {
     let problem = &session.problem;
-    let (kept, m) = (start.clone().without_factors(), start.m.clone());
-    let watched = Watched::new(problem, start, derivative);
-    let run = Run::start(optimizer, &watched, &problem.set, problem.ensemble.inner_product(), &m)?;
-    let mut run = run.cancelled_by(session.cancel.clone());
-    let mut recorder = recorder.of(&watched);
+    let Begun { point, derivative, workspace } = begun;
+    let kept = point.clone();
+    let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
+    let start = EvaluatedStart { m: point.m.clone(), point, derivative: Some(derivative) };
+    let run = Run::start(optimizer, &problem.ensemble, Arc::new(problem.set.clone()), metric, start)?;
+    let mut run = run.with_workspace(workspace).cancelled_by(session.cancel.clone());
     let stop = loop {
         match run.step(&mut |trial: &nastic_opt::Trial<'_, EnsemblePoint>| recorder.record(trial)) {
             Outcome::Stopped(stop) => break stop,
@@ -125,10 +134,7 @@ fn minimize(
         }
     };
     let work = recorder.finish()?;
-    let Best { point, m, cost, derivative, gradient_norm, active, stop, counts, stages } = run.finish(stop);
-    let point = point.without_factors();
-    let best = Best { point, m, cost, derivative, gradient_norm, active, stop, counts, stages };
-    Ok(Ended { start: kept, best, work })
+    Ok(Ended { start: kept, best: run.finish(stop), work })
 }
 
 /// Why it ended, for people.
@@ -141,7 +147,7 @@ pub(super) fn why(stop: &Stop) -> String {
 
 /// The start as the last stage values it: what the end can be compared with.
 fn revalued(problem: &Problem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
-    problem.ensemble.try_restage(problem.stages() - 1, start).ok()
+    problem.ensemble.restage(problem.stages() - 1, start).ok()
 }
 
 /// "1.2e-03 -> 4.5e-06, a factor of 267"

@@ -12,6 +12,7 @@ use crate::schema::Command;
 use crate::syntax::Document;
 use nastic_control::{ControlError, EnsembleError, View};
 use nastic_fem::{State, StateError};
+use nastic_opt::Failed;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -172,6 +173,17 @@ impl<'c> Session<'c> {
             }
             other => {
                 let error = Box::new(ControlError::Cost { what: other.to_string() });
+                RunError::Forward { member: String::new(), error, file: None }
+            }
+        }
+    }
+
+    /// The same, of an evaluation.
+    pub fn evaluation_failed(&self, failed: &Failed) -> RunError {
+        match failed.downcast_ref::<EnsembleError>() {
+            Some(error) => self.forward_failed(error.clone()),
+            None => {
+                let error = Box::new(ControlError::Cost { what: failed.to_string() });
                 RunError::Forward { member: String::new(), error, file: None }
             }
         }
