@@ -172,7 +172,7 @@ impl BodyEnergy {
     ///
     /// Source: survey, Prop. 1.
     pub fn fiber_limit(&self, actuation: usize) -> Option<f64> {
-        let attached = &self.actuations[actuation];
+        let attached = self.actuations.get(actuation)?;
         let points = self.disc.points_of_cells();
         let mut least: Option<f64> = None;
         for &cell in &attached.cells {
