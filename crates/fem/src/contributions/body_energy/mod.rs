@@ -5,6 +5,7 @@ use crate::contributions::{Contribution, Demand, Instant, Sensitivities, Sums};
 use crate::discretization::Discretization;
 use crate::error::{FemError, InvertedAt};
 use assembly::Terms;
+use formulation::{Formulation, Standard};
 use nastic_energy::{Actuation, EnergyTerm, Place};
 use nastic_linear::SparseMatrix;
 use nastic_tensor::Vec3;
@@ -12,6 +13,7 @@ use std::sync::Arc;
 
 pub(crate) mod assembly;
 mod control_vjp;
+pub(crate) mod formulation;
 pub(crate) mod max_step;
 mod tangent_product;
 
@@ -26,6 +28,7 @@ pub struct BodyEnergy {
     /// The distinct sets of terms, and which one each cell has.
     pub(crate) compositions: Vec<Composition>,
     pub(crate) of_cell: Vec<u32>,
+    pub(crate) formulation: &'static dyn Formulation,
 }
 
 /// An actuation by name and place.
@@ -48,7 +51,14 @@ pub(crate) struct Composition {
 impl BodyEnergy {
     pub(crate) fn new(disc: Arc<Discretization>) -> Self {
         let of_cell = vec![0; disc.mesh().cells()];
-        BodyEnergy { disc, terms: vec![], actuations: vec![], compositions: vec![Composition::default()], of_cell }
+        BodyEnergy {
+            disc,
+            terms: vec![],
+            actuations: vec![],
+            compositions: vec![Composition::default()],
+            of_cell,
+            formulation: &Standard,
+        }
     }
 
     pub(crate) fn set_discretization(&mut self, disc: Arc<Discretization>) {
