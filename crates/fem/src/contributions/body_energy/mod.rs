@@ -24,7 +24,7 @@ mod tangent_product;
 pub struct BodyEnergy {
     disc: Arc<Discretization>,
     pub(crate) terms: Vec<Arc<dyn EnergyTerm>>,
-    pub(crate) actuations: Vec<Attached>,
+    pub(crate) actuations: Vec<AttachedActuation>,
     /// The distinct sets of terms, and which one each cell has.
     pub(crate) compositions: Vec<Composition>,
     pub(crate) of_cell: Vec<u32>,
@@ -33,7 +33,7 @@ pub struct BodyEnergy {
 
 /// An actuation by name and place.
 #[derive(Debug, Clone)]
-pub struct Attached {
+pub struct AttachedActuation {
     /// Name, unique in the body.
     pub name: String,
     /// The law.
@@ -71,7 +71,7 @@ impl BodyEnergy {
     }
 
     /// The actuations in the order of [`Controls`].
-    pub fn actuations(&self) -> &[Attached] {
+    pub fn actuations(&self) -> &[AttachedActuation] {
         &self.actuations
     }
 
@@ -94,7 +94,7 @@ impl BodyEnergy {
         Ok(())
     }
 
-    pub(crate) fn add_actuation(&mut self, attached: Attached) -> Result<(), FemError> {
+    pub(crate) fn add_actuation(&mut self, attached: AttachedActuation) -> Result<(), FemError> {
         attached.law.check(self.disc.mesh().cells(), self.disc.points().len())?;
         let new = self.actuations.len();
         let cells = attached.cells.clone();
