@@ -30,6 +30,6 @@ pub use cloud::Cloud;
 pub use distance::{Distance, Evaluation, Partials};
 pub use error::HausdorffError;
 pub use pairs::{Counts, LogSums, Pairs, Vjp};
-pub use phi::Phi;
+pub use phi::{CATALOGUE, Phi, PhiRow};
 pub use smoothing::Smoothing;
 pub use summation::Summation;
