@@ -17,8 +17,8 @@ mod state_predictor;
 mod workspace;
 
 pub use cost::{
-    BoundHausdorff, BoundTracking, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, Figure, FigureKind,
-    IntoCost, Partials, SmoothedHausdorff, Target, Tracking,
+    BoundHausdorff, BoundTracking, CATALOGUE as COSTS, ControlNorm, ControlSmoothness, Cost, CostContext, CostExample,
+    CostPoint, CostRow, Figure, FigureKind, IntoCost, Partials, SmoothedHausdorff, Target, Tracking,
 };
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,
@@ -29,7 +29,7 @@ pub use evaluated::{AdjointState, Evaluated};
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::{ControlBlock, Layout};
 pub use map::{ControlMap, SPACES, Space, SpaceRow};
-pub use nastic_hausdorff::Phi;
+pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow};
 pub use reduced::Reduced;
 pub use snapshot::View;
 pub use workspace::ReducedWorkspace;

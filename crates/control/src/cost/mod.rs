@@ -1,12 +1,14 @@
 //! Costs: terms j(u, m) of the objective functional.
 
 mod bound_hausdorff;
+mod catalogue;
 mod figure;
 mod regularization;
 mod smoothed_hausdorff;
 mod tracking;
 
 pub use bound_hausdorff::BoundHausdorff;
+pub use catalogue::{CATALOGUE, CostExample, CostRow};
 pub use figure::{Figure, FigureKind};
 pub use regularization::{ControlNorm, ControlSmoothness};
 pub use smoothed_hausdorff::SmoothedHausdorff;
@@ -100,6 +102,12 @@ pub trait IntoCost {
 impl<C: Cost + 'static> IntoCost for C {
     fn bind(self, _: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         Ok(Box::new(self))
+    }
+}
+
+impl IntoCost for Box<dyn Cost> {
+    fn bind(self, _: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        Ok(self)
     }
 }
 
