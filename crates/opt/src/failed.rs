@@ -30,11 +30,6 @@ impl Failed {
         Self { work, ..self }
     }
 
-    /// The cause.
-    pub fn cause(&self) -> &(dyn Error + Send + Sync + 'static) {
-        self.source.as_ref()
-    }
-
     /// The cause, if it is of this type.
     pub fn downcast_ref<E: Error + 'static>(&self) -> Option<&E> {
         self.source.downcast_ref()
