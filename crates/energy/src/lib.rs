@@ -15,7 +15,6 @@ mod field;
 mod material;
 mod moduli;
 mod polyconvex;
-mod sum;
 mod term;
 
 pub use actuation::{FiberTension, Magnet, MagnetIsochoric, MagnetRotation, Turgor, magnet};
@@ -24,5 +23,4 @@ pub use field::{Entry, Field, Place, combine};
 pub use material::{MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRivlin};
 pub use moduli::Moduli;
 pub use polyconvex::{Block, Conjugates, ConvexDensity, Curvature};
-pub use sum::Sum;
 pub use term::{Actuation, EnergyTerm, Points, Response, Slot, SlotGroup, Slots, Want};
