@@ -4,7 +4,8 @@
 
 use nastic_control::{ControlError, ControlNorm, Reduced, Space, Target, Tracking};
 use nastic_energy::FiberTension;
-use nastic_fem::{CATALOGUE, Solid};
+use nastic_fem::Solid;
+use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, Problem, Taylor, Verdict};
 use nastic_tensor::Vec3;
 
