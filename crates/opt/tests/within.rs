@@ -67,6 +67,11 @@ fn every_part_reaches_the_run() {
         .unwrap();
     assert!(best.stop.is_converged() && best.gradient_norm < 1e-8, "{}", best.stop);
     assert_eq!(seen, 1 + best.counts.iterations);
+    let loose = Lbfgs::default().within(bounds()).tolerance(2.0).minimize(&problem, 0.0).unwrap();
+    assert!(loose.stop.is_converged() && loose.counts.iterations == 0, "{}", loose.stop);
+    let none = Options { max_iterations: 0, ..Options::default() };
+    let none = Lbfgs::default().within(bounds()).options(none).minimize(&problem, 0.0).unwrap();
+    assert!(matches!(none.stop, Stop::MaxIterations { iterations: 0, .. }), "{}", none.stop);
     let short = Lbfgs::default().within(bounds()).tolerance(0.0).max_iterations(1).minimize(&problem, 0.0).unwrap();
     assert!(matches!(short.stop, Stop::MaxIterations { iterations: 1, .. }), "{}", short.stop);
 }
