@@ -16,6 +16,15 @@
 //! let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(Tracking::surface("x+", lifted))?;
 //! let best = Lbfgs::default().within(Bounds::new(-3e5, 1.9e5)?).minimize(&problem, 0.0)?;
 //! assert!(best.cost < 1e-2 * problem.at(&[0.0; 10])?.cost());
+//!
+//! // The same with an evaluated start, an observer and a tolerance; then stepped by hand.
+//! let start = problem.at(&[0.0; 10])?;
+//! let print = |trial: &Trial<'_, Evaluated>| println!("{trial}");
+//! let mut search = Lbfgs::default().within(Bounds::new(-3e5, 1.9e5)?).tolerance(1e-2).observe(print);
+//! let near = search.minimize(&problem, &start)?;
+//! let mut run = search.start(&problem, near.point)?;
+//! while run.step(&mut ()) == Outcome::Iterated {}
+//! assert!(run.cost() < near.cost);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
