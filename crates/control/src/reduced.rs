@@ -7,9 +7,10 @@ use crate::kept_factor::SharedWorkspace;
 use crate::layout::Layout;
 use crate::map::Space;
 use crate::state_predictor::StatePredictor;
-use nastic_fem::{Solid, SolveOptions, SolveReport, State};
+use nastic_fem::{Progress, Solid, SolveOptions, SolveReport, State};
 use nastic_opt::{Failed, InnerProduct, Objective, Problem, Report, Request};
 use std::borrow::Cow;
+use std::fmt;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
@@ -33,6 +34,17 @@ pub struct Reduced {
     /// Whether the control fields are as wanted, even if there are none.
     settled: bool,
     cancel: Option<Arc<AtomicBool>>,
+    progress: Option<SolveProgress>,
+}
+
+/// What is told after every Newton iteration.
+#[derive(Clone)]
+struct SolveProgress(Arc<dyn Fn(&Progress) + Send + Sync>);
+
+impl fmt::Debug for SolveProgress {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("SolveProgress(..)")
+    }
 }
 
 /// An evaluated control: its state, the values of the terms. A value; nothing in it can go stale.
@@ -118,6 +130,7 @@ impl Reduced {
             keep_factors: true,
             settled: false,
             cancel: None,
+            progress: None,
         }
     }
 
@@ -189,6 +202,11 @@ impl Reduced {
     pub fn cancelled_by(mut self, flag: Arc<AtomicBool>) -> Self {
         self.cancel = Some(flag);
         self
+    }
+
+    /// Calls `watch` after every Newton iteration of a state solve.
+    pub fn watch_solves(&mut self, watch: impl Fn(&Progress) + Send + Sync + 'static) {
+        self.progress = Some(SolveProgress(Arc::new(watch)));
     }
 
     /// Computes on one thread: for members of an ensemble, which run side by side.
@@ -272,6 +290,7 @@ impl Reduced {
             parallel: self.parallel,
             accuracy,
             cancel: self.cancel.as_deref(),
+            watch: self.progress.as_ref().map(|progress| &*progress.0 as &(dyn Fn(&Progress) + Sync)),
             ..SolveOptions::default()
         };
         let kept = near.filter(|_| self.keep_factors).map(|point| point.factor.clone()).unwrap_or_default();

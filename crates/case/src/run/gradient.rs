@@ -3,26 +3,19 @@
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
-use super::solve::{ACCURACY, say_cost, say_files, say_members, say_probes, write_collections, write_targets};
+use super::solve::{say_cost, say_files, say_members, say_probes, write_collections, write_targets};
 use crate::lower::Problem;
 use crate::result::files::Directory;
 use crate::result::shown::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, View};
-use nastic_opt::{Problem as _, Request};
+use nastic_opt::Problem as _;
 use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
-    let point = session.timed("solve", |session| {
-        session.console.pass("solving");
-        let problem = &session.problem;
-        // A request asks for the state's accuracy, which is a hundred times the residual's.
-        let how = Request { near: None, accuracy: 100.0 * ACCURACY, stage: 0 };
-        problem.ensemble.try_evaluate(&problem.start, &how)
-    });
-    let point = point.map_err(|error| session.forward_failed(error))?;
+    let point = session.evaluate_start()?;
     let derivative = session.timed("adjoint", |session| session.problem.ensemble.try_derivative(&point));
     let derivative = derivative.map_err(|error| session.forward_failed(error))?;
     session.console.clear();

@@ -12,7 +12,7 @@ use super::watched::Watched;
 use crate::lower::Problem;
 use nastic_control::{EnsembleError, EnsemblePoint};
 use nastic_fem::SolveReport;
-use nastic_opt::{Best, Optimizer, Outcome, Problem as _, Request, Run, Stop, Verdict};
+use nastic_opt::{Best, DEFAULT_ACCURACY, Optimizer, Outcome, Problem as _, Run, Stop, Verdict};
 use recorder::Recorder;
 use serde_json::json;
 
@@ -52,10 +52,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
 }
 
 fn evaluate(session: &Session<'_>, m: &[f64]) -> Result<EnsemblePoint, EnsembleError> {
-    session.console.pass("solving at the start control");
-    let start = session.problem.ensemble.try_evaluate(m, &Request::default());
-    session.console.clear();
-    start
+    session.evaluate(m, DEFAULT_ACCURACY)
 }
 
 /// The short check; what it finds is said and put into the result.

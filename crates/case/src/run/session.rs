@@ -10,13 +10,17 @@ use crate::result::fingerprint::Fingerprint;
 use crate::result::snapshot;
 use crate::schema::Command;
 use crate::syntax::Document;
-use nastic_control::{ControlError, EnsembleError, View};
-use nastic_fem::{State, StateError};
+use nastic_control::{ControlError, EnsembleError, EnsemblePoint, View};
+use nastic_fem::{Progress, State, StateError};
+use nastic_opt::Request;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+
+/// Relative accuracy of the state at the start; its residual is a hundredth of that.
+const START_ACCURACY: f64 = 1e-10;
 
 /// A command under way.
 pub(super) struct Session<'c> {
@@ -42,6 +46,11 @@ impl<'c> Session<'c> {
         let mut problem = Problem::lower(document, options.cancel.clone())?;
         if problem.members().nth(1).is_some() {
             problem.ensemble.watch(Roll::new(&problem, console).watcher());
+        } else {
+            let terminal = console.clone();
+            problem.ensemble.watch_solves(move |_, Progress { load, newton, residual, .. }| {
+                terminal.pass(format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}"));
+            });
         }
         let out = directory(&command, &problem, path, options);
         let mut session = Self {
@@ -142,6 +151,19 @@ impl<'c> Session<'c> {
             self.phases.iter().map(|(phase, seconds)| ((*phase).to_owned(), json!(seconds))).collect();
         times.insert("total".into(), json!(self.began.elapsed().as_secs_f64()));
         self.put("seconds", Value::Object(times));
+    }
+
+    /// The ensemble at a control vector: the one way every command comes by its states.
+    pub fn evaluate(&self, m: &[f64], accuracy: f64) -> Result<EnsemblePoint, EnsembleError> {
+        let point = self.problem.ensemble.try_evaluate(m, &Request { accuracy, ..Request::default() });
+        self.console.clear();
+        point
+    }
+
+    /// The start controls, as exactly as costs no more than another iteration.
+    pub fn evaluate_start(&mut self) -> Result<EnsemblePoint, RunError> {
+        let point = self.timed("solve", |session| session.evaluate(&session.problem.start, START_ACCURACY));
+        point.map_err(|error| self.forward_failed(error))
     }
 
     /// Whether somebody asked to stop.

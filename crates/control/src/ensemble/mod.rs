@@ -17,6 +17,7 @@ pub use report::Measured;
 use crate::error::ControlError;
 use crate::reduced::Evaluated;
 use blocks::{gather, scatter};
+use nastic_fem::Progress;
 use nastic_opt::{Failed, Objective, Report, Request};
 use nastic_uncertainty::risk::Risk;
 use rayon::prelude::*;
@@ -284,6 +285,15 @@ impl Ensemble {
     /// Tells `watch` of every member that finished from now on, as [`EnsembleBuilder::watched_by`] does.
     pub fn watch(&mut self, watch: impl Fn(&Finished) + Send + Sync + 'static) {
         self.watch = Watch(Some(Arc::new(watch)));
+    }
+
+    /// Calls `watch` after every Newton iteration of every member, with the member's name.
+    pub fn watch_solves(&mut self, watch: impl Fn(&str, &Progress) + Send + Sync + 'static) {
+        let watch = Arc::new(watch);
+        for part in &mut self.parts {
+            let (watch, name) = (watch.clone(), part.name.clone());
+            part.problem.watch_solves(move |progress| watch(&name, progress));
+        }
     }
 
     /// The derivative of one term's expected value `sum_s p_s sum_l w_l`, whatever the measure of risk.
