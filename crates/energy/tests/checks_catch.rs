@@ -339,3 +339,33 @@ fn control_derivatives() {
     assert!(matches!(check::actuation(&term, HERE, &[]), Err(Violation::Controls { expected: 1, found: 0, .. })));
     assert!(check::drives(&term, HERE, &[1.0], &Mat3::identity()).unwrap() < 0.0);
 }
+
+/// A neo-Hookean law without the term that takes the stress at rest away: all its derivatives are right.
+#[derive(Debug)]
+struct StressedAtRest(NeoHooke);
+
+impl ConvexDensity for StressedAtRest {
+    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+        self.0.value(at, f, h, j) + 1e3 * (j - 1.0)
+    }
+
+    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+        let first = self.0.first(at, f, h, j);
+        Conjugates { j: first.j + 1e3, ..first }
+    }
+
+    fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
+        self.0.second(at, f, h, j)
+    }
+}
+
+#[test]
+fn the_complete_check_finds_stress_at_rest() {
+    let law = NeoHooke::new(1e5, 4e5).unwrap();
+    let report = check::law(&law, HERE).unwrap();
+    assert_eq!(report.findings.len(), 13, "{report}");
+    let law = StressedAtRest(law);
+    assert!(check::convex_density(&law, HERE).is_ok(), "the partial derivatives alone do not show it");
+    let found = check::law(&law, HERE).unwrap_err();
+    assert!(matches!(found, Violation::Exceeds { check: "the rest state has no energy and no stress", .. }), "{found}");
+}
