@@ -16,8 +16,8 @@ mod snapshot;
 mod state_predictor;
 
 pub use cost::{
-    BoundHausdorff, BoundTracking, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, Figure, FigureKind,
-    IntoCost, Partials, SmoothedHausdorff, Target, Tracking,
+    BoundHausdorff, BoundTracking, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, CostRow, Figure,
+    FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff, Target, Tracking,
 };
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, Finished, LoadCase, Measured, Member,

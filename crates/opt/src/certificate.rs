@@ -1,7 +1,11 @@
-//! The short gradient check that an optimisation begins with.
+//! [`Certificate`]: the short gradient check that an optimisation begins with.
 
+use crate::admissible::Admissible;
+use crate::objective::{Objective, Request};
+use crate::taylor::{Taylor, TaylorError, TaylorReport, Verdict};
 use nastic_numeric::Random;
-use nastic_opt::{Admissible, Objective, Request, Taylor, TaylorError, TaylorReport, Verdict};
+use nastic_numeric::vector::dot;
+use std::fmt;
 
 /// What a short check found.
 #[derive(Clone, PartialEq, Debug)]
@@ -22,43 +26,73 @@ const STEPS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 const ENOUGH: f64 = 1e-3;
 /// Share of the set's extent.
 const LENGTH: f64 = 0.1;
+/// Relative accuracy asked of state solves.
+const ACCURACY: f64 = 1e-10;
 
-/// Compares the derivative at an evaluated control with differences of the cost along one random admissible direction:
-/// at most four evaluations when it is right. If they do not vouch for it, the full [`Taylor`] test decides.
-///
-/// # Errors
-/// Nothing tells how to vary the control, or the full test could not be made.
-pub fn certify<O: Objective>(
-    objective: &O,
-    set: &dyn Admissible,
-    base: (&[f64], &O::Point, &[f64]),
-    size: Option<f64>,
-    seed: u64,
-) -> Result<Certificate, TaylorError> {
-    let (m, point, derivative) = base;
-    let direction = direction(set, m, size, seed)?;
-    let slope: f64 = derivative.iter().zip(&direction).map(|(a, b)| a * b).sum();
-    let cost = objective.value(point);
-    let how = Request { near: Some(point), accuracy: 1e-10, stage: 0 };
-    let mut certificate = Certificate { mismatch: f64::INFINITY, trials: 0, verdict: Verdict::Undecided, full: None };
-    let mut trial = m.to_vec();
-    for t in STEPS {
-        set.retract(m, &direction, t, &mut trial);
-        certificate.trials += 1;
-        let Ok(evaluated) = objective.evaluate(&trial, &how) else { continue };
-        let change = objective.value(&evaluated) - cost;
-        let mismatch = (change - t * slope).abs() / (t * slope).abs();
-        certificate.mismatch = certificate.mismatch.min(mismatch);
-        if mismatch < ENOUGH {
-            certificate.verdict = Verdict::Right;
-            return Ok(certificate);
+/// An evaluated control with its derivative: what a certificate is about.
+#[derive(Debug)]
+pub struct Base<'a, P> {
+    /// The control.
+    pub m: &'a [f64],
+    /// Its evaluated point.
+    pub point: &'a P,
+    /// The derivative there, dual.
+    pub derivative: &'a [f64],
+    /// Continuation stage of the point's value.
+    pub stage: usize,
+}
+
+impl Certificate {
+    /// Compares the derivative at an evaluated control with differences of the cost along one random admissible
+    /// direction: at most four evaluations when it is right. If they do not vouch for it, the full [`Taylor`] test
+    /// decides. `size` is that of a control where neither the set nor the control tells it.
+    ///
+    /// # Errors
+    /// Nothing tells how to vary the control, or the full test could not be made.
+    pub fn of<O: Objective>(
+        objective: &O,
+        set: &dyn Admissible,
+        base: &Base<'_, O::Point>,
+        size: Option<f64>,
+        seed: u64,
+    ) -> Result<Self, TaylorError> {
+        let direction = direction(set, base.m, size, seed)?;
+        let slope = dot(base.derivative, &direction);
+        let cost = objective.value(base.point);
+        let how = Request { near: Some(base.point), accuracy: ACCURACY, stage: base.stage };
+        let mut certificate = Self { mismatch: f64::INFINITY, trials: 0, verdict: Verdict::Undecided, full: None };
+        let mut trial = base.m.to_vec();
+        for t in STEPS {
+            set.retract(base.m, &direction, t, &mut trial);
+            certificate.trials += 1;
+            let Ok(evaluated) = objective.evaluate(&trial, &how) else { continue };
+            let change = objective.value(&evaluated) - cost;
+            let mismatch = (change - t * slope).abs() / (t * slope).abs();
+            certificate.mismatch = certificate.mismatch.min(mismatch);
+            if mismatch < ENOUGH {
+                certificate.verdict = Verdict::Right;
+                return Ok(certificate);
+            }
+        }
+        let taylor = Taylor { directions: 1, seed, size, stage: base.stage, ..Taylor::default() };
+        let full = taylor.test(objective, set, base.m)?;
+        certificate.verdict = full.verdict();
+        certificate.full = Some(full);
+        Ok(certificate)
+    }
+}
+
+impl fmt::Display for Certificate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { mismatch, trials, .. } = self;
+        match self.verdict {
+            Verdict::Right if self.full.is_none() => {
+                write!(f, "right: differences of the cost agree with it to {mismatch:.1e} ({trials} trials)")
+            }
+            Verdict::Undecided => f.write_str("undecided: the cost hardly changes along a random direction"),
+            verdict => verdict.fmt(f),
         }
     }
-    let taylor = Taylor { directions: 1, seed, size, ..Taylor::default() };
-    let full = taylor.test(objective, set, m)?;
-    certificate.verdict = full.verdict();
-    certificate.full = Some(full);
-    Ok(certificate)
 }
 
 /// Random, admissible, a tenth of the set's extent long in every component.

@@ -8,7 +8,8 @@
 //! * nothing is evaluated outside the set; a failed evaluation shortens the step;
 //! * derivatives are asked for at accepted points alone; the accepted point travels on as [`Request::near`];
 //! * it ends with a [`Stop`] that says why;
-//! * no default depends on the unit system: a problem in other units takes the same steps;
+//! * no default depends on the unit system: a problem in other units takes the same steps, as long as all components and
+//!   the inner product are scaled by one factor (blocks of different kinds, Pa and T, are not weighed against each other);
 //! * the same input gives the same bits, also after [`Run::save`] and [`Run::load`].
 //!
 //! ```
@@ -50,6 +51,7 @@
 
 pub mod admissible;
 mod bytes;
+mod certificate;
 mod conjugate_gradient;
 mod inner_product;
 mod lbfgs;
@@ -69,6 +71,7 @@ mod taylor;
 
 pub use admissible::{Admissible, Ball, Bounds, Face, Limit, Optimality, Outside, Product, SetError, Sphere};
 pub use bytes::StateError;
+pub use certificate::{Base, Certificate};
 pub use inner_product::{Diagonal, Euclidean, InnerProduct, InnerProductError};
 pub use lbfgs::Lbfgs;
 pub use line_search::LineSearch;

@@ -1,5 +1,6 @@
 //! A run of an optimiser: the loop that all methods share.
 
+mod certify;
 mod stage;
 
 use crate::admissible::{Admissible, Outside};

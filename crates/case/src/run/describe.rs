@@ -222,6 +222,7 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
         }
         Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
         Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
+        Cost::Added(block) => block.row.about.to_owned(),
     };
     let (name, kind) = (cost.name(), cost.kind());
     let name = if name == kind { name.to_owned() } else { format!("{name} ({kind})") };
@@ -294,12 +295,20 @@ pub(super) fn conventions(problem: &Problem) -> Vec<Line> {
     }
     if problem.case.actuation.iter().any(|a| a.kind.name == "magnet") {
         let mu0 = problem.units().permeability();
+        for magnet in problem.case.actuation.iter().filter(|a| a.kind.name == "magnet") {
+            let carrier = match magnet.parameters.get("variant") {
+                Some(Input::Word("rotation")) => "R of F = R U",
+                Some(Input::Word("isochoric")) => "J^(-1/3) F",
+                _ => "F",
+            };
+            out.push(line(
+                "conventions",
+                format!("{} adds -(1/mu0)(C B_r).B_a to the energy, C = {carrier}", magnet.name),
+            ));
+        }
         out.push(line(
             "conventions",
-            format!(
-                "magnets add -(1/mu0)(F B_r).B_a to the energy; mu0 = {} in these units unless given",
-                scientific(mu0, 8)
-            ),
+            format!("B_r is carried along by C; mu0 = {} in these units unless given", scientific(mu0, 8)),
         ));
     }
     let mut spaces = problem.ensemble.blocks().iter().map(|block| owner(problem, block).map.space());
@@ -324,7 +333,7 @@ pub(super) fn conventions(problem: &Problem) -> Vec<Line> {
 fn catalogue_of(forms: &'static [&'static [catalogue::Parameter]]) -> BTreeMap<&'static str, Dimension> {
     let dimension = |p: &catalogue::Parameter| match p.takes {
         Takes::Number { unit, .. } => dimension_of(unit).unwrap_or(Dimension::NONE),
-        Takes::Direction { .. } | Takes::Choice { .. } => Dimension::NONE,
+        Takes::Direction { .. } | Takes::Choice { .. } | Takes::Name { .. } => Dimension::NONE,
     };
     forms.iter().copied().flatten().map(|p| (p.name, dimension(p))).collect()
 }
@@ -339,6 +348,7 @@ fn parameters(
             Input::Number(value) => scalar(value, dimensions.get(name).copied().unwrap_or(Dimension::NONE), units),
             Input::Direction(value) => vector_field(value),
             Input::Word(word) => (*word).to_owned(),
+            Input::Name(place) => place.clone(),
         };
         format!("{name} {value}")
     };
@@ -458,6 +468,7 @@ fn law(
                 None => json!({ "varies": vector_field(value) }),
             },
             Input::Word(word) => json!(word),
+            Input::Name(place) => json!(place),
         };
         ((*name).to_owned(), value)
     };

@@ -1,5 +1,6 @@
 //! `nastic gradient`: cost and derivative at the start controls, for optimisers of others.
 
+use super::check_gradient;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
@@ -10,7 +11,7 @@ use crate::result::shown::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, View};
-use nastic_opt::Problem as _;
+use nastic_opt::{Problem as _, Verdict};
 use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
@@ -20,8 +21,9 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let derivative = derivative.map_err(|error| session.forward_failed(error))?;
     session.console.clear();
     report(session, &point, &derivative)?;
+    let verdict = check_gradient::of_start(session, &point, &derivative)?;
     session.timed("write", |session| write(session, &point, &derivative))?;
-    Ok(Exit::Done)
+    Ok(if verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {

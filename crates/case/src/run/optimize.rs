@@ -4,7 +4,7 @@ mod outcome;
 mod recorder;
 mod starts;
 
-use super::certificate::{Certificate, certify};
+use super::check_gradient;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
@@ -14,7 +14,6 @@ use nastic_control::{EnsembleError, EnsemblePoint};
 use nastic_fem::SolveReport;
 use nastic_opt::{Best, DEFAULT_ACCURACY, Optimizer, Outcome, Problem as _, Run, Stop, Verdict};
 use recorder::Recorder;
-use serde_json::json;
 
 /// A run from one start.
 pub(super) struct Ended {
@@ -36,12 +35,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let derivative = session.timed("adjoint", |session| session.problem.ensemble.try_derivative(&start));
     let derivative = derivative.map_err(|error| session.forward_failed(error))?;
     outcome::write_start(session, &start, &derivative)?;
-    let certificate = session.timed("gradient_check", |session| check_gradient(session, &start, &derivative));
-    if session.is_cancelled() {
-        return Err(RunError::Cancelled);
-    }
-    let certificate = certificate?;
-    if certificate.verdict == Verdict::Wrong {
+    if check_gradient::of_start(session, &start, &derivative)? == Verdict::Wrong {
         return Ok(Exit::GradientWrong);
     }
     let began = std::time::Instant::now();
@@ -53,53 +47,6 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
 
 fn evaluate(session: &Session<'_>, m: &[f64]) -> Result<EnsemblePoint, EnsembleError> {
     session.evaluate(m, DEFAULT_ACCURACY)
-}
-
-/// The short check; what it finds is said and put into the result.
-fn check_gradient(
-    session: &mut Session<'_>,
-    start: &EnsemblePoint,
-    derivative: &[f64],
-) -> Result<Certificate, RunError> {
-    session.console.pass("checking the gradient");
-    let problem = &session.problem;
-    let size = super::gradcheck::size(problem);
-    let seed = problem.case.optimizer.seed;
-    let base = (start.m.as_slice(), start, derivative);
-    let certificate = certify(&problem.ensemble, &problem.set, base, size, seed);
-    session.console.clear();
-    let certificate = match certificate {
-        Ok(certificate) => certificate,
-        // The run itself will say what it needs a scale for.
-        Err(nastic_opt::TaylorError::NoDirection) => {
-            Certificate { mismatch: f64::NAN, trials: 0, verdict: Verdict::Undecided, full: None }
-        }
-        Err(error) => return Err(error.into()),
-    };
-    let found = match certificate.verdict {
-        Verdict::Right if certificate.full.is_none() => format!(
-            "right: differences of the cost agree with it to {} ({} trials)",
-            scientific(certificate.mismatch, 1),
-            certificate.trials
-        ),
-        Verdict::Undecided => "undecided: the cost hardly changes along a random direction".to_owned(),
-        verdict => verdict.to_string(),
-    };
-    session.console.say(format!("gradient    {found}"));
-    if certificate.verdict == Verdict::Wrong {
-        if let Some(full) = &certificate.full {
-            session.console.say(full);
-        }
-        session
-            .console
-            .say("The derivative does not belong to the cost here: nastic gradcheck shows which term is at fault.");
-        session
-            .console
-            .say("A cost with a kink at the start (target and body on the same points) fails this check too.");
-    }
-    session
-        .put("gradient_check", json!({ "verdict": certificate.verdict.to_string(), "mismatch": certificate.mismatch }));
-    Ok(certificate)
 }
 
 /// Runs the optimiser to its end, from an evaluated start.

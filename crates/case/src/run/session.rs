@@ -3,6 +3,7 @@
 use super::error::{Exit, RunError};
 use super::roll::Roll;
 use super::{Options, number};
+use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::lower::{CaseMember, Problem};
 use crate::result::files::Directory;
@@ -37,9 +38,15 @@ pub(super) struct Session<'c> {
 
 impl<'c> Session<'c> {
     /// Reads and lowers the case.
-    pub fn open(command: Command, path: &Path, options: &Options, console: &'c Console) -> Result<Self, RunError> {
+    pub fn open(
+        catalogue: &Catalogue,
+        command: Command,
+        path: &Path,
+        options: &Options,
+        console: &'c Console,
+    ) -> Result<Self, RunError> {
         let began = Instant::now();
-        let mut document = Document::open(path)?;
+        let mut document = Document::open(path)?.with_catalogue(catalogue);
         for option in &options.set {
             document.set(option)?;
         }

@@ -3,12 +3,14 @@
 mod bound_hausdorff;
 mod figure;
 mod regularization;
+mod row;
 mod smoothed_hausdorff;
 mod tracking;
 
 pub use bound_hausdorff::BoundHausdorff;
 pub use figure::{Figure, FigureKind};
 pub use regularization::{ControlNorm, ControlSmoothness};
+pub use row::{CostRow, MakeCost};
 pub use smoothed_hausdorff::SmoothedHausdorff;
 pub use tracking::{BoundTracking, Target, Tracking};
 

@@ -2,10 +2,11 @@
 
 use super::recorder::Recorder;
 use super::{Ended, Session, evaluate, minimize};
+use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::number::{scientific, short};
 use nastic_control::EnsemblePoint;
-use nastic_opt::Optimizer;
+use nastic_opt::{Certificate, Optimizer, Verdict};
 use serde_json::{Value, json};
 
 /// What became of all starts.
@@ -42,7 +43,7 @@ pub(super) fn run(
     announce(session, 0, count, None);
     let recorder = Recorder::new(session, &mut history, (0, count));
     let ended = minimize(session, optimizer, first, recorder)?;
-    let entries = vec![entry(None, &ended)];
+    let entries = vec![entry(None, &ended, None)];
     let mut starts = Starts { best: ended, index: 0, entries };
     for k in 1..count {
         if session.is_cancelled() {
@@ -60,9 +61,15 @@ pub(super) fn run(
                 continue;
             }
         };
+        let certificate = check_gradient::check(session, &point, &derivative)?;
+        if certificate.verdict == Verdict::Wrong {
+            let check = check_gradient::json(&certificate);
+            starts.entries.push(json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check }));
+            continue;
+        }
         let recorder = Recorder::new(session, &mut history, (k, count));
         let ended = minimize(session, optimizer, (point, derivative), recorder)?;
-        starts.entries.push(entry(Some(seed), &ended));
+        starts.entries.push(entry(Some(seed), &ended, Some(&certificate)));
         if ended.best.cost < starts.best.best.cost {
             (starts.best, starts.index) = (ended, k);
         }
@@ -87,13 +94,18 @@ fn announce(session: &Session<'_>, index: usize, count: usize, seed: Option<u64>
     }
 }
 
-fn entry(seed: Option<u64>, ended: &Ended) -> Value {
+fn entry(seed: Option<u64>, ended: &Ended, certificate: Option<&Certificate>) -> Value {
     let best = &ended.best;
-    json!({
+    let mut out = json!({
         "seed": seed, "start_cost": ended.start.risk, "cost": best.cost, "gradient_norm": best.gradient_norm,
         "iterations": best.counts.iterations, "trials": best.counts.trials, "converged": best.stop.is_converged(),
         "stop": best.stop.to_string(),
-    })
+    });
+    // That of the start as written is the result's own.
+    if let Some(certificate) = certificate {
+        out["gradient_check"] = check_gradient::json(certificate);
+    }
+    out
 }
 
 /// One line per start.

@@ -1,0 +1,18 @@
+//! The gradient check of a run at its present point.
+
+use super::Run;
+use crate::certificate::{Base, Certificate};
+use crate::objective::Objective;
+use crate::taylor::TaylorError;
+
+impl<O: Objective> Run<'_, O> {
+    /// Checks the derivative at the present point: see [`Certificate::of`]. The run itself is not changed.
+    ///
+    /// # Errors
+    /// As [`Certificate::of`].
+    pub fn certify(&self, size: Option<f64>, seed: u64) -> Result<Certificate, TaylorError> {
+        let at = &self.current;
+        let base = Base { m: &at.m, point: &at.point, derivative: &at.derivative, stage: self.progress.stage };
+        Certificate::of(self.setting.objective, self.setting.set, &base, size, seed)
+    }
+}
