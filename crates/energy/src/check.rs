@@ -28,7 +28,7 @@ use std::fmt;
 
 use nastic_tensor::{Inverted, Kinematics, Mat3, Tangent};
 
-use crate::{Actuation, ConvexDensity, EnergyTerm, Place, Points, Response, Slots, Want};
+use crate::{Actuation, ConvexDensity, EnergyTerm, Place, PointBatch, Response, Slots, Want};
 
 pub use accumulation::accumulation;
 pub use control::{control_derivative, drives};
@@ -130,7 +130,7 @@ pub struct Evaluation {
 pub fn evaluate(term: &dyn EnergyTerm, at: Place, k: &Kinematics, m: &[f64]) -> Evaluation {
     let (mut energy, mut stress, mut tangent) = ([0.0], [Mat3::zeros()], [Tangent::zero()]);
     let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut tangent };
-    let points = Points { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
+    let points = PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
     term.respond(&points, Slots { values: m, width: m.len() }, Want::ALL, &mut out);
     Evaluation { energy: energy[0], stress: stress[0], tangent: tangent[0] }
 }

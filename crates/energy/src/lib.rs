@@ -25,4 +25,4 @@ pub use material::{MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRi
 pub use moduli::Moduli;
 pub use polyconvex::{Block, Conjugates, ConvexDensity, Curvature};
 pub use sum::Sum;
-pub use term::{Actuation, EnergyTerm, Points, Response, Slot, SlotGroup, Slots, Want};
+pub use term::{Actuation, EnergyTerm, PointBatch, Response, Slot, SlotGroup, Slots, Want};

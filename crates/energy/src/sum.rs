@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use nastic_tensor::{Mat3, Vec3};
 
-use crate::{EnergyError, EnergyTerm, Moduli, Place, Points, Response, Slots, Want};
+use crate::{EnergyError, EnergyTerm, Moduli, Place, PointBatch, Response, Slots, Want};
 
 /// Several passive terms in one body region: energies, stresses and tangents add.
 ///
@@ -41,13 +41,13 @@ impl Sum {
 }
 
 impl EnergyTerm for Sum {
-    fn respond(&self, at: &Points, _m: Slots, want: Want, out: &mut Response) {
+    fn respond(&self, at: &PointBatch, _m: Slots, want: Want, out: &mut Response) {
         for term in &self.terms {
             term.respond(at, Slots::none(), want, out);
         }
     }
 
-    fn stress_change(&self, at: &Points, _m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+    fn stress_change(&self, at: &PointBatch, _m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         for term in &self.terms {
             term.stress_change(at, Slots::none(), change, out);
         }
