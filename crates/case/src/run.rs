@@ -13,12 +13,12 @@
 mod check;
 mod check_gradient;
 mod describe;
+mod ensemble_progress;
 mod error;
 mod gradcheck;
 mod gradient;
 mod number;
 mod optimize;
-mod roll;
 mod session;
 mod solve;
 mod table;

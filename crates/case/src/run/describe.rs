@@ -6,7 +6,7 @@ pub(super) use members::{load_cases, scenarios};
 
 use super::number::{count, grouped, quantity, scientific, short, vector};
 use crate::expression::dimension_of;
-use crate::lower::{Admitted, ControlField, Problem, TargetShape};
+use crate::lower::{Admitted, CaseProblem, ControlField, TargetShape};
 use crate::quantity::{Dimension, Units};
 use crate::result::summary::owner;
 use crate::schema::{Cost, Fixed, Input, Metric, Parameter, Phi, VectorField};
@@ -26,7 +26,7 @@ fn line(head: &'static str, text: impl Into<String>) -> Line {
     Line { head, text: text.into() }
 }
 
-pub(super) fn units(problem: &Problem) -> Vec<Line> {
+pub(super) fn units(problem: &CaseProblem) -> Vec<Line> {
     let units = problem.units();
     let (length, force, time, field) = (units.length(), units.force(), units.time(), units.field());
     let pressure = units.label(Dimension::PRESSURE);
@@ -35,7 +35,7 @@ pub(super) fn units(problem: &Problem) -> Vec<Line> {
     vec![line("units", text)]
 }
 
-pub(super) fn mesh(problem: &Problem) -> Vec<Line> {
+pub(super) fn mesh(problem: &CaseProblem) -> Vec<Line> {
     let (mesh, measures) = (problem.mesh(), problem.mesh().measures());
     let kinds: Vec<String> =
         mesh.blocks().iter().map(|block| format!("{} {}", grouped(block.len()), block.kind)).collect();
@@ -73,7 +73,7 @@ pub(super) fn mesh(problem: &Problem) -> Vec<Line> {
     out
 }
 
-pub(super) fn groups(problem: &Problem) -> Vec<Line> {
+pub(super) fn groups(problem: &CaseProblem) -> Vec<Line> {
     let (mesh, measures) = (problem.mesh(), problem.mesh().measures());
     let unit = problem.units().length().symbol;
     let d = mesh.dim();
@@ -97,7 +97,7 @@ pub(super) fn groups(problem: &Problem) -> Vec<Line> {
     out
 }
 
-pub(super) fn materials(problem: &Problem) -> Vec<Line> {
+pub(super) fn materials(problem: &CaseProblem) -> Vec<Line> {
     let of = |material: &crate::schema::Material| {
         let units = problem.units();
         let values = parameters(&material.parameters, &catalogue_of(material.law.forms), units);
@@ -106,7 +106,7 @@ pub(super) fn materials(problem: &Problem) -> Vec<Line> {
     problem.case.materials.iter().map(of).collect()
 }
 
-pub(super) fn actuation(problem: &Problem) -> Vec<Line> {
+pub(super) fn actuation(problem: &CaseProblem) -> Vec<Line> {
     let mut out = Vec::new();
     for (k, actuation) in problem.case.actuation.iter().enumerate() {
         let units = problem.units();
@@ -130,7 +130,7 @@ pub(super) fn actuation(problem: &Problem) -> Vec<Line> {
     out
 }
 
-pub(super) fn controls(problem: &Problem) -> Vec<Line> {
+pub(super) fn controls(problem: &CaseProblem) -> Vec<Line> {
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     let of = |(place, field): (&EnsembleBlock, &ControlField)| {
         let (block, shared) = (owner(problem, place), problem.leads().nth(1).is_some() && field.load_case.is_none());
@@ -166,11 +166,11 @@ fn admitted(field: &ControlField) -> String {
 }
 
 /// The smallest bound on a tension of all members.
-fn fiber_limit(problem: &Problem, actuation: usize) -> Option<f64> {
+fn fiber_limit(problem: &CaseProblem, actuation: usize) -> Option<f64> {
     problem.members().filter_map(|member| member.solid().body().fiber_limit(actuation)).reduce(f64::min)
 }
 
-pub(super) fn supports(problem: &Problem) -> Vec<Line> {
+pub(super) fn supports(problem: &CaseProblem) -> Vec<Line> {
     let (solid, units) = (problem.solid(), problem.units());
     let held = solid.supports().fixed().iter().filter(|fixed| **fixed).count();
     let moved = solid.supports().values().iter().filter(|value| **value != 0.0).count();
@@ -199,7 +199,7 @@ pub(super) fn supports(problem: &Problem) -> Vec<Line> {
     out
 }
 
-pub(super) fn costs(problem: &Problem) -> Vec<Line> {
+pub(super) fn costs(problem: &CaseProblem) -> Vec<Line> {
     let mut out: Vec<Line> = problem.case.costs.iter().map(|cost| cost_line("costs", cost)).collect();
     for target in problem.member(0).targets() {
         out.push(target_line(problem, target));
@@ -230,7 +230,7 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
 }
 
 /// A shape that a term aims at.
-fn target_line(problem: &Problem, target: &TargetShape) -> Line {
+fn target_line(problem: &CaseProblem, target: &TargetShape) -> Line {
     let unit = problem.units().length().symbol;
     if target.displacement.is_empty() {
         let size: Vec<String> = target.mesh.size()[..target.mesh.dim()].iter().map(|s| short(*s)).collect();
@@ -258,7 +258,7 @@ fn phi(phi: &Phi) -> String {
     }
 }
 
-pub(super) fn optimizer(problem: &Problem) -> Vec<Line> {
+pub(super) fn optimizer(problem: &CaseProblem) -> Vec<Line> {
     if problem.start.is_empty() || !problem.has_costs() {
         return vec![];
     }
@@ -276,7 +276,7 @@ pub(super) fn optimizer(problem: &Problem) -> Vec<Line> {
     vec![line("optimizer", text)]
 }
 
-pub(super) fn conventions(problem: &Problem) -> Vec<Line> {
+pub(super) fn conventions(problem: &CaseProblem) -> Vec<Line> {
     let mut out = vec![line(
         "conventions",
         "x = X + u, F = I + grad u, P = dW/dF; loads are dead: per reference area and volume",
@@ -378,7 +378,7 @@ fn vector_field(value: &VectorField) -> String {
 }
 
 /// The same for programs.
-pub(super) fn json(problem: &Problem) -> Map<String, Value> {
+pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
     let (mesh, measures, quality) = (problem.mesh(), problem.mesh().measures(), problem.mesh().quality());
     let kinds: BTreeMap<&str, usize> = mesh.blocks().iter().fold(BTreeMap::new(), |mut kinds, block| {
         *kinds.entry(CellKind::name(block.kind)).or_default() += block.len();
@@ -446,7 +446,7 @@ pub(super) fn json(problem: &Problem) -> Map<String, Value> {
 
 /// A law with its constants in the case's units and in SI.
 fn law(
-    problem: &Problem,
+    problem: &CaseProblem,
     region: &str,
     name: &str,
     inputs: &BTreeMap<&'static str, Input>,

@@ -5,9 +5,9 @@ use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
 use super::solve::{say_cost, say_files, say_members, say_probes, write_collections, write_targets};
-use crate::lower::Problem;
+use crate::lower::CaseProblem;
 use crate::result::files::Directory;
-use crate::result::shown::{self, Detail};
+use crate::result::member_report::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, View};
@@ -27,12 +27,12 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {
-    let shown = shown::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
-    let entries = shown::entries(&session.problem, &shown, Detail::Full);
+    let reports = member_report::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
+    let entries = member_report::entries(&session.problem, &reports, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(&session.problem, derivative);
     let controls = summary::controls(&session.problem, &point.m);
-    drop(shown);
+    drop(reports);
     session.put_all(entries);
     session.put("derivative_norm", norm);
     session.put("controls", controls);
@@ -78,7 +78,7 @@ fn write(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -
 
 /// The states of all members, with the gradient.
 pub(super) fn write_states(
-    problem: &Problem,
+    problem: &CaseProblem,
     what: &str,
     point: &EnsemblePoint,
     derivative: &[f64],

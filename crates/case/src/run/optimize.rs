@@ -9,14 +9,14 @@ use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
 use super::watched::Watched;
-use crate::lower::Problem;
+use crate::lower::CaseProblem;
 use nastic_control::{EnsembleError, EnsemblePoint};
 use nastic_fem::SolveReport;
 use nastic_opt::{Best, DEFAULT_ACCURACY, Optimizer, Outcome, Problem as _, Run, Stop, Verdict};
 use recorder::Recorder;
 
 /// A run from one start.
-pub(super) struct Ended {
+pub(super) struct FinishedRun {
     /// Where it began, without its factors.
     start: EnsemblePoint,
     best: Best<EnsemblePoint>,
@@ -55,7 +55,7 @@ fn minimize(
     optimizer: &dyn Optimizer,
     (start, derivative): (EnsemblePoint, Vec<f64>),
     recorder: Recorder<'_>,
-) -> Result<Ended, RunError> {
+) -> Result<FinishedRun, RunError> {
     let problem = &session.problem;
     let (kept, m) = (start.clone().without_factors(), start.m.clone());
     let watched = Watched::new(problem, start, derivative);
@@ -72,7 +72,7 @@ fn minimize(
     let Best { point, m, cost, derivative, gradient_norm, active, stop, counts, stages } = run.finish(stop);
     let point = point.without_factors();
     let best = Best { point, m, cost, derivative, gradient_norm, active, stop, counts, stages };
-    Ok(Ended { start: kept, best, work })
+    Ok(FinishedRun { start: kept, best, work })
 }
 
 /// Why it ended, for people.
@@ -84,7 +84,7 @@ pub(super) fn why(stop: &Stop) -> String {
 }
 
 /// The start as the last stage values it: what the end can be compared with.
-fn revalued(problem: &Problem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
+fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
     problem.ensemble.try_restage(problem.stages() - 1, start).ok()
 }
 

@@ -1,11 +1,11 @@
 //! What the commands share: the case at hand, the clock, the place for results.
 
+use super::ensemble_progress::EnsembleProgress;
 use super::error::{Exit, RunError};
-use super::roll::Roll;
 use super::{Options, number};
 use crate::catalogue::Catalogue;
 use crate::console::Console;
-use crate::lower::{CaseMember, Problem};
+use crate::lower::{CaseMember, CaseProblem};
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::snapshot;
@@ -26,7 +26,7 @@ const START_ACCURACY: f64 = 1e-10;
 /// A command under way.
 pub(super) struct Session<'c> {
     pub command: Command,
-    pub problem: Problem,
+    pub problem: CaseProblem,
     pub console: &'c Console,
     pub cancel: Arc<AtomicBool>,
     /// Where results go; `None` for commands that leave nothing behind unless told where.
@@ -50,9 +50,9 @@ impl<'c> Session<'c> {
         for option in &options.set {
             document.set(option)?;
         }
-        let mut problem = Problem::lower(document, options.cancel.clone())?;
+        let mut problem = CaseProblem::lower(document, options.cancel.clone())?;
         if problem.members().nth(1).is_some() {
-            problem.ensemble.watch(Roll::new(&problem, console).watcher());
+            problem.ensemble.watch(EnsembleProgress::new(&problem, console).watcher());
         } else {
             let terminal = console.clone();
             problem.ensemble.watch_solves(move |_, Progress { load, newton, residual, .. }| {
@@ -248,7 +248,7 @@ impl<'c> Session<'c> {
 
 /// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where
 /// they are told to.
-fn directory(command: &Command, problem: &Problem, path: &Path, options: &Options) -> Option<Directory> {
+fn directory(command: &Command, problem: &CaseProblem, path: &Path, options: &Options) -> Option<Directory> {
     let named = options.out.clone().map(Directory::new);
     if matches!(command, Command::Check | Command::Gradcheck) {
         return named;

@@ -3,10 +3,10 @@
 use super::error::{Exit, RunError};
 use super::number::{scientific, short, vector};
 use super::session::Session;
-use crate::lower::{CaseMember, Problem, TargetShape, file_name};
+use crate::lower::{CaseMember, CaseProblem, TargetShape, file_name};
 use crate::result::files::Directory;
+use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
-use crate::result::shown::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, View};
@@ -21,11 +21,11 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
-    let shown = shown::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
-    let entries = shown::entries(&session.problem, &shown, Detail::Full);
+    let reports = member_report::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
+    let entries = member_report::entries(&session.problem, &reports, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
     let controls = summary::controls(&session.problem, &point.m);
-    drop(shown);
+    drop(reports);
     session.put_all(entries);
     session.put("controls", controls);
     session.put("load_steps", json!(point.parts.iter().map(|at| at.state.report.load_steps).max()));
@@ -223,7 +223,7 @@ pub(super) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
 
 /// `target.vtu` of the first target; further ones bear their cost's name, and those that members have alone begin as
 /// the members' files do.
-pub(super) fn write_targets(problem: &Problem, out: &Directory) -> Result<Vec<String>, RunError> {
+pub(super) fn write_targets(problem: &CaseProblem, out: &Directory) -> Result<Vec<String>, RunError> {
     let targets = named_targets(problem);
     for (name, shape) in &targets {
         out.write_vtu(name, &snapshot::target(shape)?)?;
@@ -232,11 +232,11 @@ pub(super) fn write_targets(problem: &Problem, out: &Directory) -> Result<Vec<St
 }
 
 /// The names of the files with targets.
-pub(super) fn target_files(problem: &Problem) -> Vec<String> {
+pub(super) fn target_files(problem: &CaseProblem) -> Vec<String> {
     named_targets(problem).into_iter().map(|(name, _)| name).collect()
 }
 
-fn named_targets(problem: &Problem) -> Vec<(String, &TargetShape)> {
+fn named_targets(problem: &CaseProblem) -> Vec<(String, &TargetShape)> {
     let mut out: Vec<(String, &TargetShape)> = Vec::new();
     for member in problem.members() {
         let same = |other: &CaseMember<'_>| {
@@ -260,7 +260,7 @@ fn named_targets(problem: &Problem) -> Vec<(String, &TargetShape)> {
 }
 
 /// `scenarios.pvd`: the scenarios' files one after the other, for every load case.
-pub(super) fn write_collections(problem: &Problem, what: &str, out: &Directory) -> Result<Vec<String>, RunError> {
+pub(super) fn write_collections(problem: &CaseProblem, what: &str, out: &Directory) -> Result<Vec<String>, RunError> {
     let mut files = Vec::new();
     for lead in problem.leads().filter(|_| problem.has_scenarios()) {
         let own = problem.members().filter(|member| member.load_case() == lead.load_case());

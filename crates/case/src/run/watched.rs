@@ -1,6 +1,6 @@
 //! The problem as the optimiser sees it: the start is solved once, failures leave a trace.
 
-use crate::lower::Problem;
+use crate::lower::CaseProblem;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint};
 use nastic_fem::StateError;
 use nastic_opt::{Failed, Objective, Report, Request};
@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 /// A problem with its start already evaluated.
 pub(super) struct Watched<'a> {
-    problem: &'a Problem,
+    problem: &'a CaseProblem,
     /// The start and the derivative there, each until it was asked for: it would keep its factors from being let go.
     start: Mutex<Option<EnsemblePoint>>,
     derivative: Mutex<Option<(Vec<f64>, Vec<f64>)>>,
@@ -17,7 +17,7 @@ pub(super) struct Watched<'a> {
 }
 
 impl<'a> Watched<'a> {
-    pub fn new(problem: &'a Problem, start: EnsemblePoint, derivative: Vec<f64>) -> Self {
+    pub fn new(problem: &'a CaseProblem, start: EnsemblePoint, derivative: Vec<f64>) -> Self {
         let derivative = Mutex::new(Some((start.m.clone(), derivative)));
         Self { problem, start: Mutex::new(Some(start)), derivative, failed: Mutex::new(None) }
     }

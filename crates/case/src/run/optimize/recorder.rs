@@ -6,7 +6,7 @@ use super::super::table::Table;
 use super::super::watched::Watched;
 use crate::console::Console;
 use crate::history::{self, History};
-use crate::lower::Problem;
+use crate::lower::CaseProblem;
 use crate::result::files::Directory;
 use crate::result::snapshot;
 use crate::result::summary;
@@ -20,7 +20,7 @@ use std::time::Instant;
 
 /// Told of every trial.
 pub(super) struct Recorder<'s> {
-    problem: &'s Problem,
+    problem: &'s CaseProblem,
     console: &'s Console,
     watched: Option<&'s Watched<'s>>,
     cancel: Arc<AtomicBool>,
@@ -159,7 +159,7 @@ impl<'s> Recorder<'s> {
     }
 }
 
-fn has_distance(problem: &Problem) -> bool {
+fn has_distance(problem: &CaseProblem) -> bool {
     let is = |cost: &crate::schema::Cost| matches!(cost, crate::schema::Cost::SmoothedHausdorff(_));
     problem.members().any(|member| member.case().costs.iter().any(is))
 }

@@ -1,7 +1,7 @@
 //! One run after the other from several starts, of which the best is kept.
 
 use super::recorder::Recorder;
-use super::{Ended, Session, evaluate, minimize};
+use super::{FinishedRun, Session, evaluate, minimize};
 use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::number::{scientific, short};
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 /// What became of all starts.
 pub(super) struct Starts {
-    best: Ended,
+    best: FinishedRun,
     /// Number of the best.
     pub index: usize,
     /// An entry for each, for the result.
@@ -20,7 +20,7 @@ pub(super) struct Starts {
 
 impl Starts {
     /// The run that came down deepest.
-    pub fn best(&self) -> &Ended {
+    pub fn best(&self) -> &FinishedRun {
         &self.best
     }
 }
@@ -94,7 +94,7 @@ fn announce(session: &Session<'_>, index: usize, count: usize, seed: Option<u64>
     }
 }
 
-fn entry(seed: Option<u64>, ended: &Ended, certificate: Option<&Certificate>) -> Value {
+fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Option<&Certificate>) -> Value {
     let best = &ended.best;
     let mut out = json!({
         "seed": seed, "start_cost": ended.start.risk, "cost": best.cost, "gradient_norm": best.gradient_norm,
