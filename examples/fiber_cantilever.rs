@@ -22,11 +22,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let limit = body.body().fiber_limit(0).ok_or("the law states no bound")?;
     println!("tension stays below 95 % of {limit:.3e} Pa");
 
-    // The wish: l = 0.1 m is half the bar's height; the second stage resolves a quarter of it.
+    // The smoothing: l = 0.1 m is half the bar's height; the second stage resolves a quarter of it.
     let target = Arc::new(nastic::io::read_gmsh("meshes/target.msh")?);
-    let wish = SmoothedHausdorff::to(target.clone()).exponential(0.1).stages([(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
-    let distance = wish.clone().bind_to(&body)?;
-    let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(wish)?;
+    let objective = SmoothedHausdorff::to(target.clone()).exponential(0.1).stages([(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
+    let distance = objective.clone().bind_to(&body)?;
+    let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(objective)?;
 
     let set = Bounds::new(-4e5, 0.95 * limit)?;
     let zero = vec![0.0; problem.layout().len()];

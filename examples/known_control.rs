@@ -47,9 +47,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     nastic::io::write_vtu("out/known_control/target.vtu", &Snapshot::new(target.clone()))?;
 
     let body = bar([10, 2, 4])?;
-    let wish = SmoothedHausdorff::to(target).exponential(0.1).stages([(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
-    let distance = wish.clone().bind_to(&body)?;
-    let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(wish)?;
+    let objective = SmoothedHausdorff::to(target).exponential(0.1).stages([(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
+    let distance = objective.clone().bind_to(&body)?;
+    let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(objective)?;
 
     let options = Options { tolerance: 1e-2, max_iterations: 300, ..Options::default() };
     let optimizer = by_name(&method, options).ok_or("METHOD is projected_gradient, spectral or lbfgs")?;

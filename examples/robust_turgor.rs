@@ -47,10 +47,10 @@ fn stem(mesh: &Arc<Discretization>, law: MooneyRivlin) -> Outcome<Reduced> {
         .body_force("body", Vec3::new(0.0, 0.0, -1e4))?
         .clamp("clamp")?;
     let weight = 1e6 / body.mesh().surface_area("track")?;
-    let wish = Tracking::surface("track", Target::position(on_arc)).weight(weight);
+    let objective = Tracking::surface("track", Target::position(on_arc)).weight(weight);
     Ok(Reduced::new(body)
         .control("turgor", Space::Cell)?
-        .cost(wish)?
+        .cost(objective)?
         .cost(ControlSmoothness::of("turgor", ROUGHNESS)?)?)
 }
 

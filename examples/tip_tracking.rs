@@ -1,4 +1,4 @@
-//! Tracking of the tip face: the bar of the reference case, nodal tension between -300 kPa and 0, and the wish that the
+//! Tracking of the tip face: the bar of the reference case, nodal tension between -300 kPa and 0, and the target: the
 //! end face be turned by 0.55 rad and lifted.
 //!
 //! `cargo run --release --example tip_tracking [METHOD] [CELLS] [ITERATIONS]`: CELLS across (8 gives the 9,963 unknowns

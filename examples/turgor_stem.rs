@@ -3,7 +3,7 @@
 //! setting of the survey's figure 5). Where the left half goes is left to the stem.
 //!
 //! A rod of 0.1 m, radius 5 mm; Mooney-Rivlin with shear modulus 0.8 MPa, bulk modulus 6 MPa, share 0.7; own weight
-//! 10 kN/m^3. The pressure in each of the ten cells of the flank is between 0 and 2 MPa. The wish: bent on an arc of 0.5 rad.
+//! 10 kN/m^3. The pressure in each of the ten cells of the flank is between 0 and 2 MPa. The target: bent on an arc of 0.5 rad.
 //!
 //! `cargo run --release --example turgor_stem` writes `start.vtu`, `optimum.vtu`, `target.vtu` and a picture to
 //! `out/turgor_stem`. The same as a case: `examples/cases/turgor_stem.json`.
@@ -35,10 +35,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Over the tracked area: the cost is half the mean squared distance, in square millimetres.
     let weight = 1e6 / body.mesh().surface_area("track")?;
-    let wish = Tracking::surface("track", Target::position(on_arc)).weight(weight);
+    let objective = Tracking::surface("track", Target::position(on_arc)).weight(weight);
     let problem = Reduced::new(body)
         .control("turgor", Space::Cell)?
-        .cost(wish)?
+        .cost(objective)?
         .cost(ControlSmoothness::of("turgor", ROUGHNESS)?)?;
 
     let zero = vec![0.0; problem.layout().len()];

@@ -15,7 +15,7 @@ pub struct Conjugates {
     pub j: f64,
 }
 
-/// A block of second derivatives by two matrices, kept in the cheapest form it has.
+/// A block of second derivatives by two matrices, stored in the least expensive form it has.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Block {
     /// Absent.

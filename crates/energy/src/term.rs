@@ -82,7 +82,7 @@ pub struct Want {
 }
 
 impl Want {
-    /// The energy alone: cheap, for line searches.
+    /// The energy alone, for line searches.
     pub const ENERGY: Want = Want { energy: true, stress: false, tangent: false };
     /// The stress alone.
     pub const STRESS: Want = Want { energy: false, stress: true, tangent: false };
@@ -112,7 +112,7 @@ pub trait EnergyTerm: Debug + Send + Sync {
     fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response);
 
     /// Adds the change of stress `dP/dF : G` (Pa) for a change `G` of `F` at every point of one cell: all that a product with
-    /// the tangent matrix asks of a law. Derived from [`respond`](Self::respond); a law that knows a cheaper way says it here.
+    /// the tangent matrix asks of a law. Derived from [`respond`](Self::respond); a law with a less expensive way implements it here.
     fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         let want = Want { energy: false, stress: false, tangent: true };
         for (q, (change, out)) in change.iter().zip(out).enumerate() {

@@ -173,7 +173,7 @@ impl<'c> Session<'c> {
         point.map_err(|error| self.forward_failed(error))
     }
 
-    /// Whether somebody asked to stop.
+    /// Whether a stop was requested.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
     }

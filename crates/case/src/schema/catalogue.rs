@@ -111,7 +111,7 @@ fn check_form(owner: &str, forms: Forms, node: &Node, members: &[Property], at: 
     };
     let strange =
         |form: &[catalogue::Parameter]| given.iter().filter(|name| !form.iter().any(|p| p.name == **name)).count();
-    // The form somebody was writing shares the most keys and lacks the fewest.
+    // The form that was meant shares the most keys and lacks the fewest.
     let Some(best) = forms.iter().min_by_key(|form| (strange(form), missing(form).len())) else { return true };
     let lacking = missing(best);
     let described: Vec<String> = forms.iter().map(|form| describe(form)).collect();
