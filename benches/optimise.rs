@@ -8,7 +8,7 @@
 mod common;
 
 use common::{Arguments, cantilever, peak_memory, threads};
-use nastic::opt::{Options, Run, Trial, by_name};
+use nastic::opt::by_name;
 use nastic::prelude::*;
 use std::time::Instant;
 
@@ -29,24 +29,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let body = cantilever(CellKind::Hex8, across)?;
     let problem = Reduced::new(body).control("tension", Space::Node)?.cost(Tracking::surface("x+", lifted))?;
     let optimizer = by_name(&method, options).ok_or("method is projected_gradient, spectral or lbfgs")?;
-    let zero = vec![0.0; problem.layout().len()];
 
     let set = Bounds::new(-3e5, 0.0)?;
     let began = Instant::now();
-    let run = Run::start(optimizer.as_ref(), &problem, &set, problem.inner_product(), &zero)?;
     let mut work = [("newton", 0.0), ("factorisations", 0.0), ("back_substitutions", 0.0)];
     let mut first = None;
-    let best = run.minimize(&mut |trial: &Trial<'_, Evaluated>| {
+    let count = |trial: &Trial<'_, Evaluated>| {
         first = first.or(trial.cost);
-        work.iter_mut().for_each(|(name, sum)| *sum += trial.report.get(name).unwrap_or(0.0));
-    });
+        work.iter_mut().for_each(|(name, sum)| *sum += trial.figures.get(name).unwrap_or(0.0));
+    };
+    let best = optimizer.within(set).observe(count).minimize(&problem, 0.0)?;
     let seconds = began.elapsed().as_secs_f64();
     let work: Vec<String> = work.iter().map(|(name, sum)| format!("\"{name}\": {sum}")).collect();
     println!(
         "{{\"peer\": \"nastic\", \"method\": \"{method}\", \"ndof\": {}, \"ncontrol\": {}, \"threads\": {}, \"opt_s\": {seconds:.3}, \
          \"opt_iters\": {}, \"opt_evals\": {}, \"J0\": {:e}, \"J1\": {:e}, {}, \"rss_mb\": {:.1}}}",
         problem.solid().discretization().dofs(),
-        zero.len(),
+        problem.layout().len(),
         threads(),
         best.counts.iterations,
         best.counts.trials,

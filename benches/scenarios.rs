@@ -10,8 +10,7 @@
 mod common;
 
 use common::{Arguments, median, peak_memory, threads};
-use nastic::fem::Discretization;
-use nastic::opt::{Objective, Request};
+use nastic::control::EnsembleWorkspace;
 use nastic::prelude::*;
 use nastic::uncertainty::risk::Mean;
 
@@ -39,17 +38,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let control: Vec<f64> =
         (0..mesh.mesh().cells()).map(|c| -1e5 * ((c / (5 * across)) % across) as f64 / across as f64).collect();
     let seconds = median(repeat, || {
-        let point = robust.evaluate(&control, &Request::default()).map_err(|e| format!("{e:?}"))?;
-        robust.derivative(&point).map(drop).map_err(|e| format!("{e:?}"))
+        let mut workspace = EnsembleWorkspace::default();
+        let mut point = robust.evaluate(&control, &Request::default(), &mut workspace)?;
+        robust.derivative(&mut point, &mut workspace).map(drop)
     })?;
-    let fail = |e: nastic::opt::Failed| format!("{e:?}");
-    let mut point = robust.evaluate(&control, &Request::default()).map_err(fail)?;
+    let mut workspace = EnsembleWorkspace::default();
+    let mut point = robust.evaluate(&control, &Request::default(), &mut workspace)?;
     for _ in 0..3 {
-        robust.derivative(&point).map_err(fail)?;
+        robust.derivative(&mut point, &mut workspace)?;
         let further: Vec<f64> = point.m.iter().map(|m| 1.1 * m).collect();
-        point = robust.evaluate(&further, &Request { near: Some(&point), ..Request::default() }).map_err(fail)?;
+        point = robust.evaluate(&further, &Request::near(&point), &mut workspace)?;
     }
-    let factor = point.factor_bytes() as f64 * 1e-6 / count as f64;
+    let factor = workspace.factor_bytes() as f64 * 1e-6 / count as f64;
     println!(
         "{{\"peer\": \"nastic\", \"scenarios\": {count}, \"ndof\": {}, \"threads\": {}, \"value_and_derivative_s\": {seconds:.4}, \
          \"factor_mb\": {factor:.2}, \"rss_mb\": {:.1}}}",

@@ -6,7 +6,6 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::opt::Trial;
 use nastic::picture::{Appearance, Body, Colour, Field, Picture};
 use nastic::prelude::*;
 use std::sync::Arc;
@@ -22,27 +21,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let limit = body.body().fiber_limit(0).ok_or("the law states no bound")?;
     println!("tension stays below 95 % of {limit:.3e} Pa");
 
-    // The smoothing: l = 0.1 m is half the bar's height; the second stage resolves a quarter of it.
+    // The target: l = 0.1 m is half the bar's height; the second stage resolves a quarter of it.
     let target = Arc::new(nastic::io::read_gmsh("meshes/target.msh")?);
-    let objective = SmoothedHausdorff::to(target.clone()).exponential(0.1).stages([(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
-    let distance = objective.clone().bind_to(&body)?;
-    let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(objective)?;
+    let cost = SmoothedHausdorff::to(target.clone()).exponential(0.1).stages([(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
+    let distance = cost.clone().bind_to(&body)?;
+    let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(cost)?;
 
-    let set = Bounds::new(-4e5, 0.95 * limit)?;
-    let zero = vec![0.0; problem.layout().len()];
-    let start = problem.at(&zero, None, 0)?;
+    let start = problem.at(&vec![0.0; problem.layout().len()])?;
     let before = distance.true_distance(problem.solid(), &start.state.u)?.distance;
 
-    let mut optimizer = Lbfgs::default();
-    optimizer.options.tolerance = 2e-2;
-    let run = optimizer.start(&problem, &set, problem.inner_product(), &zero)?;
-    let best = run.minimize(&mut |trial: &Trial<'_, Evaluated>| {
-        let cost = trial.cost.map_or("-".to_owned(), |c| format!("{c:.6}"));
-        println!(
-            "{:4} stage {} cost {cost} gradient {:.1e} {}",
-            trial.trial, trial.stage, trial.relative_gradient, trial.reason
-        );
-    });
+    let set = Bounds::new(-4e5, 0.95 * limit)?;
+    let print = |trial: &Trial<'_, Evaluated>| println!("{trial}");
+    let best = Lbfgs::default().within(set).tolerance(2e-2).observe(print).minimize(&problem, &start)?;
     let after = distance.true_distance(problem.solid(), &best.point.state.u)?.distance;
     println!("{}", best.stop);
     println!("true Hausdorff distance {before:.4} m -> {after:.4} m");

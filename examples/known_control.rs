@@ -10,7 +10,7 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::opt::{Options, Run, Trial, by_name};
+use nastic::opt::by_name;
 use nastic::prelude::*;
 
 fn bar(cells: [usize; 3]) -> Result<Solid, Box<dyn std::error::Error>> {
@@ -47,26 +47,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     nastic::io::write_vtu("out/known_control/target.vtu", &Snapshot::new(target.clone()))?;
 
     let body = bar([10, 2, 4])?;
-    let objective = SmoothedHausdorff::to(target).exponential(0.1).stages([(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
-    let distance = objective.clone().bind_to(&body)?;
-    let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(objective)?;
+    let cost = SmoothedHausdorff::to(target).exponential(0.1).stages([(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
+    let distance = cost.clone().bind_to(&body)?;
+    let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(cost)?;
 
     let options = Options { tolerance: 1e-2, max_iterations: 300, ..Options::default() };
     let optimizer = by_name(&method, options).ok_or("METHOD is projected_gradient, spectral or lbfgs")?;
-    let set = Bounds::new(-4e5, 1.9e5)?;
-    let zero = vec![0.0; problem.layout().len()];
-    let mut first = f64::NAN;
-    let run = Run::start(optimizer.as_ref(), &problem, &set, problem.inner_product(), &zero)?;
-    let best = run.minimize(&mut |trial: &Trial<'_, Evaluated>| {
-        let Some(point) = trial.point.filter(|_| trial.accepted) else { return };
-        let Ok(truth) = distance.true_distance(problem.solid(), &point.state.u) else { return };
-        if trial.trial == 0 {
-            first = truth.distance;
-        }
-        let cost = trial.cost.unwrap_or(f64::NAN);
-        println!("{:4} stage {} cost {cost:.6} true distance {:.5} m", trial.iteration, trial.stage, truth.distance);
-    });
-    let last = distance.true_distance(problem.solid(), &best.point.state.u)?.distance;
+    let truth = |point: &Evaluated| distance.true_distance(problem.solid(), &point.state.u).map(|found| found.distance);
+    let print = |trial: &Trial<'_, Evaluated>| {
+        let Some(Ok(distance)) = trial.point.filter(|_| trial.accepted).map(truth) else { return };
+        println!("{trial}, true distance {distance:.5} m");
+    };
+    let start = problem.at(&vec![0.0; problem.layout().len()])?;
+    let best = optimizer.within(Bounds::new(-4e5, 1.9e5)?).observe(print).minimize(&problem, &start)?;
+    let (first, last) = (truth(&start)?, truth(&best.point)?);
     println!("{}", best.stop);
     println!("true Hausdorff distance {first:.4} m -> {last:.5} m, {:.0} times smaller", first / last);
     Ok(())

@@ -7,7 +7,6 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::opt::{Options, Trial};
 use nastic::picture::{Appearance, Body, Colour, Picture, View};
 use nastic::prelude::*;
 
@@ -55,30 +54,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .control("magnet.field", Space::Uniform)?
         .cost(Tracking::surface("bottom", Target::position(closed)))?
         .metric(Metric::H1 { length: 0.01 });
-    problem.check()?;
 
     let vectors = problem.layout().blocks()[0].len();
     let set = Product::new().block(vectors, Sphere::new(3, REMANENCE)?).block(3, Ball::new(3, FIELD)?);
     let start = [[0.0, 0.0, REMANENCE].repeat(vectors / 3), vec![0.0, 0.0, 0.5 * FIELD]].concat();
-    let options = Options { tolerance: 1e-2, max_iterations: 30, ..Options::default() };
-    let run = Lbfgs { options, ..Lbfgs::default() }.start(&problem, &set, problem.inner_product(), &start)?;
+    let first = problem.at(&start)?;
     let mut files: Vec<(f64, String)> = Vec::new();
-    let best = run.minimize(&mut |trial: &Trial<'_, Evaluated>| {
-        let cost = trial.cost.map_or("-".to_owned(), |c| format!("{c:.4e}"));
-        let newton = trial.report.get("newton").unwrap_or(f64::NAN);
-        println!(
-            "{:3} cost {cost} gradient {:.1e} newton {newton} {}",
-            trial.trial, trial.relative_gradient, trial.reason
-        );
+    let print = |trial: &Trial<'_, Evaluated>| {
+        println!("{trial}, newton {}", trial.figures.get("newton").unwrap_or(f64::NAN));
         let Some(point) = trial.point.filter(|_| trial.accepted) else { return };
         let name = format!("iteration_{:03}.vtu", trial.iteration);
         let shot = problem.snapshot(point, None);
         if shot.is_ok_and(|shot| nastic::io::write_vtu(format!("out/petal/{name}"), &shot).is_ok()) {
             files.push((trial.iteration as f64, name));
         }
-    });
+    };
+    let best =
+        Lbfgs::default().within(set).tolerance(1e-2).max_iterations(30).observe(print).minimize(&problem, &first)?;
     nastic::io::write_pvd("out/petal/iterations.pvd", &files)?;
-    let first = problem.at(&start, None, 0)?;
     let field = &best.m[vectors..];
     println!("{}", best.stop);
     println!(

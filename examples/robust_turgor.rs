@@ -14,9 +14,7 @@
 
 #![allow(clippy::print_stdout, clippy::print_stderr)] // programs talk, libraries do not
 
-use nastic::control::{Ensemble, EnsemblePoint, Finished};
-use nastic::fem::Discretization;
-use nastic::opt::{Options, Request, Trial};
+use nastic::control::Finished;
 use nastic::prelude::*;
 use nastic::uncertainty::risk::{self, Estimate, conditional_value_at_risk, deviation};
 use nastic::uncertainty::{Beta, Gamma, Inadmissible, MaterialScenarios, Risk, Sample, StochasticMooneyRivlin};
@@ -47,10 +45,10 @@ fn stem(mesh: &Arc<Discretization>, law: MooneyRivlin) -> Outcome<Reduced> {
         .body_force("body", Vec3::new(0.0, 0.0, -1e4))?
         .clamp("clamp")?;
     let weight = 1e6 / body.mesh().surface_area("track")?;
-    let objective = Tracking::surface("track", Target::position(on_arc)).weight(weight);
+    let tracking = Tracking::surface("track", Target::position(on_arc)).weight(weight);
     Ok(Reduced::new(body)
         .control("turgor", Space::Cell)?
-        .cost(objective)?
+        .cost(tracking)?
         .cost(ControlSmoothness::of("turgor", ROUGHNESS)?)?)
 }
 
@@ -69,7 +67,7 @@ fn stems(
     measure: Box<dyn Risk>,
     keep_factors: bool,
 ) -> Outcome<Ensemble> {
-    let mut all = Ensemble::with_risk(measure).keep_factors(keep_factors);
+    let mut all = Ensemble::new(measure).keep_factors(keep_factors);
     for material in &materials.scenarios {
         let name = format!("{:04}", material.node);
         all = all.scenario(&name, material.probability, stem(mesh, material.law.clone())?);
@@ -101,31 +99,29 @@ fn main() -> Outcome {
     // The best control for the mean material, and from there the best for all.
     let mean_law = MooneyRivlin::from_shear_bulk(0.8e6, 6e6, 0.7)?;
     let mean_stem = stem(&mesh, mean_law)?;
-    let options = Options { tolerance: 1e-3, ..Options::default() };
-    let optimizer = || Lbfgs { options, ..Lbfgs::default() };
-    let set = Bounds::new(0.0, 2e6)?;
-    let certain = optimizer().within(set.clone()).minimize(&mean_stem, 0.0)?;
+    let mut search = Lbfgs::default().within(Bounds::new(0.0, 2e6)?).tolerance(1e-3);
+    let certain = search.minimize(&mean_stem, 0.0)?;
     println!("deterministic: cost {:.4} mm^2, {}", certain.cost, certain.stop);
 
     let all = stems(&mesh, &rule, risk::by_name(&measure)?, true)?;
-    let run = optimizer().start(&all, &set, &all, &certain.m)?;
-    let robust = run.minimize(&mut |trial: &Trial<'_, EnsemblePoint>| {
-        let cost = trial.cost.map_or("-".to_owned(), |c| format!("{c:.4}"));
-        println!("{:4} {measure} {cost} gradient {:.1e} {}", trial.trial, trial.relative_gradient, trial.reason);
-    });
+    let first = all.at(&certain.m)?;
+    let mut run = search.start(&all, &first)?;
+    let stop = run.run(&mut |trial: &Trial<'_, EnsemblePoint>| println!("{trial}"));
+    let factors = run.workspace().factor_bytes() as f64 / 1e6;
+    let robust = run.finish(stop);
     println!("robust: {measure} {:.4} mm^2, {}", robust.cost, robust.stop);
-    println!("factors of {} scenarios: {:.1} MB", all.parts().len(), robust.point.factor_bytes() as f64 / 1e6);
+    println!("factors of {} scenarios: {:.1} MB", all.parts().len(), factors);
 
-    let on_rule = [all.evaluate(&certain.m, &Request::default())?.costs, robust.point.costs];
+    let on_rule = [first.costs, robust.point.costs];
     println!("\non the {} nodes of the rule", rule.scenarios.len());
     table(all.probabilities(), &on_rule);
 
     let sample = stems(&mesh, &unseen, risk::by_name("mean")?, false)?;
     let mut on_sample: [Vec<f64>; 2] = Default::default();
     for (costs, (name, m)) in on_sample.iter_mut().zip([("deterministic", &certain.m), ("robust", &robust.m)]) {
-        let point = sample.evaluate(m, &Request::default())?;
+        let point = sample.at(m)?;
         nastic::io::write_vtu(format!("{OUT}/mean_shape_{name}.vtu"), &sample.mean_shape(&point, "")?)?;
-        let in_the_mean = mean_stem.at(m, None, 0)?;
+        let in_the_mean = mean_stem.at(m)?;
         nastic::io::write_vtu(format!("{OUT}/mean_material_{name}.vtu"), &mean_stem.snapshot(&in_the_mean, None)?)?;
         *costs = point.costs;
     }

@@ -13,7 +13,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
         .clamp("clamp")?;
     let target = nastic::io::read_gmsh("meshes/target.msh")?;
-    let problem = Reduced::new(body).cost(SmoothedHausdorff::to(target).exponential(0.1))?;
+    let problem =
+        Reduced::new(body).control("tension", Space::Cell)?.cost(SmoothedHausdorff::to(target).exponential(0.1))?;
     let best = Lbfgs::default().within(Bounds::new(-4e5, 1.9e5)?).minimize(&problem, 0.0)?;
     println!("{}", best.stop);
     println!("cost {:.4} after {} iterations", best.cost, best.counts.iterations);

@@ -7,8 +7,6 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::fem::Discretization;
-use nastic::opt::Options;
 use nastic::picture::{Appearance, Body, Colour, Picture, View};
 use nastic::prelude::*;
 use nastic::uncertainty::risk::Mean;
@@ -75,18 +73,16 @@ fn main() -> Outcome {
     let sphere = Sphere::new(3, REMANENCE)?;
     let along = [REMANENCE, 0.0, 0.0].repeat(cells);
     let starts = [along, sphere.random(cells, 1), sphere.random(cells, 2), sphere.random(cells, 3)];
-    let optimizer =
-        Lbfgs { options: Options { tolerance: 1e-4, max_iterations: 300, ..Options::default() }, ..Lbfgs::default() };
     let upward = [0.0, 0.0, 0.5 * FIELD];
 
     let one = problem(&disc, TARGETS[0])?;
     let set = Product::new().block(3 * cells, sphere.clone()).block(3, Ball::new(3, FIELD)?);
-    let search = optimizer.clone().within(set);
+    let mut search = Lbfgs::default().within(set).max_iterations(300);
     let mut least = f64::INFINITY;
     for (k, start) in starts.iter().enumerate() {
         let start = [start.as_slice(), &upward].concat();
-        let first = one.at(&start, None, 0)?;
-        let best = search.minimize(&one, start)?;
+        let first = one.at(&start)?;
+        let best = search.minimize(&one, &first)?;
         println!(
             "one target, start {k}: cost {:.3e} -> {:.3e}, {} iterations, {}",
             first.cost(),
@@ -106,12 +102,12 @@ fn main() -> Outcome {
     };
     let two = Ensemble::new(Mean).load_cases(vec![case(TARGETS[0])?, case(TARGETS[1])?]).build()?;
     let set = Product::new().block(3 * cells, sphere).block(3, Ball::new(3, FIELD)?).block(3, Ball::new(3, FIELD)?);
-    let search = optimizer.within(set);
+    let mut search = Lbfgs::default().within(set).max_iterations(300);
     let mut least = f64::INFINITY;
     for (k, start) in starts.iter().enumerate() {
         let start = [start.as_slice(), &upward, &[0.0, 0.0, -0.5 * FIELD]].concat();
-        let first = two.try_evaluate(&start, &Default::default())?;
-        let best = search.minimize(&two, start)?;
+        let first = two.at(&start)?;
+        let best = search.minimize(&two, &first)?;
         for (case, (from, to)) in two.parts().iter().zip(first.parts.iter().zip(&best.point.parts)) {
             println!("two targets, start {k}, {}: cost {:.3e} -> {:.3e}", case.name(), from.cost(), to.cost());
         }

@@ -1,12 +1,12 @@
-//! Tracking of the tip face: the bar of the reference case, nodal tension between -300 kPa and 0, and the target: the
-//! end face be turned by 0.55 rad and lifted.
+//! Tracking of the tip face: the bar of the reference case, nodal tension between -300 kPa and 0, the
+//! end face to be turned by 0.55 rad and lifted.
 //!
 //! `cargo run --release --example tip_tracking [METHOD] [CELLS] [ITERATIONS]`: CELLS across (8 gives the 9,963 unknowns
 //! of the published comparison, whose cost falls from 1.470e-3 to 2.4e-8 in 20 iterations of L-BFGS-B).
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::opt::{Options, Run, Trial, by_name};
+use nastic::opt::by_name;
 use nastic::prelude::*;
 use std::time::Instant;
 
@@ -28,23 +28,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let options = Options { max_iterations: iterations, ..Options::default() };
     let optimizer = by_name(&method, options).ok_or("METHOD is projected_gradient, spectral or lbfgs")?;
-    let set = Bounds::new(-3e5, 0.0)?;
-    let zero = vec![0.0; problem.layout().len()];
-    let run = Run::start(optimizer.as_ref(), &problem, &set, problem.inner_product(), &zero)?;
-    let best = run.minimize(&mut |trial: &Trial<'_, Evaluated>| {
-        let cost = trial.cost.map_or("-".to_owned(), |c| format!("{c:.4e}"));
-        let work = |name| trial.report.get(name).unwrap_or(0.0);
-        println!(
-            "{:4} iteration {:3} cost {cost} gradient {:.1e} newton {} factorisations {} {} ({:.1} s)",
-            trial.trial,
-            trial.iteration,
-            trial.relative_gradient,
-            work("newton"),
-            work("factorisations"),
-            trial.reason,
-            began.elapsed().as_secs_f64()
-        );
-    });
+    let print = |trial: &Trial<'_, Evaluated>| {
+        let work = |name| trial.figures.get(name).unwrap_or(0.0);
+        let (newton, factorisations) = (work("newton"), work("factorisations"));
+        println!("{trial}, newton {newton}, factorisations {factorisations} ({:.1} s)", began.elapsed().as_secs_f64());
+    };
+    let best = optimizer.within(Bounds::new(-3e5, 0.0)?).observe(print).minimize(&problem, 0.0)?;
     println!("{}", best.stop);
     println!("cost {:.3e} after {} iterations, {} trials", best.cost, best.counts.iterations, best.counts.trials);
     Ok(())

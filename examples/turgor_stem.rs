@@ -10,7 +10,6 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::opt::Trial;
 use nastic::picture::{Appearance, Body, Colour, Field, Picture};
 use nastic::prelude::*;
 
@@ -35,20 +34,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Over the tracked area: the cost is half the mean squared distance, in square millimetres.
     let weight = 1e6 / body.mesh().surface_area("track")?;
-    let objective = Tracking::surface("track", Target::position(on_arc)).weight(weight);
+    let tracking = Tracking::surface("track", Target::position(on_arc)).weight(weight);
     let problem = Reduced::new(body)
         .control("turgor", Space::Cell)?
-        .cost(objective)?
+        .cost(tracking)?
         .cost(ControlSmoothness::of("turgor", ROUGHNESS)?)?;
 
-    let zero = vec![0.0; problem.layout().len()];
-    let start = problem.at(&zero, None, 0)?;
-    let set = Bounds::new(0.0, 2e6)?;
-    let run = Lbfgs::default().start(&problem, &set, problem.inner_product(), &zero)?;
-    let best = run.minimize(&mut |trial: &Trial<'_, Evaluated>| {
-        let cost = trial.cost.map_or("-".to_owned(), |c| format!("{c:.6}"));
-        println!("{:4} cost {cost} gradient {:.1e} {}", trial.trial, trial.relative_gradient, trial.reason);
-    });
+    let start = problem.at(&vec![0.0; problem.layout().len()])?;
+    let print = |trial: &Trial<'_, Evaluated>| println!("{trial}");
+    let best = Lbfgs::default().within(Bounds::new(0.0, 2e6)?).observe(print).minimize(&problem, &start)?;
     println!("{}", best.stop);
     let distance = |cost: f64| (2.0 * cost).sqrt();
     println!("distance of the tracked part {:.3} mm -> {:.4} mm", distance(start.cost()), distance(best.cost));

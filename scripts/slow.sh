@@ -15,7 +15,7 @@ mkdir -p "$out"
 
 # Longer than 30 s; the others are run by --quick too.
 slow_cases=(known_control cantilever_arc petal)
-slow_examples=(known_control fiber_cantilever petal t_magnet robust_turgor)
+slow_examples=(robust_turgor t_magnet petal)
 
 is_in() { # WORD LIST...
   local word="$1" other

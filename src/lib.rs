@@ -2,7 +2,7 @@
 //!
 //! Given a soft body, what it is made of and how it can be actuated, find the actuation that bends it into the shape you
 //! want, and prove that the answer is right. The body obeys a polyconvex energy and is solved by finite elements at finite
-//! strain; fibre tension, turgor or hard magnets drive it; a cost says how far it is from the wish; the adjoint gives the
+//! strain; fibre tension, turgor or hard magnets drive it; a cost says how far it is from the target; the adjoint gives the
 //! gradient; a projected method moves the controls within their bounds.
 //!
 //! ```
@@ -13,9 +13,9 @@
 //!     .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
 //!     .clamp("x-")?;
 //! let lifted = Target::position(|x| [0.98 * x[0], x[1], x[2] + 0.1]);
-//! let problem = Reduced::new(body).cost(Tracking::surface("x+", lifted))?;
+//! let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(Tracking::surface("x+", lifted))?;
 //! let best = Lbfgs::default().within(Bounds::new(-3e5, 1.9e5)?).minimize(&problem, 0.0)?;
-//! assert!(best.cost < 1e-2 * problem.at(&vec![0.0; 10], None, 0)?.cost());
+//! assert!(best.cost < 1e-2 * problem.at(&[0.0; 10])?.cost());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -51,17 +51,18 @@ pub use nastic_uncertainty as uncertainty;
 /// What most programs need.
 pub mod prelude {
     pub use crate::control::{
-        ControlNorm, ControlSmoothness, Cost, CostPoint, Ensemble, Evaluated, LoadCase, Metric, Phi, Reduced,
-        SmoothedHausdorff, Space, Target, Tracking,
+        ControlNorm, ControlSmoothness, Cost, CostPoint, Ensemble, EnsemblePoint, Evaluated, LoadCase, Metric, Phi,
+        Reduced, SmoothedHausdorff, Space, Target, Tracking,
     };
     pub use crate::energy::{
         Actuation, ConvexDensity, EnergyTerm, FiberTension, Field, Magnet, MagnetIsochoric, MagnetRotation,
         MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRivlin, Turgor,
     };
-    pub use crate::fem::{Solid, State};
+    pub use crate::fem::{Discretization, Solid, State};
     pub use crate::mesh::{CellKind, Mesh, Snapshot, box_mesh, rectangle};
     pub use crate::opt::{
-        Ball, Bounds, Lbfgs, Objective, Optimizer, Problem, Product, ProjectedGradient, Spectral, Sphere, Taylor,
+        Ball, Best, Bounds, Lbfgs, Objective, Optimizer, Options, Outcome, Problem, Product, ProjectedGradient,
+        Request, Run, Spectral, Sphere, Taylor, Trial,
     };
     pub use crate::tensor::{Mat3, Vec3};
 }

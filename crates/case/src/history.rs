@@ -1,7 +1,7 @@
 //! `history.jsonl`: one line per trial, readable while the run goes on.
 
 use nastic_io::WriteError;
-use nastic_opt::{Report, Trial};
+use nastic_opt::{Figures, Trial};
 use serde_json::{Map, Value, json};
 use std::fs::File;
 use std::io::Write;
@@ -44,16 +44,11 @@ impl History {
     }
 }
 
-/// The line of a trial. Work of a failed trial is what its error knows of, null where it knows nothing.
+/// The line of a trial. Work of a failed trial is what its error tells of, null where it tells nothing.
 #[must_use]
-pub fn line<P>(trial: &Trial<'_, P>, failed_newton: Option<usize>, seconds: f64) -> Value {
-    let report = &trial.report;
-    let failed = trial.cost.is_none();
-    let count = |name: &str| match report.get(name) {
-        Some(value) => json!(value as u64),
-        None if failed && name == "newton" => json!(failed_newton),
-        None => Value::Null,
-    };
+pub fn line<P>(trial: &Trial<'_, P>, seconds: f64) -> Value {
+    let figures = &trial.figures;
+    let count = |name: &str| figures.get(name).map(|value| value as u64);
     json!({
         "trial": trial.trial,
         "iteration": trial.iteration,
@@ -61,19 +56,20 @@ pub fn line<P>(trial: &Trial<'_, P>, failed_newton: Option<usize>, seconds: f64)
         "accepted": trial.accepted,
         "reason": trial.reason.to_string(),
         "cost": trial.cost,
-        "terms": terms(report),
+        "terms": terms(figures),
         "gradient_norm": trial.gradient_norm,
         "step": trial.step,
         "newton": count("newton"),
         "factorisations": count("factorisations"),
         "back_substitutions": count("back_substitutions"),
-        "min_J": report.get("min_J"),
+        "min_J": figures.get("min_J"),
         "active": trial.active,
         "seconds": seconds,
     })
 }
 
-fn terms(report: &Report) -> Value {
-    let own = report.0.iter().filter_map(|(name, value)| Some((name.strip_prefix("terms/")?.to_owned(), json!(value))));
+fn terms(figures: &Figures) -> Value {
+    let own =
+        figures.0.iter().filter_map(|(name, value)| Some((name.strip_prefix("terms/")?.to_owned(), json!(value))));
     Value::Object(own.collect::<Map<_, _>>())
 }

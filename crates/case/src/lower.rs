@@ -39,7 +39,7 @@ use member::Label;
 use nastic_control::{Ensemble, EnsembleError, LoadCase, Metric, Reduced};
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::Mesh;
-use nastic_opt::{Objective, Optimizer, Product};
+use nastic_opt::{InnerProduct, Objective, Optimizer, Problem as _, Product};
 use scenario::Scenario;
 use serde_json::{Map, Value};
 use std::path::PathBuf;
@@ -152,17 +152,10 @@ impl CaseProblem {
         self.document.complain(&At::root().key(key), message).into()
     }
 
-    /// An error of the ensemble, without the name of a member where there is but one.
+    /// The inner product of the controls; nothing where there are none.
     #[must_use]
-    pub fn explain(&self, error: &EnsembleError) -> String {
-        explain(error, self.is_plain())
-    }
-}
-
-fn explain(error: &EnsembleError, plain: bool) -> String {
-    match error {
-        EnsembleError::Member { source, .. } if plain => source.to_string(),
-        other => other.to_string(),
+    pub fn inner_product(&self) -> Option<Arc<dyn InnerProduct>> {
+        self.ensemble.inner_product().ok()
     }
 }
 
@@ -250,7 +243,6 @@ fn join(
     cancel: Arc<AtomicBool>,
     context: &mut Context<'_>,
 ) -> Option<(Ensemble, Vec<Label>)> {
-    let plain = scenarios.len() == 1 && scenarios[0].name.is_none() && case.load_cases.is_empty();
     let mut cases: Vec<Vec<LoadCase>> = scenarios.iter().map(|_| vec![]).collect();
     let mut labels = Vec::new();
     for ((variant, body), targets) in variants.into_iter().zip(bodies).zip(targets) {
@@ -261,7 +253,7 @@ fn join(
         let (scenario, Variant { stem, case_stem, case, .. }) = (scenarios[variant.scenario].name.clone(), variant);
         labels.push(Label { scenario, load_case, stem, case_stem, case, targets });
     }
-    let mut builder = Ensemble::with_risk(scenario::risk(case)).cancelled_by(cancel);
+    let mut builder = Ensemble::new(scenario::risk(case)).cancelled_by(cancel);
     for (scenario, cases) in scenarios.iter().zip(cases) {
         builder = builder.scenario_of(scenario.name.as_deref().unwrap_or(""), scenario.probability, cases);
     }
@@ -272,7 +264,7 @@ fn join(
                 EnsembleError::Risk(_) => scenario::risk_at(case),
                 _ => At::root().key("controls"),
             };
-            context.complain(&at, explain(&error, plain));
+            context.complain(&at, error.to_string());
             None
         }
     }

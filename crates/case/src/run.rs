@@ -22,7 +22,6 @@ mod optimize;
 mod session;
 mod solve;
 mod table;
-mod watched;
 
 pub use error::{Exit, RunError};
 pub use gradcheck::{GradientTest, test_gradient};

@@ -26,6 +26,15 @@ pub enum ControlError {
         /// What there is.
         known: String,
     },
+    /// Nothing is controlled.
+    #[error(
+        "the problem has no control: call .control(NAME, Space::Cell), or with another space, before it is optimised; \
+         NAME is one of: {known}"
+    )]
+    NoControls {
+        /// What can be controlled.
+        known: String,
+    },
     /// Two control fields for the same slots.
     #[error("control \"{name}\" is given twice (as \"{other}\"); keep one")]
     ControlledTwice {
@@ -62,4 +71,15 @@ pub enum ControlError {
         /// What is wrong and what to try.
         what: String,
     },
+}
+
+impl ControlError {
+    /// Newton iterations of the state solve that failed, where that is known.
+    pub fn newton(&self) -> Option<usize> {
+        match self {
+            ControlError::State(StateError::NoConvergence { newton, .. }) => Some(*newton),
+            ControlError::State(StateError::Inverted { last, .. }) => Some(last.report.newton),
+            _ => None,
+        }
+    }
 }

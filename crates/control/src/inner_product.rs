@@ -21,11 +21,28 @@ pub enum Metric {
     },
 }
 
+/// A row of the catalogue of inner products of control fields.
+#[derive(Debug, Clone, Copy)]
+pub struct MetricRow {
+    /// The product's name in case files.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// The product, of this length if it has one.
+    pub make: fn(f64) -> Metric,
+}
+
+/// Every inner product of control fields.
+pub const METRICS: &[MetricRow] = &[
+    MetricRow { name: "L2", about: "int m v, lumped", make: |_| Metric::L2 },
+    MetricRow { name: "H1", about: "int m v + length^2 grad m . grad v", make: |length| Metric::H1 { length } },
+];
+
 /// The inner product of a layout.
 ///
 /// # Errors
 /// A control that acts on nothing, or a smoothing length that is not positive.
-pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<Box<dyn InnerProduct>, ControlError> {
+pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<Arc<dyn InnerProduct>, ControlError> {
     let weights = lumped_weights(solid.discretization(), layout);
     if let Some(i) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
         return Err(ControlError::Cost {
@@ -35,10 +52,10 @@ pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<B
     match metric {
         Metric::L2 => {
             let diagonal = Diagonal::new(weights).map_err(|e| ControlError::Cost { what: e.to_string() })?;
-            Ok(Box::new(diagonal))
+            Ok(Arc::new(diagonal))
         }
         Metric::H1 { length } if length.is_finite() && length > 0.0 => {
-            Ok(Box::new(H1::new(solid.discretization(), layout, &weights, length)?))
+            Ok(Arc::new(H1::new(solid.discretization(), layout, &weights, length)?))
         }
         Metric::H1 { length } => {
             let what = format!("the smoothing length of the H1 product is {length}; it is a positive length");

@@ -7,25 +7,29 @@
 mod cost;
 mod ensemble;
 mod error;
+mod evaluated;
 mod inner_product;
-mod kept_factor;
 mod layout;
 mod map;
 mod reduced;
 mod snapshot;
 mod state_predictor;
+mod workspace;
 
 pub use cost::{
     BoundHausdorff, BoundTracking, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, CostRow, Figure,
     FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff, Target, Tracking,
 };
 pub use ensemble::{
-    Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, Finished, LoadCase, Measured, Member,
+    Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,
+    Measured, Member,
 };
 pub use error::ControlError;
-pub use inner_product::{Metric, inner_product};
+pub use evaluated::{AdjointState, Evaluated};
+pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::{ControlBlock, Layout};
-pub use map::{ControlMap, Space};
+pub use map::{ControlMap, SPACES, Space, SpaceRow};
 pub use nastic_hausdorff::Phi;
-pub use reduced::{Evaluated, Reduced};
+pub use reduced::Reduced;
 pub use snapshot::View;
+pub use workspace::ReducedWorkspace;

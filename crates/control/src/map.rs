@@ -17,6 +17,25 @@ pub enum Space {
     Node,
 }
 
+/// A row of the catalogue of control spaces.
+#[derive(Debug, Clone, Copy)]
+pub struct SpaceRow {
+    /// The space.
+    pub space: Space,
+    /// The name in case files.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+}
+
+/// Every control space.
+pub const SPACES: &[SpaceRow] = &[
+    SpaceRow { space: Space::Uniform, name: "uniform", about: "one value" },
+    SpaceRow { space: Space::Region, name: "region", about: "one value per named region" },
+    SpaceRow { space: Space::Cell, name: "cell", about: "one value per cell" },
+    SpaceRow { space: Space::Node, name: "node", about: "linear between the corner nodes of every cell" },
+];
+
 impl Space {
     /// The name in case files.
     pub fn name(self) -> &'static str {

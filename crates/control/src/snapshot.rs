@@ -1,13 +1,13 @@
 //! What a viewer is shown of a problem at one control.
 
 use crate::error::ControlError;
+use crate::evaluated::Evaluated;
 use crate::layout::ControlBlock;
 use crate::map::Space;
-use crate::reduced::{Evaluated, Reduced};
+use crate::reduced::Reduced;
 use nastic_energy::SlotGroup;
 use nastic_fem::State;
 use nastic_mesh::{Mesh, MeshError, Snapshot};
-use nastic_opt::Problem;
 
 /// A state, and what is known of it.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +41,7 @@ impl Reduced {
         let gradient = match derivative {
             Some(derivative) => {
                 self.layout().check(derivative)?;
-                Some(self.inner_product().riesz(derivative))
+                Some(self.build_inner_product()?.riesz(derivative))
             }
             None => None,
         };

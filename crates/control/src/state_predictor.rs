@@ -1,23 +1,23 @@
-//! [`StatePredictor`]: the points before this one, from which the state of the next is guessed.
+//! [`StatePredictor`]: the next state, extrapolated by least squares from the states of the last accepted points.
 
 use nastic_numeric::vector::{axpy, dot, norm, sub};
 use std::sync::Arc;
 
-/// Points that are remembered: steps of quasi-Newton methods lie mostly in the span of the last two or three.
+/// Points that are kept: steps of quasi-Newton methods lie mostly in the span of the last two or three.
 const LENGTH: usize = 4;
 /// Directions of which less than this share is left beside the newer ones say nothing new.
 const NEW: f64 = 0.1;
-/// Share of a step that the directions must reach for a guess to be worth having.
+/// Share of a step that its projection onto the directions must have for a guess to pay.
 const REACHED: f64 = 0.7;
-/// A guess goes no farther along a direction than this times the way that was gone there.
+/// A guess goes no farther along a direction than this times the length of the recorded step there.
 const FARTHEST: f64 = 4.0;
 
-/// A point, those it was evaluated from before it, the newest first.
+/// The last accepted points of a run, the newest first.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct StatePredictor(Vec<Footprint>);
+pub(crate) struct StatePredictor(Vec<Record>);
 
 #[derive(Debug, Clone)]
-struct Footprint {
+struct Record {
     m: Arc<[f64]>,
     u: Arc<Vec<f64>>,
 }
@@ -26,15 +26,19 @@ struct Footprint {
 struct Direction {
     m: Vec<f64>,
     u: Vec<f64>,
-    /// How far it was gone.
+    /// Length of the recorded step.
     length: f64,
 }
 
 impl StatePredictor {
-    /// The predictor that has come to m.
-    pub fn then(&self, m: &[f64], u: &Arc<Vec<f64>>) -> Self {
-        let newest = Footprint { m: m.into(), u: u.clone() };
-        StatePredictor(std::iter::once(newest).chain(self.0.iter().take(LENGTH - 1).cloned()).collect())
+    /// Takes up the point from which the next one is evaluated: it becomes the newest, wherever it stood before.
+    pub fn record(&mut self, m: &[f64], u: &Arc<Vec<f64>>) {
+        if self.0.first().is_some_and(|newest| Arc::ptr_eq(&newest.u, u)) {
+            return;
+        }
+        self.0.retain(|known| !Arc::ptr_eq(&known.u, u));
+        self.0.insert(0, Record { m: m.into(), u: u.clone() });
+        self.0.truncate(LENGTH);
     }
 
     /// A guess of the state at m: with differences `dm_i`, `du_i` from the newest point to those before it,
@@ -43,8 +47,8 @@ impl StatePredictor {
         let (here, before) = self.0.split_first()?;
         let step = sub(m, &here.m);
         let mut directions: Vec<Direction> = Vec::with_capacity(before.len());
-        for footprint in before {
-            directions.extend(Direction::new(here, footprint, &directions));
+        for record in before {
+            directions.extend(Direction::new(here, record, &directions));
         }
         let mut u = here.u.to_vec();
         let mut reached = 0.0;
@@ -61,7 +65,7 @@ impl StatePredictor {
 
 impl Direction {
     /// What of a difference is at right angles to the directions there are.
-    fn new(here: &Footprint, there: &Footprint, others: &[Direction]) -> Option<Self> {
+    fn new(here: &Record, there: &Record, others: &[Direction]) -> Option<Self> {
         let (mut m, mut u) = (sub(&there.m, &here.m), sub(&there.u, &here.u));
         let whole = norm(&m);
         for other in others {
@@ -69,7 +73,7 @@ impl Direction {
             axpy(-c, &other.m, &mut m);
             axpy(-c, &other.u, &mut u);
         }
-        let length = norm(&m);
+        let length = dot(&m, &m).sqrt();
         if length <= NEW * whole {
             return None;
         }

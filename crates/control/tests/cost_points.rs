@@ -95,7 +95,7 @@ fn a_trial_forms_the_sums_once_and_its_derivative_once() -> Outcome {
     assert_eq!(partials, best.counts.derivatives);
     assert!(best.counts.iterations > 4, "{:?}", best.counts);
     // All that is asked of the accepted point is at hand.
-    let figures = problem.figures(&best.point)?;
+    let figures = problem.figures_of(&best.point)?;
     problem.partials(&best.point, None)?;
     assert_eq!(calls.take(), (0, 1));
     let smoothed = figures[0].iter().find(|figure| figure.kind == FigureKind::SmoothedDistance);
@@ -108,17 +108,18 @@ fn a_trial_forms_the_sums_once_and_its_derivative_once() -> Outcome {
 fn restaging_evaluates_again_and_light_points_on_demand() -> Outcome {
     let (problem, calls) = counted()?;
     let m = vec![-1e4; problem.layout().len()];
-    let point = problem.evaluate(&m, &Request::default())?;
-    let fine = problem.restage(1, &point)?;
+    let mut workspace = Default::default();
+    let point = problem.evaluate(&m, &Request::default(), &mut workspace)?;
+    let mut fine = problem.restage(1, &point)?;
     assert_eq!(calls.take(), (2, 0));
     assert_ne!(point.terms, fine.terms);
-    let derivative = problem.derivative(&fine)?;
+    let derivative = problem.derivative(&mut fine, &mut workspace)?;
     assert_eq!(calls.take(), (0, 1));
 
     let (light, calls) = counted()?;
     let light = light.keep_factors(false);
-    let point = light.evaluate(&m, &Request { stage: 1, ..Request::default() })?;
-    for (a, b) in light.derivative(&point)?.iter().zip(&derivative) {
+    let mut point = light.evaluate(&m, &Request { stage: 1, ..Request::default() }, &mut workspace)?;
+    for (a, b) in light.derivative(&mut point, &mut workspace)?.iter().zip(&derivative) {
         assert!((a - b).abs() < 1e-6 * b.abs(), "{a:e} {b:e}");
     }
     assert_eq!(calls.take(), (2, 1), "a point that keeps nothing evaluates its costs again");

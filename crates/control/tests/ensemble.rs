@@ -1,14 +1,13 @@
 //! One control for several bodies.
 
 use nastic_control::{
-    ControlNorm, Ensemble, EnsembleError, EnsemblePoint, LoadCase, Metric, Reduced, Space, Target, Tracking,
+    ControlNorm, Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, LoadCase, Metric, Reduced, Space, Target,
+    Tracking,
 };
 use nastic_energy::{FiberTension, MooneyRivlin, Turgor};
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::{CellKind, box_mesh};
-use nastic_opt::{
-    Bounds, InnerProduct, Objective, Optimizer, Options, Problem, ProjectedGradient, Request, Taylor, Verdict,
-};
+use nastic_opt::{Bounds, Objective, Optimizer, Options, Problem, ProjectedGradient, Request, Taylor, Verdict};
 use nastic_tensor::Vec3;
 use nastic_uncertainty::risk::{CATALOGUE, Cvar, Mean, MeanDeviation, Risk, WorstCase, by_name};
 use std::sync::Arc;
@@ -43,7 +42,7 @@ const PROBABILITIES: [f64; 8] = [0.05, 0.2, 0.1, 0.15, 0.08, 0.22, 0.12, 0.08];
 
 fn eight(risk: Box<dyn Risk>) -> Outcome<Ensemble> {
     let disc = mesh()?;
-    let mut all = Ensemble::with_risk(risk);
+    let mut all = Ensemble::new(risk);
     for (i, p) in PROBABILITIES.iter().enumerate() {
         all = all.scenario(&format!("s{i}"), *p, member(&disc, 0.7 + 0.1 * i as f64)?);
     }
@@ -81,19 +80,19 @@ fn value_and_derivative_are_those_of_the_members() -> Outcome {
     let risk = MeanDeviation { lambda: 0.7 };
     let problem = eight(Box::new(risk))?;
     let m = start(problem.len());
-    let point = problem.evaluate(&m, &Request::default())?;
+    let mut point = problem.at(&m)?;
     let disc = mesh()?;
     let (mut costs, mut derivatives) = (vec![], vec![]);
     for i in 0..8 {
         let alone = member(&disc, 0.7 + 0.1 * i as f64)?;
-        let at = alone.evaluate(&m, &Request::default())?;
+        let mut at = alone.at(&m)?;
         costs.push(at.cost());
-        derivatives.push(alone.derivative(&at)?);
+        derivatives.push(alone.derivative(&mut at, &mut Default::default())?);
     }
     assert_eq!(point.costs, costs);
     assert_eq!(problem.value(&point), risk.value(&PROBABILITIES, &costs));
     let weights = risk.weights(&PROBABILITIES, &costs);
-    let derivative = problem.derivative(&point)?;
+    let derivative = problem.derivative(&mut point, &mut Default::default())?;
     for (k, d) in derivative.iter().enumerate() {
         let sum: f64 = weights.iter().zip(&derivatives).map(|(w, d)| w * d[k]).sum();
         assert!((d - sum).abs() <= 1e-12 * sum.abs().max(1e-20), "{k}: {d:e} and {sum:e}");
@@ -104,11 +103,12 @@ fn value_and_derivative_are_those_of_the_members() -> Outcome {
 fn bits(problem: &Ensemble, m: &[f64], threads: usize) -> Outcome<Vec<u64>> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let run = || -> Result<(EnsemblePoint, Vec<f64>), nastic_opt::Failed> {
-        let first = problem.evaluate(m, &Request::default())?;
-        problem.derivative(&first)?;
+        let mut workspace = EnsembleWorkspace::default();
+        let mut first = problem.evaluate(m, &Request::default(), &mut workspace)?;
+        problem.derivative(&mut first, &mut workspace)?;
         let moved: Vec<f64> = m.iter().map(|m| 1.1 * m).collect();
-        let second = problem.evaluate(&moved, &Request { near: Some(&first), ..Request::default() })?;
-        let derivative = problem.derivative(&second)?;
+        let mut second = problem.evaluate(&moved, &Request::near(&first), &mut workspace)?;
+        let derivative = problem.derivative(&mut second, &mut workspace)?;
         Ok((second, derivative))
     };
     let (point, derivative) = pool.install(run)?;
@@ -144,17 +144,18 @@ fn a_failing_member_is_named() -> Outcome {
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let m = vec![3e5; problem.len()];
-        match pool.install(|| problem.try_evaluate(&m, &Request::default())) {
-            Err(EnsembleError::Member { who, .. }) => assert_eq!(who, "soft"),
+        let failed = pool.install(|| problem.evaluate(&m, &Request::default(), &mut Default::default())).unwrap_err();
+        assert!(failed.to_string().starts_with("soft: "), "{failed}");
+        assert!(failed.work().get("newton").is_some_and(|newton| newton > 0.0), "{failed:?}");
+        match failed.downcast_ref::<EnsembleError>() {
+            Some(EnsembleError::Member { who, .. }) => assert_eq!(who, "soft"),
             other => panic!("{other:?}"),
         }
-        let failed = pool.install(|| problem.evaluate(&m, &Request::default())).unwrap_err();
-        assert!(failed.why.starts_with("soft: "), "{}", failed.why);
     }
     // The optimiser shortens its step and goes on.
     let options = Options { max_iterations: 3, first_move: 1.0, ..Options::default() };
     let best = ProjectedGradient { options }.within(Bounds::new(-1e5, 3e5)?).minimize(&problem, 0.0)?;
-    let rest = problem.evaluate(&vec![0.0; problem.len()], &Request::default())?;
+    let rest = problem.at(&vec![0.0; problem.len()])?;
     assert!(best.counts.failed > 0 && best.cost < problem.value(&rest), "{:?}", best.counts);
     Ok(())
 }
@@ -191,14 +192,14 @@ fn load_cases_inside_scenarios_share_and_own_controls() -> Outcome {
     m[problem.len() - 1] = -1e4;
     assert_taylor(&problem, &m, "nested")?;
 
-    let point = problem.evaluate(&m, &Request::default())?;
+    let point = problem.at(&m)?;
     assert_eq!(point.costs[1], 2.0 * point.parts[2].cost() + point.parts[3].cost());
     assert_eq!(point.parts[1].m, problem.local(&problem.parts()[1], &m)?);
     assert_eq!((point.parts[1].m[0], point.parts[1].m[1]), (-1e4, m[1]));
     // What only "down" uses moves only "down".
     let mut other = m.clone();
     other[problem.len() - 1] = 3e4;
-    let moved = problem.evaluate(&other, &Request::default())?;
+    let moved = problem.at(&other)?;
     assert_eq!(point.parts[0].state.u, moved.parts[0].state.u);
     assert_ne!(point.parts[1].state.u, moved.parts[1].state.u);
     Ok(())
@@ -209,7 +210,7 @@ fn load_cases_inside_scenarios_share_and_own_controls() -> Outcome {
 fn the_inner_product_has_every_block_once() -> Outcome {
     for metric in [Metric::L2, Metric::H1 { length: 0.2 }] {
         let problem = nested(Mean, metric)?;
-        let product = problem.inner_product();
+        let product = problem.inner_product()?;
         assert_eq!((product.len(), product.lumped().is_some()), (problem.len(), metric == Metric::L2));
         let ones = vec![1.0; problem.len()];
         assert!((product.inner(&ones, &ones) / (3.0 * 0.04) - 1.0).abs() < 1e-12);
@@ -226,8 +227,8 @@ fn the_inner_product_has_every_block_once() -> Outcome {
 #[test]
 fn reports_every_risk_and_every_member() -> Outcome {
     let problem = eight(Box::new(WorstCase { smoothing: 0.02 }))?;
-    let point = problem.evaluate(&start(problem.len()), &Request::default())?;
-    let report = problem.report(&point);
+    let point = problem.at(&start(problem.len()))?;
+    let report = problem.figures(&point);
     let get = |name: &str| report.get(name).unwrap_or_else(|| panic!("no entry {name} in {report:?}"));
     let worst = point.costs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     assert_eq!(get("risk/mean"), PROBABILITIES.iter().zip(&point.costs).map(|(p, j)| p * j).sum::<f64>());
@@ -243,8 +244,8 @@ fn reports_every_risk_and_every_member() -> Outcome {
     Ok(())
 }
 
-/// One factor per member is kept, whatever was evaluated and differentiated, and a trial holds it together with the point
-/// it starts from; none where none is wanted, with the same costs.
+/// One factor per member is kept, whatever was evaluated and differentiated; none where none is to be kept, with the same
+/// costs.
 #[test]
 fn at_most_one_factor_per_member_is_kept_and_reported() -> Outcome {
     let disc = mesh()?;
@@ -257,16 +258,16 @@ fn at_most_one_factor_per_member_is_kept_and_reported() -> Outcome {
         }
         let all = all.build()?;
         let m = start(all.len());
-        let mut point = all.evaluate(&m, &Request::default())?;
+        let mut workspace = EnsembleWorkspace::default();
+        let mut point = all.evaluate(&m, &Request::default(), &mut workspace)?;
         let mut refactored = 0;
         for round in 0..3 {
-            all.derivative(&point)?;
+            all.derivative(&mut point, &mut workspace)?;
             let expected = if keep { 8 * one } else { 0 };
-            assert_eq!(point.factor_bytes(), expected, "round {round}");
-            assert_eq!(all.report(&point).get("factor_bytes"), Some(expected as f64));
+            assert_eq!(workspace.factor_bytes(), expected, "round {round}");
             let moved: Vec<f64> = point.m.iter().map(|m| 1.3 * m).collect();
-            let trial = all.evaluate(&moved, &Request { near: Some(&point), ..Request::default() })?;
-            assert_eq!(trial.factor_bytes(), expected, "a trial has factors of its own");
+            let trial = all.evaluate(&moved, &Request::near(&point), &mut workspace)?;
+            assert_eq!(workspace.factor_bytes(), expected, "a trial adds a factor");
             refactored += trial.parts.iter().map(|part| part.work.factorisations).sum::<usize>();
             point = trial;
         }
@@ -309,8 +310,9 @@ fn warm_starts_from_the_members_own_state_and_tells_who_finished() -> Outcome {
         })
         .build()?;
     let m = start(problem.len());
-    let cold = problem.evaluate(&m, &Request::default())?;
-    let warm = problem.evaluate(&m, &Request { near: Some(&cold), ..Request::default() })?;
+    let mut workspace = EnsembleWorkspace::default();
+    let cold = problem.evaluate(&m, &Request::default(), &mut workspace)?;
+    let warm = problem.evaluate(&m, &Request::near(&cold), &mut workspace)?;
     assert_eq!(told.load(Ordering::Relaxed), 4);
     for (warm, cold) in warm.parts.iter().zip(&cold.parts) {
         assert!(warm.work.newton <= 1 && cold.work.newton > 2, "{:?}", warm.work);
@@ -321,7 +323,7 @@ fn warm_starts_from_the_members_own_state_and_tells_who_finished() -> Outcome {
 #[test]
 fn the_mean_shape_and_its_scatter_are_those_of_the_states() -> Outcome {
     let problem = nested(Mean, Metric::L2)?;
-    let point = problem.evaluate(&start(problem.len()), &Request::default())?;
+    let point = problem.at(&start(problem.len()))?;
     let shot = problem.mean_shape(&point, "down")?;
     let of = |name: &str| shot.point_data.iter().find(|a| a.name == name).map(|a| a.values.clone());
     let (mean, scatter, norm) = (of("displacement"), of("deviation"), of("deviation_norm"));
@@ -354,7 +356,7 @@ fn ensembles_that_make_no_sense_are_refused() -> Outcome {
     refuse(Ensemble::new(Mean).scenario("a", f64::NAN, one()?), "a has weight NaN");
     let negative = || -> Outcome<_> { Ok([("a", 1.5, one()?), ("b", -0.5, one()?)]) };
     let add = |risk: Box<dyn Risk>, members: [(&str, f64, Reduced); 2]| {
-        members.into_iter().fold(Ensemble::with_risk(risk), |all, (name, p, problem)| all.scenario(name, p, problem))
+        members.into_iter().fold(Ensemble::new(risk), |all, (name, p, problem)| all.scenario(name, p, problem))
     };
     refuse(add(Box::<Cvar>::default(), negative()?), "sparse");
     assert!(add(Box::new(Mean), negative()?).build().is_ok());
@@ -367,6 +369,6 @@ fn ensembles_that_make_no_sense_are_refused() -> Outcome {
     refuse(Ensemble::new(Mean).scenario("bare", 1.0, empty), "bare: ");
 
     let problem = Ensemble::new(Mean).load_cases(vec![case("up")?, case("down")?]).build()?;
-    assert!(matches!(problem.try_evaluate(&[0.0], &Request::default()), Err(EnsembleError::Length { found: 1, .. })));
+    assert!(matches!(problem.at(&[0.0]), Err(EnsembleError::Length { found: 1, .. })));
     Ok(())
 }

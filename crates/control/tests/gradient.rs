@@ -1,7 +1,8 @@
 //! The reduced derivative against other codes and against Taylor's theorem.
 
 use nastic_control::{
-    ControlNorm, ControlSmoothness, Metric, Phi, Reduced, SmoothedHausdorff, Space, Target, Tracking,
+    ControlNorm, ControlSmoothness, Evaluated, Metric, Phi, Reduced, ReducedWorkspace, SmoothedHausdorff, Space,
+    Target, Tracking,
 };
 use nastic_energy::{FiberTension, MooneyRivlin, TransverseMooneyRivlin};
 use nastic_fem::Solid;
@@ -36,13 +37,13 @@ fn tracked(kind: CellKind, n: usize) -> Outcome<Reduced> {
 #[test]
 fn value_and_derivative_of_the_check_case_agree_with_five_codes() -> Outcome {
     let problem = tracked(CellKind::Hex8, 2)?;
-    let at_rest = problem.at(&vec![0.0; problem.layout().len()], None, 0)?;
+    let at_rest = problem.at(&vec![0.0; problem.layout().len()])?;
     assert!((at_rest.cost() / 0.0014696633970587 - 1.0).abs() < 1e-12, "{:e}", at_rest.cost());
 
     let m: Vec<f64> = problem.layout().blocks()[0].map.positions().iter().map(|x| -1.5e5 * x[2] / 0.2).collect();
-    let point = problem.at(&m, None, 0)?;
+    let mut point = problem.at(&m)?;
     assert!((point.cost() / 1.85521855017e-5 - 1.0).abs() < 1e-9, "{:e}", point.cost());
-    let derivative = problem.derivative(&point)?;
+    let derivative = problem.derivative(&mut point, &mut ReducedWorkspace::default())?;
     let norm = derivative.iter().map(|d| d * d).sum::<f64>().sqrt();
     assert!((norm / 2.0357999826e-10 - 1.0).abs() < 1e-9, "{norm:e}");
     Ok(())
@@ -53,7 +54,7 @@ fn value_and_derivative_of_the_check_case_agree_with_five_codes() -> Outcome {
 fn tracking_at_rest_is_the_same_on_every_element() -> Outcome {
     for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27, CellKind::Tet4, CellKind::Tet10] {
         let problem = tracked(kind, 1)?;
-        let point = problem.at(&vec![0.0; problem.layout().len()], None, 0)?;
+        let point = problem.at(&vec![0.0; problem.layout().len()])?;
         assert!((point.cost() / 0.0014696633970587 - 1.0).abs() < 1e-12, "{kind}: {:e}", point.cost());
     }
     Ok(())
@@ -125,7 +126,10 @@ fn taylor_order_in_the_transverse_law() -> Outcome {
         .material("body", TransverseMooneyRivlin::new(1e5, 0.2e5, 3e5, 10e5, fiber)?)?
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
         .clamp("x-")?;
-    assert_taylor(&Reduced::new(solid).cost(Tracking::surface("x+", lifted_face()))?, "transverse law")
+    assert_taylor(
+        &Reduced::new(solid).control("tension", Space::Cell)?.cost(Tracking::surface("x+", lifted_face()))?,
+        "transverse law",
+    )
 }
 
 /// `derivative` is dual, `gradient` is its Riesz image: (gradient, v) = derivative . v in either product.
@@ -137,10 +141,9 @@ fn gradients_represent_the_derivative_in_their_product() -> Outcome {
                 .control("tension", space)?
                 .cost(Tracking::surface("x+", lifted_face()))?
                 .metric(metric);
-            problem.check()?;
             let m = vec![-3e4; problem.layout().len()];
-            let derivative = problem.derivative(&problem.evaluate(&m, &Request::default())?)?;
-            let product = problem.inner_product();
+            let derivative = problem.derivative(&mut problem.at(&m)?, &mut ReducedWorkspace::default())?;
+            let product = problem.inner_product()?;
             let gradient = product.riesz(&derivative);
             let v: Vec<f64> = (0..m.len()).map(|i| (i as f64 * 0.7).sin()).collect();
             let (a, b) = (product.inner(&gradient, &v), derivative.iter().zip(&v).map(|(d, v)| d * v).sum::<f64>());
@@ -155,24 +158,28 @@ fn gradients_represent_the_derivative_in_their_product() -> Outcome {
 
 /// Three points on a line tell where the state of a fourth is, nearly; a step across the line gets no guess.
 #[test]
-fn a_point_knows_the_way_it_came() -> Outcome {
+fn accepted_points_predict_the_next_state() -> Outcome {
     let problem = tracked(CellKind::Hex8, 2)?;
     let along = |t: f64| -> Vec<f64> {
         problem.layout().blocks()[0].map.positions().iter().map(|x| -1e5 * t * x[2] / 0.2).collect()
     };
-    let evaluate = |m: &[f64], near| problem.try_evaluate(m, &Request { near, accuracy: 1e-6, stage: 0 });
-    let first = evaluate(&along(1.0), None)?;
-    let second = evaluate(&along(1.1), Some(&first))?;
-    let third = evaluate(&along(1.2), Some(&second))?;
-    let forgetful = third.clone().without_factors();
-    let without = evaluate(&along(1.3), Some(&forgetful))?;
-    let with = evaluate(&along(1.3), Some(&third))?;
+    let evaluate = |m: &[f64], near: Option<&Evaluated>, workspace: &mut ReducedWorkspace| {
+        problem.evaluate(m, &Request { near, accuracy: 1e-6, stage: 0 }, workspace)
+    };
+    // The same three points, then a fourth; or the third alone, which knows of no others.
+    let fourth = |m: &[f64]| -> Outcome<[Evaluated; 2]> {
+        let (mut run, mut alone) = (ReducedWorkspace::default(), ReducedWorkspace::default());
+        let first = evaluate(&along(1.0), None, &mut run)?;
+        let second = evaluate(&along(1.1), Some(&first), &mut run)?;
+        let third = evaluate(&along(1.2), Some(&second), &mut run)?;
+        Ok([evaluate(m, Some(&third), &mut run)?, evaluate(m, Some(&third), &mut alone)?])
+    };
+    let [with, without] = fourth(&along(1.3))?;
     assert!(with.work.newton < without.work.newton, "{:?}, {:?}", with.work, without.work);
     assert!((with.cost() / without.cost() - 1.0).abs() < 1e-6, "{:e}, {:e}", with.cost(), without.cost());
 
     let across: Vec<f64> = along(1.2).iter().enumerate().map(|(i, m)| m - 1e4 * (i as f64).sin()).collect();
-    let turned = evaluate(&across, Some(&third))?;
-    let alone = evaluate(&across, Some(&forgetful))?;
+    let [turned, alone] = fourth(&across)?;
     assert!((turned.cost() / alone.cost() - 1.0).abs() < 1e-6, "{:e}, {:e}", turned.cost(), alone.cost());
     Ok(())
 }

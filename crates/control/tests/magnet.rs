@@ -5,8 +5,7 @@ use nastic_energy::{Actuation, Magnet, MagnetIsochoric, MagnetRotation, MooneyRi
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_opt::{
-    Admissible, Ball, Best, CATALOGUE, Lbfgs, Objective, Optimizer, Options, Problem, Product, Request, Run, Sphere,
-    Taylor, Trial, Verdict,
+    Admissible, Ball, Best, CATALOGUE, Lbfgs, Optimizer, Options, Problem, Product, Sphere, Taylor, Trial, Verdict,
 };
 use nastic_uncertainty::risk::Mean;
 use std::sync::Arc;
@@ -19,7 +18,7 @@ const FIELD: f64 = 20e-3;
 fn bar(law: Arc<dyn Actuation>) -> Outcome<Solid> {
     Ok(Solid::new(box_mesh([1.0, 0.2, 0.05], [4, 2, 1], CellKind::Hex20)?)?
         .material("body", MooneyRivlin::new(5e4, 5e4, 2e5)?)?
-        .actuate_dyn("body", "magnet", law)?
+        .actuate("body", "magnet", law)?
         .clamp("x-")?)
 }
 
@@ -41,7 +40,7 @@ fn set_and_start(vectors: usize, fields: &[[f64; 3]], seed: u64) -> Outcome<(Pro
     let mut start = sphere.random(vectors, seed);
     let mut set = Product::new().block(3 * vectors, sphere);
     for field in fields {
-        set.push(3, Box::new(Ball::new(3, FIELD)?));
+        set.push(3, Arc::new(Ball::new(3, FIELD)?));
         start.extend(field);
     }
     Ok((set, start))
@@ -95,11 +94,10 @@ fn lengths_are_kept_at_every_trial() -> Outcome {
                 }
                 strongest = strongest.max(length(&trial.m[3 * vectors..]));
             };
-            let run = Run::start(optimizer.as_ref(), &problem, &set, problem.inner_product(), &start)?;
-            let best = run.minimize(&mut watch);
+            let best = optimizer.within(set.clone()).observe(&mut watch).minimize(&problem, &start)?;
             let what = format!("{}, {space:?}, {metric:?}: {:?}", entry.name, best.counts);
             assert!(trials > 5 && off <= 1e-12 && strongest <= FIELD, "{what}: {off:e}, {strongest:e}");
-            let first = problem.at(&start, None, 0)?.cost();
+            let first = problem.at(&start)?.cost();
             assert!(best.cost < 0.5 * first, "{what}: {first:e} -> {:e}", best.cost);
         }
     }
@@ -176,7 +174,7 @@ fn a_known_target_is_reached() -> Outcome {
     let upward = [0.0, 0.0, 0.5 * FIELD];
     let (set, uniform) = set_and_start(cells, &[upward], 0)?;
     let uniform = [[REMANENCE, 0.0, 0.0].repeat(cells), uniform[3 * cells..].to_vec()].concat();
-    let first = problem.at(&uniform, None, 0)?.cost();
+    let first = problem.at(&uniform)?.cost();
     let mut end = minimise(&problem, set, uniform)?.cost;
     for seed in 1..4 {
         // Those that are left cannot make the best worse.
@@ -204,7 +202,7 @@ fn two_known_targets_are_reached_with_one_magnetisation() -> Outcome {
     let fields = [[0.0, 0.0, 0.5 * FIELD], [0.0, 0.0, -0.5 * FIELD]];
     let (set, random) = set_and_start(cells, &fields, 0)?;
     let start = [[REMANENCE, 0.0, 0.0].repeat(cells), random[3 * cells..].to_vec()].concat();
-    let first = problem.evaluate(&start, &Request::default())?;
+    let first = problem.at(&start)?;
     let best = minimise(&problem, set, start)?;
     for (part, (from, to)) in problem.parts().iter().zip(first.parts.iter().zip(&best.point.parts)) {
         println!("{}: {:e} -> {:e}", part.name(), from.cost(), to.cost());
@@ -237,7 +235,7 @@ fn snapshots_hold_remanence_and_field() -> Outcome {
     let problem = lifting(Arc::new(Magnet::new()), Space::Node, Metric::L2)?;
     let vectors = problem.layout().blocks()[0].map.len();
     let m = [[0.0, REMANENCE, 0.0].repeat(vectors), vec![0.0, 3e-3, 4e-3]].concat();
-    let shot = problem.snapshot(&problem.at(&m, None, 0)?, None)?;
+    let shot = problem.snapshot(&problem.at(&m)?, None)?;
     for (name, expected) in [("B_r", [0.0, REMANENCE, 0.0]), ("B_a", [0.0, 3e-3, 4e-3])] {
         let array = shot.cell_array(name).ok_or("no such array")?;
         assert!(array.values.chunks_exact(3).all(|v| (0..3).all(|k| (v[k] - expected[k]).abs() < 1e-15)), "{name}");

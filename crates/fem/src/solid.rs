@@ -57,43 +57,27 @@ impl Solid {
         Solid { model: Model::new(disc) }
     }
 
-    /// Adds a passive energy on a region. Several on one region add up.
+    /// Adds a passive energy on a region. Several on one region add up. A law chosen at run time is an `Arc<dyn EnergyTerm>`.
     ///
     /// # Errors
     /// The region's name is unknown, or a field of the law has the wrong length.
-    pub fn material(self, region: &str, term: impl EnergyTerm + 'static) -> Result<Self, FemError> {
-        self.material_dyn(region, Arc::new(term))
-    }
-
-    /// [`material`](Self::material) for a law chosen at run time.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn material_dyn(mut self, region: &str, term: Arc<dyn EnergyTerm>) -> Result<Self, FemError> {
+    pub fn material(mut self, region: &str, term: impl EnergyTerm + 'static) -> Result<Self, FemError> {
         let cells = self.mesh().region(region)?.to_vec();
-        self.model.body.add_term(&cells, term)?;
+        self.model.body.add_term(&cells, Arc::new(term))?;
         Ok(self)
     }
 
-    /// Attaches an actuation to a region under a name.
+    /// Attaches an actuation to a region under a name. A law chosen at run time is an `Arc<dyn Actuation>`.
     ///
     /// # Errors
     /// The region's name is unknown, the actuation's name is taken, or a field of the law has the wrong length.
-    pub fn actuate(self, region: &str, name: &str, law: impl Actuation + 'static) -> Result<Self, FemError> {
-        self.actuate_dyn(region, name, Arc::new(law))
-    }
-
-    /// [`actuate`](Self::actuate) for a law chosen at run time.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn actuate_dyn(mut self, region: &str, name: &str, law: Arc<dyn Actuation>) -> Result<Self, FemError> {
+    pub fn actuate(mut self, region: &str, name: &str, law: impl Actuation + 'static) -> Result<Self, FemError> {
         if self.model.controllable().iter().any(|known| known.name == name) {
             let what = format!("there are two actuations named \"{name}\"; rename one");
             return Err(FemError::Meaningless { what });
         }
         let cells = self.mesh().region(region)?.to_vec();
-        self.model.body.add_actuation(Attached { name: name.to_owned(), law, cells })?;
+        self.model.body.add_actuation(Attached { name: name.to_owned(), law: Arc::new(law), cells })?;
         Ok(self)
     }
 

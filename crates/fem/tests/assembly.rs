@@ -16,7 +16,7 @@ fn driven(kind: CellKind) -> Outcome<(Solid, Vec<f64>, Controls)> {
         _ => [4, 4, 4],
     };
     let (_, law) = laws()?.remove(0);
-    let solid = Solid::new(regular(kind, [1.0, 0.9, 0.8], cells)?)?.material_dyn("body", law)?.actuate(
+    let solid = Solid::new(regular(kind, [1.0, 0.9, 0.8], cells)?)?.material("body", law)?.actuate(
         "body",
         "tension",
         FiberTension::along(Vec3::new(0.6, 0.8, 0.0))?,

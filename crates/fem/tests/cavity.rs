@@ -157,7 +157,7 @@ fn a_thick_sphere_under_pressure_is_that_of_its_radial_equation() -> Outcome {
                     _ => Arc::new(MooneyRivlin::new(mu[0], mu[1], mu[2])?),
                 };
                 let solid = Solid::new(shell(kind, cells)?)?
-                    .material_dyn("body", term)?
+                    .material("body", term)?
                     .displace("x-", [Some(0.0), None, None])?
                     .displace("y-", [None, Some(0.0), None])?
                     .displace("z-", [None, None, Some(0.0)])?

@@ -51,15 +51,14 @@ fn solids(kind: CellKind) -> Outcome<Vec<(String, Solid, Controls)>> {
     let bare = Solid::new(mesh)?;
     let mut all = Vec::new();
     for (name, law) in laws()? {
-        let solid = bare.clone().material_dyn("body", law)?;
+        let solid = bare.clone().material("body", law)?;
         let controls = solid.controls();
         all.push((format!("{kind}, {name}"), solid, controls));
     }
     let (_, law) = laws()?.remove(0);
     for row in catalogue::actuations() {
         for inputs in row.examples() {
-            let solid =
-                bare.clone().material_dyn("body", law.clone())?.actuate_dyn("body", "m", row.build(&inputs)?)?;
+            let solid = bare.clone().material("body", law.clone())?.actuate("body", "m", row.build(&inputs)?)?;
             let controls = controls(&solid, row.example.controls);
             all.push((format!("{kind}, {} {inputs:?}", row.name), solid, controls));
         }

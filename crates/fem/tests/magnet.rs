@@ -201,7 +201,7 @@ fn a_free_cube_in_a_field_along_its_magnetisation_deforms_as_one_point() -> Outc
             for (variant, law, carrier) in carriers()? {
                 let energy = |f: &Mat3| (case.density)(f) - REMANENCE * FIELD / 2.0 * carrier(f)[(0, 0)];
                 let f = relaxed(kind.dim(), energy);
-                let solid = block.solid(&case)?.actuate_dyn("body", "magnet", law)?;
+                let solid = block.solid(&case)?.actuate("body", "magnet", law)?;
                 let mut controls = solid.controls();
                 for slot in controls.values_mut(0).chunks_exact_mut(6) {
                     (slot[0], slot[3]) = (REMANENCE, FIELD);

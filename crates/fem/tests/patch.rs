@@ -38,7 +38,7 @@ fn assert_patch(mesh: Mesh, what: &str) -> Outcome {
     let u = |x: Vec3| (f - Mat3::identity()) * x;
     let expected = nodal(&mesh, u);
     for (name, law) in laws()? {
-        let solid = prescribe(Solid::on(disc.clone()).material_dyn("body", law.clone())?, &held, u)?;
+        let solid = prescribe(Solid::on(disc.clone()).material("body", law.clone())?, &held, u)?;
         let request = SolveOptions { accuracy: 1e-14, ..SolveOptions::default() };
         let state = solid.solve(&solid.controls(), &request).unwrap_or_else(|e| panic!("{what}, {name}: {e}"));
         let error = distance(&state.u, &expected) / common::largest(&expected);

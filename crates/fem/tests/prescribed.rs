@@ -34,7 +34,7 @@ fn dilatation_takes_the_forces_of_the_formula() -> Outcome {
     for kind in kinds().filter(|kind| kind.dim() == 3) {
         for a in [0.8, 1.3] {
             for (case, expected) in dilatations(a)? {
-                let mut solid = Solid::new(distorted(unit(kind, 2)?, 0.08)?)?.material_dyn("body", case.law)?;
+                let mut solid = Solid::new(distorted(unit(kind, 2)?, 0.08)?)?.material("body", case.law)?;
                 let sides = ["x-", "y-", "z-", "x+", "y+", "z+"];
                 for (n, side) in sides.iter().enumerate() {
                     let mut values = [None; 3];
@@ -78,7 +78,7 @@ fn simple_shear_has_the_stress_of_the_formula() -> Outcome {
         let solid = Solid::new(with_node_sets(&mesh, &held)?)?;
         for g in [-0.4, 0.9] {
             for (case, modulus) in shear_moduli()? {
-                let solid = solid.clone().material_dyn("body", case.law)?;
+                let solid = solid.clone().material("body", case.law)?;
                 let solid = prescribe(solid, &held, |x| Vec3::new(g * x.y, 0.0, 0.0))?;
                 let state = solid.solve(&solid.controls(), &STRICT)?;
                 for cell in solid.cell_fields(&state)?.piola.chunks_exact(9) {
@@ -107,7 +107,7 @@ fn reactions_balance_the_loads() -> Outcome {
         let flat = |v: Vec3| if plane { Vec3::new(v.x, v.y, 0.0) } else { v };
         let mesh = distorted(unit(kind, 2)?, 0.08)?;
         let solid = Solid::new(mesh)?
-            .material_dyn("body", mooney_rivlin(MR)?.law)?
+            .material("body", mooney_rivlin(MR)?.law)?
             .clamp("x-")?
             .traction("x+", flat(traction))?
             .body_force("body", flat(weight))?;
@@ -131,7 +131,7 @@ fn reactions_balance_the_loads() -> Outcome {
 #[test]
 fn reactions_are_told_apart_by_support() -> Outcome {
     let solid = Solid::new(unit(CellKind::Hex8, 2)?)?
-        .material_dyn("body", mooney_rivlin(MR)?.law)?
+        .material("body", mooney_rivlin(MR)?.law)?
         .displace("x-", [Some(0.0), None, None])?
         .displace("y-", [None, Some(0.0), None])?
         .displace("z-", [None, None, Some(0.0)])?

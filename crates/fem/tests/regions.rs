@@ -142,8 +142,8 @@ fn regions_and_fields_are_two_ways_to_say_the_same() -> Outcome {
         let law = std::sync::Arc::new(law);
         let fields = bare
             .clone()
-            .material_dyn("left", law.clone())?
-            .material_dyn("right", law)?
+            .material("left", law.clone())?
+            .material("right", law)?
             .actuate("left", "a", tension.clone())?
             .actuate("right", "b", tension)?;
         let found = driven(fields, -0.8)?;
@@ -181,8 +181,8 @@ fn an_actuation_acts_in_its_region_alone() -> Outcome {
 fn several_energies_on_one_region_add_up() -> Outcome {
     let (first, second) = (mooney_rivlin([1.0, 0.2, 5.0])?, neo_hooke(0.7, 2.0)?);
     let solid = Solid::new(unit(CellKind::Hex8, 2)?)?
-        .material_dyn("body", first.law.clone())?
-        .material_dyn("body", second.law.clone())?
+        .material("body", first.law.clone())?
+        .material("body", second.law.clone())?
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
         .actuate("body", "turgor", Turgor::new())?
         .displace("x-", [Some(0.0), None, None])?

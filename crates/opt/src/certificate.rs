@@ -53,6 +53,7 @@ impl Certificate {
         objective: &O,
         set: &dyn Admissible,
         base: &Base<'_, O::Point>,
+        workspace: &mut O::Workspace,
         size: Option<f64>,
         seed: u64,
     ) -> Result<Self, TaylorError> {
@@ -65,7 +66,7 @@ impl Certificate {
         for t in STEPS {
             set.retract(base.m, &direction, t, &mut trial);
             certificate.trials += 1;
-            let Ok(evaluated) = objective.evaluate(&trial, &how) else { continue };
+            let Ok(evaluated) = objective.evaluate(&trial, &how, workspace) else { continue };
             let change = objective.value(&evaluated) - cost;
             let mismatch = (change - t * slope).abs() / (t * slope).abs();
             certificate.mismatch = certificate.mismatch.min(mismatch);

@@ -2,6 +2,7 @@
 
 use nastic_numeric::vector::dot;
 use std::fmt::Debug;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// A symmetric positive definite product (a, b) = a . G b on control vectors, with Gram matrix G.
@@ -41,10 +42,31 @@ pub trait InnerProduct: Debug + Send + Sync {
     }
 }
 
+/// A row of the catalogue of inner products.
+#[derive(Clone, Copy, Debug)]
+pub struct InnerProductRow {
+    /// The product's name.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// An example of so many components.
+    pub make: fn(usize) -> Result<Arc<dyn InnerProduct>, InnerProductError>,
+}
+
+/// Every inner product of this crate; those of control fields are in `nastic-control`.
+pub const INNER_PRODUCTS: &[InnerProductRow] = &[
+    InnerProductRow { name: "euclidean", about: "sum_i a_i b_i", make: |len| Ok(Arc::new(Euclidean::new(len))) },
+    InnerProductRow {
+        name: "diagonal",
+        about: "sum_i w_i a_i b_i",
+        make: |len| Ok(Arc::new(Diagonal::new((0..len).map(|i| 0.3 + (i % 4) as f64).collect())?)),
+    },
+];
+
 /// Why an inner product was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum InnerProductError {
-    /// A weight that is not a positive number.
+    /// A weight that is not positive and finite.
     #[error(
         "weight {index} of the inner product is {value:e}; weights must be positive and finite (an element of zero volume?)"
     )]

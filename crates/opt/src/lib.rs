@@ -2,7 +2,7 @@
 //!
 //! A problem is an [`Objective`] (a cost of a control vector m, with its derivative), a set ([`Admissible`]: box, sphere
 //! per point, ball per point, products) and an [`InnerProduct`] that turns derivatives into gradients. An [`Optimizer`]
-//! begins a [`Run`], which is stepped, watched ([`Observer`]), stopped, saved and resumed.
+//! [within a set](Within) begins a [`Run`], which is stepped, observed ([`Observer`]), stopped, saved and resumed.
 //!
 //! What every run keeps to:
 //! * nothing is evaluated outside the set; a failed evaluation shortens the step;
@@ -14,20 +14,22 @@
 //!
 //! ```
 //! use nastic_opt::{Bounds, Diagonal, Failed, InnerProduct, Lbfgs, Objective, Optimizer, Problem, Request};
+//! use std::sync::Arc;
 //!
 //! /// j(m) = sum_i w_i ((m_i - i)^2 + 1) over cells of measure w_i.
 //! struct Distance(Diagonal);
 //!
 //! impl Objective for Distance {
 //!     type Point = Vec<f64>;
-//!     fn evaluate(&self, m: &[f64], _: &Request<Vec<f64>>) -> Result<Vec<f64>, Failed> {
+//!     type Workspace = ();
+//!     fn evaluate(&self, m: &[f64], _: &Request<Vec<f64>>, _: &mut ()) -> Result<Vec<f64>, Failed> {
 //!         Ok(m.to_vec())
 //!     }
 //!     fn value(&self, m: &Vec<f64>) -> f64 {
 //!         let e: Vec<f64> = m.iter().enumerate().map(|(i, m)| m - i as f64).collect();
 //!         self.0.inner(&e, &e) + 1.0
 //!     }
-//!     fn derivative(&self, m: &Vec<f64>) -> Result<Vec<f64>, Failed> {
+//!     fn derivative(&self, m: &mut Vec<f64>, _: &mut ()) -> Result<Vec<f64>, Failed> {
 //!         let e: Vec<f64> = m.iter().enumerate().map(|(i, m)| 2.0 * (m - i as f64)).collect();
 //!         Ok(self.0.apply(&e))
 //!     }
@@ -37,8 +39,8 @@
 //! }
 //!
 //! impl Problem for Distance {
-//!     fn inner_product(&self) -> &dyn InnerProduct {
-//!         &self.0
+//!     fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed> {
+//!         Ok(Arc::new(self.0.clone()))
 //!     }
 //! }
 //!
@@ -50,9 +52,11 @@
 //! ```
 
 pub mod admissible;
-mod bytes;
+pub mod bytes;
 mod certificate;
 mod conjugate_gradient;
+mod failed;
+mod figures;
 mod inner_product;
 mod lbfgs;
 mod line_search;
@@ -63,25 +67,32 @@ mod observer;
 mod optimizer;
 mod projected_gradient;
 mod run;
+mod saved_run;
 mod search;
 mod spectral;
+mod start;
 mod state;
 mod stop;
 mod taylor;
+mod within;
 
 pub use admissible::{Admissible, Ball, Bounds, Face, Limit, Optimality, Outside, Product, SetError, Sphere};
-pub use bytes::StateError;
+pub use bytes::SavedRunError;
 pub use certificate::{Base, Certificate};
-pub use inner_product::{Diagonal, Euclidean, InnerProduct, InnerProductError};
+pub use failed::Failed;
+pub use figures::Figures;
+pub use inner_product::{Diagonal, Euclidean, INNER_PRODUCTS, InnerProduct, InnerProductError, InnerProductRow};
 pub use lbfgs::Lbfgs;
 pub use line_search::LineSearch;
 pub use method::{Here, Memory, Method, Secant};
-pub use objective::{DEFAULT_ACCURACY, Failed, Objective, Report, Request};
+pub use objective::{DEFAULT_ACCURACY, Objective, Problem, Request};
 pub use observer::{Observer, Reason, Trial};
-pub use optimizer::{CATALOGUE, Entry, Optimizer, Options, Problem, Start, Within, by_name};
+pub use optimizer::{CATALOGUE, Entry, Optimizer, Options, by_name};
 pub use projected_gradient::ProjectedGradient;
 pub use run::{Best, Outcome, Run, RunError};
 pub use spectral::Spectral;
+pub use start::{EvaluatedStart, Start};
 pub use state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 pub use stop::{Stall, Stop};
 pub use taylor::{Row, Taylor, TaylorDirection, TaylorError, TaylorReport, Verdict};
+pub use within::Within;

@@ -1,30 +1,19 @@
 //! What an optimiser asks of a problem.
 
-use thiserror::Error;
-
-/// A trial that could not be evaluated (a state solve that failed, say): an ordinary answer, which shortens the step.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[error("{why}")]
-pub struct Failed {
-    /// What failed, where, by how much.
-    pub why: String,
-}
-
-impl Failed {
-    /// A failure with its reason.
-    pub fn new(why: impl Into<String>) -> Self {
-        Self { why: why.into() }
-    }
-}
+use crate::failed::Failed;
+use crate::figures::Figures;
+use crate::inner_product::InnerProduct;
+use std::sync::Arc;
 
 /// How a trial is to be evaluated.
 #[derive(Debug)]
 pub struct Request<'a, P> {
-    /// An evaluated point to start from (warm start, factor to borrow): the last accepted one.
+    /// An evaluated point to start from (warm start): the last accepted one. Without one the evaluation starts from rest
+    /// and from an empty workspace.
     pub near: Option<&'a P>,
-    /// Relative accuracy wanted of the state solve.
+    /// Relative accuracy asked of the state solve.
     pub accuracy: f64,
-    /// The continuation stage whose value is wanted, below [`Objective::stages`].
+    /// The continuation stage whose value is asked for, below [`Objective::stages`].
     pub stage: usize,
 }
 
@@ -37,6 +26,13 @@ impl<P> Default for Request<'_, P> {
     }
 }
 
+impl<'a, P> Request<'a, P> {
+    /// Starts from an evaluated point.
+    pub fn near(point: &'a P) -> Self {
+        Self { near: Some(point), ..Self::default() }
+    }
+}
+
 impl<P> Clone for Request<'_, P> {
     fn clone(&self) -> Self {
         *self
@@ -45,49 +41,42 @@ impl<P> Clone for Request<'_, P> {
 
 impl<P> Copy for Request<'_, P> {}
 
-/// Named numbers of one evaluated point (cost terms, true Hausdorff distance, counts): what a history line holds
-/// beside the driver's own.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Report(pub Vec<(String, f64)>);
-
-impl Report {
-    /// The entry of that name.
-    pub fn get(&self, name: &str) -> Option<f64> {
-        self.0.iter().find(|(key, _)| key == name).map(|(_, value)| *value)
-    }
-}
-
-/// A cost of a control vector m. A *point* is an evaluated trial; its derivative can be asked for later, and is asked
-/// for only when the trial is accepted.
+/// A cost j(m) of a control vector m. A *point* is an evaluated trial; its derivative is asked for only when the trial is
+/// accepted.
 ///
-/// Every method is a function of its arguments: the objective holds no current point and no current stage.
+/// Every method is a function of its arguments: the objective holds no current point and no current stage. What makes the
+/// next evaluation faster (factors, predictors) is kept in a [`Workspace`](Self::Workspace) that belongs to the caller, one
+/// per sequence of evaluations. Results depend on it within [`Request::accuracy`] only, and the same sequence of calls
+/// gives the same bits.
+///
+/// `&T` and `Arc<T>` are objectives if `T` is one, so that a run may borrow a problem, share it or own it.
 pub trait Objective: Sync {
     /// An evaluated trial: the state, the value, what a derivative needs.
     type Point;
+
+    /// What one evaluation leaves for the next; `()` if nothing.
+    type Workspace: Default + Send;
 
     /// Evaluates the cost of stage `how.stage` at `m`.
     ///
     /// # Errors
     /// [`Failed`] when there is no value there; the driver tries a shorter step.
-    fn evaluate(&self, m: &[f64], how: &Request<'_, Self::Point>) -> Result<Self::Point, Failed>;
+    fn evaluate(
+        &self,
+        m: &[f64],
+        how: &Request<'_, Self::Point>,
+        workspace: &mut Self::Workspace,
+    ) -> Result<Self::Point, Failed>;
 
     /// The cost at an evaluated point.
     fn value(&self, point: &Self::Point) -> f64;
 
     /// The derivative dj/dm_i at an evaluated point: a dual vector, not yet a gradient (see
-    /// [`InnerProduct::riesz`](crate::InnerProduct::riesz)).
+    /// [`InnerProduct::riesz`]). The point may take up what was computed on the way (an adjoint state, for output).
     ///
     /// # Errors
     /// [`Failed`] when the adjoint cannot be had; the driver treats the trial as failed.
-    fn derivative(&self, point: &Self::Point) -> Result<Vec<f64>, Failed>;
-
-    /// The second derivative applied to a direction (a dual vector), if the objective has one.
-    ///
-    /// # Errors
-    /// [`Failed`] when a solve fails.
-    fn hessian_vector(&self, _point: &Self::Point, _direction: &[f64]) -> Result<Option<Vec<f64>>, Failed> {
-        Ok(None)
-    }
+    fn derivative(&self, point: &mut Self::Point, workspace: &mut Self::Workspace) -> Result<Vec<f64>, Failed>;
 
     /// Number of continuation stages (alpha, beta, gamma of a smoothed distance): same states, another value.
     fn stages(&self) -> usize {
@@ -101,8 +90,8 @@ pub trait Objective: Sync {
     fn restage(&self, stage: usize, point: &Self::Point) -> Result<Self::Point, Failed>;
 
     /// What a history line holds of this point.
-    fn report(&self, _point: &Self::Point) -> Report {
-        Report::default()
+    fn figures(&self, _point: &Self::Point) -> Figures {
+        Figures::default()
     }
 
     /// A point as bytes for a checkpoint. The default keeps nothing, and [`Objective::load`] evaluates anew.
@@ -111,12 +100,85 @@ pub trait Objective: Sync {
     }
 
     /// The point that [`Objective::save`] wrote. For a resumed run to go on to the bit, what follows must not depend
-    /// on whether a point was computed or loaded. The default evaluates `m` without a warm start, which is to the bit
-    /// only when values do not depend on the warm start.
+    /// on whether a point was computed or loaded. The default evaluates `m` from rest, which is to the bit only when
+    /// values do not depend on the warm start.
     ///
     /// # Errors
     /// [`Failed`] when the bytes are not a point of this objective, or the evaluation fails.
     fn load(&self, m: &[f64], _bytes: &[u8], how: &Request<'_, Self::Point>) -> Result<Self::Point, Failed> {
-        self.evaluate(m, how)
+        self.evaluate(m, how, &mut Self::Workspace::default())
+    }
+}
+
+/// An objective that knows the inner product of its control space.
+pub trait Problem: Objective {
+    /// The inner product (a, b) = a . G b; its length is the number of controls.
+    ///
+    /// # Errors
+    /// [`Failed`] when it cannot be built. Nothing takes its place.
+    fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed>;
+}
+
+/// Passes every method on to what `$self` points to.
+macro_rules! forward {
+    ($(($($generics:tt)*) $pointer:ty;)*) => {$(
+        impl<$($generics)*> Objective for $pointer {
+            type Point = T::Point;
+            type Workspace = T::Workspace;
+
+            fn evaluate(
+                &self,
+                m: &[f64],
+                how: &Request<'_, T::Point>,
+                workspace: &mut T::Workspace,
+            ) -> Result<T::Point, Failed> {
+                (**self).evaluate(m, how, workspace)
+            }
+
+            fn value(&self, point: &T::Point) -> f64 {
+                (**self).value(point)
+            }
+
+            fn derivative(&self, point: &mut T::Point, workspace: &mut T::Workspace) -> Result<Vec<f64>, Failed> {
+                (**self).derivative(point, workspace)
+            }
+
+            fn stages(&self) -> usize {
+                (**self).stages()
+            }
+
+            fn restage(&self, stage: usize, point: &T::Point) -> Result<T::Point, Failed> {
+                (**self).restage(stage, point)
+            }
+
+            fn figures(&self, point: &T::Point) -> Figures {
+                (**self).figures(point)
+            }
+
+            fn save(&self, point: &T::Point) -> Vec<u8> {
+                (**self).save(point)
+            }
+
+            fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, T::Point>) -> Result<T::Point, Failed> {
+                (**self).load(m, bytes, how)
+            }
+        }
+    )*};
+}
+
+forward! {
+    (T: Objective + ?Sized) &T;
+    (T: Objective + Send + ?Sized) Arc<T>;
+}
+
+impl<T: Problem + ?Sized> Problem for &T {
+    fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed> {
+        (**self).inner_product()
+    }
+}
+
+impl<T: Problem + Send + ?Sized> Problem for Arc<T> {
+    fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed> {
+        (**self).inner_product()
     }
 }

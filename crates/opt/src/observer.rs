@@ -1,6 +1,7 @@
 //! Watching a run, trial by trial.
 
-use crate::objective::Report;
+use crate::failed::Failed;
+use crate::figures::Figures;
 use std::fmt;
 
 /// What became of a trial.
@@ -18,9 +19,9 @@ pub enum Reason {
         wanted: f64,
     },
     /// The evaluation failed.
-    Failed(String),
+    Failed(Failed),
     /// The cost fell but its derivative could not be had.
-    DerivativeFailed(String),
+    DerivativeFailed(Failed),
 }
 
 impl fmt::Display for Reason {
@@ -63,14 +64,26 @@ pub struct Trial<'a, P> {
     pub active: usize,
     /// The same as a share of the control components.
     pub active_share: f64,
-    /// What the objective reports of this trial; empty if the evaluation failed.
-    pub report: Report,
+    /// What the objective says of this trial; the work of the attempt if the evaluation failed.
+    pub figures: Figures,
     /// The trial control.
     pub m: &'a [f64],
     /// The evaluated trial.
     pub point: Option<&'a P>,
     /// The derivative there (dual, tangential part), of accepted trials.
     pub derivative: Option<&'a [f64]>,
+}
+
+/// `  12 iteration   9 stage 1 cost 1.234567e-3 gradient 2.1e-2 armijo`: one line of a history.
+impl<P> fmt::Display for Trial<'_, P> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:4} iteration {:3} stage {} cost ", self.trial, self.iteration, self.stage)?;
+        match self.cost {
+            Some(cost) => write!(f, "{cost:.6e}")?,
+            None => f.write_str("-")?,
+        }
+        write!(f, " gradient {:.1e} {}", self.relative_gradient, self.reason)
+    }
 }
 
 /// Told of every trial. Any `FnMut(&Trial<P>)` is one; `()` looks away.

@@ -1,14 +1,13 @@
-//! Optimisers by name, their common options, and the short way to use one.
+//! Optimisers by name and their common options.
 
 use crate::admissible::Admissible;
-use crate::inner_product::InnerProduct;
 use crate::lbfgs::Lbfgs;
 use crate::line_search::LineSearch;
 use crate::method::Method;
-use crate::objective::{DEFAULT_ACCURACY, Objective};
+use crate::objective::DEFAULT_ACCURACY;
 use crate::projected_gradient::ProjectedGradient;
-use crate::run::{Best, Run, RunError};
 use crate::spectral::Spectral;
+use crate::within::Within;
 
 /// What all optimisers share. Every default is dimensionless: none depends on the unit system.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,12 +57,12 @@ impl Options {
     /// Relative accuracy asked of trials while the projected gradient is `relative` of the stage's first: as far below as
     /// `1e-5 relative`, between `1e-7` and [`accuracy`](Self::accuracy). Far from the optimum more is of no use.
     pub fn accuracy_at(&self, relative: f64) -> f64 {
-        // not `clamp`, which panics where an accuracy is no number
+        // not `clamp`, which panics where an accuracy is NaN
         (ACCURACY_PER_GRADIENT * relative).min(COARSEST).max(self.accuracy)
     }
 }
 
-/// An optimiser: a method with its options. `run.step()` by `run.step()`, or `minimize` in one go.
+/// An optimiser: a method with its options.
 pub trait Optimizer {
     /// The name in case files.
     fn name(&self) -> &'static str;
@@ -74,84 +73,27 @@ pub trait Optimizer {
     /// The strategy, with an empty memory.
     fn method(&self) -> Box<dyn Method>;
 
-    /// Begins a run at `start`, which is evaluated.
-    ///
-    /// # Errors
-    /// A start that is not admissible or cannot be evaluated, or sizes that do not agree.
-    fn start<'a, O: Objective>(
-        &self,
-        objective: &'a O,
-        set: &'a dyn Admissible,
-        metric: &'a dyn InnerProduct,
-        start: &[f64],
-    ) -> Result<Run<'a, O>, RunError>
+    /// This optimiser within a set, to be given a problem and a start: see [`Within`].
+    fn within(self, set: impl Admissible + 'static) -> Within<Self>
     where
         Self: Sized,
     {
-        Run::start(self, objective, set, metric, start)
-    }
-
-    /// This optimiser within a set, to be given a problem and a start.
-    fn within<S: Admissible>(self, set: S) -> Within<Self, S>
-    where
-        Self: Sized,
-    {
-        Within { optimizer: self, set }
+        Within::new(self, set)
     }
 }
 
-/// An objective that knows the inner product of its control space.
-pub trait Problem: Objective {
-    /// The inner product; its length is the number of controls.
-    fn inner_product(&self) -> &dyn InnerProduct;
-}
-
-/// A start: one number for every component, or one for each.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Start {
-    /// The same everywhere.
-    Uniform(f64),
-    /// One per component.
-    Each(Vec<f64>),
-}
-
-impl From<f64> for Start {
-    fn from(value: f64) -> Self {
-        Self::Uniform(value)
+/// An optimiser chosen at run time is one too.
+impl<T: Optimizer + ?Sized> Optimizer for Box<T> {
+    fn name(&self) -> &'static str {
+        (**self).name()
     }
-}
 
-impl From<Vec<f64>> for Start {
-    fn from(values: Vec<f64>) -> Self {
-        Self::Each(values)
+    fn options(&self) -> &Options {
+        (**self).options()
     }
-}
 
-impl From<&[f64]> for Start {
-    fn from(values: &[f64]) -> Self {
-        Self::Each(values.to_vec())
-    }
-}
-
-/// An optimiser and the set it stays in.
-#[derive(Clone, Debug)]
-pub struct Within<M, S> {
-    optimizer: M,
-    set: S,
-}
-
-impl<M: Optimizer, S: Admissible> Within<M, S> {
-    /// Minimises from a start, with nobody watching.
-    ///
-    /// # Errors
-    /// As [`Optimizer::start`].
-    pub fn minimize<P: Problem>(&self, problem: &P, start: impl Into<Start>) -> Result<Best<P::Point>, RunError> {
-        let metric = problem.inner_product();
-        let start = match start.into() {
-            Start::Uniform(value) => vec![value; metric.len()],
-            Start::Each(values) => values,
-        };
-        Ok(Run::start(&self.optimizer, problem, &self.set, metric, &start)?.minimize(&mut ()))
+    fn method(&self) -> Box<dyn Method> {
+        (**self).method()
     }
 }
 

@@ -4,12 +4,14 @@ mod certify;
 mod stage;
 
 use crate::admissible::{Admissible, Outside};
+use crate::failed::Failed;
 use crate::inner_product::InnerProduct;
 use crate::method::Method;
-use crate::objective::{Failed, Objective, Request};
+use crate::objective::{Objective, Request};
 use crate::observer::{Observer, Reason};
 use crate::optimizer::Optimizer;
 use crate::search::{Iterate, Setting};
+use crate::start::{EvaluatedStart, Start};
 use crate::state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 use crate::stop::Stop;
 use std::sync::Arc;
@@ -35,7 +37,10 @@ pub enum RunError {
     Empty,
     /// No cost, or no derivative, at the start.
     #[error("the start could not be evaluated: {0}")]
-    Start(Failed),
+    Start(#[source] Failed),
+    /// The inner product could not be built.
+    #[error("the inner product of the controls could not be built: {0}")]
+    InnerProduct(#[source] Failed),
     /// Nothing tells how long a first step should be.
     #[error(
         "nothing tells how long a first step should be: the set is unbounded and the cost at the start is zero; bound the control or begin elsewhere"
@@ -43,7 +48,7 @@ pub enum RunError {
     NoScale,
     /// A saved run of another problem.
     #[error("the saved run does not fit: {0}")]
-    Saved(String),
+    Saved(#[source] Failed),
 }
 
 /// What a call of [`Run::step`] did.
@@ -80,12 +85,14 @@ pub struct Best<P> {
     pub stages: Vec<StageEnd>,
 }
 
-/// A run under way. Between two calls of [`Run::step`] it can be looked at and saved.
+/// A run under way. It owns its problem (which may be a reference or an [`Arc`]), its set, its inner product and the
+/// [workspace](Objective::Workspace) of its evaluations. Between two calls of [`Run::step`] it can be looked at and saved.
 #[derive(Debug)]
-pub struct Run<'a, O: Objective> {
-    setting: Setting<'a, O>,
+pub struct Run<O: Objective> {
+    setting: Setting<O>,
     name: &'static str,
     method: Box<dyn Method>,
+    workspace: O::Workspace,
     progress: Progress,
     current: Iterate<O::Point>,
     /// A better point than the present one, met before in this stage.
@@ -93,61 +100,88 @@ pub struct Run<'a, O: Objective> {
     ended: Option<Stop>,
 }
 
-impl<'a, O: Objective> Run<'a, O> {
-    /// Begins a run at `start`, which is evaluated.
+impl<O: Objective> Run<O> {
+    /// Begins a run at `start`, which is evaluated unless it is an evaluated point.
     ///
     /// # Errors
     /// A start that is not admissible or cannot be evaluated, or sizes that do not agree.
     pub fn start(
         optimizer: &dyn Optimizer,
-        objective: &'a O,
-        set: &'a dyn Admissible,
-        metric: &'a dyn InnerProduct,
-        start: &[f64],
+        objective: O,
+        set: Arc<dyn Admissible>,
+        metric: Arc<dyn InnerProduct>,
+        start: impl Into<Start<O::Point>>,
     ) -> Result<Self, RunError> {
         let setting = Setting { objective, set, metric, options: *optimizer.options(), cancel: None };
-        check(&setting, start)?;
-        let (point, cost) = setting
-            .evaluate(start, &Request { near: None, accuracy: setting.options.accuracy, stage: 0 })
-            .map_err(RunError::Start)?;
-        let current = setting.differentiate(start.to_vec(), point, cost).map_err(|(_, f)| RunError::Start(f))?;
-        let progress = Progress { counts: Counts { derivatives: 1, ..Counts::default() }, ..Progress::default() };
+        Self::begin(optimizer, setting, start.into())
+    }
+
+    pub(crate) fn begin(
+        optimizer: &dyn Optimizer,
+        setting: Setting<O>,
+        start: Start<O::Point>,
+    ) -> Result<Self, RunError> {
+        let mut workspace = O::Workspace::default();
+        let (current, derivatives) = first_iterate(&setting, start, &mut workspace)?;
+        let progress = Progress { counts: Counts { derivatives, ..Counts::default() }, ..Progress::default() };
         let (name, method) = (optimizer.name(), optimizer.method());
-        let mut run = Self { setting, name, method, progress, current, best: None, ended: None };
+        let mut run = Self { setting, name, method, workspace, progress, current, best: None, ended: None };
         run.begin_stage(None)?;
         Ok(run)
     }
 
-    /// Takes up a saved run of the same problem, set, metric and optimiser.
+    /// Takes up a saved run of the same problem, set, inner product and optimiser, with an empty workspace.
     ///
     /// # Errors
     /// A saved run that does not fit, or whose points cannot be had again.
     pub fn load(
         optimizer: &dyn Optimizer,
-        objective: &'a O,
-        set: &'a dyn Admissible,
-        metric: &'a dyn InnerProduct,
+        objective: O,
+        set: Arc<dyn Admissible>,
+        metric: Arc<dyn InnerProduct>,
         state: &RunState,
     ) -> Result<Self, RunError> {
         let setting = Setting { objective, set, metric, options: *optimizer.options(), cancel: None };
+        Self::resume(optimizer, setting, state)
+    }
+
+    pub(crate) fn resume(optimizer: &dyn Optimizer, setting: Setting<O>, state: &RunState) -> Result<Self, RunError> {
+        let saved = |why: String| RunError::Saved(Failed::because(why));
         let (name, mut method) = (optimizer.name(), optimizer.method());
         if state.method != name {
-            return Err(RunError::Saved(format!("it is of \"{}\", not of \"{name}\"", state.method)));
+            return Err(saved(format!("it is of \"{}\", not of \"{name}\"", state.method)));
         }
         let n = state.current.m.len();
         if state.memory.vectors.iter().any(|v| name == "lbfgs" && v.len() != n) || !method.load(&state.memory) {
-            return Err(RunError::Saved(format!("its memory is not one of \"{name}\" with these options")));
-        }
-        if state.progress.stage >= objective.stages() || state.progress.gradients.is_empty() {
-            return Err(RunError::Saved(format!("there is no stage {}", state.progress.stage)));
+            return Err(saved(format!("its memory is not one of \"{name}\" with these options")));
         }
         let stage = state.progress.stage;
+        if stage >= setting.objective.stages() || state.progress.gradients.is_empty() {
+            return Err(saved(format!("there is no stage {stage}")));
+        }
         let current = revive(&setting, &state.current, stage)?;
         let best = state.best.as_ref().map(|best| revive(&setting, best, stage)).transpose()?;
-        Ok(Self { setting, name, method, progress: state.progress.clone(), current, best, ended: None })
+        let (workspace, progress) = (O::Workspace::default(), state.progress.clone());
+        Ok(Self { setting, name, method, workspace, progress, current, best, ended: None })
     }
 
-    /// The run as plain numbers. After a cancelled step it stands before that step: trials made in it will be made again.
+    /// Goes on with what earlier evaluations of the same problem left in a workspace, in place of the run's own.
+    #[must_use]
+    pub fn with_workspace(mut self, workspace: O::Workspace) -> Self {
+        self.workspace = workspace;
+        self
+    }
+
+    /// A scheduled checkpoint: empties the workspace, then [saves](Self::save) the run. [`Run::load`] starts with an empty
+    /// workspace too, so a run that goes on from here and one that is loaded give the same bits.
+    pub fn checkpoint(&mut self) -> RunState {
+        self.workspace = O::Workspace::default();
+        self.save()
+    }
+
+    /// The run as plain numbers, without its workspace: where that matters within the accuracy of states, a loaded run ends
+    /// near this one; [`checkpoint`](Self::checkpoint) makes it the same to the bit. After a cancelled step the run stands
+    /// before that step: trials made in it will be made again.
     pub fn save(&self) -> RunState {
         let saved = |at: &Iterate<O::Point>| SavedPoint {
             m: at.m.clone(),
@@ -196,9 +230,15 @@ impl<'a, O: Objective> Run<'a, O> {
 
     /// Steps until the run ends.
     pub fn minimize(mut self, observer: &mut dyn Observer<O::Point>) -> Best<O::Point> {
+        let stop = self.run(observer);
+        self.finish(stop)
+    }
+
+    /// Steps until the run ends, and tells why it does; [`finish`](Self::finish) gives the result.
+    pub fn run(&mut self, observer: &mut dyn Observer<O::Point>) -> Stop {
         loop {
             if let Outcome::Stopped(stop) = self.step(observer) {
-                return self.finish(stop);
+                return stop;
             }
         }
     }
@@ -225,6 +265,16 @@ impl<'a, O: Objective> Run<'a, O> {
             self.current = best;
         }
         self.best = None;
+    }
+
+    /// The problem.
+    pub fn objective(&self) -> &O {
+        &self.setting.objective
+    }
+
+    /// What the evaluations so far left for the next.
+    pub fn workspace(&self) -> &O::Workspace {
+        &self.workspace
     }
 
     /// The present control.
@@ -262,7 +312,8 @@ impl<'a, O: Objective> Run<'a, O> {
 
     fn iterate(&mut self, observer: &mut dyn Observer<O::Point>) -> Result<(), Stop> {
         let (before, memory) = (self.progress.counts, self.method.save());
-        let found = self.setting.search(self.method.as_mut(), &self.current, &mut self.progress, observer);
+        let method = self.method.as_mut();
+        let found = self.setting.search(method, &self.current, &mut self.progress, &mut self.workspace, observer);
         let found = found.inspect_err(|stop| {
             if *stop == Stop::Cancelled {
                 self.progress.counts = before;
@@ -287,8 +338,42 @@ impl<'a, O: Objective> Run<'a, O> {
     }
 }
 
+/// The start with its derivative, and how many derivatives that took.
+fn first_iterate<O: Objective>(
+    setting: &Setting<O>,
+    start: Start<O::Point>,
+    workspace: &mut O::Workspace,
+) -> Result<(Iterate<O::Point>, usize), RunError> {
+    let begun = match start {
+        Start::Uniform(value) => Err(vec![value; setting.metric.len()]),
+        Start::Each(m) => Err(m),
+        Start::Evaluated(begun) => Ok(begun),
+    };
+    let EvaluatedStart { m, point, derivative } = match begun {
+        Ok(begun) => begun,
+        Err(m) => {
+            check(setting, &m)?;
+            let how = Request { near: None, accuracy: setting.options.accuracy, stage: 0 };
+            let point = setting.objective.evaluate(&m, &how, workspace).map_err(RunError::Start)?;
+            EvaluatedStart { m, point, derivative: None }
+        }
+    };
+    check(setting, &m)?;
+    let cost = setting.finite_cost(&point).map_err(RunError::Start)?;
+    match derivative {
+        Some(derivative) => {
+            let iterate = setting.iterate_of(m, point, cost, derivative).map_err(|(_, failed)| RunError::Start(failed));
+            Ok((iterate?, 0))
+        }
+        None => {
+            let iterate = setting.differentiate(m, point, cost, workspace);
+            Ok((iterate.map_err(|(_, failed)| RunError::Start(failed))?, 1))
+        }
+    }
+}
+
 /// Whether a control may be evaluated at all.
-fn check<O: Objective>(setting: &Setting<'_, O>, m: &[f64]) -> Result<(), RunError> {
+fn check<O: Objective>(setting: &Setting<O>, m: &[f64]) -> Result<(), RunError> {
     if m.is_empty() {
         return Err(RunError::Empty);
     }
@@ -299,18 +384,13 @@ fn check<O: Objective>(setting: &Setting<'_, O>, m: &[f64]) -> Result<(), RunErr
 }
 
 /// An accepted point from its saved numbers.
-fn revive<O: Objective>(
-    setting: &Setting<'_, O>,
-    saved: &SavedPoint,
-    stage: usize,
-) -> Result<Iterate<O::Point>, RunError> {
+fn revive<O: Objective>(setting: &Setting<O>, saved: &SavedPoint, stage: usize) -> Result<Iterate<O::Point>, RunError> {
     check(setting, &saved.m)?;
     if saved.derivative.len() != saved.m.len() {
-        return Err(RunError::Saved("its derivative is of another length".into()));
+        return Err(RunError::Saved(Failed::because("its derivative is of another length")));
     }
     let how = Request { near: None, accuracy: setting.options.accuracy, stage };
-    let loaded = setting.objective.load(&saved.m, &saved.point, &how);
-    let point = loaded.map_err(|failed| RunError::Saved(failed.why))?;
+    let point = setting.objective.load(&saved.m, &saved.point, &how).map_err(RunError::Saved)?;
     let SavedPoint { m, derivative, .. } = saved.clone();
     let (cost, gradient_norm, active) = (saved.cost, saved.gradient_norm, saved.active);
     Ok(Iterate { m, point, cost, derivative, gradient_norm, active })

@@ -1,9 +1,11 @@
 //! One iteration: trials along a method's path until one is accepted.
 
 use crate::admissible::Admissible;
+use crate::failed::Failed;
+use crate::figures::Figures;
 use crate::inner_product::InnerProduct;
 use crate::method::{Here, Method};
-use crate::objective::{Failed, Objective, Report, Request};
+use crate::objective::{Objective, Request};
 use crate::observer::{Observer, Reason, Trial};
 use crate::optimizer::Options;
 use crate::state::Progress;
@@ -14,10 +16,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What stays the same throughout a run.
 #[derive(Debug)]
-pub(crate) struct Setting<'a, O> {
-    pub objective: &'a O,
-    pub set: &'a dyn Admissible,
-    pub metric: &'a dyn InnerProduct,
+pub(crate) struct Setting<O> {
+    pub objective: O,
+    pub set: Arc<dyn Admissible>,
+    pub metric: Arc<dyn InnerProduct>,
     pub options: Options,
     pub cancel: Option<Arc<AtomicBool>>,
 }
@@ -41,49 +43,54 @@ pub(crate) struct Found<P> {
     pub predicted: f64,
 }
 
-impl<O: Objective> Setting<'_, O> {
+impl<O: Objective> Setting<O> {
     pub fn is_cancelled(&self) -> bool {
         self.cancel.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// The point and its cost, which must be a number.
-    pub fn evaluate(&self, m: &[f64], how: &Request<'_, O::Point>) -> Result<(O::Point, f64), Failed> {
-        let point = self.objective.evaluate(m, how)?;
-        let cost = self.finite_cost(&point)?;
-        Ok((point, cost))
-    }
-
     pub fn finite_cost(&self, point: &O::Point) -> Result<f64, Failed> {
         let cost = self.objective.value(point);
-        if cost.is_finite() { Ok(cost) } else { Err(Failed::new(format!("the cost is {cost}"))) }
+        if cost.is_finite() { Ok(cost) } else { Err(Failed::because(format!("the cost is {cost}"))) }
     }
 
     /// Takes the derivative at an evaluated trial, which makes it an iterate.
     pub fn differentiate(
         &self,
         m: Vec<f64>,
+        mut point: O::Point,
+        cost: f64,
+        workspace: &mut O::Workspace,
+    ) -> Result<Iterate<O::Point>, (O::Point, Failed)> {
+        match self.objective.derivative(&mut point, workspace) {
+            Ok(derivative) => self.iterate_of(m, point, cost, derivative),
+            Err(failed) => Err((point, failed)),
+        }
+    }
+
+    /// An evaluated trial with its derivative.
+    pub fn iterate_of(
+        &self,
+        m: Vec<f64>,
         point: O::Point,
         cost: f64,
+        mut derivative: Vec<f64>,
     ) -> Result<Iterate<O::Point>, (O::Point, Failed)> {
-        let mut derivative = match self.objective.derivative(&point) {
-            Ok(derivative) => derivative,
-            Err(failed) => return Err((point, failed)),
-        };
         if derivative.len() != m.len() {
             let why = format!("{} components for {} controls", derivative.len(), m.len());
-            return Err((point, Failed::new(why)));
+            return Err((point, Failed::because(why)));
         }
         if let Some(i) = derivative.iter().position(|d| !d.is_finite()) {
             let why = format!("component {i} is {}", derivative[i]);
-            return Err((point, Failed::new(why)));
+            return Err((point, Failed::because(why)));
         }
         self.set.tangent(&m, &mut derivative);
-        let optimality = self.set.optimality(self.metric, &m, &derivative);
+        let optimality = self.set.optimality(self.metric.as_ref(), &m, &derivative);
         Ok(Iterate { m, point, cost, derivative, gradient_norm: optimality.norm, active: optimality.active })
     }
 
     pub fn here<'s>(&'s self, at: &'s Iterate<O::Point>) -> Here<'s> {
-        Here { set: self.set, metric: self.metric, m: &at.m, cost: at.cost, derivative: &at.derivative }
+        let (set, metric) = (self.set.as_ref(), self.metric.as_ref());
+        Here { set, metric, m: &at.m, cost: at.cost, derivative: &at.derivative }
     }
 
     /// Finds the next point from `at`, telling the observer of every trial.
@@ -92,13 +99,14 @@ impl<O: Objective> Setting<'_, O> {
         method: &mut dyn Method,
         at: &Iterate<O::Point>,
         progress: &mut Progress,
+        workspace: &mut O::Workspace,
         observer: &mut dyn Observer<O::Point>,
     ) -> Result<Found<O::Point>, Stop> {
         let mut line = Line { fraction: 1.0, trials: 0, failed: 0, shortest: f64::INFINITY, last: "none".into() };
         loop {
             method.prepare(&self.here(at));
             line.fraction = 1.0;
-            match self.search_line(method, at, progress, observer, &mut line)? {
+            match self.search_line(method, at, progress, workspace, observer, &mut line)? {
                 Ok(found) => return Ok(found),
                 Err(_) if method.recover() => {}
                 Err(predicted) => return Err(self.stalled(at, progress, &line, predicted)),
@@ -112,6 +120,7 @@ impl<O: Objective> Setting<'_, O> {
         method: &dyn Method,
         at: &Iterate<O::Point>,
         progress: &mut Progress,
+        workspace: &mut O::Workspace,
         observer: &mut dyn Observer<O::Point>,
         line: &mut Line,
     ) -> Result<Result<Found<O::Point>, f64>, Stop> {
@@ -147,10 +156,11 @@ impl<O: Objective> Setting<'_, O> {
             progress.counts.trials += 1;
             let step = method.step(line.fraction);
 
-            let (point, cost) = match self.evaluate(&m, &how) {
+            let evaluated = self.objective.evaluate(&m, &how, workspace);
+            let (point, cost) = match evaluated.and_then(|point| self.finite_cost(&point).map(|cost| (point, cost))) {
                 Ok(evaluated) => evaluated,
                 Err(failed) => {
-                    let reason = Reason::Failed(failed.why);
+                    let reason = Reason::Failed(failed);
                     line.reject(&reason, true, rules.after_failure);
                     progress.counts.failed += 1;
                     observer.trial(&self.tell(
@@ -175,7 +185,7 @@ impl<O: Objective> Setting<'_, O> {
                 continue;
             }
             progress.counts.derivatives += 1;
-            match self.differentiate(m.clone(), point, cost) {
+            match self.differentiate(m.clone(), point, cost, workspace) {
                 Ok(next) => {
                     let accepted = self.tell_accepted(progress, &next, Reason::Armijo, step, length);
                     observer.trial(&accepted);
@@ -183,7 +193,7 @@ impl<O: Objective> Setting<'_, O> {
                     return Ok(Ok(Found { next, fraction, trials, predicted }));
                 }
                 Err((point, failed)) => {
-                    let reason = Reason::DerivativeFailed(failed.why);
+                    let reason = Reason::DerivativeFailed(failed);
                     line.reject(&reason, true, rules.after_failure);
                     progress.counts.failed += 1;
                     observer.trial(&self.tell(
@@ -210,6 +220,11 @@ impl<O: Objective> Setting<'_, O> {
 
     /// A history line of a trial that was not accepted from `at`.
     fn tell<'t>(&self, progress: &Progress, at: &Iterate<O::Point>, told: Told<'t, O::Point>) -> Trial<'t, O::Point> {
+        let figures = match (told.point, &told.reason) {
+            (Some(point), _) => self.objective.figures(point),
+            (None, Reason::Failed(failed)) => failed.work().clone(),
+            (None, _) => Figures::default(),
+        };
         Trial {
             trial: progress.counts.trials,
             iteration: progress.counts.iterations,
@@ -223,7 +238,7 @@ impl<O: Objective> Setting<'_, O> {
             length: told.length,
             active: at.active,
             active_share: at.active as f64 / at.m.len() as f64,
-            report: told.point.map_or_else(Report::default, |point| self.objective.report(point)),
+            figures,
             m: told.m,
             point: told.point,
             derivative: None,

@@ -1,5 +1,6 @@
 //! Why a run, or a stage of it, ended.
 
+use crate::failed::Failed;
 use std::fmt;
 
 /// Why it ended.
@@ -68,7 +69,7 @@ pub enum Stall {
         /// Which stage.
         stage: usize,
         /// What the objective said.
-        why: String,
+        why: Failed,
     },
 }
 

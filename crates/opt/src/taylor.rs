@@ -5,7 +5,8 @@ mod report;
 pub use report::{Row, TaylorDirection, TaylorReport, Verdict};
 
 use crate::admissible::{Admissible, Outside};
-use crate::objective::{Failed, Objective, Request};
+use crate::failed::Failed;
+use crate::objective::{Objective, Request};
 use nastic_numeric::Random;
 use nastic_numeric::vector::{dot, max_abs};
 use std::ops::Range;
@@ -103,15 +104,22 @@ impl Taylor {
     ) -> Result<TaylorReport, TaylorError> {
         set.check(m)?;
         let how = Request { near: None, accuracy: self.accuracy, stage: self.stage };
-        let point = objective.evaluate(m, &how)?;
-        let derivative = objective.derivative(&point)?;
+        let mut workspace = O::Workspace::default();
+        let mut point = objective.evaluate(m, &how, &mut workspace)?;
+        let derivative = objective.derivative(&mut point, &mut workspace)?;
         let cost = objective.value(&point);
         let base = Base { objective, set, m, point, derivative, cost };
-        let directions = (0..self.directions as u64).map(|k| self.along(&base, self.seed.wrapping_add(k)));
+        let seeds = (0..self.directions as u64).map(|k| self.seed.wrapping_add(k));
+        let directions = seeds.map(|seed| self.along(&base, seed, &mut workspace));
         Ok(TaylorReport { cost, directions: directions.collect::<Result<_, _>>()? })
     }
 
-    fn along<O: Objective>(&self, base: &Base<'_, O>, seed: u64) -> Result<TaylorDirection, TaylorError> {
+    fn along<O: Objective>(
+        &self,
+        base: &Base<'_, O>,
+        seed: u64,
+        workspace: &mut O::Workspace,
+    ) -> Result<TaylorDirection, TaylorError> {
         let direction = self.direction(base.set, base.m, seed)?;
         let slope = dot(&base.derivative, &direction);
         let how = Request { near: Some(&base.point), accuracy: self.accuracy, stage: self.stage };
@@ -120,7 +128,7 @@ impl Taylor {
         for k in 0..=Self::PER_DECADE * Self::DECADES {
             let t = 10f64.powf(-(k as f64) / Self::PER_DECADE as f64);
             base.set.retract(base.m, &direction, t, &mut m);
-            let evaluated = base.objective.evaluate(&m, &how).ok();
+            let evaluated = base.objective.evaluate(&m, &how, workspace).ok();
             let cost = evaluated.map(|point| base.objective.value(&point)).filter(|cost| cost.is_finite());
             let change = cost.map_or(f64::NAN, |cost| cost - base.cost);
             rows.push(Row { t, cost, r0: change.abs(), r1: (change - t * slope).abs(), used: false });

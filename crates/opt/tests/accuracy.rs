@@ -1,7 +1,10 @@
 //! How exactly states are asked for on the way to an optimum.
 #![allow(clippy::unwrap_used)]
 
-use nastic_opt::{Bounds, Euclidean, Failed, Lbfgs, Objective, Options, Request, Run};
+mod common;
+
+use common::begin;
+use nastic_opt::{Bounds, Euclidean, Failed, Lbfgs, Objective, Options, Request};
 use std::sync::Mutex;
 
 /// `sum k m_k^2`, which notes the accuracy it is asked for.
@@ -9,8 +12,9 @@ struct Asked(Mutex<Vec<f64>>);
 
 impl Objective for Asked {
     type Point = Vec<f64>;
+    type Workspace = ();
 
-    fn evaluate(&self, m: &[f64], how: &Request<'_, Vec<f64>>) -> Result<Vec<f64>, Failed> {
+    fn evaluate(&self, m: &[f64], how: &Request<'_, Vec<f64>>, (): &mut ()) -> Result<Vec<f64>, Failed> {
         self.0.lock().unwrap().push(how.accuracy);
         Ok(m.to_vec())
     }
@@ -19,7 +23,7 @@ impl Objective for Asked {
         point.iter().enumerate().map(|(k, m)| (k + 1) as f64 * m * m).sum()
     }
 
-    fn derivative(&self, point: &Vec<f64>) -> Result<Vec<f64>, Failed> {
+    fn derivative(&self, point: &mut Vec<f64>, (): &mut ()) -> Result<Vec<f64>, Failed> {
         Ok(point.iter().enumerate().map(|(k, m)| 2.0 * (k + 1) as f64 * m).collect())
     }
 
@@ -34,7 +38,7 @@ fn states_are_asked_for_the_more_exactly_the_nearer_the_optimum() {
     let optimizer = Lbfgs { options: Options { tolerance: 1e-6, ..Options::default() }, ..Lbfgs::default() };
     let set = Bounds::new(-10.0, 10.0).unwrap();
     let metric = Euclidean::new(6);
-    Run::start(&optimizer, &asked, &set, &metric, &[1.0; 6]).unwrap().minimize(&mut ());
+    begin(&optimizer, &asked, &set, &metric, &[1.0; 6]).unwrap().minimize(&mut ());
     let asked = asked.0.into_inner().unwrap();
     // the start in full, the first trial at the coarsest, the last in full
     assert_eq!((asked[0], asked[1], asked[asked.len() - 1]), (1e-8, 1e-7, 1e-8), "{asked:?}");

@@ -3,10 +3,10 @@
 
 mod common;
 
-use common::{Cost, Tridiagonal, chain, distance, quadratic, rosenbrock};
+use common::{Cost, Tridiagonal, begin, chain, distance, quadratic, resume, rosenbrock};
 use nastic_opt::{
     Admissible, Best, Bounds, CATALOGUE, Diagonal, Euclidean, InnerProduct, Objective, Optimizer, Options, Outcome,
-    Reason, Run, RunError, RunState, Stall, Stop, Trial, by_name,
+    Reason, RunError, RunState, Stall, Stop, Trial, by_name,
 };
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,11 +24,11 @@ fn every(options: Options) -> impl Iterator<Item = Box<dyn Optimizer>> {
 fn run<O: Objective>(
     o: &dyn Optimizer,
     cost: &O,
-    set: &dyn Admissible,
-    metric: &dyn InnerProduct,
+    set: &(impl Admissible + Clone + 'static),
+    metric: &(impl InnerProduct + Clone + 'static),
     m: &[f64],
 ) -> Best<O::Point> {
-    Run::start(o, cost, set, metric, m).unwrap().minimize(&mut ())
+    begin(o, cost, set, metric, m).unwrap().minimize(&mut ())
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn units_do_not_matter() {
         let metric = Diagonal::new(vec![weight; n]).unwrap();
         let mut path: Vec<Vec<f64>> = Vec::new();
         let mut watch = |trial: &Trial<'_, Vec<f64>>| path.push(trial.m.iter().map(|m| m / unit_m).collect());
-        Run::start(o, &cost, &set, &metric, &vec![0.0; n]).unwrap().minimize(&mut watch);
+        begin(o, &cost, &set, &metric, &vec![0.0; n]).unwrap().minimize(&mut watch);
         path
     };
     for o in every(options(1e-6, 60)) {
@@ -166,7 +166,7 @@ fn costs_fall_as_promised_and_trials_are_told_in_order() {
             }
         };
         let metric = Euclidean::new(2);
-        let run = Run::start(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.0]).unwrap();
+        let run = begin(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.0]).unwrap();
         let best = run.minimize(&mut watch);
         // Values for every trial, derivatives for accepted points alone.
         assert_eq!(cost.counts(), (best.counts.trials + 1, best.counts.iterations + 1), "{}", o.name());
@@ -196,7 +196,7 @@ fn interrupted_anywhere_it_gives_the_best_it_has_seen() {
                     costs.push(trial.cost.unwrap());
                 }
             };
-            let run = Run::start(o.as_ref(), &cost, &set, &metric, &vec![0.001; n]).unwrap();
+            let run = begin(o.as_ref(), &cost, &set, &metric, &vec![0.001; n]).unwrap();
             let best = run.minimize(&mut watch);
             let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
             assert_eq!(best.cost, least, "{} after {iterations}", o.name());
@@ -216,7 +216,7 @@ fn failed_evaluations_shorten_the_step() {
         let mut failed = 0;
         let mut watch = |t: &Trial<'_, Vec<f64>>| failed += usize::from(matches!(t.reason, Reason::Failed(_)));
         let metric = Euclidean::new(2);
-        let run = Run::start(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.44]).unwrap();
+        let run = begin(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.44]).unwrap();
         let best = run.minimize(&mut watch);
         println!("{}: {} {:?}", o.name(), best.stop, best.counts);
         assert!(failed > 0 && failed == best.counts.failed, "{}", o.name());
@@ -252,7 +252,7 @@ fn a_corner_is_tried_once() {
         let mut seen: Vec<Vec<f64>> = Vec::new();
         let mut watch = |t: &Trial<'_, Vec<f64>>| seen.push(t.m.to_vec());
         let metric = Euclidean::new(3);
-        let best = Run::start(o.as_ref(), &cost, &set, &metric, &[0.0; 3]).unwrap().minimize(&mut watch);
+        let best = begin(o.as_ref(), &cost, &set, &metric, &[0.0; 3]).unwrap().minimize(&mut watch);
         println!("{}: {} {:?}", o.name(), best.stop, best.counts);
         assert!(best.stop.is_converged(), "{}", best.stop);
         let corner = seen.iter().filter(|m| **m == vec![1.0; 3]).count();
@@ -302,16 +302,16 @@ fn starts_outside_are_refused() {
     let o = by_name("lbfgs", Options::default()).unwrap();
     let cost = rosenbrock(set.clone());
     let metric = Euclidean::new(2);
-    let outside = Run::start(o.as_ref(), &cost, &set, &metric, &[0.0, 1.5]).map(|_| ()).unwrap_err();
+    let outside = begin(o.as_ref(), &cost, &set, &metric, &[0.0, 1.5]).map(|_| ()).unwrap_err();
     assert_eq!(
         outside.to_string(),
         "the start is not admissible: control component 1 is 1.5e0, which is outside: [-1e0, 1e0]"
     );
-    let lengths = Run::start(o.as_ref(), &cost, &set, &metric, &[0.0]).map(|_| ()).unwrap_err();
+    let lengths = begin(o.as_ref(), &cost, &set, &metric, &[0.0]).map(|_| ()).unwrap_err();
     assert_eq!(lengths, RunError::Lengths { control: 1, metric: 2 });
-    assert!(Run::start(o.as_ref(), &cost, &set, &metric, &[0.0, f64::NAN]).is_err());
+    assert!(begin(o.as_ref(), &cost, &set, &metric, &[0.0, f64::NAN]).is_err());
     let nowhere = Cost::new(Bounds::none(), |m| m[0], |_| vec![1.0]);
-    let scale = Run::start(o.as_ref(), &nowhere, &Bounds::none(), &Euclidean::new(1), &[0.0]).map(|_| ()).unwrap_err();
+    let scale = begin(o.as_ref(), &nowhere, &Bounds::none(), &Euclidean::new(1), &[0.0]).map(|_| ()).unwrap_err();
     assert_eq!(scale, RunError::NoScale);
     assert!(Bounds::new(vec![0.0, 1.0], vec![1.0, 0.5]).unwrap_err().to_string().contains("component 1"));
 }
@@ -325,8 +325,7 @@ fn a_run_can_be_cancelled_and_goes_on() {
         let whole = run(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.0]);
         for stop_at in [1, 5, 6, 7, 8, 20] {
             let flag = Arc::new(AtomicBool::new(false));
-            let mut run =
-                Run::start(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.0]).unwrap().cancelled_by(flag.clone());
+            let mut run = begin(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.0]).unwrap().cancelled_by(flag.clone());
             let mut watch = |t: &Trial<'_, Vec<f64>>| flag.store(t.trial >= stop_at, Ordering::Relaxed);
             let stop = loop {
                 if let Outcome::Stopped(stop) = run.step(&mut watch) {
@@ -335,7 +334,7 @@ fn a_run_can_be_cancelled_and_goes_on() {
             };
             assert_eq!(stop, Stop::Cancelled);
             assert!(run.progress().counts.trials <= stop_at);
-            let resumed = Run::load(o.as_ref(), &cost, &set, &metric, &run.save()).unwrap().minimize(&mut ());
+            let resumed = resume(o.as_ref(), &cost, &set, &metric, &run.save()).unwrap().minimize(&mut ());
             assert_eq!((&resumed.m, resumed.counts, &resumed.stop), (&whole.m, whole.counts, &whole.stop));
         }
     }
@@ -351,11 +350,11 @@ fn cancelled_at_any_trial_it_repeats_the_iteration() {
         let whole = run(o.as_ref(), &problem, &set, &metric, &[-1.2, 1.44]);
         for stop_at in 1..whole.counts.trials.min(80) {
             let flag = Arc::new(AtomicBool::new(false));
-            let begun = Run::start(o.as_ref(), &problem, &set, &metric, &[-1.2, 1.44]).unwrap();
+            let begun = begin(o.as_ref(), &problem, &set, &metric, &[-1.2, 1.44]).unwrap();
             let mut begun = begun.cancelled_by(flag.clone());
             let mut watch = |t: &Trial<'_, Vec<f64>>| flag.store(t.trial >= stop_at, Ordering::Relaxed);
             while !matches!(begun.step(&mut watch), Outcome::Stopped(_)) {}
-            let resumed = Run::load(o.as_ref(), &problem, &set, &metric, &begun.save()).unwrap().minimize(&mut ());
+            let resumed = resume(o.as_ref(), &problem, &set, &metric, &begun.save()).unwrap().minimize(&mut ());
             assert_eq!((&resumed.m, resumed.counts), (&whole.m, whole.counts), "{} at {stop_at}", o.name());
         }
     }
@@ -368,7 +367,7 @@ fn a_saved_run_goes_on_to_the_bit() {
     let metric = Tridiagonal::h1(n, 0.05);
     for o in every(options(1e-5, 40)) {
         let cost = chain(set.clone(), n, |i| if i < 31 { 5.0 } else { -3.0 });
-        let mut run = Run::start(o.as_ref(), &cost, &set, &metric, &vec![0.0; n]).unwrap();
+        let mut run = begin(o.as_ref(), &cost, &set, &metric, &vec![0.0; n]).unwrap();
         let mut states = Vec::new();
         while let Outcome::Iterated = run.step(&mut ()) {
             states.push(run.save());
@@ -377,7 +376,7 @@ fn a_saved_run_goes_on_to_the_bit() {
         for state in states.iter().step_by(7) {
             let read = RunState::from_bytes(&state.to_bytes()).unwrap();
             assert_eq!(&read, state);
-            let mut resumed = Run::load(o.as_ref(), &cost, &set, &metric, &read).unwrap();
+            let mut resumed = resume(o.as_ref(), &cost, &set, &metric, &read).unwrap();
             while let Outcome::Iterated = resumed.step(&mut ()) {}
             assert!(resumed.save().current == last.current && resumed.save().memory == last.memory, "{}", o.name());
         }
@@ -390,7 +389,7 @@ fn damaged_checkpoints_are_refused() {
     let cost = rosenbrock(set.clone());
     let metric = Euclidean::new(2);
     let o = by_name("lbfgs", Options::default()).unwrap();
-    let mut run = Run::start(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.0]).unwrap();
+    let mut run = begin(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.0]).unwrap();
     for _ in 0..4 {
         run.step(&mut ());
     }
@@ -403,11 +402,11 @@ fn damaged_checkpoints_are_refused() {
         bad[at] = 0xff;
         // It may still read as other numbers; it must not crash, nor allocate what a lying count claims.
         if let Ok(state) = RunState::from_bytes(&bad) {
-            let _ = Run::load(o.as_ref(), &cost, &set, &metric, &state);
+            let _ = resume(o.as_ref(), &cost, &set, &metric, &state);
         }
     }
     let other = by_name("spectral", Options::default()).unwrap();
-    let refused = Run::load(other.as_ref(), &cost, &set, &metric, &run.save()).map(|_| ()).unwrap_err();
+    let refused = resume(other.as_ref(), &cost, &set, &metric, &run.save()).map(|_| ()).unwrap_err();
     assert!(refused.to_string().contains("lbfgs"));
 }
 

@@ -3,9 +3,9 @@
 
 mod common;
 
-use common::{Cost, distance};
+use common::{Cost, begin, distance};
 use nastic_opt::{
-    Admissible, Ball, Best, Bounds, CATALOGUE, Diagonal, Euclidean, InnerProduct, Optimizer, Options, Product, Run,
+    Admissible, Ball, Best, Bounds, CATALOGUE, Diagonal, Euclidean, InnerProduct, Optimizer, Options, Product,
     SetError, Sphere, Trial,
 };
 
@@ -17,11 +17,11 @@ fn every() -> impl Iterator<Item = Box<dyn Optimizer>> {
 fn minimise(
     o: &dyn Optimizer,
     cost: &Cost,
-    set: &dyn Admissible,
-    metric: &dyn InnerProduct,
+    set: &(impl Admissible + Clone + 'static),
+    metric: &(impl InnerProduct + Clone + 'static),
     m: &[f64],
 ) -> Best<Vec<f64>> {
-    let best = Run::start(o, cost, set, metric, m).unwrap().minimize(&mut ());
+    let best = begin(o, cost, set, metric, m).unwrap().minimize(&mut ());
     println!("{}: {} {:?} cost {:e}", o.name(), best.stop, best.counts, best.cost);
     assert!(best.stop.is_converged(), "{}: {}", o.name(), best.stop);
     best
@@ -124,7 +124,7 @@ fn transported_pairs_help() {
 /// A smooth (H1) gradient on spheres: the Gram matrix couples points, so the tangential gradient is a solve.
 #[test]
 fn smooth_gradient_on_spheres() {
-    #[derive(Debug)]
+    #[derive(Clone, Debug)]
     struct Smooth(common::Tridiagonal);
     impl Smooth {
         fn each(&self, v: &[f64], f: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
@@ -214,7 +214,7 @@ fn product_of_sets() {
             worst = sizes.iter().fold(worst, |w, s| w.max((s - 0.1).abs() / 0.1));
             assert!(dot(&t.m[6..8], &t.m[6..8]).sqrt() <= 0.02);
         };
-        let best = Run::start(o.as_ref(), &cost, &set, &metric, &start).unwrap().minimize(&mut watch);
+        let best = begin(o.as_ref(), &cost, &set, &metric, &start).unwrap().minimize(&mut watch);
         println!("{}: {} {:?}", o.name(), best.stop, best.counts);
         assert!(best.stop.is_converged(), "{}: {}", o.name(), best.stop);
         assert!(worst < 1e-14, "{worst:e}");

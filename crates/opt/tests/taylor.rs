@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::{Cost, rosenbrock};
 use nastic_opt::{
     Ball, Base, Bounds, Certificate, Euclidean, Lbfgs, Product, Run, Sphere, Taylor, TaylorError, Verdict,
@@ -181,7 +183,7 @@ fn certificates_of_runs_and_of_points() {
     let optimizer = Lbfgs::default();
     for seed in 0..20 {
         let cost = smooth(set.clone(), 0.0, 1.0);
-        let mut run = Run::start(&optimizer, &cost, &set, &metric, &m).unwrap();
+        let mut run = Run::start(&optimizer, &cost, Arc::new(set.clone()), Arc::new(metric.clone()), &m[..]).unwrap();
         let certificate = run.certify(None, seed).unwrap();
         assert_eq!(certificate.verdict, Verdict::Right, "{certificate}");
         assert!(certificate.trials <= 4 && certificate.full.is_none() && certificate.mismatch < 1e-3);
@@ -190,11 +192,11 @@ fn certificates_of_runs_and_of_points() {
         let cost = smooth(set.clone(), 0.02, 1.0);
         let derivative = (cost.derivative)(&m);
         let base = Base { m: &m, point: &m, derivative: &derivative, stage: 0 };
-        let certificate = Certificate::of(&cost, &set, &base, None, seed).unwrap();
+        let certificate = Certificate::of(&cost, &set, &base, &mut (), None, seed).unwrap();
         assert_eq!(certificate.verdict, Verdict::Wrong, "{certificate}");
         assert!(certificate.full.is_some());
     }
     let cost = smooth(Bounds::none(), 0.0, 1.0);
     let base = Base { m: &[0.0], point: &vec![0.0], derivative: &[1.0], stage: 0 };
-    assert_eq!(Certificate::of(&cost, &Bounds::none(), &base, None, 1), Err(TaylorError::NoDirection));
+    assert_eq!(Certificate::of(&cost, &Bounds::none(), &base, &mut (), None, 1), Err(TaylorError::NoDirection));
 }

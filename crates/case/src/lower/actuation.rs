@@ -20,9 +20,9 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             inputs = inputs.number(MU0, context.units.permeability());
         }
         match actuation.kind.build(&inputs) {
-            Ok(law) => attempt(solid, &actuation.at, context, |solid| {
-                solid.actuate_dyn(&actuation.region, &actuation.name, law)
-            }),
+            Ok(law) => {
+                attempt(solid, &actuation.at, context, |solid| solid.actuate(&actuation.region, &actuation.name, law))
+            }
             Err(error) => context.complain(&key_of(&actuation.at, &error), error),
         }
     }

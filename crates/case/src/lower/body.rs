@@ -19,7 +19,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     if context.is_sound() {
         check_complete(&solid, context);
     }
-    let reduced = Reduced::new(solid).metric(optimizer::metric(case)).no_other_controls();
+    let reduced = Reduced::new(solid).metric(optimizer::metric(case));
     let reduced = actuation::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
     context.is_sound().then_some(reduced)

@@ -111,7 +111,7 @@ pub(super) fn lower(
                 Some((field, start, set)) => {
                     out.controls.push(ControlField { load_case, ..field });
                     out.start.extend(start);
-                    out.set.push(block.len(), set);
+                    out.set.push(block.len(), set.into());
                 }
                 None => whole = false,
             }

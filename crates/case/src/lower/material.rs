@@ -29,7 +29,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let points = SamplePoints::of_body(case, &disc, cells);
         let Some(inputs) = inputs(&material.parameters, &material.at, &points, context) else { continue };
         match material.law.build(&inputs) {
-            Ok(law) => attempt(solid, &material.at, context, |solid| solid.material_dyn(&material.region, law)),
+            Ok(law) => attempt(solid, &material.at, context, |solid| solid.material(&material.region, law)),
             Err(error) => context.complain(&key_of(&material.at, &error), error),
         }
     }

@@ -5,7 +5,6 @@ use crate::lower::{Admitted, CaseMember, CaseProblem, ControlField};
 use nastic_control::{ControlBlock, ControlError, CostPoint, EnsembleBlock, FigureKind};
 use nastic_fem::{InvertedAt, SolveReport, State};
 use nastic_numeric::vector::norm;
-use nastic_opt::Problem as _;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
@@ -50,7 +49,7 @@ pub(crate) fn true_distance(costs: &[Arc<dyn CostPoint>]) -> Result<Option<f64>,
 
 /// `{ "euclidean": ..., "metric": ... }`
 pub(crate) fn derivative_norm(problem: &CaseProblem, derivative: &[f64]) -> Value {
-    json!({ "euclidean": norm(derivative), "metric": problem.ensemble.inner_product().dual_norm(derivative) })
+    json!({ "euclidean": norm(derivative), "metric": problem.inner_product().map(|product| product.dual_norm(derivative)) })
 }
 
 /// `{ NAME: { "point": [...], "displacement": [...], "position": [...] } }`

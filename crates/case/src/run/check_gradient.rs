@@ -2,17 +2,22 @@
 
 use super::error::RunError;
 use super::session::Session;
-use nastic_control::EnsemblePoint;
+use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{Base, Certificate, TaylorError, Verdict};
 use serde_json::{Value, json};
 
 /// Checks the derivative at an evaluated control; what it finds is said.
-pub(super) fn check(session: &Session<'_>, at: &EnsemblePoint, derivative: &[f64]) -> Result<Certificate, RunError> {
+pub(super) fn check(
+    session: &Session<'_>,
+    at: &EnsemblePoint,
+    derivative: &[f64],
+    workspace: &mut EnsembleWorkspace,
+) -> Result<Certificate, RunError> {
     session.console.pass("checking the gradient");
     let problem = &session.problem;
     let size = super::gradcheck::size(problem);
     let base = Base { m: &at.m, point: at, derivative, stage: 0 };
-    let found = Certificate::of(&problem.ensemble, &problem.set, &base, size, problem.case.optimizer.seed);
+    let found = Certificate::of(&problem.ensemble, &problem.set, &base, workspace, size, problem.case.optimizer.seed);
     session.console.clear();
     if session.is_cancelled() {
         return Err(RunError::Cancelled);
@@ -45,8 +50,9 @@ pub(super) fn of_start(
     session: &mut Session<'_>,
     start: &EnsemblePoint,
     derivative: &[f64],
+    workspace: &mut EnsembleWorkspace,
 ) -> Result<Verdict, RunError> {
-    let certificate = session.timed("gradient_check", |session| check(session, start, derivative))?;
+    let certificate = session.timed("gradient_check", |session| check(session, start, derivative, workspace))?;
     session.put("gradient_check", json(&certificate));
     Ok(certificate.verdict)
 }

@@ -40,7 +40,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let began = std::time::Instant::now();
     session.console.pass("solving at the start control");
     let memo = Memo::new(&session.problem.ensemble, &session.problem.start, ACCURACY);
-    let memo = memo.map_err(|error| session.forward_failed(error))?;
+    let memo = memo.map_err(|error| session.evaluation_failed(&error))?;
     let mut tests = Vec::new();
     let blocks = session.problem.ensemble.blocks().iter().zip(&session.problem.controls);
     for (block, field) in blocks {

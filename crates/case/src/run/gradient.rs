@@ -10,18 +10,20 @@ use crate::result::files::Directory;
 use crate::result::member_report::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::{EnsemblePoint, View};
-use nastic_opt::{Problem as _, Verdict};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace, View};
+use nastic_opt::{Objective, Verdict};
 use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
-    let point = session.evaluate_start()?;
-    let derivative = session.timed("adjoint", |session| session.problem.ensemble.try_derivative(&point));
-    let derivative = derivative.map_err(|error| session.forward_failed(error))?;
+    let mut workspace = EnsembleWorkspace::default();
+    let mut point = session.evaluate_start(&mut workspace)?;
+    let derivative =
+        session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
+    let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
     session.console.clear();
     report(session, &point, &derivative)?;
-    let verdict = check_gradient::of_start(session, &point, &derivative)?;
+    let verdict = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
     session.timed("write", |session| write(session, &point, &derivative))?;
     Ok(if verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
 }
@@ -84,11 +86,11 @@ pub(super) fn write_states(
     derivative: &[f64],
     out: &Directory,
 ) -> Result<Vec<String>, RunError> {
-    let gradient = problem.ensemble.inner_product().riesz(derivative);
+    let gradient = problem.inner_product().map(|product| product.riesz(derivative));
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.parts) {
-        let gradient = member.local(&gradient);
-        let view = View { adjoint: at.adjoint(), gradient: Some(&gradient), ..View::new(&at.state, &at.m) };
+        let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
+        let view = View { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..View::new(&at.state, &at.m) };
         files.push(member.file(&format!("{what}.vtu")));
         out.write_vtu(&member.file(&format!("{what}.vtu")), &snapshot::snapshot(member, &view)?)?;
     }

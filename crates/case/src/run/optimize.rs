@@ -8,16 +8,18 @@ use super::check_gradient;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
-use super::watched::Watched;
 use crate::lower::CaseProblem;
-use nastic_control::{EnsembleError, EnsemblePoint};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::SolveReport;
-use nastic_opt::{Best, DEFAULT_ACCURACY, Optimizer, Outcome, Problem as _, Run, Stop, Verdict};
+use nastic_opt::{
+    Best, DEFAULT_ACCURACY, EvaluatedStart, Failed, Objective, Optimizer, Outcome, Problem as _, Run, Stop, Verdict,
+};
 use recorder::Recorder;
+use std::sync::Arc;
 
 /// A run from one start.
 pub(super) struct FinishedRun {
-    /// Where it began, without its factors.
+    /// Where it began.
     start: EnsemblePoint,
     best: Best<EnsemblePoint>,
     /// Work of all trials, by member.
@@ -30,38 +32,50 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         out.remove_old_iterations();
     }
     let optimizer = session.problem.optimizer()?;
-    let start = session.timed("solve", |session| evaluate(session, &session.problem.start));
-    let start = start.map_err(|error| session.forward_failed(error))?;
-    let derivative = session.timed("adjoint", |session| session.problem.ensemble.try_derivative(&start));
-    let derivative = derivative.map_err(|error| session.forward_failed(error))?;
-    outcome::write_start(session, &start, &derivative)?;
-    if check_gradient::of_start(session, &start, &derivative)? == Verdict::Wrong {
+    let mut workspace = EnsembleWorkspace::default();
+    let start = session.timed("solve", |session| evaluate(session, &session.problem.start, &mut workspace));
+    let mut point = start.map_err(|failed| session.evaluation_failed(&failed))?;
+    let derivative =
+        session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
+    let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
+    outcome::write_start(session, &point, &derivative)?;
+    let verdict = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
+    let begun = Begun { point, derivative, workspace };
+    if verdict == Verdict::Wrong {
         return Ok(Exit::GradientWrong);
     }
     let began = std::time::Instant::now();
-    let starts = starts::run(session, optimizer.as_ref(), (start, derivative))?;
+    let starts = starts::run(session, optimizer.as_ref(), begun)?;
     session.note_time("optimize", began.elapsed().as_secs_f64());
     outcome::report(session, &starts)?;
     Ok(if starts.best().best.stop.is_converged() { Exit::Done } else { Exit::NotConverged })
 }
 
-fn evaluate(session: &Session<'_>, m: &[f64]) -> Result<EnsemblePoint, EnsembleError> {
-    session.evaluate(m, DEFAULT_ACCURACY)
+/// An evaluated start.
+pub(super) struct Begun {
+    point: EnsemblePoint,
+    derivative: Vec<f64>,
+    workspace: EnsembleWorkspace,
+}
+
+fn evaluate(session: &Session<'_>, m: &[f64], workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, Failed> {
+    session.evaluate(m, DEFAULT_ACCURACY, workspace)
 }
 
 /// Runs the optimiser to its end, from an evaluated start.
 fn minimize(
     session: &Session<'_>,
     optimizer: &dyn Optimizer,
-    (start, derivative): (EnsemblePoint, Vec<f64>),
-    recorder: Recorder<'_>,
+    begun: Begun,
+    mut recorder: Recorder<'_>,
 ) -> Result<FinishedRun, RunError> {
     let problem = &session.problem;
-    let (kept, m) = (start.clone().without_factors(), start.m.clone());
-    let watched = Watched::new(problem, start, derivative);
-    let run = Run::start(optimizer, &watched, &problem.set, problem.ensemble.inner_product(), &m)?;
-    let mut run = run.cancelled_by(session.cancel.clone());
-    let mut recorder = recorder.of(&watched);
+    let Begun { point, derivative, workspace } = begun;
+    let kept = point.clone();
+    let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
+    let start = EvaluatedStart { m: point.m.clone(), point, derivative: Some(derivative) };
+    let run = Run::start(optimizer, &problem.ensemble, Arc::new(problem.set.clone()), metric, start)?;
+    let mut run = run.with_workspace(workspace).cancelled_by(session.cancel.clone());
     let stop = loop {
         match run.step(&mut |trial: &nastic_opt::Trial<'_, EnsemblePoint>| recorder.record(trial)) {
             Outcome::Stopped(stop) => break stop,
@@ -69,10 +83,7 @@ fn minimize(
         }
     };
     let work = recorder.finish()?;
-    let Best { point, m, cost, derivative, gradient_norm, active, stop, counts, stages } = run.finish(stop);
-    let point = point.without_factors();
-    let best = Best { point, m, cost, derivative, gradient_norm, active, stop, counts, stages };
-    Ok(FinishedRun { start: kept, best, work })
+    Ok(FinishedRun { start: kept, best: run.finish(stop), work })
 }
 
 /// Why it ended, for people.
@@ -85,7 +96,7 @@ pub(super) fn why(stop: &Stop) -> String {
 
 /// The start as the last stage values it: what the end can be compared with.
 fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
-    problem.ensemble.try_restage(problem.stages() - 1, start).ok()
+    problem.ensemble.restage(problem.stages() - 1, start).ok()
 }
 
 /// "1.2e-03 -> 4.5e-06, a factor of 267"

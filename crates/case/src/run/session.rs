@@ -11,9 +11,9 @@ use crate::result::fingerprint::Fingerprint;
 use crate::result::snapshot;
 use crate::schema::Command;
 use crate::syntax::Document;
-use nastic_control::{ControlError, EnsembleError, EnsemblePoint, View};
+use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, View};
 use nastic_fem::{Progress, State, StateError};
-use nastic_opt::Request;
+use nastic_opt::{Failed, Objective, Request};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -161,16 +161,22 @@ impl<'c> Session<'c> {
     }
 
     /// The ensemble at a control vector: the one way every command comes by its states.
-    pub fn evaluate(&self, m: &[f64], accuracy: f64) -> Result<EnsemblePoint, EnsembleError> {
-        let point = self.problem.ensemble.try_evaluate(m, &Request { accuracy, ..Request::default() });
+    pub fn evaluate(
+        &self,
+        m: &[f64],
+        accuracy: f64,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<EnsemblePoint, Failed> {
+        let how = Request { accuracy, ..Request::default() };
+        let point = self.problem.ensemble.evaluate(m, &how, workspace);
         self.console.clear();
         point
     }
 
     /// The start controls, as exactly as costs no more than another iteration.
-    pub fn evaluate_start(&mut self) -> Result<EnsemblePoint, RunError> {
-        let point = self.timed("solve", |session| session.evaluate(&session.problem.start, START_ACCURACY));
-        point.map_err(|error| self.forward_failed(error))
+    pub fn evaluate_start(&mut self, workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, RunError> {
+        let point = self.timed("solve", |session| session.evaluate(&session.problem.start, START_ACCURACY, workspace));
+        point.map_err(|failed| self.evaluation_failed(&failed))
     }
 
     /// Whether a stop was requested.
@@ -201,6 +207,17 @@ impl<'c> Session<'c> {
             }
             other => {
                 let error = Box::new(ControlError::Cost { what: other.to_string() });
+                RunError::Forward { member: String::new(), error, file: None }
+            }
+        }
+    }
+
+    /// The same, of an evaluation.
+    pub fn evaluation_failed(&self, failed: &Failed) -> RunError {
+        match failed.downcast_ref::<EnsembleError>() {
+            Some(error) => self.forward_failed(error.clone()),
+            None => {
+                let error = Box::new(ControlError::Cost { what: failed.to_string() });
                 RunError::Forward { member: String::new(), error, file: None }
             }
         }

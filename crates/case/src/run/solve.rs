@@ -9,12 +9,12 @@ use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::{EnsemblePoint, View};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace, View};
 use nastic_fem::SolveReport;
 use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
-    let point = session.evaluate_start()?;
+    let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
     report(session, &point)?;
     session.timed("write", |session| write(session, &point))?;
     Ok(Exit::Done)

@@ -27,13 +27,7 @@ impl Table {
         out
     }
 
-    pub fn row(
-        &self,
-        trial: &Trial<'_, EnsemblePoint>,
-        newton: Option<usize>,
-        distance: Option<f64>,
-        seconds: f64,
-    ) -> String {
+    pub fn row(&self, trial: &Trial<'_, EnsemblePoint>, distance: Option<f64>, seconds: f64) -> String {
         let mut out = format!("{:>5}", trial.trial);
         let iteration = if trial.accepted { trial.iteration.to_string() } else { "-".to_owned() };
         let _ = write!(out, " {iteration:>5}");
@@ -48,11 +42,11 @@ impl Table {
             let distance = distance.map_or_else(|| "-".to_owned(), |d| scientific(d, 4));
             let _ = write!(out, " {distance:>10}");
         }
-        let count = |name: &str| trial.report.get(name).map(|value| value as usize);
+        let count = |name: &str| trial.figures.get(name).map(|value| value as usize);
         let show = |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |n| n.to_string());
-        let newton = show(count("newton").or(newton));
+        let newton = show(count("newton"));
         let factor = show(count("factorisations"));
-        let min_j = trial.report.get("min_J").map_or_else(|| "-".to_owned(), |j| format!("{j:.4}"));
+        let min_j = trial.figures.get("min_J").map_or_else(|| "-".to_owned(), |j| format!("{j:.4}"));
         let active = format!("{:.1}%", 100.0 * trial.active_share);
         let _ = write!(out, " {newton:>6} {factor:>6} {min_j:>7} {active:>7} {seconds:>8.2}");
         if let Some(remark) = remark(&trial.reason) {
@@ -69,7 +63,7 @@ fn remark(reason: &Reason) -> Option<String> {
         Reason::Start => Some("start".to_owned()),
         Reason::Stage => Some("new stage".to_owned()),
         Reason::NoDecrease { .. } => Some("rejected: not enough decrease".to_owned()),
-        Reason::Failed(why) | Reason::DerivativeFailed(why) => Some(format!("failed: {}", shortened(why))),
+        Reason::Failed(why) | Reason::DerivativeFailed(why) => Some(format!("failed: {}", shortened(&why.to_string()))),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::blocks::enter;
 use super::error::EnsembleError;
 use super::part::{LoadCase, Member};
+use super::product::EnsembleProduct;
 use super::{Ensemble, Finished, Watch};
 use crate::error::ControlError;
 use crate::reduced::Reduced;
@@ -57,7 +58,7 @@ impl EnsembleBuilder {
         self
     }
 
-    /// Whether points keep a factor per member for the next solve near them (they do, unless told otherwise). Without,
+    /// Whether the workspace keeps a factor per member for the next solve (it does, unless told otherwise). Without,
     /// memory does not grow by factors, and every solve makes its own: for samples that are evaluated once.
     pub fn keep_factors(mut self, keep: bool) -> Self {
         self.keep_factors = keep;
@@ -77,9 +78,12 @@ impl EnsembleBuilder {
         let (mut parts, mut blocks, mut names) = (Vec::new(), Vec::new(), Vec::new());
         for (scenario, (name, _, cases)) in self.scenarios.into_iter().enumerate() {
             for case in cases {
-                let fields = field_names(&case).map_err(|e| EnsembleError::member(&label(&name, &case.name), e))?;
+                // One member without a name needs none in messages.
+                let own =
+                    if name.is_empty() && case.name.is_empty() { String::new() } else { label(&name, &case.name) };
+                let fields = field_names(&case).map_err(|e| EnsembleError::member(&own, e))?;
                 let mut part = Member {
-                    name: label(&name, &case.name),
+                    name: own,
                     case: case.name,
                     scenario,
                     weight: case.weight,
@@ -92,18 +96,18 @@ impl EnsembleBuilder {
             names.push(name);
         }
         // Only owners lend their inner product, so only theirs is built.
+        let mut products = Vec::new();
         for (index, part) in parts.iter().enumerate() {
-            let checked = match blocks.iter().any(|block| block.owner == index) {
-                true => part.problem.check(),
-                false => part.problem.solid().check().map_err(ControlError::from),
-            };
-            checked.map_err(|e| EnsembleError::member(&part.name, e))?;
+            let failed = |e| EnsembleError::member(&part.name, e);
+            part.problem.solid().check().map_err(|e| failed(ControlError::from(e)))?;
+            if blocks.iter().any(|block| block.owner == index) {
+                products.push((index, part.problem.build_inner_product().map_err(failed)?));
+            }
         }
         let len = blocks.iter().map(|block| block.len).sum();
+        let product = Arc::new(EnsembleProduct::new(&blocks, &parts, products));
         let (risk, watch) = (self.risk, self.watch);
-        let mut ensemble = Ensemble { parts, names, probabilities, blocks, len, risk, lumped: None, watch };
-        ensemble.lumped = ensemble.collect_lumped();
-        Ok(ensemble)
+        Ok(Ensemble { parts, names, probabilities, blocks, len, risk, product, watch })
     }
 
     fn check_names(&self) -> Result<(), EnsembleError> {

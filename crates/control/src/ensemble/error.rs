@@ -19,7 +19,7 @@ pub enum EnsembleError {
         /// The name.
         name: String,
     },
-    /// A weight that is not a positive number, a probability that is not a number.
+    /// A weight that is not positive and finite, a probability that is NaN or infinite.
     #[error("{who} has weight {weight}; weights of load cases are positive, probabilities finite numbers")]
     Weight {
         /// The member.
@@ -43,15 +43,15 @@ pub enum EnsembleError {
         what: &'static str,
     },
     /// A member that is incomplete or has no equilibrium.
-    #[error("{who}: {source}")]
+    #[error("{}{source}", prefix(.who))]
     Member {
-        /// Scenario and load case.
+        /// Scenario and load case; empty where there is but one member without a name.
         who: String,
         /// What is wrong with it.
         source: Box<ControlError>,
     },
-    /// A cost that is not a number.
-    #[error("{who} costs {value}; costs must be finite")]
+    /// A cost that is NaN or infinite.
+    #[error("{}the cost is {value}; costs must be finite", prefix(.who))]
     Value {
         /// Scenario and load case.
         who: String,
@@ -83,6 +83,10 @@ pub enum EnsembleError {
     /// The risk measure does not fit.
     #[error(transparent)]
     Risk(#[from] RiskError),
+}
+
+fn prefix(who: &str) -> String {
+    if who.is_empty() { String::new() } else { format!("{who}: ") }
 }
 
 impl EnsembleError {

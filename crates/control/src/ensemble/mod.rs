@@ -3,7 +3,9 @@
 mod blocks;
 mod builder;
 mod error;
+mod objective;
 mod part;
+mod point;
 mod product;
 mod report;
 mod shape;
@@ -12,14 +14,18 @@ pub use blocks::EnsembleBlock;
 pub use builder::EnsembleBuilder;
 pub use error::EnsembleError;
 pub use part::{LoadCase, Member};
+pub use point::{EnsemblePoint, EnsembleWorkspace};
 pub use report::Measured;
 
 use crate::error::ControlError;
-use crate::reduced::Evaluated;
+use crate::evaluated::Evaluated;
+use crate::reduced::AT_REST;
+use crate::workspace::ReducedWorkspace;
 use blocks::{gather, scatter};
 use nastic_fem::Progress;
-use nastic_opt::{Failed, Objective, Report, Request};
+use nastic_opt::Request;
 use nastic_uncertainty::risk::Risk;
+use product::EnsembleProduct;
 use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
@@ -36,9 +42,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// threads. Members built on one [`Discretization`](nastic_fem::Discretization) share mesh and symbolic analysis.
 /// A member without an equilibrium is a failed trial that names it.
 ///
-/// **Memory.** A point keeps its members' states and at most one factor per member (see
-/// [`EnsemblePoint::factor_bytes`]; `factor_bytes` in reports), which it shares with the point it was evaluated from: a
-/// trial adds none ([`Evaluated::factor`](crate::Evaluated::factor)). [`EnsembleBuilder::keep_factors`] does without.
+/// **Memory.** A point keeps its members' states. The workspace keeps at most one factor per member
+/// ([`EnsembleWorkspace::factor_bytes`]), however many points there are; [`EnsembleBuilder::keep_factors`] does without.
 ///
 /// Source: docs/model.md section 6; survey, section 4.2.3.
 ///
@@ -75,34 +80,8 @@ pub struct Ensemble {
     blocks: Vec<EnsembleBlock>,
     len: usize,
     risk: Box<dyn Risk>,
-    lumped: Option<Vec<f64>>,
+    product: Arc<EnsembleProduct>,
     watch: Watch,
-}
-
-/// An evaluated control of an ensemble. A value.
-#[derive(Debug, Clone)]
-pub struct EnsemblePoint {
-    /// The control vector.
-    pub m: Vec<f64>,
-    /// Every member's state and terms, in the order of [`Ensemble::parts`].
-    pub parts: Vec<Evaluated>,
-    /// Cost `j_s` of every scenario.
-    pub costs: Vec<f64>,
-    /// R of these.
-    pub risk: f64,
-}
-
-impl EnsemblePoint {
-    /// Memory of the factors kept for the next solve, in bytes: at most one per member.
-    pub fn factor_bytes(&self) -> usize {
-        self.parts.iter().map(Evaluated::factor_bytes).sum()
-    }
-
-    /// Lets go of all factors: for points that are kept to be looked at.
-    pub fn without_factors(mut self) -> Self {
-        self.parts = self.parts.into_iter().map(Evaluated::without_factors).collect();
-        self
-    }
 }
 
 /// A member that has been evaluated: what an [`EnsembleBuilder::watched_by`] is told.
@@ -130,15 +109,10 @@ impl fmt::Debug for Watch {
 }
 
 impl Ensemble {
-    /// Begins an ensemble that is judged by a measure of risk.
+    /// Begins an ensemble that is judged by a measure of risk; `Box<dyn Risk>` is one chosen at run time.
     #[allow(clippy::new_ret_no_self)]
     pub fn new(risk: impl Risk + 'static) -> EnsembleBuilder {
         EnsembleBuilder::new(Box::new(risk))
-    }
-
-    /// As [`new`](Self::new), with a measure chosen at run time.
-    pub fn with_risk(risk: Box<dyn Risk>) -> EnsembleBuilder {
-        EnsembleBuilder::new(risk)
     }
 
     /// The members, scenario by scenario, load case by load case.
@@ -159,6 +133,16 @@ impl Ensemble {
     /// The measure of risk.
     pub fn risk(&self) -> &dyn Risk {
         self.risk.as_ref()
+    }
+
+    /// Length of the control vector.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether nothing is controlled.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
     }
 
     /// The control fields, in the order they first occur.
@@ -204,16 +188,26 @@ impl Ensemble {
         Ok(gather(&self.blocks, part, m))
     }
 
-    /// [`Objective::evaluate`] with the typed error.
+    /// Equilibria and risk at m, from rest, in the first stage, to residuals of 1e-11. What
+    /// [`Objective::evaluate`](nastic_opt::Objective::evaluate) does from elsewhere, in other stages, to other accuracies.
     ///
     /// # Errors
-    /// The first member, in order, without an equilibrium or with a cost that is not a number.
-    pub fn try_evaluate(&self, m: &[f64], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, EnsembleError> {
+    /// The first member, in order, without an equilibrium or with a cost that is not finite.
+    pub fn at(&self, m: &[f64]) -> Result<EnsemblePoint, EnsembleError> {
+        self.evaluate_typed(m, &Request { accuracy: AT_REST, ..Request::default() }, &mut EnsembleWorkspace::default())
+    }
+
+    fn evaluate_typed(
+        &self,
+        m: &[f64],
+        how: &Request<'_, EnsemblePoint>,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<EnsemblePoint, EnsembleError> {
         self.check_len(m)?;
-        let parts = self.side_by_side(|index, part| {
+        let parts = self.side_by_side(workspace, |index, part, workspace| {
             let near = how.near.and_then(|point| point.parts.get(index));
             let request = Request { near, accuracy: how.accuracy, stage: how.stage };
-            let outcome = part.problem.try_evaluate(&gather(&self.blocks, part, m), &request);
+            let outcome = part.problem.evaluate_typed(&gather(&self.blocks, part, m), &request, workspace);
             self.tell(index, &outcome);
             outcome
         })?;
@@ -242,23 +236,29 @@ impl Ensemble {
     /// Runs `each` for every member, on as many threads as there are; results in the members' order.
     ///
     /// After a failure the members behind it are left out. Those before it are not, so that the failure reported is the
-    /// first in order, whoever was first on the clock.
+    /// first in order, whoever was first on the clock. Which of those behind it had run already is a matter of the clock:
+    /// their factors are dropped, so that it leaves no trace in what follows.
     fn side_by_side<T: Send>(
         &self,
-        each: impl Fn(usize, &Member) -> Result<T, ControlError> + Sync,
+        workspace: &mut EnsembleWorkspace,
+        each: impl Fn(usize, &Member, &mut ReducedWorkspace) -> Result<T, ControlError> + Sync,
     ) -> Result<Vec<T>, EnsembleError> {
         let failed = AtomicUsize::new(usize::MAX);
-        let run = |(index, part): (usize, &Member)| {
+        let run = |(index, (part, workspace)): (usize, (&Member, &mut ReducedWorkspace))| {
             if index > failed.load(Ordering::Relaxed) {
                 return None;
             }
-            let outcome = each(index, part).map_err(|e| EnsembleError::member(&part.name, e));
+            let outcome = each(index, part, workspace).map_err(|e| EnsembleError::member(&part.name, e));
             if outcome.is_err() {
                 failed.fetch_min(index, Ordering::Relaxed);
             }
             Some(outcome)
         };
-        let outcomes: Vec<Option<_>> = self.parts.par_iter().enumerate().with_max_len(1).map(run).collect();
+        let workspaces = workspace.of(self.parts.len());
+        let members = self.parts.par_iter().zip(workspaces.par_iter_mut()).enumerate();
+        let outcomes: Vec<Option<_>> = members.with_max_len(1).map(run).collect();
+        let first = failed.into_inner();
+        workspaces.iter_mut().skip(first.saturating_add(1)).for_each(|own| own.solve.clear());
         // One left out stands behind a failure, at which this stops.
         outcomes.into_iter().flatten().collect()
     }
@@ -270,13 +270,10 @@ impl Ensemble {
         }
     }
 
-    /// [`Objective::restage`] with the typed error.
-    ///
-    /// # Errors
-    /// The first member, in order, that has no value in that stage.
-    pub fn try_restage(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, EnsembleError> {
-        let parts = self.side_by_side(|index, part| match point.parts.get(index) {
-            Some(at) => part.problem.try_restage(stage, at),
+    fn restage_typed(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, EnsembleError> {
+        let none = &mut EnsembleWorkspace::default();
+        let parts = self.side_by_side(none, |index, part, _| match point.parts.get(index) {
+            Some(at) => part.problem.restage_typed(stage, at),
             None => Err(ControlError::Length { found: point.parts.len(), expected: self.parts.len() }),
         })?;
         self.joined(&point.m, parts)
@@ -300,11 +297,16 @@ impl Ensemble {
     ///
     /// # Errors
     /// The first member, in order, whose adjoint cannot be had.
-    pub fn derivative_of_term(&self, point: &EnsemblePoint, term: &str) -> Result<Vec<f64>, EnsembleError> {
-        let derivatives = self.side_by_side(|index, part| {
+    pub fn derivative_of_term(
+        &self,
+        point: &EnsemblePoint,
+        term: &str,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
+        let derivatives = self.side_by_side(workspace, |index, part, workspace| {
             let own = part.problem.term_names().iter().position(|name| name == term);
             match (own, point.parts.get(index)) {
-                (Some(own), Some(at)) => part.problem.derivative_of(at, Some(own)).map(Some),
+                (Some(own), Some(at)) => part.problem.derivative_of_term(at, own, workspace).map(Some),
                 _ => Ok(None),
             }
         })?;
@@ -318,52 +320,27 @@ impl Ensemble {
         Ok(out)
     }
 
-    /// The derivative of the risk, with the typed error.
-    ///
-    /// # Errors
-    /// The first member, in order, whose adjoint cannot be had.
-    pub fn try_derivative(&self, point: &EnsemblePoint) -> Result<Vec<f64>, EnsembleError> {
+    /// The derivative of the risk; the adjoint states go into the members' points.
+    fn derivative_typed(
+        &self,
+        point: &mut EnsemblePoint,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let weight = |part: &Member| by_cost[part.scenario] * part.weight;
-        let derivatives = self.side_by_side(|index, part| match (weight(part), point.parts.get(index)) {
-            (weight, Some(at)) if weight != 0.0 => part.problem.derivative_of(at, None).map(Some),
-            _ => Ok(None),
-        })?;
+        let parts = &point.parts;
+        let derivatives =
+            self.side_by_side(workspace, |index, part, workspace| match (weight(part), parts.get(index)) {
+                (weight, Some(at)) if weight != 0.0 => part.problem.sensitivity(at, None, workspace).map(Some),
+                _ => Ok(None),
+            })?;
         let mut out = vec![0.0; self.len];
-        for (part, derivative) in self.parts.iter().zip(&derivatives) {
-            if let Some(derivative) = derivative {
-                scatter(&self.blocks, part, weight(part), derivative, &mut out);
+        for ((part, at), derivative) in self.parts.iter().zip(&mut point.parts).zip(derivatives) {
+            if let Some((derivative, adjoint)) = derivative {
+                scatter(&self.blocks, part, weight(part), &derivative, &mut out);
+                at.adjoint = adjoint;
             }
         }
         Ok(out)
-    }
-}
-
-impl Objective for Ensemble {
-    type Point = EnsemblePoint;
-
-    fn evaluate(&self, m: &[f64], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, Failed> {
-        self.try_evaluate(m, how).map_err(|e| Failed::new(e.to_string()))
-    }
-
-    fn value(&self, point: &EnsemblePoint) -> f64 {
-        point.risk
-    }
-
-    fn derivative(&self, point: &EnsemblePoint) -> Result<Vec<f64>, Failed> {
-        self.try_derivative(point).map_err(|e| Failed::new(e.to_string()))
-    }
-
-    /// The most of any member; one with fewer stays at its last.
-    fn stages(&self) -> usize {
-        self.parts.iter().map(|part| part.problem.stages()).max().unwrap_or(1)
-    }
-
-    fn restage(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, Failed> {
-        self.try_restage(stage, point).map_err(|e| Failed::new(e.to_string()))
-    }
-
-    fn report(&self, point: &EnsemblePoint) -> Report {
-        self.report_of(point)
     }
 }

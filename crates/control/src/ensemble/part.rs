@@ -39,7 +39,7 @@ pub struct Member {
 }
 
 impl Member {
-    /// `SCENARIO`, `LOAD_CASE` or `SCENARIO/LOAD_CASE`.
+    /// `SCENARIO`, `LOAD_CASE` or `SCENARIO/LOAD_CASE`; empty where there is but one member without a name.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -1,39 +1,65 @@
 //! The inner product of an ensemble's controls: every block once, in the product of the member that owns it.
 
-use super::{Ensemble, EnsembleBlock};
-use nastic_opt::{InnerProduct, Problem};
+use super::{EnsembleBlock, Member};
+use nastic_opt::InnerProduct;
+use std::ops::Range;
+use std::sync::Arc;
 
-impl Ensemble {
-    /// Applies an operation of the members' products, which do not couple blocks, to every block.
+/// The products of the members that own blocks; none couples two blocks.
+#[derive(Debug)]
+pub(super) struct EnsembleProduct {
+    len: usize,
+    owners: Vec<Owner>,
+    lumped: Option<Vec<f64>>,
+}
+
+/// A member's product, with the blocks it is made for and those that have it.
+#[derive(Debug)]
+struct Owner {
+    product: Arc<dyn InnerProduct>,
+    /// Where each field of the member stands in the ensemble's vector, one after the other.
+    fields: Vec<Range<usize>>,
+    /// Of the blocks it owns: place in the ensemble's vector, first entry in the member's.
+    owned: Vec<(Range<usize>, usize)>,
+}
+
+impl EnsembleProduct {
+    /// From the products of the owners, each with the member's index.
+    pub fn new(blocks: &[EnsembleBlock], parts: &[Member], products: Vec<(usize, Arc<dyn InnerProduct>)>) -> Self {
+        let range = |block: &EnsembleBlock| block.first..block.first + block.len;
+        let owner = |(index, product): (usize, Arc<dyn InnerProduct>)| {
+            let local = parts[index].problem.layout().blocks();
+            let fields = parts[index].blocks.iter().map(|&block| range(&blocks[block])).collect();
+            let owned = blocks.iter().filter(|block| block.owner == index);
+            let owned = owned.map(|block| (range(block), local[block.field].first)).collect();
+            Owner { product, fields, owned }
+        };
+        let len = blocks.iter().map(|block| block.len).sum();
+        let mut product = Self { len, owners: products.into_iter().map(owner).collect(), lumped: None };
+        if product.owners.iter().all(|owner| owner.product.lumped().is_some()) {
+            product.lumped = Some(
+                product
+                    .by_owner(&vec![0.0; len], |product, _| product.lumped().map(<[f64]>::to_vec).unwrap_or_default()),
+            );
+        }
+        product
+    }
+
+    /// Applies an operation of the owners' products to every block.
     fn by_owner(&self, v: &[f64], each: impl Fn(&dyn InnerProduct, &[f64]) -> Vec<f64>) -> Vec<f64> {
         let mut out = vec![0.0; v.len()];
-        for (index, part) in self.parts.iter().enumerate() {
-            let owned: Vec<&EnsembleBlock> = self.blocks.iter().filter(|block| block.owner == index).collect();
-            if owned.is_empty() {
-                continue;
-            }
-            let image = each(part.problem.inner_product(), &super::blocks::gather(&self.blocks, part, v));
-            for block in owned {
-                let local = &part.problem.layout().blocks()[block.field];
-                out[block.first..block.first + block.len].copy_from_slice(local.of(&image));
+        for owner in &self.owners {
+            let local: Vec<f64> = owner.fields.iter().flat_map(|field| &v[field.clone()]).copied().collect();
+            let image = each(owner.product.as_ref(), &local);
+            for (place, first) in &owner.owned {
+                out[place.clone()].copy_from_slice(&image[*first..*first + place.len()]);
             }
         }
         out
     }
-
-    /// The diagonal, if the products of all owners have one.
-    pub(super) fn collect_lumped(&self) -> Option<Vec<f64>> {
-        let part = |block: &EnsembleBlock| {
-            let problem = &self.parts[block.owner].problem;
-            let local = &problem.layout().blocks()[block.field];
-            problem.inner_product().lumped().map(|weights| local.of(weights).to_vec())
-        };
-        let parts: Option<Vec<Vec<f64>>> = self.blocks.iter().map(part).collect();
-        parts.map(|parts| parts.concat())
-    }
 }
 
-impl InnerProduct for Ensemble {
+impl InnerProduct for EnsembleProduct {
     fn len(&self) -> usize {
         self.len
     }
@@ -48,12 +74,5 @@ impl InnerProduct for Ensemble {
 
     fn lumped(&self) -> Option<&[f64]> {
         self.lumped.as_deref()
-    }
-}
-
-impl Problem for Ensemble {
-    /// Every block once, in the product of the first member that uses it.
-    fn inner_product(&self) -> &dyn InnerProduct {
-        self
     }
 }

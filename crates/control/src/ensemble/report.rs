@@ -1,8 +1,9 @@
 //! What is reported of an ensemble: every risk, every scenario, the work of all.
 
 use super::{Ensemble, EnsemblePoint};
+use crate::reduced::work_figures;
 use nastic_fem::SolveReport;
-use nastic_opt::Report;
+use nastic_opt::Figures;
 use nastic_uncertainty::risk::{CATALOGUE, Risk, deviation};
 
 /// A measure of risk at a point.
@@ -44,9 +45,8 @@ impl Ensemble {
     }
 
     /// `risk/NAME` and `risk/NAME/exact`, `risk/deviation`; `terms/NAME`, expected; `scenarios/NAME/cost`, and
-    /// `scenarios/NAME/LOAD_CASE/terms/TERM` for every member; work summed over members, the smallest J, the
-    /// memory of the factors kept (`factor_bytes`).
-    pub(super) fn report_of(&self, point: &EnsemblePoint) -> Report {
+    /// `scenarios/NAME/LOAD_CASE/terms/TERM` for every member; work summed over members, the smallest J.
+    pub(super) fn figures_of(&self, point: &EnsemblePoint) -> Figures {
         let mut entries = Vec::new();
         for risk in self.risks(point) {
             entries.push((format!("risk/{}", risk.name), risk.value));
@@ -61,13 +61,13 @@ impl Ensemble {
             entries.push((format!("scenarios/{name}/cost"), *cost));
         }
         let kind = if self.names.iter().all(String::is_empty) { "load_cases" } else { "scenarios" };
-        for (part, at) in self.parts.iter().zip(&point.parts) {
+        for (part, at) in self.parts.iter().zip(&point.parts).filter(|(part, _)| !part.name.is_empty()) {
             for (term, value) in part.problem.term_names().iter().zip(&at.terms) {
                 entries.push((format!("{kind}/{}/terms/{term}", part.name), *value));
             }
         }
         entries.extend(work_entries(point));
-        Report(entries)
+        Figures(entries)
     }
 
     /// `sum_s p_s sum_l w_l` of every term, by name; `terms` has those of every member.
@@ -86,18 +86,13 @@ impl Ensemble {
     }
 }
 
-fn work_entries(point: &EnsemblePoint) -> [(String, f64); 5] {
+/// Work summed over members, and the smallest J.
+fn work_entries(point: &EnsemblePoint) -> Vec<(String, f64)> {
     let mut work = SolveReport::default();
     let mut min_j = f64::INFINITY;
     for part in &point.parts {
         work.add_work(&part.total_work());
         min_j = min_j.min(part.state.report.min_j);
     }
-    [
-        ("newton".into(), work.newton as f64),
-        ("factorisations".into(), work.factorisations as f64),
-        ("back_substitutions".into(), work.back_substitutions as f64),
-        ("min_J".into(), min_j),
-        ("factor_bytes".into(), point.factor_bytes() as f64),
-    ]
+    work_figures(&work).into_iter().chain([("min_J".to_owned(), min_j)]).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::{Ensemble, EnsembleError, EnsemblePoint, Member};
 use crate::error::ControlError;
-use crate::reduced::Evaluated;
+use crate::evaluated::Evaluated;
 use nastic_mesh::Snapshot;
 
 impl Ensemble {

@@ -19,6 +19,13 @@ pub struct StatePartials {
     pub velocity: Vec<f64>,
 }
 
+impl StatePartials {
+    /// Of a functional that depends on the displacement alone.
+    pub fn by_displacement(u: Vec<f64>) -> Self {
+        StatePartials { u, velocity: Vec::new() }
+    }
+}
+
 /// What a reverse sweep finds.
 #[derive(Debug, Clone)]
 pub struct Swept {

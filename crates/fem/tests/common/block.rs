@@ -38,7 +38,7 @@ impl Block {
     }
 
     pub fn solid(&self, case: &Case) -> Outcome<Solid> {
-        let mut solid = Solid::on(self.disc.clone()).material_dyn("body", case.law.clone())?;
+        let mut solid = Solid::on(self.disc.clone()).material("body", case.law.clone())?;
         for (free, &corner) in self.corners.iter().enumerate() {
             let held = [0, 1, 2].map(|c| (c >= free && c < self.disc.dim()).then_some(0.0));
             solid = solid.displace(&set_name(corner), held)?;

@@ -2,12 +2,14 @@
 
 mod ball;
 mod bounds;
+mod catalogue;
 mod face;
 mod product;
 mod sphere;
 
 pub use ball::Ball;
 pub use bounds::{Bounds, Limit};
+pub use catalogue::{CATALOGUE, SetRow};
 pub use face::Face;
 pub use product::Product;
 pub use sphere::Sphere;

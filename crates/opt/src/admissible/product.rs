@@ -2,11 +2,12 @@
 
 use super::{Admissible, Face, Outside};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Blocks of a control vector, each in its own set: a magnetisation on a sphere, then a field in a ball.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Product {
-    blocks: Vec<(Range<usize>, Box<dyn Admissible>)>,
+    blocks: Vec<(Range<usize>, Arc<dyn Admissible>)>,
 }
 
 impl Product {
@@ -18,12 +19,12 @@ impl Product {
     /// Appends a block of `len` components.
     #[must_use]
     pub fn block(mut self, len: usize, set: impl Admissible + 'static) -> Self {
-        self.push(len, Box::new(set));
+        self.push(len, Arc::new(set));
         self
     }
 
     /// Appends a block of `len` components.
-    pub fn push(&mut self, len: usize, set: Box<dyn Admissible>) {
+    pub fn push(&mut self, len: usize, set: Arc<dyn Admissible>) {
         let start = self.len();
         self.blocks.push((start..start + len, set));
     }

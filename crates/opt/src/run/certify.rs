@@ -5,14 +5,16 @@ use crate::certificate::{Base, Certificate};
 use crate::objective::Objective;
 use crate::taylor::TaylorError;
 
-impl<O: Objective> Run<'_, O> {
-    /// Checks the derivative at the present point: see [`Certificate::of`]. The run itself is not changed.
+impl<O: Objective> Run<O> {
+    /// Checks the derivative at the present point: see [`Certificate::of`]. Evaluations have a workspace of their own,
+    /// so that the run goes on as if it had not been checked.
     ///
     /// # Errors
     /// As [`Certificate::of`].
     pub fn certify(&self, size: Option<f64>, seed: u64) -> Result<Certificate, TaylorError> {
         let at = &self.current;
         let base = Base { m: &at.m, point: &at.point, derivative: &at.derivative, stage: self.progress.stage };
-        Certificate::of(self.setting.objective, self.setting.set, &base, size, seed)
+        let mut workspace = O::Workspace::default();
+        Certificate::of(&self.setting.objective, self.setting.set.as_ref(), &base, &mut workspace, size, seed)
     }
 }

@@ -1,7 +1,8 @@
 //! Where a stage of a run begins and ends.
 
 use super::{Outcome, Run, RunError};
-use crate::objective::{Failed, Objective};
+use crate::failed::Failed;
+use crate::objective::Objective;
 use crate::observer::{Observer, Reason};
 use crate::optimizer::Options;
 use crate::state::{Progress, StageEnd};
@@ -11,7 +12,7 @@ use nastic_numeric::vector::sub;
 /// Flat steps in a row before a stage is given up.
 const FLAT: usize = 3;
 
-impl<O: Objective> Run<'_, O> {
+impl<O: Objective> Run<O> {
     pub(super) fn is_last_stage(&self) -> bool {
         self.progress.stage + 1 >= self.setting.objective.stages()
     }
@@ -77,7 +78,7 @@ impl<O: Objective> Run<'_, O> {
                 Outcome::Staged(stage + 1)
             }
             Err(failed) => {
-                let stop = Stop::Stalled(Stall::Stage { stage: stage + 1, why: failed.why });
+                let stop = Stop::Stalled(Stall::Stage { stage: stage + 1, why: failed });
                 self.ended = Some(stop.clone());
                 Outcome::Stopped(stop)
             }
@@ -88,13 +89,14 @@ impl<O: Objective> Run<'_, O> {
     fn enter(&mut self, stage: usize) -> Result<(), Failed> {
         let point = self.setting.objective.restage(stage, &self.current.point)?;
         let cost = self.setting.finite_cost(&point)?;
-        let next = self.setting.differentiate(self.current.m.clone(), point, cost).map_err(|(_, failed)| failed)?;
+        let next = self.setting.differentiate(self.current.m.clone(), point, cost, &mut self.workspace);
+        let next = next.map_err(|(_, failed)| failed)?;
         let travel = self.setting.metric.norm(&sub(&self.current.m, &self.progress.stage_start));
         self.current = next;
         self.progress.stage = stage;
         self.progress.counts.trials += 1;
         self.progress.counts.derivatives += 1;
-        self.begin_stage(Some(travel).filter(|travel| *travel > 0.0)).map_err(|error| Failed::new(error.to_string()))
+        self.begin_stage(Some(travel).filter(|travel| *travel > 0.0)).map_err(Failed::new)
     }
 
     pub(super) fn begin_stage(&mut self, travel: Option<f64>) -> Result<(), RunError> {

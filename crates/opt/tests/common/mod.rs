@@ -1,7 +1,8 @@
 //! Problems to test optimisers with.
 #![allow(dead_code, clippy::expect_used)]
 
-use nastic_opt::{Admissible, Failed, InnerProduct, Objective, Request};
+use nastic_opt::{Admissible, Failed, InnerProduct, Objective, Optimizer, Request, Run, RunError, RunState};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 type Value = Box<dyn Fn(&[f64]) -> f64 + Sync>;
@@ -46,18 +47,19 @@ impl Cost {
 
 impl Objective for Cost {
     type Point = Vec<f64>;
+    type Workspace = ();
 
-    fn evaluate(&self, m: &[f64], _: &Request<'_, Vec<f64>>) -> Result<Vec<f64>, Failed> {
+    fn evaluate(&self, m: &[f64], _: &Request<'_, Vec<f64>>, (): &mut ()) -> Result<Vec<f64>, Failed> {
         self.guard.check(m).expect("nothing is evaluated outside the set");
         self.evaluations.fetch_add(1, Ordering::Relaxed);
-        if (self.fails)(m) { Err(Failed::new("told to fail")) } else { Ok(m.to_vec()) }
+        if (self.fails)(m) { Err(Failed::because("told to fail")) } else { Ok(m.to_vec()) }
     }
 
     fn value(&self, m: &Vec<f64>) -> f64 {
         (self.value)(m)
     }
 
-    fn derivative(&self, m: &Vec<f64>) -> Result<Vec<f64>, Failed> {
+    fn derivative(&self, m: &mut Vec<f64>, (): &mut ()) -> Result<Vec<f64>, Failed> {
         self.derivatives.fetch_add(1, Ordering::Relaxed);
         Ok((self.derivative)(m))
     }
@@ -65,6 +67,28 @@ impl Objective for Cost {
     fn restage(&self, _: usize, m: &Vec<f64>) -> Result<Vec<f64>, Failed> {
         Ok(m.clone())
     }
+}
+
+/// A run over copies of a set and a product.
+pub fn begin<O: Objective>(
+    optimizer: &dyn Optimizer,
+    objective: O,
+    set: &(impl Admissible + Clone + 'static),
+    metric: &(impl InnerProduct + Clone + 'static),
+    m: &[f64],
+) -> Result<Run<O>, RunError> {
+    Run::start(optimizer, objective, Arc::new(set.clone()), Arc::new(metric.clone()), m)
+}
+
+/// The same, taken up.
+pub fn resume<O: Objective>(
+    optimizer: &dyn Optimizer,
+    objective: O,
+    set: &(impl Admissible + Clone + 'static),
+    metric: &(impl InnerProduct + Clone + 'static),
+    state: &RunState,
+) -> Result<Run<O>, RunError> {
+    Run::load(optimizer, objective, Arc::new(set.clone()), Arc::new(metric.clone()), state)
 }
 
 /// The extended Rosenbrock function of n (even) variables.
@@ -120,7 +144,7 @@ pub fn chain(guard: impl Admissible + 'static, n: usize, force: impl Fn(usize) -
 
 /// The consistent product of linear elements on a line plus length^2 times that of the slopes; its Riesz map by
 /// elimination (Thomas). Not diagonal.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Tridiagonal {
     pub diagonal: f64,
     pub off: f64,

@@ -55,6 +55,29 @@ pub trait Risk: Debug + Send + Sync {
     }
 }
 
+/// A measure chosen at run time is one too.
+impl Risk for Box<dyn Risk> {
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
+
+    fn value(&self, p: &[f64], j: &[f64]) -> f64 {
+        (**self).value(p, j)
+    }
+
+    fn weights(&self, p: &[f64], j: &[f64]) -> Vec<f64> {
+        (**self).weights(p, j)
+    }
+
+    fn exact(&self, p: &[f64], j: &[f64]) -> Option<f64> {
+        (**self).exact(p, j)
+    }
+
+    fn check(&self, p: &[f64]) -> Result<(), RiskError> {
+        (**self).check(p)
+    }
+}
+
 /// Why a risk measure was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RiskError {

@@ -1,6 +1,6 @@
 //! One state serves all terms: what was evaluated is kept by control vector.
 
-use nastic_control::{Ensemble, EnsembleError, EnsemblePoint};
+use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{Failed, Objective, Request};
 use std::sync::Mutex;
 
@@ -29,16 +29,25 @@ pub(super) struct Memo<'a> {
     accuracy: f64,
     /// The base control, valued by every stage.
     base: Vec<EnsemblePoint>,
-    known: Mutex<Vec<(Vec<f64>, Values)>>,
+    known: Mutex<Known>,
+}
+
+/// What was evaluated so far, and the workspace of the next evaluation.
+#[derive(Default)]
+struct Known {
+    values: Vec<(Vec<f64>, Values)>,
+    workspace: EnsembleWorkspace,
 }
 
 impl<'a> Memo<'a> {
-    pub fn new(ensemble: &'a Ensemble, m: &[f64], accuracy: f64) -> Result<Self, EnsembleError> {
-        let first = ensemble.try_evaluate(m, &Request { near: None, accuracy, stage: 0 })?;
-        let later = (1..ensemble.stages()).map(|stage| ensemble.try_restage(stage, &first));
+    pub fn new(ensemble: &'a Ensemble, m: &[f64], accuracy: f64) -> Result<Self, Failed> {
+        let mut known = Known::default();
+        let how = Request { near: None, accuracy, stage: 0 };
+        let first = ensemble.evaluate(m, &how, &mut known.workspace)?;
+        let later = (1..ensemble.stages()).map(|stage| ensemble.restage(stage, &first));
         let later = later.collect::<Result<Vec<_>, _>>()?;
         let base = std::iter::once(first).chain(later).collect();
-        Ok(Self { ensemble, accuracy, base, known: Mutex::new(vec![]) })
+        Ok(Self { ensemble, accuracy, base, known: Mutex::new(known) })
     }
 
     /// The total of every stage, then every term of every stage it has.
@@ -81,23 +90,21 @@ impl<'a> Memo<'a> {
         if m == self.base[0].m.as_slice() {
             return Some(self.base.iter().map(|point| self.values_of(point)).collect());
         }
-        let find = |known: &[(Vec<f64>, Values)]| known.iter().find(|(at, _)| at == m).map(|(_, v)| v.clone());
-        if let Some(values) = self.known.lock().ok().and_then(|known| find(&known)) {
-            return values;
+        let mut known = self.known.lock().ok()?;
+        if let Some((_, values)) = known.values.iter().find(|(at, _)| at == m) {
+            return values.clone();
         }
-        let values = self.evaluate(m);
-        if let Ok(mut known) = self.known.lock() {
-            known.push((m.to_vec(), values.clone()));
-        }
+        let values = self.evaluate(m, &mut known.workspace);
+        known.values.push((m.to_vec(), values.clone()));
         values
     }
 
-    fn evaluate(&self, m: &[f64]) -> Values {
+    fn evaluate(&self, m: &[f64], workspace: &mut EnsembleWorkspace) -> Values {
         let how = Request { near: Some(&self.base[0]), accuracy: self.accuracy, stage: 0 };
-        let first = self.ensemble.try_evaluate(m, &how).ok()?;
+        let first = self.ensemble.evaluate(m, &how, workspace).ok()?;
         let mut out = vec![self.values_of(&first)];
         for stage in 1..self.ensemble.stages() {
-            out.push(self.values_of(&self.ensemble.try_restage(stage, &first).ok()?));
+            out.push(self.values_of(&self.ensemble.restage(stage, &first).ok()?));
         }
         Some(out)
     }
@@ -117,14 +124,15 @@ pub(super) struct Valued {
 
 impl Objective for Column<'_> {
     type Point = Valued;
+    type Workspace = ();
 
-    fn evaluate(&self, m: &[f64], _: &Request<'_, Valued>) -> Result<Valued, Failed> {
-        let values = self.memo.values(m).ok_or_else(|| Failed::new("no state there"))?;
+    fn evaluate(&self, m: &[f64], _: &Request<'_, Valued>, (): &mut ()) -> Result<Valued, Failed> {
+        let values = self.memo.values(m).ok_or_else(|| Failed::because("no state there"))?;
         let value = &values[self.term.stage];
         let term = |name: &String| value.terms.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
         let value = match &self.term.of {
             None => value.whole,
-            Some(name) => term(name).ok_or_else(|| Failed::new(format!("no term {name}")))?,
+            Some(name) => term(name).ok_or_else(|| Failed::because(format!("no term {name}")))?,
         };
         Ok(Valued { m: m.to_vec(), value })
     }
@@ -133,16 +141,16 @@ impl Objective for Column<'_> {
         point.value
     }
 
-    fn derivative(&self, point: &Valued) -> Result<Vec<f64>, Failed> {
+    fn derivative(&self, point: &mut Valued, (): &mut ()) -> Result<Vec<f64>, Failed> {
         let (base, ensemble) = (&self.memo.base[self.term.stage], self.memo.ensemble);
         if point.m != base.m {
-            return Err(Failed::new("derivatives are kept at the base control alone"));
+            return Err(Failed::because("derivatives are kept at the base control alone"));
         }
-        let derivative = match &self.term.of {
-            None => ensemble.try_derivative(base),
-            Some(name) => ensemble.derivative_of_term(base, name),
-        };
-        derivative.map_err(|error| Failed::new(error.to_string()))
+        let mut known = self.memo.known.lock().map_err(|_| Failed::because("an earlier evaluation broke off"))?;
+        match &self.term.of {
+            None => ensemble.derivative(&mut base.clone(), &mut known.workspace),
+            Some(name) => Ok(ensemble.derivative_of_term(base, name, &mut known.workspace)?),
+        }
     }
 
     fn restage(&self, _: usize, point: &Valued) -> Result<Valued, Failed> {

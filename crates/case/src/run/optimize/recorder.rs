@@ -3,7 +3,6 @@
 use super::super::error::RunError;
 use super::super::session::Session;
 use super::super::table::Table;
-use super::super::watched::Watched;
 use crate::console::Console;
 use crate::history::{self, History};
 use crate::lower::CaseProblem;
@@ -12,7 +11,7 @@ use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, View};
 use nastic_fem::SolveReport;
-use nastic_opt::{Problem as _, Reason, Trial};
+use nastic_opt::{Reason, Trial};
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,7 +21,6 @@ use std::time::Instant;
 pub(super) struct Recorder<'s> {
     problem: &'s CaseProblem,
     console: &'s Console,
-    watched: Option<&'s Watched<'s>>,
     cancel: Arc<AtomicBool>,
     out: Option<Directory>,
     history: &'s mut Option<History>,
@@ -55,7 +53,6 @@ impl<'s> Recorder<'s> {
         Self {
             problem,
             console: session.console,
-            watched: None,
             cancel: session.cancel.clone(),
             out: session.out.clone(),
             history,
@@ -68,14 +65,6 @@ impl<'s> Recorder<'s> {
         }
     }
 
-    /// Asks `watched` about trials that failed.
-    pub fn of<'w>(self, watched: &'w Watched<'w>) -> Recorder<'w>
-    where
-        's: 'w,
-    {
-        Recorder { watched: Some(watched), ..self }
-    }
-
     pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {
         if trial.cost.is_none() && self.cancel.load(Ordering::Relaxed) {
             // Broken off, not failed: a run that goes on makes this trial again.
@@ -84,17 +73,18 @@ impl<'s> Recorder<'s> {
         let distance = self.distance(trial);
         let seconds = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
-        let failed_newton = self.watched.and_then(Watched::failed_newton).filter(|_| trial.cost.is_none());
         if let Some(point) = trial.point.filter(|_| trial.reason != Reason::Stage) {
             self.work.iter_mut().zip(&point.parts).for_each(|(work, at)| work.add_work(&at.total_work()));
-        } else if let (Some(newton), Some(first)) = (failed_newton, self.work.first_mut()) {
-            first.newton += newton;
+        } else if let (None, Some(newton), Some(first)) =
+            (trial.cost, trial.figures.get("newton"), self.work.first_mut())
+        {
+            first.newton += newton as usize;
         }
         if trial.reason == Reason::Stage {
             self.console.say(format!("stage {} of {}", trial.stage + 1, self.problem.stages()));
         }
-        self.console.say(self.table.row(trial, failed_newton, distance, seconds));
-        let mut line = history::line(trial, failed_newton, seconds);
+        self.console.say(self.table.row(trial, distance, seconds));
+        let mut line = history::line(trial, seconds);
         if let Some(line) = line.as_object_mut() {
             if let Some(distance) = distance {
                 line.insert("hausdorff_true".into(), json!(distance));
@@ -137,7 +127,8 @@ impl<'s> Recorder<'s> {
         let Some(out) = &self.out else { return Ok(()) };
         let stem = if self.start.1 > 1 { format!("start_{}_", self.start.0) } else { String::new() };
         let file = |iteration: usize| format!("{stem}iteration_{iteration:04}.vtu");
-        let gradient = derivative.map(|derivative| self.problem.ensemble.inner_product().riesz(derivative));
+        let gradient =
+            derivative.zip(self.problem.inner_product()).map(|(derivative, product)| product.riesz(derivative));
         self.steps.push(iteration);
         for (member, at) in self.problem.leads().zip(&point.parts) {
             let gradient = gradient.as_ref().map(|gradient| member.local(gradient));

@@ -1,12 +1,12 @@
 //! One run after the other from several starts, of which the best is kept.
 
 use super::recorder::Recorder;
-use super::{FinishedRun, Session, evaluate, minimize};
+use super::{Begun, FinishedRun, Session, evaluate, minimize};
 use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::number::{scientific, short};
-use nastic_control::EnsemblePoint;
-use nastic_opt::{Certificate, Optimizer, Verdict};
+use nastic_control::EnsembleWorkspace;
+use nastic_opt::{Certificate, Failed, Objective, Optimizer, Verdict};
 use serde_json::{Value, json};
 
 /// What became of all starts.
@@ -26,11 +26,7 @@ impl Starts {
 }
 
 /// Runs from the start as written, which is evaluated already, then from random ones.
-pub(super) fn run(
-    session: &mut Session<'_>,
-    optimizer: &dyn Optimizer,
-    first: (EnsemblePoint, Vec<f64>),
-) -> Result<Starts, RunError> {
+pub(super) fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer, first: Begun) -> Result<Starts, RunError> {
     let block = &session.problem.case.optimizer;
     let (count, seed) = (block.starts, block.seed);
     session.console.say(format!(
@@ -52,23 +48,22 @@ pub(super) fn run(
         // Seeds of neighbouring cases shall not share their starts.
         let seed = seed.wrapping_mul(1_000_003).wrapping_add(k as u64);
         announce(session, k, count, Some(seed));
-        let begun = begin(session, seed);
-        let (point, derivative) = match begun {
+        let mut begun = match begin(session, seed) {
             Ok(begun) => begun,
-            Err(why) => {
-                session.console.say(format!("failed      {why}"));
-                starts.entries.push(json!({ "seed": seed, "failed": why }));
+            Err(failed) => {
+                session.console.say(format!("failed      {failed}"));
+                starts.entries.push(json!({ "seed": seed, "failed": failed.to_string() }));
                 continue;
             }
         };
-        let certificate = check_gradient::check(session, &point, &derivative)?;
+        let certificate = check_gradient::check(session, &begun.point, &begun.derivative, &mut begun.workspace)?;
         if certificate.verdict == Verdict::Wrong {
             let check = check_gradient::json(&certificate);
             starts.entries.push(json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check }));
             continue;
         }
         let recorder = Recorder::new(session, &mut history, (k, count));
-        let ended = minimize(session, optimizer, (point, derivative), recorder)?;
+        let ended = minimize(session, optimizer, begun, recorder)?;
         starts.entries.push(entry(Some(seed), &ended, Some(&certificate)));
         if ended.best.cost < starts.best.best.cost {
             (starts.best, starts.index) = (ended, k);
@@ -78,12 +73,12 @@ pub(super) fn run(
     Ok(starts)
 }
 
-/// A random start, evaluated; why it cannot be, in words.
-fn begin(session: &Session<'_>, seed: u64) -> Result<(EnsemblePoint, Vec<f64>), String> {
-    let problem = &session.problem;
-    let point = evaluate(session, &problem.random_start(seed)).map_err(|error| problem.explain(&error))?;
-    let derivative = problem.ensemble.try_derivative(&point).map_err(|error| problem.explain(&error))?;
-    Ok((point, derivative))
+/// A random start, evaluated.
+fn begin(session: &Session<'_>, seed: u64) -> Result<Begun, Failed> {
+    let mut workspace = EnsembleWorkspace::default();
+    let mut point = evaluate(session, &session.problem.random_start(seed), &mut workspace)?;
+    let derivative = session.problem.ensemble.derivative(&mut point, &mut workspace)?;
+    Ok(Begun { point, derivative, workspace })
 }
 
 fn announce(session: &Session<'_>, index: usize, count: usize, seed: Option<u64>) {

@@ -1,0 +1,99 @@
+//! [`Ensemble`] as an optimiser sees it.
+
+use super::blocks::gather;
+use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
+use crate::error::ControlError;
+use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::{Failed, Figures, InnerProduct, Objective, Problem, Request, SavedRunError};
+use std::sync::Arc;
+
+const MAGIC: &str = "nastic-ensemble-point-1";
+
+impl Objective for Ensemble {
+    type Point = EnsemblePoint;
+    type Workspace = EnsembleWorkspace;
+
+    fn evaluate(
+        &self,
+        m: &[f64],
+        how: &Request<'_, EnsemblePoint>,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<EnsemblePoint, Failed> {
+        Ok(self.evaluate_typed(m, how, workspace)?)
+    }
+
+    fn value(&self, point: &EnsemblePoint) -> f64 {
+        point.risk
+    }
+
+    /// Leaves the adjoint states in the members' points.
+    fn derivative(&self, point: &mut EnsemblePoint, workspace: &mut EnsembleWorkspace) -> Result<Vec<f64>, Failed> {
+        Ok(self.derivative_typed(point, workspace)?)
+    }
+
+    /// The most of any member; one with fewer stays at its last.
+    fn stages(&self) -> usize {
+        self.parts.iter().map(|part| part.problem.stages()).max().unwrap_or(1)
+    }
+
+    fn restage(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, Failed> {
+        Ok(self.restage_typed(stage, point)?)
+    }
+
+    fn figures(&self, point: &EnsemblePoint) -> Figures {
+        self.figures_of(point)
+    }
+
+    fn save(&self, point: &EnsemblePoint) -> Vec<u8> {
+        let mut out = Writer::new(MAGIC);
+        out.count(point.parts.len());
+        point.parts.iter().for_each(|at| out.bytes(&at.to_bytes()));
+        out.finish()
+    }
+
+    /// Solves nothing.
+    fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, Failed> {
+        self.check_len(m)?;
+        let own = self.read_members(bytes).map_err(Failed::new)?;
+        let how = Request { near: None, accuracy: how.accuracy, stage: how.stage };
+        let load =
+            |(part, bytes): (&super::Member, Vec<u8>)| part.problem.load(&gather(&self.blocks, part, m), &bytes, &how);
+        let parts = self.parts.iter().zip(own).map(load).collect::<Result<_, _>>()?;
+        Ok(self.joined(m, parts)?)
+    }
+}
+
+impl Ensemble {
+    fn read_members(&self, bytes: &[u8]) -> Result<Vec<Vec<u8>>, SavedRunError> {
+        let mut input = Reader::new(bytes, MAGIC)?;
+        if input.count(8)? != self.parts.len() {
+            return Err(input.damaged("another number of members"));
+        }
+        let own = self.parts.iter().map(|_| input.list()).collect::<Result<_, _>>()?;
+        input.finish()?;
+        Ok(own)
+    }
+}
+
+impl Problem for Ensemble {
+    /// Every block once, in the product of the first member that uses it.
+    fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed> {
+        if self.len == 0 {
+            let known = self.parts.first().map(|part| crate::layout::Layout::names(part.problem.solid()).join(", "));
+            return Err(ControlError::NoControls { known: known.unwrap_or_default() }.into());
+        }
+        Ok(self.product.clone())
+    }
+}
+
+/// A failed trial keeps the error with its type, and the work it tells of.
+impl From<EnsembleError> for Failed {
+    fn from(error: EnsembleError) -> Self {
+        let newton = match &error {
+            EnsembleError::Member { source, .. } => source.newton(),
+            _ => None,
+        };
+        let newton = newton.map(|newton| ("newton".to_owned(), newton as f64));
+        Failed::new(error).after(Figures(newton.into_iter().collect()))
+    }
+}

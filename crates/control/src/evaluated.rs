@@ -1,0 +1,161 @@
+//! [`Evaluated`]: one control with its equilibrium and cost, as a value and as bytes.
+
+use crate::cost::CostPoint;
+use nastic_fem::{Controls, SolveReport, Solver, State};
+use nastic_opt::SavedRunError;
+use nastic_opt::bytes::{Reader, Writer};
+use std::sync::Arc;
+
+/// An evaluated control: its state and the values of the cost terms. A value; it holds no factor.
+#[derive(Debug, Clone)]
+pub struct Evaluated {
+    /// The control vector.
+    pub m: Vec<f64>,
+    /// The equilibrium.
+    pub state: State,
+    /// Value of every cost term, weights included, in the order they were added.
+    pub terms: Vec<f64>,
+    /// Continuation stage of the values.
+    pub stage: usize,
+    /// Work of the state solve.
+    pub work: SolveReport,
+    /// The evaluated terms, for their partials and figures; empty where points keep none, and in points that were loaded.
+    pub(crate) costs: Vec<Arc<dyn CostPoint>>,
+    /// The adjoint state of the whole cost, once its derivative was taken.
+    pub adjoint: Option<AdjointState>,
+}
+
+/// The adjoint displacement `K(u*) lambda = -dj/du` and the work of its solve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AdjointState {
+    /// lambda, flat like the displacement.
+    pub lambda: Vec<f64>,
+    /// Work of the solve.
+    pub work: SolveReport,
+}
+
+impl Evaluated {
+    /// Sum of the terms.
+    pub fn cost(&self) -> f64 {
+        self.terms.iter().sum()
+    }
+
+    /// The adjoint displacement, once the derivative was taken.
+    pub fn adjoint(&self) -> Option<&[f64]> {
+        self.adjoint.as_ref().map(|adjoint| adjoint.lambda.as_slice())
+    }
+
+    /// Work of the state solve and, if there is one, of the adjoint.
+    pub fn total_work(&self) -> SolveReport {
+        let mut work = self.work;
+        if let Some(adjoint) = &self.adjoint {
+            work.add_work(&adjoint.work);
+        }
+        work
+    }
+
+    /// All but the control vector, as bytes.
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Writer::new(MAGIC);
+        out.count(self.stage);
+        out.floats(&self.terms);
+        out.floats(&self.state.u);
+        out.float(self.state.load);
+        write_report(&self.state.report, &mut out);
+        write_report(&self.work, &mut out);
+        out.count(usize::from(self.adjoint.is_some()));
+        if let Some(adjoint) = &self.adjoint {
+            out.floats(&adjoint.lambda);
+            write_report(&adjoint.work, &mut out);
+        }
+        out.finish()
+    }
+
+    /// The point that [`to_bytes`](Self::to_bytes) wrote; `controls` are those that `m` has at the points.
+    pub(crate) fn from_bytes(
+        bytes: &[u8],
+        m: &[f64],
+        controls: Controls,
+        expected: Expected,
+    ) -> Result<Self, SavedRunError> {
+        let mut input = Reader::new(bytes, MAGIC)?;
+        let stage = input.number()?;
+        let terms = input.floats()?;
+        let u = input.floats()?;
+        if (stage, terms.len(), u.len()) != (expected.stage, expected.terms, expected.dofs) {
+            return Err(input.damaged("a point of another stage, with other cost terms or on another mesh"));
+        }
+        let load = input.float()?;
+        let (report, work) = (read_report(&mut input)?, read_report(&mut input)?);
+        let adjoint = match input.flag()? {
+            true => Some(AdjointState { lambda: input.floats()?, work: read_report(&mut input)? }),
+            false => None,
+        };
+        if adjoint.as_ref().is_some_and(|adjoint| adjoint.lambda.len() != expected.dofs) {
+            return Err(input.damaged("an adjoint state on another mesh"));
+        }
+        input.finish()?;
+        let state = State::equilibrium(u, controls, load, report);
+        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, costs: Vec::new(), adjoint })
+    }
+}
+
+/// What a saved point must agree with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Expected {
+    pub stage: usize,
+    pub terms: usize,
+    pub dofs: usize,
+}
+
+const MAGIC: &str = "nastic-point-1";
+
+fn write_report(report: &SolveReport, out: &mut Writer) {
+    let SolveReport {
+        solver,
+        newton,
+        factorisations,
+        reused,
+        back_substitutions,
+        hierarchies,
+        cycles,
+        load_steps,
+        cuts,
+        residual,
+        min_j,
+        energy,
+        shifted,
+    } = *report;
+    out.count(match solver {
+        Solver::Direct => 0,
+        Solver::Multigrid => 1,
+        Solver::General => 2,
+    });
+    for count in [newton, factorisations, reused, back_substitutions, hierarchies, cycles, load_steps, cuts, shifted] {
+        out.count(count);
+    }
+    [residual, min_j, energy].into_iter().for_each(|x| out.float(x));
+}
+
+fn read_report(input: &mut Reader<'_>) -> Result<SolveReport, SavedRunError> {
+    Ok(SolveReport {
+        solver: match input.number()? {
+            0 => Solver::Direct,
+            1 => Solver::Multigrid,
+            2 => Solver::General,
+            _ => return Err(input.damaged("an unknown linear solver")),
+        },
+        newton: input.number()?,
+        factorisations: input.number()?,
+        reused: input.number()?,
+        back_substitutions: input.number()?,
+        hierarchies: input.number()?,
+        cycles: input.number()?,
+        load_steps: input.number()?,
+        cuts: input.number()?,
+        shifted: input.number()?,
+        residual: input.float()?,
+        min_j: input.float()?,
+        energy: input.float()?,
+    })
+}

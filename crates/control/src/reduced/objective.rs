@@ -1,0 +1,99 @@
+//! [`Reduced`] as an optimiser sees it.
+
+use super::Reduced;
+use crate::error::ControlError;
+use crate::evaluated::{Evaluated, Expected};
+use crate::workspace::ReducedWorkspace;
+use nastic_fem::SolveReport;
+use nastic_opt::{EvaluatedStart, Failed, Figures, InnerProduct, Objective, Problem, Request, Start};
+use std::sync::Arc;
+
+impl Objective for Reduced {
+    type Point = Evaluated;
+    type Workspace = ReducedWorkspace;
+
+    fn evaluate(
+        &self,
+        m: &[f64],
+        how: &Request<'_, Evaluated>,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Evaluated, Failed> {
+        Ok(self.evaluate_typed(m, how, workspace)?)
+    }
+
+    fn value(&self, point: &Evaluated) -> f64 {
+        point.cost()
+    }
+
+    /// Leaves the adjoint state in the point.
+    fn derivative(&self, point: &mut Evaluated, workspace: &mut ReducedWorkspace) -> Result<Vec<f64>, Failed> {
+        let (derivative, adjoint) = self.sensitivity(point, None, workspace)?;
+        point.adjoint = adjoint;
+        Ok(derivative)
+    }
+
+    fn stages(&self) -> usize {
+        self.costs().iter().map(|cost| cost.stages()).max().unwrap_or(1)
+    }
+
+    fn restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, Failed> {
+        Ok(self.restage_typed(stage, point)?)
+    }
+
+    /// `terms/NAME` for every cost term; `newton`, `factorisations`, `back_substitutions` of the state solve and of the
+    /// adjoint; `min_J`.
+    fn figures(&self, point: &Evaluated) -> Figures {
+        let terms = self.term_names().into_iter().zip(&point.terms);
+        let mut entries: Vec<(String, f64)> = terms.map(|(name, value)| (format!("terms/{name}"), *value)).collect();
+        entries.extend(work_figures(&point.total_work()));
+        entries.push(("min_J".into(), point.state.report.min_j));
+        Figures(entries)
+    }
+
+    fn save(&self, point: &Evaluated) -> Vec<u8> {
+        point.to_bytes()
+    }
+
+    /// Solves nothing.
+    fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, Evaluated>) -> Result<Evaluated, Failed> {
+        let controls = self.layout().to_points(m)?;
+        let (terms, dofs) = (self.costs().len(), self.solid().discretization().dofs());
+        let expected = Expected { stage: how.stage, terms, dofs };
+        Evaluated::from_bytes(bytes, m, controls, expected).map_err(Failed::new)
+    }
+}
+
+impl Problem for Reduced {
+    fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed> {
+        Ok(self.build_inner_product()?)
+    }
+}
+
+/// Work by the names of history lines.
+pub(crate) fn work_figures(work: &SolveReport) -> [(String, f64); 3] {
+    [
+        ("newton".into(), work.newton as f64),
+        ("factorisations".into(), work.factorisations as f64),
+        ("back_substitutions".into(), work.back_substitutions as f64),
+    ]
+}
+
+/// A failed trial keeps the error with its type, and the work it tells of.
+impl From<ControlError> for Failed {
+    fn from(error: ControlError) -> Self {
+        let newton = error.newton().map(|newton| ("newton".to_owned(), newton as f64));
+        Failed::new(error).after(Figures(newton.into_iter().collect()))
+    }
+}
+
+impl From<Evaluated> for Start<Evaluated> {
+    fn from(point: Evaluated) -> Self {
+        Start::Evaluated(EvaluatedStart { m: point.m.clone(), point, derivative: None })
+    }
+}
+
+impl From<&Evaluated> for Start<Evaluated> {
+    fn from(point: &Evaluated) -> Self {
+        point.clone().into()
+    }
+}

@@ -1,0 +1,291 @@
+//! The solvers behind one trait, on matrices that are definite, indefinite and not symmetric; GMRES; bordered systems.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod support;
+
+use nalgebra::{DMatrix, DVector};
+use nastic_linear::solver::{Accuracy, Border, Configuration, Curvature, Shift, System, solve_bordered, solver};
+use nastic_linear::{
+    Corners, LinearError, LinearSolver, LinearWork, Pattern, Pivots, Rotations, Solver, SparseMatrix, Symbolic,
+    Symmetry, gmres,
+};
+use nastic_tensor::Mat3;
+use std::sync::Arc;
+use support::{Grid, Random, relative_difference};
+
+const STRICT: Accuracy = Accuracy { error: 1e-12, residual: 1e-11 };
+
+/// A body at rest.
+struct AtRest {
+    points: Vec<[f64; 3]>,
+    rotations: Arc<Rotations>,
+}
+
+impl Configuration for AtRest {
+    fn positions(&self) -> &[[f64; 3]] {
+        &self.points
+    }
+
+    fn rotations(&self) -> &Arc<Rotations> {
+        &self.rotations
+    }
+
+    fn corners(&self) -> Option<&Corners> {
+        None
+    }
+}
+
+struct Case {
+    grid: Grid,
+    pattern: Arc<Pattern>,
+    symbolic: Arc<Symbolic>,
+    fixed: Vec<bool>,
+    at: AtRest,
+}
+
+impl Case {
+    fn new(cells: [usize; 3]) -> Self {
+        let grid = Grid::hexahedra(cells, 1);
+        let pattern = grid.pattern(3);
+        let symbolic = Arc::new(Symbolic::new(&pattern).unwrap());
+        let fixed = vec![false; pattern.dofs()];
+        let rotations = Arc::new(Rotations(vec![Mat3::identity(); grid.points.len()]));
+        let at = AtRest { points: grid.points.clone(), rotations };
+        Case { grid, pattern, symbolic, fixed, at }
+    }
+
+    fn system<'a>(&'a self, matrix: &'a SparseMatrix) -> System<'a> {
+        System { matrix, fixed: &self.fixed, configuration: &self.at, parallel: false }
+    }
+
+    /// A Laplacian with a skew part of a relative size, and its dense twin.
+    fn general(&self, skew: f64) -> (SparseMatrix, DMatrix<f64>) {
+        let mut matrix = SparseMatrix::with_symmetry(self.pattern.clone(), Symmetry::General);
+        let n = self.pattern.dofs();
+        let mut dense = DMatrix::zeros(n, n);
+        let mut random = Random::new(3);
+        for nodes in self.grid.cliques() {
+            let m = 3 * nodes.len();
+            let node = |a: usize, b: usize| if a == b { nodes.len() as f64 - 1.0 } else { -1.0 };
+            let entry = |i: usize, j: usize| {
+                let own = if i % 3 == j % 3 { node(i / 3, j / 3) } else { 0.0 };
+                own + if i == j { 0.3 } else { 0.0 }
+            };
+            let noise = DMatrix::from_fn(m, m, |_, _| random.next());
+            let element = DMatrix::from_fn(m, m, entry) + skew * (&noise - noise.transpose());
+            let by_row: Vec<f64> = element.transpose().as_slice().to_vec();
+            matrix.add_element(&self.pattern.scatter_map(nodes).unwrap(), &by_row);
+            let dof = |i: usize| 3 * nodes[i / 3] as usize + i % 3;
+            for (i, j) in (0..m).flat_map(|i| (0..m).map(move |j| (i, j))) {
+                dense[(dof(i), dof(j))] += element[(i, j)];
+            }
+        }
+        (matrix, dense)
+    }
+}
+
+fn solution(dense: &DMatrix<f64>, b: &[f64]) -> Vec<f64> {
+    dense.clone().lu().solve(&DVector::from_column_slice(b)).unwrap().as_slice().to_vec()
+}
+
+#[test]
+fn a_general_matrix_is_its_dense_twin() {
+    let case = Case::new([3, 2, 2]);
+    let (matrix, dense) = case.general(0.4);
+    assert!(!matrix.is_symmetric());
+    let x = Random::new(1).vector(case.pattern.dofs());
+    let (mut y, mut z) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+    matrix.multiply(&x, &mut y);
+    matrix.multiply_transposed(&x, &mut z, true);
+    let v = DVector::from_column_slice(&x);
+    assert!(relative_difference(&y, (&dense * &v).as_slice()) < 1e-14);
+    assert!(relative_difference(&z, (dense.transpose() * &v).as_slice()) < 1e-14);
+    for (i, j) in [(0, 5), (5, 0), (7, 7), (20, 22), (22, 20)] {
+        assert!((matrix.get(i, j) - dense[(i, j)]).abs() < 1e-14, "entry {i}, {j}");
+    }
+    let mut eliminated = matrix.clone();
+    let mut fixed = case.fixed.clone();
+    fixed[4] = true;
+    eliminated.eliminate(&fixed, 2.0);
+    assert_eq!((eliminated.get(4, 4), eliminated.get(4, 5), eliminated.get(5, 4)), (2.0, 0.0, 0.0));
+    assert_eq!(eliminated.get(20, 22), matrix.get(20, 22));
+}
+
+#[test]
+fn general_systems_and_their_transposes_are_solved() {
+    let case = Case::new([4, 3, 3]);
+    let b = Random::new(8).vector(case.pattern.dofs());
+    let (mut before, mut own) = (0, solver(Solver::General, &case.symbolic));
+    for skew in [0.0, 0.05, 0.4] {
+        let (matrix, dense) = case.general(skew);
+        let mut work = LinearWork::default();
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-9, "skew {skew}");
+        let x = own.solve_transposed(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        assert!(relative_difference(&x, &solution(&dense.transpose(), &b)) < 1e-9, "skew {skew}, transposed");
+        assert!(work.back_substitutions >= before, "a larger skew part takes no fewer iterations: {work:?}");
+        assert!(work.factorisations <= 1 && work.solver == Solver::General, "{work:?}");
+        before = work.back_substitutions;
+        let step = own.step(&case.system(&matrix), &b, 1e-3, &mut work).unwrap();
+        assert_eq!(step.curvature, Curvature::Positive);
+        assert!(relative_difference(&step.x, &solution(&dense, &b)) < 1e-2);
+    }
+    assert!(before > 10, "the skew part is too small for the test to tell: {before}");
+}
+
+/// The symmetric part may be indefinite.
+#[test]
+fn an_indefinite_general_system_is_solved() {
+    let case = Case::new([3, 2, 2]);
+    let (mut matrix, mut dense) = case.general(0.05);
+    matrix.add_to_diagonal(-2.0);
+    dense -= 2.0 * DMatrix::identity(dense.nrows(), dense.nrows());
+    let b = Random::new(9).vector(case.pattern.dofs());
+    let mut work = LinearWork::default();
+    let mut own = solver(Solver::General, &case.symbolic);
+    let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+    assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-8);
+    assert_eq!(own.step(&case.system(&matrix), &b, 1e-3, &mut work).unwrap().curvature, Curvature::Negative);
+}
+
+#[test]
+fn symmetric_solvers_refuse_what_is_not_symmetric() {
+    let case = Case::new([2, 2, 2]);
+    let (matrix, _) = case.general(0.1);
+    let b = vec![1.0; case.pattern.dofs()];
+    for kind in [Solver::Direct, Solver::Multigrid] {
+        let mut own = solver(kind, &case.symbolic);
+        let error = own.solve(&case.system(&matrix), &b, STRICT, &mut LinearWork::default());
+        assert_eq!(error.unwrap_err(), LinearError::NotSymmetric, "{kind}");
+    }
+}
+
+/// Direct and multigrid agree with a dense factor on the same calls, and keep what served.
+#[test]
+fn every_symmetric_solver_gives_the_same_answers() {
+    let case = Case::new([5, 4, 4]);
+    let matrix = case.grid.laplacian(&case.pattern, 0.4);
+    let b = Random::new(2).vector(case.pattern.dofs());
+    let mut exact = b.clone();
+    case.symbolic.factorize(&matrix, Pivots::Positive, false).unwrap().solve(&mut exact, 1);
+    for kind in [Solver::Direct, Solver::Multigrid] {
+        let mut own = solver(kind, &case.symbolic);
+        let mut work = LinearWork::default();
+        own.restart();
+        let step = own.step(&case.system(&matrix), &b, 1e-6, &mut work).unwrap();
+        assert_eq!(step.curvature, Curvature::Positive, "{kind}");
+        assert!(relative_difference(&step.x, &exact) < 1e-3, "{kind}");
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        assert!(relative_difference(&x, &exact) < 1e-9, "{kind}");
+        assert_eq!(own.inertia(&case.system(&matrix)).unwrap().negative, 0, "{kind}");
+        assert!(work.solver == kind && work.factorisations + work.hierarchies <= 2, "{kind}: {work:?}");
+        own.prepare(&case.system(&matrix), &mut work).unwrap();
+        let made = (work.factorisations, work.hierarchies);
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        assert!(relative_difference(&x, &exact) < 1e-9, "{kind}");
+        assert_eq!(made, (work.factorisations, work.hierarchies), "{kind}: what was prepared is not used");
+        own.clear();
+        assert_eq!(own.bytes(), 0);
+    }
+}
+
+#[test]
+fn a_shift_makes_steps_go_downhill() {
+    let case = Case::new([4, 3, 3]);
+    let mut matrix = case.grid.laplacian(&case.pattern, 0.4);
+    matrix.add_to_diagonal(-3.0);
+    let b = Random::new(2).vector(case.pattern.dofs());
+    for kind in [Solver::Direct, Solver::Multigrid] {
+        let (mut own, mut work) = (solver(kind, &case.symbolic), LinearWork::default());
+        let x = Shift::default().step(own.as_mut(), &case.system(&matrix), &b, &mut work).unwrap();
+        assert!(x.iter().zip(&b).map(|(x, b)| x * b).sum::<f64>() > 0.0, "{kind}: the step goes uphill");
+        assert_eq!(work.shifted, 1);
+    }
+    let negative = solver(Solver::Direct, &case.symbolic).inertia(&case.system(&matrix)).unwrap().negative;
+    assert!(negative > 0);
+}
+
+#[test]
+fn gmres_says_when_it_does_not_converge() {
+    let case = Case::new([3, 3, 3]);
+    let (matrix, dense) = case.general(3.0);
+    let symmetric = matrix.symmetric_part();
+    let factor = case.symbolic.factorize(&symmetric, Pivots::Positive, false).unwrap();
+    let b = Random::new(4).vector(case.pattern.dofs());
+    let apply = |v: &[f64], out: &mut [f64]| matrix.multiply(v, out);
+    let (_, report) = gmres(&apply, &factor, &b, 1e-10, 5);
+    assert!(!report.converged && report.iterations == 5 && report.residual > 1e-10, "{report:?}");
+    let (x, report) = gmres(&apply, &factor, &b, 1e-10, 1000);
+    assert!(report.converged, "{report:?}");
+    assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-7);
+    let (x, report) = gmres(&apply, &factor, &vec![0.0; b.len()], 1e-10, 10);
+    assert!(report.converged && x.iter().all(|&x| x == 0.0));
+}
+
+/// Against the dense system; also where the matrix is close to singular and the border is what makes it regular.
+#[test]
+fn bordered_systems_are_solved_by_block_elimination() {
+    let case = Case::new([3, 3, 2]);
+    let n = case.pattern.dofs();
+    let mut random = Random::new(5);
+    let (general, dense_general) = case.general(0.2);
+    let symmetric = case.grid.laplacian(&case.pattern, 0.4);
+    let nearly_singular = case.grid.laplacian(&case.pattern, 1e-7);
+    let dense_of = |matrix: &SparseMatrix| DMatrix::from_fn(n, n, |i, j| matrix.get(i, j));
+    for (name, matrix, dense, kind, tolerance) in [
+        ("symmetric", &symmetric, dense_of(&symmetric), Solver::Direct, 1e-9),
+        ("general", &general, dense_general, Solver::General, 1e-9),
+        // constant vectors are eigenvectors of the eigenvalue 1e-7
+        ("nearly singular", &nearly_singular, dense_of(&nearly_singular), Solver::Direct, 1e-5),
+    ] {
+        let columns: Vec<Vec<f64>> =
+            (0..3).map(|k| (0..n).map(|i| f64::from(u8::from(i % 3 == k)) + 0.1 * random.next()).collect()).collect();
+        let rows: Vec<Vec<f64>> = match name {
+            "general" => (0..3).map(|_| random.vector(n)).collect(),
+            _ => columns.clone(),
+        };
+        let corner = DMatrix::from_fn(3, 3, |i, j| if i == j { -0.5 } else { 0.1 });
+        let mut whole = DMatrix::zeros(n + 3, n + 3);
+        whole.view_mut((0, 0), (n, n)).copy_from(&dense);
+        for k in 0..3 {
+            for i in 0..n {
+                (whole[(i, n + k)], whole[(n + k, i)]) = (columns[k][i], rows[k][i]);
+            }
+            (0..3).for_each(|j| whole[(n + k, n + j)] = corner[(k, j)]);
+        }
+        let border = Border { columns, rows, corner };
+        let (f, g) = (random.vector(n), random.vector(3));
+        for transposed in [false, true] {
+            let mut own: Box<dyn LinearSolver> = solver(kind, &case.symbolic);
+            let system = case.system(matrix);
+            let (x, y) = solve_bordered(
+                own.as_mut(),
+                &system,
+                &border,
+                (&f, &g),
+                transposed,
+                STRICT,
+                &mut LinearWork::default(),
+            )
+            .unwrap_or_else(|e| panic!("{name}: {e}"));
+            let whole = if transposed { whole.transpose() } else { whole.clone() };
+            let exact = solution(&whole, &[f.clone(), g.clone()].concat());
+            let error = relative_difference(&[x, y].concat(), &exact);
+            assert!(error < tolerance, "{name}, transposed {transposed}: {error:e}");
+        }
+    }
+    let border = Border { columns: vec![vec![0.0; n]], rows: vec![vec![0.0; n]], corner: DMatrix::zeros(1, 1) };
+    let mut own = solver(Solver::Direct, &case.symbolic);
+    let system = case.system(&symmetric);
+    let failed = solve_bordered(
+        own.as_mut(),
+        &system,
+        &border,
+        (&vec![1.0; n], &[1.0]),
+        false,
+        STRICT,
+        &mut LinearWork::default(),
+    );
+    assert_eq!(failed.unwrap_err(), LinearError::Border { scalars: 1 });
+}

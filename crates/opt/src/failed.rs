@@ -1,0 +1,79 @@
+//! [`Failed`]: a trial that could not be evaluated.
+
+use crate::figures::Figures;
+use std::error::Error;
+use std::fmt;
+use std::sync::Arc;
+
+/// A trial without a cost, or a point without a derivative (a state solve that failed, say): an ordinary answer, which
+/// shortens the step. The error's type is kept: [`Failed::downcast_ref`] asks for it. Displayed as its source.
+#[derive(Clone, Debug)]
+pub struct Failed {
+    source: Arc<dyn Error + Send + Sync>,
+    work: Figures,
+}
+
+impl Failed {
+    /// A failure with its cause.
+    pub fn new(source: impl Error + Send + Sync + 'static) -> Self {
+        Self { source: Arc::new(source), work: Figures::default() }
+    }
+
+    /// A failure that has no type of its own.
+    pub fn because(why: impl Into<String>) -> Self {
+        Self::new(Words(why.into()))
+    }
+
+    /// The same failure with what the attempt took, under the names of [`Objective::figures`](crate::Objective::figures).
+    #[must_use]
+    pub fn after(self, work: Figures) -> Self {
+        Self { work, ..self }
+    }
+
+    /// The cause.
+    pub fn cause(&self) -> &(dyn Error + Send + Sync + 'static) {
+        self.source.as_ref()
+    }
+
+    /// The cause, if it is of this type.
+    pub fn downcast_ref<E: Error + 'static>(&self) -> Option<&E> {
+        self.source.downcast_ref()
+    }
+
+    /// What the attempt took, where that is known.
+    pub fn work(&self) -> &Figures {
+        &self.work
+    }
+}
+
+impl fmt::Display for Failed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.source.fmt(f)
+    }
+}
+
+impl Error for Failed {
+    /// What caused the source: `Failed` displays as its source and stands in its place.
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.source.source()
+    }
+}
+
+/// Failures are equal that say the same.
+impl PartialEq for Failed {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
+
+/// A cause in words.
+#[derive(Debug)]
+struct Words(String);
+
+impl fmt::Display for Words {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Error for Words {}
