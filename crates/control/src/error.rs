@@ -51,6 +51,14 @@ pub enum ControlError {
         /// What is wrong.
         why: &'static str,
     },
+    /// A field where there is one number.
+    #[error("control \"{name}\" is one number for the whole, so its space is \"uniform\", not \"{space}\"")]
+    OneNumber {
+        /// The control.
+        name: String,
+        /// The space asked for.
+        space: &'static str,
+    },
     /// Region space over cells of no region.
     #[error("cell {cell} is in no named region, so a control by region has no value there; use the space \"cell\"")]
     NoRegion {

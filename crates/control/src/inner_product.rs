@@ -68,7 +68,7 @@ pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<A
 fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
     let mut out = vec![0.0; layout.len()];
     for block in layout.blocks() {
-        for (q, w) in disc.points().weights().iter().enumerate() {
+        for (q, w) in block.map.weights(disc).iter().enumerate() {
             for (i, shape) in block.map.at_point(q) {
                 for c in 0..block.components {
                     out[block.first + i * block.components + c] += w * shape;
@@ -82,7 +82,7 @@ fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
 /// The consistent mass times m for one component: `int phi_i m dX`.
 pub(crate) fn mass_product(disc: &Discretization, map: &ControlMap, m: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; map.len()];
-    for (q, w) in disc.points().weights().iter().enumerate() {
+    for (q, w) in map.weights(disc).iter().enumerate() {
         let value: f64 = map.at_point(q).map(|(i, shape)| shape * m[i]).sum();
         map.at_point(q).for_each(|(i, shape)| out[i] += w * shape * value);
     }

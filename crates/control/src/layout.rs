@@ -3,7 +3,7 @@
 use crate::error::ControlError;
 use crate::map::{ControlMap, Space};
 use nastic_energy::SlotGroup;
-use nastic_fem::{Controls, Solid};
+use nastic_fem::{Controllable, Controls, Solid};
 use nastic_numeric::vector::norm;
 
 /// One control field: some slots of one actuation, with a space.
@@ -170,8 +170,11 @@ impl Layout {
         if let Some(other) = self.blocks.iter().find(|b| overlaps(b)) {
             return Err(ControlError::ControlledTwice { name: of.to_owned(), other: other.name.clone() });
         }
-        let attached = &solid.body().actuations()[actuation];
-        let map = ControlMap::new(solid.discretization(), &attached.cells, space)?;
+        let map = match solid.model().controllable()[actuation] {
+            Controllable { cells: Some(cells), .. } => ControlMap::new(solid.discretization(), cells, space)?,
+            Controllable { measure, .. } if space == Space::Uniform => ControlMap::whole(measure),
+            _ => return Err(ControlError::OneNumber { name: of.to_owned(), space: space.name() }),
+        };
         let components = if direction.is_some() { 1 } else { slots };
         let (name, first, length) = (of.to_owned(), self.len, None);
         let block = ControlBlock { name, actuation, slot, components, direction, map, first, unit, length };
@@ -281,11 +284,11 @@ fn resolve(solid: &Solid, of: &str) -> Result<(usize, SlotGroup), ControlError> 
 /// Name, actuation and slots of all that can be controlled.
 fn groups(solid: &Solid) -> Vec<(String, usize, SlotGroup)> {
     let mut all = Vec::new();
-    for (k, attached) in solid.body().actuations().iter().enumerate() {
-        let groups = SlotGroup::of(attached.law.slots());
+    for (k, what) in solid.model().controllable().into_iter().enumerate() {
+        let groups = SlotGroup::of(what.slots);
         for group in &groups {
             let several = groups.len() > 1;
-            let name = if several { format!("{}.{}", attached.name, group.name) } else { attached.name.clone() };
+            let name = if several { format!("{}.{}", what.name, group.name) } else { what.name.to_owned() };
             all.push((name, k, *group));
         }
     }

@@ -63,9 +63,35 @@ pub struct ControlMap {
     entities: Vec<u32>,
     regions: Vec<String>,
     positions: Vec<[f64; 3]>,
+    /// Of a control that acts on no cells but on a contribution as a whole: the size of that.
+    measure: Option<[f64; 1]>,
 }
 
 impl ControlMap {
+    /// One number for a contribution as a whole (the pressure of a cavity), whose size is its weight in inner products.
+    pub fn whole(measure: f64) -> Self {
+        ControlMap {
+            space: Space::Uniform,
+            starts: vec![0, 1],
+            unknowns: vec![0],
+            shapes: vec![1.0],
+            entities: vec![0],
+            regions: vec![],
+            positions: vec![[0.0; 3]],
+            measure: Some([measure]),
+        }
+    }
+
+    /// Whether it is one number for a contribution as a whole.
+    pub fn is_whole(&self) -> bool {
+        self.measure.is_some()
+    }
+
+    /// The weights of the points: reference volumes, or the size of the contribution.
+    pub(crate) fn weights<'a>(&'a self, disc: &'a Discretization) -> &'a [f64] {
+        self.measure.as_ref().map_or_else(|| disc.points().weights(), |measure| measure)
+    }
+
     /// The map of a space over the given cells.
     ///
     /// # Errors
@@ -84,6 +110,7 @@ impl ControlMap {
             entities: vec![],
             regions,
             positions: vec![],
+            measure: None,
         };
         let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
         for entity in entities(disc, cells, space, region_of.as_deref())? {
@@ -205,7 +232,7 @@ impl ControlMap {
         (self.starts[q] as usize..self.starts[q + 1] as usize).map(|k| (self.unknowns[k] as usize, self.shapes[k]))
     }
 
-    /// Number of quadrature points of the body.
+    /// Number of quadrature points of the body, or 1 for a contribution as a whole.
     pub fn points(&self) -> usize {
         self.starts.len() - 1
     }

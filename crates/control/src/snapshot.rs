@@ -81,9 +81,12 @@ impl Reduced {
         Ok(self.with_state(shot, view.state)?)
     }
 
-    /// A field of the control space, by node or by cell.
+    /// A field of the control space, by node or by cell; the number of a contribution as a whole is no field.
     fn with_field(&self, shot: Snapshot, block: &ControlBlock, name: &str, m: &[f64]) -> Result<Snapshot, MeshError> {
         let (n, values) = (block.components, block.of(m));
+        if block.map.is_whole() {
+            return Ok(shot);
+        }
         match block.map.space() {
             Space::Node => {
                 let cells = &self.solid().body().actuations()[block.actuation].cells;

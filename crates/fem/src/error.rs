@@ -6,7 +6,7 @@ use nastic_energy::EnergyError;
 use nastic_linear::{LinearError, StructureError};
 use nastic_mesh::MeshError;
 
-/// A deformation gradient that turns matter inside out: J <= 0, which no law is ever asked about.
+/// An inverted deformation gradient, J <= 0, at which no law is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("element {cell} inverted (J = {jacobian:.3e} at its quadrature point {point})")]
 pub struct InvertedAt {
@@ -43,7 +43,7 @@ pub enum FemError {
     /// The mesh is too large for its tangent.
     #[error(transparent)]
     Structure(#[from] StructureError),
-    /// The reference configuration is inside out somewhere.
+    /// The reference configuration is inverted somewhere.
     #[error(
         "cell {cell} of {mesh} is inverted or flat at a quadrature point (det dX/dxi = {jacobian:.3e}); repair the mesh"
     )]

@@ -15,7 +15,7 @@ mod solution;
 
 pub use adjoint::Adjoint;
 pub use adjoint::reverse_sweep::{StatePartials, Swept};
-pub use contributions::body_energy::{Attached, BodyEnergy};
+pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::catalogue::{CATALOGUE, Entry};
 pub use contributions::cavity::Cavity;
 pub use contributions::check::check_contribution;

@@ -2,7 +2,7 @@
 
 use crate::adjoint::Adjoint;
 use crate::contributions::Contribution;
-use crate::contributions::body_energy::{Attached, BodyEnergy};
+use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::cavity::Cavity;
 use crate::contributions::controls::Controls;
 use crate::discretization::Discretization;
@@ -77,7 +77,7 @@ impl Solid {
             return Err(FemError::Meaningless { what });
         }
         let cells = self.mesh().region(region)?.to_vec();
-        self.model.body.add_actuation(Attached { name: name.to_owned(), law: Arc::new(law), cells })?;
+        self.model.body.add_actuation(AttachedActuation { name: name.to_owned(), law: Arc::new(law), cells })?;
         Ok(self)
     }
 

@@ -62,7 +62,7 @@ pub use iterative::{CgEnd, CgReport, Preconditioner, StoppingTest, conjugate_gra
 pub use matrix::{SparseMatrix, Symmetry};
 pub use multigrid::{Corners, Geometry, Multigrid};
 pub use operator::{OnThreads, Operator};
-pub use ordering::{Method, Ordering};
+pub use ordering::{Ordering, OrderingMethod};
 pub use pattern::Pattern;
 pub use rotations::{CorotatedPreconditioner, Rotations};
 pub use solver::{LinearError, LinearSolver, LinearWork, Solver};

@@ -13,14 +13,14 @@ pub struct Ordering {
     new_to_old: Vec<u32>,
     old_to_new: Vec<u32>,
     fronts: Vec<u32>,
-    method: Method,
+    method: OrderingMethod,
     nonzeros: f64,
     work: f64,
 }
 
 /// Where an order came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
+pub enum OrderingMethod {
     /// Planes through the nodes' positions, separators from the graph.
     Geometric,
     /// Multilevel nested dissection of the graph alone.
@@ -50,7 +50,7 @@ impl Ordering {
             let (expected, found) = (graph.nodes(), points.len());
             return Err(StructureError::Length { what: "node positions", expected, found });
         }
-        Ok(Self::refined(graph, dissection::nested_dissection(graph, points), Method::Geometric))
+        Ok(Self::refined(graph, dissection::nested_dissection(graph, points), OrderingMethod::Geometric))
     }
 
     /// Multilevel nested dissection of the graph.
@@ -58,7 +58,7 @@ impl Ordering {
         let (starts, rows) = compressed(graph);
         let natural = || (0..graph.nodes() as u32).collect();
         let order = dissection::multilevel(&starts, &rows, graph.nodes()).unwrap_or_else(natural);
-        Self::refined(graph, order, Method::Multilevel)
+        Self::refined(graph, order, OrderingMethod::Multilevel)
     }
 
     /// A given elimination order: `new_to_old[k]` is the k-th node to go. Nodes are renumbered within what leaves the
@@ -80,10 +80,10 @@ impl Ordering {
                 Some(first) => *first = true,
             }
         }
-        Ok(Self::refined(graph, new_to_old.to_vec(), Method::Given))
+        Ok(Self::refined(graph, new_to_old.to_vec(), OrderingMethod::Given))
     }
 
-    fn refined(graph: &Graph, order: Vec<u32>, method: Method) -> Self {
+    fn refined(graph: &Graph, order: Vec<u32>, method: OrderingMethod) -> Self {
         let inverse = inverted(&order);
         let tree = elimination::parents(graph, &order, &inverse);
         let order = composed(&order, &elimination::postorder(&tree));
@@ -123,7 +123,7 @@ impl Ordering {
     }
 
     /// Where the order came from.
-    pub fn method(&self) -> Method {
+    pub fn method(&self) -> OrderingMethod {
         self.method
     }
 

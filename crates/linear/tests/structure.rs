@@ -5,7 +5,7 @@
 mod support;
 
 use nalgebra::{DMatrix, DVector};
-use nastic_linear::{FactorError, Graph, Method, Ordering, Pattern, SparseMatrix, StructureError, Symbolic};
+use nastic_linear::{FactorError, Graph, Ordering, OrderingMethod, Pattern, SparseMatrix, StructureError, Symbolic};
 use std::sync::Arc;
 use support::{Grid, Random, relative_difference};
 
@@ -176,5 +176,5 @@ fn fill_stays_low() {
     let [geometric, multilevel] = [Ordering::geometric(&graph, &grid.points).unwrap(), Ordering::multilevel(&graph)];
     let least = geometric.nonzeros().min(multilevel.nonzeros());
     assert_eq!(best.nonzeros(), least);
-    assert_eq!((geometric.method(), multilevel.method()), (Method::Geometric, Method::Multilevel));
+    assert_eq!((geometric.method(), multilevel.method()), (OrderingMethod::Geometric, OrderingMethod::Multilevel));
 }

@@ -1,4 +1,4 @@
-//! [`CellFields`]: what a state looks like, cell by cell.
+//! [`CellFields`]: J, stresses and energies of a state, averaged over cells.
 
 use crate::error::InvertedAt;
 use crate::solid::Solid;

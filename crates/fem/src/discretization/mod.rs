@@ -4,7 +4,7 @@ pub(crate) mod cell_fields;
 pub(crate) mod quadrature_points;
 pub(crate) mod supports;
 
-use crate::discretization::quadrature_points::{Part, QuadraturePoints};
+use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
 use crate::error::FemError;
 use nastic_linear::{Corners, Graph, Ordering, Pattern, Solver, SparseMatrix, Symbolic};
 use nastic_mesh::Mesh;
@@ -35,7 +35,7 @@ impl Discretization {
     /// The discretisation of the whole mesh with each element's default rule.
     ///
     /// # Errors
-    /// [`FemError::InvertedReference`] where the reference configuration is inside out, [`FemError::Structure`] for a mesh
+    /// [`FemError::InvertedReference`] where the reference configuration is inverted, [`FemError::Structure`] for a mesh
     /// whose tangent has more blocks than 32 bits can name.
     pub fn new(mesh: Arc<Mesh>) -> Result<Arc<Self>, FemError> {
         let points = QuadraturePoints::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
@@ -52,7 +52,7 @@ impl Discretization {
         let ordering = Ordering::best(&graph, mesh.points())?;
         let pattern = Arc::new(Pattern::new(&graph, mesh.dim(), ordering)?);
         let symbolic = Arc::new(Symbolic::new(&pattern)?);
-        let of_part = |p: &Part| {
+        let of_part = |p: &CellGroup| {
             let mut maps = Vec::new();
             for c in 0..p.cells.len() {
                 maps.extend(pattern.scatter_map(p.nodes_of(c))?);
@@ -107,7 +107,7 @@ impl Discretization {
 
     /// The cells' quadrature points: number of the first and how many, by cell.
     pub fn points_of_cells(&self) -> Vec<(usize, usize)> {
-        let part = |p: &Part| (0..p.cells.len()).map(|c| (p.first_point(c), p.table.points)).collect::<Vec<_>>();
+        let part = |p: &CellGroup| (0..p.cells.len()).map(|c| (p.first_point(c), p.table.points)).collect::<Vec<_>>();
         self.points.parts.iter().flat_map(part).collect()
     }
 
@@ -175,7 +175,7 @@ impl Discretization {
 }
 
 /// The shapes of the first-order kind at the nodes of a kind, `[node][corner]`.
-fn corner_shapes(part: &Part) -> Vec<f64> {
+fn corner_shapes(part: &CellGroup) -> Vec<f64> {
     let corners = part.kind.corners();
     let mut shapes = vec![0.0; part.kind.nodes() * corners];
     for (xi, row) in part.kind.reference_nodes().iter().zip(shapes.chunks_exact_mut(corners)) {

@@ -1,4 +1,4 @@
-//! [`QuadraturePoints`]: the points at which a body or its surface is looked at.
+//! [`QuadraturePoints`]: quadrature points of cells or facets, with tabulated shape functions and weights.
 
 use crate::error::{FemError, InvertedAt};
 use crate::kernels::kernel;
@@ -13,14 +13,14 @@ use nastic_tensor::{Kinematics, Mat3};
 #[derive(Debug)]
 pub struct QuadraturePoints {
     dim: usize,
-    pub(crate) parts: Vec<Part>,
+    pub(crate) parts: Vec<CellGroup>,
     /// By point.
     weights: Vec<f64>,
 }
 
 /// The cells (or facets) of one kind.
 #[derive(Debug)]
-pub(crate) struct Part {
+pub(crate) struct CellGroup {
     pub kind: CellKind,
     pub first: usize,
     pub cells: Vec<u32>,
@@ -30,7 +30,7 @@ pub(crate) struct Part {
     pub inverse: Vec<[f64; 9]>,
 }
 
-impl Part {
+impl CellGroup {
     /// The nodes of the c-th cell.
     pub fn nodes_of(&self, c: usize) -> &[u32] {
         let n = self.table.nodes;
@@ -122,12 +122,12 @@ impl QuadraturePoints {
         entities: impl Iterator<Item = (u32, CellKind, Vec<u32>)>,
         rule: impl Fn(CellKind) -> Rule,
     ) -> Self {
-        let mut parts: Vec<Part> = Vec::new();
+        let mut parts: Vec<CellGroup> = Vec::new();
         let mut len = 0;
         for (cell, kind, nodes) in entities {
             if parts.last().is_none_or(|part| part.kind != kind) {
                 let table = Table::new(kind, &rule(kind));
-                parts.push(Part { kind, first: len, cells: vec![], nodes: vec![], table, inverse: vec![] });
+                parts.push(CellGroup { kind, first: len, cells: vec![], nodes: vec![], table, inverse: vec![] });
             }
             if let Some(part) = parts.last_mut() {
                 part.cells.push(cell);
@@ -207,7 +207,8 @@ impl QuadraturePoints {
 
     /// The cell of every point (for facets: the cell they belong to), by point.
     pub fn cells(&self) -> Vec<u32> {
-        let of_part = |part: &Part| part.cells.iter().flat_map(|&c| vec![c; part.table.points]).collect::<Vec<_>>();
+        let of_part =
+            |part: &CellGroup| part.cells.iter().flat_map(|&c| vec![c; part.table.points]).collect::<Vec<_>>();
         self.parts.iter().flat_map(of_part).collect()
     }
 
@@ -297,7 +298,7 @@ impl QuadraturePoints {
         });
     }
 
-    fn for_each_cell(&self, mut each: impl FnMut(&Part, &dyn crate::kernels::CellKernel, usize, &[f64])) {
+    fn for_each_cell(&self, mut each: impl FnMut(&CellGroup, &dyn crate::kernels::CellKernel, usize, &[f64])) {
         for part in &self.parts {
             let Some(kernel) = kernel(part.kind).filter(|_| !part.inverse.is_empty()) else { continue };
             let mut g = vec![0.0; part.table.gradients.len()];
@@ -310,7 +311,7 @@ impl QuadraturePoints {
     }
 }
 
-impl Part {
+impl CellGroup {
     /// `dX_J / dxi_K` of the c-th cell at point q; the identity beyond `dim`.
     fn jacobian(&self, points: &[[f64; 3]], c: usize, q: usize, dim: usize) -> Mat3 {
         let mut jacobian = Mat3::zeros();

@@ -1,6 +1,6 @@
-//! [`Scratch`]: the working memory of whoever goes over cells.
+//! [`Scratch`]: working memory of a loop over cells.
 
-use crate::discretization::quadrature_points::{Part, gather_rows};
+use crate::discretization::quadrature_points::{CellGroup, gather_rows};
 use crate::error::InvertedAt;
 use crate::kernels::cell_sweep::Cells;
 use nastic_energy::Want;
@@ -24,7 +24,7 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    pub fn new(part: &Part, dim: usize) -> Self {
+    pub fn new(part: &CellGroup, dim: usize) -> Self {
         let points = part.table.points;
         Scratch {
             g: vec![0.0; part.table.gradients.len()],

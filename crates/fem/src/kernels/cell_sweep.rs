@@ -2,7 +2,7 @@
 //!
 //! Sums made this way have the same bits for any number of threads.
 
-use crate::discretization::quadrature_points::Part;
+use crate::discretization::quadrature_points::CellGroup;
 use crate::error::InvertedAt;
 use crate::kernels::CellKernel;
 use crate::kernels::cell_scratch::Scratch;
@@ -29,7 +29,7 @@ pub(crate) trait CellWork: Sync {
 /// The cells of one kind with their arithmetic.
 #[derive(Clone, Copy)]
 pub(crate) struct Cells<'a> {
-    pub part: &'a Part,
+    pub part: &'a CellGroup,
     pub kernel: &'static dyn CellKernel,
     pub dim: usize,
 }

@@ -1,4 +1,4 @@
-//! From one equilibrium to another: the way is as long as it needs to be, and the user chooses no step count.
+//! Continuation in the load from one equilibrium to another, with an adaptive load step.
 
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::TimeStep;

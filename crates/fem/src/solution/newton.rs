@@ -6,7 +6,7 @@ use crate::contributions::{Demand, Sums};
 use crate::error::InvertedAt;
 use crate::model::Model;
 use crate::solution::options::{Progress, SolveOptions};
-use crate::solution::rotation_corrected_step::{Fit, Reach};
+use crate::solution::rotation_corrected_step::{GradientFit, StepLimits};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use nastic_linear::solver::Curvature;
@@ -46,7 +46,7 @@ impl From<LinearError> for Stop {
 }
 
 /// Where an iteration stands.
-struct Here<'a> {
+struct Iterate<'a> {
     u: &'a [f64],
     now: &'a Sums,
     residual: &'a [f64],
@@ -102,7 +102,7 @@ impl Newton<'_> {
             let accuracy = if jump.is_some() { JUMP } else { forcing(relative, self.options.accuracy) };
             let (mut step, curvature) = systems.step(matrix, &u, &rhs, accuracy, report)?;
             report.newton += 1;
-            let here = Here { u: &u, now: &now, residual: &residual, scale };
+            let here = Iterate { u: &u, now: &now, residual: &residual, scale };
             let (length, next) = if let Some(jump) = jump.take() {
                 self.prescribe(&mut step, &jump);
                 self.jump_step(&here, &step)?
@@ -195,7 +195,7 @@ impl Newton<'_> {
     }
 
     /// The prescribed components move at once or not at all.
-    fn jump_step(&self, here: &Here, step: &[f64]) -> Result<(f64, Next), Stop> {
+    fn jump_step(&self, here: &Iterate, step: &[f64]) -> Result<(f64, Next), Stop> {
         if self.longest(here, step)? < 1.0 {
             return Err(Stop::Slow { residual: self.residual(here.now).1 });
         }
@@ -204,18 +204,18 @@ impl Newton<'_> {
         Ok((1.0, (u, next)))
     }
 
-    fn longest(&self, here: &Here, step: &[f64]) -> Result<f64, InvertedAt> {
+    fn longest(&self, here: &Iterate, step: &[f64]) -> Result<f64, InvertedAt> {
         self.model.max_step(&self.at(here.u), step)
     }
 
     /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
-    fn downhill(&self, here: &Here, step: &[f64], fit: &mut Option<Fit>) -> Result<(f64, Next), Stop> {
+    fn downhill(&self, here: &Iterate, step: &[f64], fit: &mut Option<GradientFit>) -> Result<(f64, Next), Stop> {
         let parallel = self.options.parallel;
-        let reach = Reach::of(self.model.discretization(), here.u, step, parallel);
+        let reach = StepLimits::of(self.model.discretization(), here.u, step, parallel);
         let others = self.model.max_step_of_others(&self.at(here.u), step)?;
         if let Some(longest) = reach.curved {
             if fit.is_none() {
-                *fit = Fit::new(self.model, parallel);
+                *fit = GradientFit::new(self.model, parallel);
             }
             if let Some(fit) = fit {
                 let curve = |s: f64| {
@@ -235,7 +235,7 @@ impl Newton<'_> {
     /// enough and inverts nothing.
     fn energy_search(
         &self,
-        here: &Here,
+        here: &Iterate,
         step: &[f64],
         path: &dyn Fn(f64) -> Vec<f64>,
         longest: f64,
@@ -264,7 +264,7 @@ impl Newton<'_> {
 
     /// Where the tangent has negative eigenvalues an equilibrium nearby may be a saddle of the potential: the branch is
     /// followed as long as the residual falls, and the state's inertia tells what was found.
-    fn residual_search(&self, here: &Here, step: &[f64]) -> Result<Option<(f64, Next)>, Stop> {
+    fn residual_search(&self, here: &Iterate, step: &[f64]) -> Result<Option<(f64, Next)>, Stop> {
         let before = norm(here.residual);
         let mut length = self.longest(here, step)?;
         for _ in 0..4 {
@@ -280,7 +280,7 @@ impl Newton<'_> {
     }
 
     /// Without a potential: the longest of a few step lengths that lowers the residual enough and inverts nothing.
-    fn residual_descent(&self, here: &Here, step: &[f64]) -> Result<(f64, Next), Stop> {
+    fn residual_descent(&self, here: &Iterate, step: &[f64]) -> Result<(f64, Next), Stop> {
         let before = norm(here.residual);
         let mut length = self.longest(here, step)?;
         for _ in 0..30 {

@@ -1,7 +1,7 @@
 //! The rotation of a deformed body at every node.
 
 use crate::discretization::Discretization;
-use crate::discretization::quadrature_points::Part;
+use crate::discretization::quadrature_points::CellGroup;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::Cells;
 use crate::kernels::kernel;
@@ -30,7 +30,7 @@ pub(crate) fn nodal_rotations(disc: &Discretization, u: &[f64], parallel: bool) 
 }
 
 /// `int F dX` of each cell.
-fn means(disc: &Discretization, part: &Part, cells: &[usize], u: &[f64]) -> Vec<Mat3> {
+fn means(disc: &Discretization, part: &CellGroup, cells: &[usize], u: &[f64]) -> Vec<Mat3> {
     let Some(kernel) = kernel(part.kind) else { return vec![Mat3::zeros(); cells.len()] };
     let mut scratch = Scratch::new(part, disc.dim());
     let mean = |&c: &usize| match scratch.move_to(Cells { part, kernel, dim: disc.dim() }, c, u) {

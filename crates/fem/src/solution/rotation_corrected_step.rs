@@ -19,7 +19,7 @@
 
 use crate::contributions::body_energy::max_step::volume_step;
 use crate::discretization::Discretization;
-use crate::discretization::quadrature_points::{Part, gather_rows, scatter_rows};
+use crate::discretization::quadrature_points::{CellGroup, gather_rows, scatter_rows};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::Cells;
 use crate::kernels::kernel;
@@ -35,12 +35,12 @@ const STRAIGHT: f64 = 0.05;
 const CHUNK: usize = 64;
 
 /// The Laplace operator of a body under its supports, factorised: what fits displacements to gradients.
-pub(crate) struct Fit {
+pub(crate) struct GradientFit {
     /// By displacement component; components with the same supports share one.
     factors: Vec<Arc<Factor>>,
 }
 
-impl Fit {
+impl GradientFit {
     /// Factorises; nothing if that fails, and steps stay straight.
     pub fn new(model: &Model, parallel: bool) -> Option<Self> {
         let disc = model.discretization();
@@ -82,8 +82,8 @@ impl Fit {
     }
 }
 
-/// How far a step may be taken.
-pub(crate) struct Reach {
+/// The longest admissible step, straight and rotation-corrected.
+pub(crate) struct StepLimits {
     /// The longest `s <= 1` for which `det(1 + t G) >= 1/10` on `[0, s]` at every point; see [`Model::max_step`].
     pub straight: f64,
     /// The same along the curve, with e in the place of G; nothing for a step that turns the body too little for a curve to
@@ -91,9 +91,9 @@ pub(crate) struct Reach {
     pub curved: Option<f64>,
 }
 
-impl Reach {
+impl StepLimits {
     pub fn of(disc: &Discretization, u: &[f64], du: &[f64], parallel: bool) -> Self {
-        let of = |part: &Part, cells: &[usize]| {
+        let of = |part: &CellGroup, cells: &[usize]| {
             let mut found = Found::default();
             each_point(disc, part, cells, u, du, |_, _, _, (_, g)| {
                 let longest = |g: &Mat3| volume_step(&Kinematics::rest(), g);
@@ -171,7 +171,7 @@ fn misfit(disc: &Discretization, u: &[f64], du: &[f64], s: f64, parallel: bool) 
 /// `G = grad du F^-1`. Cells that are inverted (there are none at a state that was evaluated) count as unturned.
 fn each_point(
     disc: &Discretization,
-    part: &Part,
+    part: &CellGroup,
     cells: &[usize],
     u: &[f64],
     du: &[f64],

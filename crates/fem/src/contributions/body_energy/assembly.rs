@@ -78,10 +78,10 @@ impl CellWork for Job<'_> {
     }
 
     fn compute(&self, c: usize, scratch: &mut Scratch, result: &mut CellResult) -> Result<(), InvertedAt> {
-        let (part, kernel) = (self.cells.part, self.cells.kernel);
+        let part = self.cells.part;
         let points = part.table.points;
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        scratch.move_to(self.cells, c, self.u)?;
+        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
         let Terms { energy, force, tangent } = self.demand;
         let want = Want { energy, stress: force, tangent };
         scratch.clear(want);
@@ -106,10 +106,10 @@ impl CellWork for Job<'_> {
                 *stress = *stress * w + *driving;
             }
             result.rows.fill(0.0);
-            kernel.force(&scratch.g, &scratch.stress, &mut result.rows);
+            self.body.formulation.add_force(self.cells, &scratch.g, &scratch.stress, &mut result.rows);
             result.scale.fill(0.0);
             if !composition.actuations.is_empty() {
-                kernel.force(&scratch.g, &scratch.driving, &mut result.scale);
+                self.body.formulation.add_force(self.cells, &scratch.g, &scratch.driving, &mut result.scale);
             }
             for (scale, total) in result.scale.iter_mut().zip(&result.rows) {
                 *scale = scale.abs() + (total - *scale).abs();
@@ -119,7 +119,8 @@ impl CellWork for Job<'_> {
             for (tangent, &w) in scratch.tangent.iter_mut().zip(weights) {
                 tangent.0.iter_mut().for_each(|c| *c *= w);
             }
-            kernel.tangent(&scratch.g, &scratch.tangent, &mut result.matrix, &mut scratch.work);
+            let (tangents, work) = (&scratch.tangent, &mut scratch.work);
+            self.body.formulation.tangent(self.cells, &scratch.g, tangents, &mut result.matrix, work);
         }
         Ok(())
     }

@@ -66,8 +66,8 @@ impl CellWork for ControlVjp<'_> {
         if composition.actuations.is_empty() {
             return Ok(());
         }
-        scratch.move_to(self.cells, c, self.u)?;
-        scratch.change_by(self.cells, c, self.lambda);
+        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.formulation.change(self.cells, c, self.lambda, scratch);
         let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let weights = &self.body.discretization().points().weights()[first..first + points];
         for &k in &composition.actuations {

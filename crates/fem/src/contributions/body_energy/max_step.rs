@@ -1,4 +1,4 @@
-//! How far a body may go before it turns inside out.
+//! The longest step along which no point of a body is inverted.
 
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::gather_rows;
@@ -15,7 +15,7 @@ const CHUNK: usize = 128;
 /// The longest step `s <= 1` along which no point loses more than nine tenths of its volume on the way:
 /// `det(F + t G) >= det F / 10` for all `t` in `[0, s]`, with `G = grad du`.
 ///
-/// Looking at the end alone is not enough: a section turned over in both directions has J > 0 again.
+/// The end of the step alone does not tell: a section reflected in two directions has J > 0 again.
 pub(crate) fn max_step(disc: &Discretization, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
     let dim = disc.dim();
     let mut least: f64 = 1.0;

@@ -5,6 +5,7 @@ use crate::contributions::{Contribution, Demand, Instant, Sensitivities, Sums};
 use crate::discretization::Discretization;
 use crate::error::{FemError, InvertedAt};
 use assembly::Terms;
+use formulation::{Formulation, Standard};
 use nastic_energy::{Actuation, EnergyTerm, Place};
 use nastic_linear::SparseMatrix;
 use nastic_tensor::Vec3;
@@ -12,6 +13,7 @@ use std::sync::Arc;
 
 pub(crate) mod assembly;
 mod control_vjp;
+pub(crate) mod formulation;
 pub(crate) mod max_step;
 mod tangent_product;
 
@@ -22,15 +24,16 @@ mod tangent_product;
 pub struct BodyEnergy {
     disc: Arc<Discretization>,
     pub(crate) terms: Vec<Arc<dyn EnergyTerm>>,
-    pub(crate) actuations: Vec<Attached>,
+    pub(crate) actuations: Vec<AttachedActuation>,
     /// The distinct sets of terms, and which one each cell has.
     pub(crate) compositions: Vec<Composition>,
     pub(crate) of_cell: Vec<u32>,
+    pub(crate) formulation: &'static dyn Formulation,
 }
 
 /// An actuation by name and place.
 #[derive(Debug, Clone)]
-pub struct Attached {
+pub struct AttachedActuation {
     /// Name, unique in the body.
     pub name: String,
     /// The law.
@@ -48,7 +51,14 @@ pub(crate) struct Composition {
 impl BodyEnergy {
     pub(crate) fn new(disc: Arc<Discretization>) -> Self {
         let of_cell = vec![0; disc.mesh().cells()];
-        BodyEnergy { disc, terms: vec![], actuations: vec![], compositions: vec![Composition::default()], of_cell }
+        BodyEnergy {
+            disc,
+            terms: vec![],
+            actuations: vec![],
+            compositions: vec![Composition::default()],
+            of_cell,
+            formulation: &Standard,
+        }
     }
 
     pub(crate) fn set_discretization(&mut self, disc: Arc<Discretization>) {
@@ -61,7 +71,7 @@ impl BodyEnergy {
     }
 
     /// The actuations in the order of [`Controls`].
-    pub fn actuations(&self) -> &[Attached] {
+    pub fn actuations(&self) -> &[AttachedActuation] {
         &self.actuations
     }
 
@@ -84,7 +94,7 @@ impl BodyEnergy {
         Ok(())
     }
 
-    pub(crate) fn add_actuation(&mut self, attached: Attached) -> Result<(), FemError> {
+    pub(crate) fn add_actuation(&mut self, attached: AttachedActuation) -> Result<(), FemError> {
         attached.law.check(self.disc.mesh().cells(), self.disc.points().len())?;
         let new = self.actuations.len();
         let cells = attached.cells.clone();
@@ -172,7 +182,7 @@ impl BodyEnergy {
     ///
     /// Source: survey, Prop. 1.
     pub fn fiber_limit(&self, actuation: usize) -> Option<f64> {
-        let attached = &self.actuations[actuation];
+        let attached = self.actuations.get(actuation)?;
         let points = self.disc.points_of_cells();
         let mut least: Option<f64> = None;
         for &cell in &attached.cells {

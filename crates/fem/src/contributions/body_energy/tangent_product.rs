@@ -51,8 +51,8 @@ impl CellWork for Product<'_> {
     fn compute(&self, c: usize, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), InvertedAt> {
         let (part, points) = (self.cells.part, self.cells.part.table.points);
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        scratch.move_to(self.cells, c, self.u)?;
-        scratch.change_by(self.cells, c, self.v);
+        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.formulation.change(self.cells, c, self.v, scratch);
         scratch.clear_stress();
         let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let composition = &self.body.compositions[self.body.of_cell[id] as usize];
@@ -68,7 +68,7 @@ impl CellWork for Product<'_> {
             *stress *= w;
         }
         rows.fill(0.0);
-        self.cells.kernel.force(&scratch.g, &scratch.stress, rows);
+        self.body.formulation.add_force(self.cells, &scratch.g, &scratch.stress, rows);
         Ok(())
     }
 }

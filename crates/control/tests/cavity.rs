@@ -1,0 +1,73 @@
+//! The pressure of a cavity as a control.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+use nastic_control::{ControlError, ControlNorm, Reduced, Space, Target, Tracking};
+use nastic_energy::FiberTension;
+use nastic_fem::{CATALOGUE, Solid};
+use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, Problem, Taylor, Verdict};
+use nastic_tensor::Vec3;
+
+type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
+
+/// The cup of the catalogue, with the tension of its fibres.
+fn cup() -> Outcome<Solid> {
+    let entry = CATALOGUE.iter().find(|entry| entry.name == "cavity").ok_or("no cavity in the catalogue")?;
+    Ok((entry.example)()?)
+}
+
+fn problem() -> Outcome<Reduced> {
+    let wider = Target::position(|x| [1.06 * x[0], x[1], x[2]]);
+    Ok(Reduced::new(cup()?)
+        .control("cavity", Space::Uniform)?
+        .control("fibre", Space::Cell)?
+        .cost(Tracking::surface("x+", wider))?
+        .cost(ControlNorm::of("cavity", 1e-14)?)?)
+}
+
+#[test]
+fn the_derivative_by_a_pressure_is_exact() -> Outcome {
+    let problem = problem()?;
+    let mut m = vec![-2e3; problem.layout().len()];
+    m[0] = 8e3;
+    let set = Bounds::new(-1e6, 1e6)?;
+    let report = Taylor::default().test(&problem, &set, &m)?;
+    assert_eq!(report.verdict(), Verdict::Right, "{report}");
+    for direction in &report.directions {
+        assert!(direction.order1 > 1.95 && direction.order1 < 2.05, "{direction}");
+    }
+    // by the pressure alone
+    let alone = Reduced::new(cup()?).control("cavity", Space::Uniform)?.cost(ControlNorm::of("cavity", 1e-14)?)?;
+    let wider = Target::position(|x| [1.06 * x[0], x[1], x[2]]);
+    let report = Taylor::default().test(&alone.cost(Tracking::surface("x+", wider))?, &set, &[8e3])?;
+    assert!(report.directions.iter().all(|direction| direction.order1 > 1.95), "{report}");
+    Ok(())
+}
+
+#[test]
+fn a_pressure_is_found_beside_a_field() -> Outcome {
+    let problem = problem()?;
+    let best = Lbfgs::default().within(Bounds::new(-5e4, 5e4)?).minimize(&problem, 0.0)?;
+    let start = problem.at(&vec![0.0; problem.layout().len()])?;
+    assert!(best.cost < 1e-2 * start.cost(), "{} of {}", best.cost, start.cost());
+    assert!(best.m[0] > 1e2, "the pressure stays at {}", best.m[0]);
+    let snapshot = problem.snapshot(&best.point, None)?;
+    assert!(snapshot.cell_array("fibre").is_some() && snapshot.cell_array("cavity").is_none());
+    let product = problem.inner_product()?;
+    let mut unit = vec![0.0; product.len()];
+    unit[0] = 1.0;
+    assert!((product.inner(&unit, &unit) - 1.0).abs() < 1e-12, "the weight of a pressure is the cavity's volume");
+    assert!(problem.figures(&best.point).get("min_J").is_some_and(|j| j > 0.5));
+    Ok(())
+}
+
+#[test]
+fn a_pressure_is_one_number() -> Outcome {
+    let error = Reduced::new(cup()?).control("cavity", Space::Cell).err().ok_or("a field of pressures")?;
+    assert!(matches!(error, ControlError::OneNumber { .. }), "{error}");
+    let error = Reduced::new(cup()?).control("air", Space::Uniform).err().ok_or("an unknown cavity")?.to_string();
+    assert!(error.contains("cavity") && error.contains("fibre"), "{error}");
+    let twice = cup()?.actuate("body", "cavity", FiberTension::along(Vec3::x())?);
+    assert!(twice.is_err(), "two things of one name");
+    Ok(())
+}
