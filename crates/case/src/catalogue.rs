@@ -1,6 +1,6 @@
 //! [`Catalogue`]: the names a case may use.
 
-use nastic_control::CostRow;
+use nastic_control::{COSTS, CostRow};
 use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials};
 
 /// The laws, actuations and costs that case files may name: the built-in ones, and those a program adds.
@@ -38,10 +38,15 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// The built-in laws and actuations; the built-in costs are known to every case.
+    /// The built-in laws and actuations, and the costs of [`COSTS`]; those with a block of their own in the schema are known
+    /// to every case.
     #[must_use]
     pub fn standard() -> Self {
-        Self { materials: materials().iter().collect(), actuations: actuations().iter().collect(), costs: vec![] }
+        Self {
+            materials: materials().iter().collect(),
+            actuations: actuations().iter().collect(),
+            costs: COSTS.iter().collect(),
+        }
     }
 
     /// With a further law. It takes the place of one of the same name.
@@ -80,7 +85,7 @@ impl Catalogue {
         &self.actuations
     }
 
-    /// The costs that were added.
+    /// The costs beside those with a block of their own in the schema.
     #[must_use]
     pub fn costs(&self) -> &[&'static CostRow] {
         &self.costs

@@ -16,10 +16,7 @@ mod snapshot;
 mod state_predictor;
 mod workspace;
 
-pub use cost::{
-    BoundHausdorff, BoundTracking, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, CostRow, Figure,
-    FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff, Target, Tracking,
-};
+pub use cost::*;
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,
     Measured, Member,

@@ -10,7 +10,7 @@ mod tracking;
 pub use bound_hausdorff::BoundHausdorff;
 pub use figure::{Figure, FigureKind};
 pub use regularization::{ControlNorm, ControlSmoothness};
-pub use row::{CostRow, MakeCost};
+pub use row::{COSTS, CostRow, MakeCost};
 pub use smoothed_hausdorff::SmoothedHausdorff;
 pub use tracking::{BoundTracking, Target, Tracking};
 
