@@ -15,14 +15,12 @@ mod field;
 mod material;
 mod moduli;
 mod polyconvex;
-mod sum;
 mod term;
 
 pub use actuation::{FiberTension, Magnet, MagnetIsochoric, MagnetRotation, Turgor, magnet};
 pub use error::EnergyError;
 pub use field::{Entry, Field, Place, combine};
-pub use material::{MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRivlin};
+pub use material::*;
 pub use moduli::Moduli;
 pub use polyconvex::{Block, Conjugates, ConvexDensity, Curvature};
-pub use sum::Sum;
 pub use term::{Actuation, EnergyTerm, PointBatch, Response, Slot, SlotGroup, Slots, Want};

@@ -2,7 +2,7 @@
 
 use nastic_energy::{
     EnergyTerm, FiberTension, Field, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, PointBatch, Response, Slots,
-    Sum, TransverseMooneyRivlin, Want, check,
+    TransverseMooneyRivlin, Want, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
@@ -96,8 +96,8 @@ fn a_batch_is_its_points() {
     let states: Vec<Kinematics> = check::states().into_iter().take(4).collect();
     let per_point: Vec<f64> = (0..7).map(|n| 1e5 * (1 + n) as f64).collect();
     let fibers: Vec<Vec3> = (0..7).map(|n| Vec3::new((n as f64).cos(), (n as f64).sin(), 0.0)).collect();
-    let law = Sum::of(MooneyRivlin::new(Field::points(per_point), Field::cells(vec![1e4, 2e4]), 1e6).unwrap())
-        .plus(TransverseMooneyRivlin::new(1e5, 2e4, 3e5, 1e6, Field::points(fibers.clone())).unwrap());
+    let (mu1, mu2, fiber) = (Field::points(per_point), Field::cells(vec![1e4, 2e4]), Field::points(fibers.clone()));
+    let law = TransverseMooneyRivlin::new(mu1, mu2, 3e5, 1e6, fiber).unwrap();
     let tension = FiberTension::along_field(Field::points(fibers)).unwrap();
     let controls = [1e4, -2e5, 5e4, 0.0];
 
@@ -122,18 +122,6 @@ fn a_batch_is_its_points() {
     law.check(2, 7).unwrap();
     tension.check(2, 7).unwrap();
     assert!(law.check(2, 8).is_err() && law.check(3, 7).is_err() && tension.check(2, 6).is_err());
-}
-
-#[test]
-fn sums_add_up() {
-    let parts = Sum::of(MooneyRivlin::new(1e5, 2e4, 1e6).unwrap()).plus(NeoHooke::new(5e4, 1e5).unwrap());
-    check::passive(&parts, HERE).unwrap();
-    let fiber = TransverseMooneyRivlin::new(1e5, 2e4, 3e5, 1e6, Vec3::y()).unwrap();
-    let with_fiber = parts.plus(fiber);
-    check::passive(&with_fiber, HERE).unwrap();
-    assert_eq!(with_fiber.direction(HERE), Some(Vec3::y()));
-    assert_eq!(with_fiber.terms().len(), 3);
-    assert_eq!(Sum::default().fiber_limit(HERE, &Vec3::x()), None);
 }
 
 /// An actuation that nobody drives is at rest, also where it stands as a passive term.
