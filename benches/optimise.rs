@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut first = None;
     let count = |trial: &Trial<'_, Evaluated>| {
         first = first.or(trial.cost);
-        work.iter_mut().for_each(|(name, sum)| *sum += trial.figures.get(name).unwrap_or(0.0));
+        work.iter_mut().for_each(|(name, sum)| *sum += trial.summary.get(name).unwrap_or(0.0));
     };
     let best = optimizer.within(set).observe(count).minimize(&problem, 0.0)?;
     let seconds = began.elapsed().as_secs_f64();

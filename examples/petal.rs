@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let first = problem.at(&start)?;
     let mut files: Vec<(f64, String)> = Vec::new();
     let print = |trial: &Trial<'_, Evaluated>| {
-        println!("{trial}, newton {}", trial.figures.get("newton").unwrap_or(f64::NAN));
+        println!("{trial}, newton {}", trial.summary.get("newton").unwrap_or(f64::NAN));
         let Some(point) = trial.point.filter(|_| trial.accepted) else { return };
         let name = format!("iteration_{:03}.vtu", trial.iteration);
         let shot = problem.snapshot(point, None);

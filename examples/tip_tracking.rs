@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = Options { max_iterations: iterations, ..Options::default() };
     let optimizer = by_name(&method, options).ok_or("METHOD is projected_gradient, spectral or lbfgs")?;
     let print = |trial: &Trial<'_, Evaluated>| {
-        let work = |name| trial.figures.get(name).unwrap_or(0.0);
+        let work = |name| trial.summary.get(name).unwrap_or(0.0);
         let (newton, factorisations) = (work("newton"), work("factorisations"));
         println!("{trial}, newton {newton}, factorisations {factorisations} ({:.1} s)", began.elapsed().as_secs_f64());
     };

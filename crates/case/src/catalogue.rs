@@ -1,6 +1,6 @@
 //! [`Catalogue`]: the names a case may use.
 
-use nastic_control::{COSTS, CostRow};
+use nastic_control::UserCost;
 use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials};
 
 /// The laws, actuations and costs that case files may name: the built-in ones, and those a program adds.
@@ -34,19 +34,14 @@ use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials}
 pub struct Catalogue {
     materials: Vec<&'static MaterialRow>,
     actuations: Vec<&'static ActuationRow>,
-    costs: Vec<&'static CostRow>,
+    costs: Vec<&'static UserCost>,
 }
 
 impl Catalogue {
-    /// The built-in laws and actuations, and the costs of [`COSTS`]; those with a block of their own in the schema are known
-    /// to every case.
+    /// The built-in laws and actuations; the built-in costs are known to every case.
     #[must_use]
     pub fn standard() -> Self {
-        Self {
-            materials: materials().iter().collect(),
-            actuations: actuations().iter().collect(),
-            costs: COSTS.iter().collect(),
-        }
+        Self { materials: materials().iter().collect(), actuations: actuations().iter().collect(), costs: vec![] }
     }
 
     /// With a further law. It takes the place of one of the same name.
@@ -67,7 +62,7 @@ impl Catalogue {
 
     /// With a further cost. It takes the place of an added one of the same name; names of built-in costs stay theirs.
     #[must_use]
-    pub fn with_cost(mut self, row: &'static CostRow) -> Self {
+    pub fn with_cost(mut self, row: &'static UserCost) -> Self {
         self.costs.retain(|known| known.name != row.name);
         self.costs.push(row);
         self
@@ -85,9 +80,9 @@ impl Catalogue {
         &self.actuations
     }
 
-    /// The costs beside those with a block of their own in the schema.
+    /// The costs that were added.
     #[must_use]
-    pub fn costs(&self) -> &[&'static CostRow] {
+    pub fn costs(&self) -> &[&'static UserCost] {
         &self.costs
     }
 }

@@ -1,7 +1,7 @@
 //! `history.jsonl`: one line per trial, readable while the run goes on.
 
 use nastic_io::WriteError;
-use nastic_opt::{Figures, Trial};
+use nastic_opt::{Summary, Trial};
 use serde_json::{Map, Value, json};
 use std::fs::File;
 use std::io::Write;
@@ -47,8 +47,8 @@ impl History {
 /// The line of a trial. Work of a failed trial is what its error tells of, null where it tells nothing.
 #[must_use]
 pub fn line<P>(trial: &Trial<'_, P>, seconds: f64) -> Value {
-    let figures = &trial.figures;
-    let count = |name: &str| figures.get(name).map(|value| value as u64);
+    let summary = &trial.summary;
+    let count = |name: &str| summary.get(name).map(|value| value as u64);
     json!({
         "trial": trial.trial,
         "iteration": trial.iteration,
@@ -56,20 +56,20 @@ pub fn line<P>(trial: &Trial<'_, P>, seconds: f64) -> Value {
         "accepted": trial.accepted,
         "reason": trial.reason.to_string(),
         "cost": trial.cost,
-        "terms": terms(figures),
+        "terms": terms(summary),
         "gradient_norm": trial.gradient_norm,
         "step": trial.step,
         "newton": count("newton"),
         "factorisations": count("factorisations"),
         "back_substitutions": count("back_substitutions"),
-        "min_J": figures.get("min_J"),
+        "min_J": summary.get("min_J"),
         "active": trial.active,
         "seconds": seconds,
     })
 }
 
-fn terms(figures: &Figures) -> Value {
+fn terms(summary: &Summary) -> Value {
     let own =
-        figures.0.iter().filter_map(|(name, value)| Some((name.strip_prefix("terms/")?.to_owned(), json!(value))));
+        summary.0.iter().filter_map(|(name, value)| Some((name.strip_prefix("terms/")?.to_owned(), json!(value))));
     Value::Object(own.collect::<Map<_, _>>())
 }

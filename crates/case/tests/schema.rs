@@ -33,6 +33,24 @@ fn every_reference_is_defined_and_every_key_described() {
 }
 
 #[test]
+fn costs_and_phi_are_those_of_the_catalogues() {
+    let schema = json_schema(&Catalogue::standard());
+    let costs = schema["properties"]["costs"]["items"]["oneOf"].as_array().unwrap();
+    let kind = |one: &Value| {
+        let name = one["$ref"].as_str().unwrap().strip_prefix("#/$defs/").unwrap();
+        schema["$defs"][name]["properties"]["kind"]["const"].as_str().unwrap().to_owned()
+    };
+    let mut kinds: Vec<String> = costs.iter().map(kind).collect();
+    let mut names: Vec<&str> = nastic_control::COSTS.iter().map(|row| row.name).collect();
+    kinds.sort_unstable();
+    names.sort_unstable();
+    assert_eq!(kinds, names);
+    let phis = schema["$defs"]["SmoothedHausdorff"]["properties"]["phi"]["oneOf"].as_array().unwrap();
+    let phis: Vec<&str> = phis.iter().map(|one| one["required"][0].as_str().unwrap()).collect();
+    assert_eq!(phis, nastic_control::PHIS.iter().map(|row| row.name).collect::<Vec<_>>());
+}
+
+#[test]
 fn required_keys_defaults_and_units_are_told() {
     let schema = json_schema(&Catalogue::standard());
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");

@@ -19,10 +19,10 @@ pub struct Evaluated {
     pub stage: usize,
     /// Work of the state solve.
     pub work: SolveReport,
-    /// The evaluated terms, for their partials and figures; empty where points keep none, and in points that were loaded.
-    pub(crate) costs: Vec<Arc<dyn CostPoint>>,
     /// The adjoint state of the whole cost, once its derivative was taken.
     pub adjoint: Option<AdjointState>,
+    /// The evaluated terms, for their partials and figures; empty where they are not kept, or the point was loaded.
+    pub(crate) costs: Vec<Arc<dyn CostPoint>>,
 }
 
 /// The adjoint displacement `K(u*) lambda = -dj/du` and the work of its solve.
@@ -59,9 +59,7 @@ impl Evaluated {
         let mut out = Writer::new(MAGIC);
         out.count(self.stage);
         out.floats(&self.terms);
-        out.floats(&self.state.u);
-        out.float(self.state.load);
-        write_report(&self.state.report, &mut out);
+        write_state(&self.state, &mut out);
         write_report(&self.work, &mut out);
         out.count(usize::from(self.adjoint.is_some()));
         if let Some(adjoint) = &self.adjoint {
@@ -81,12 +79,11 @@ impl Evaluated {
         let mut input = Reader::new(bytes, MAGIC)?;
         let stage = input.number()?;
         let terms = input.floats()?;
-        let u = input.floats()?;
-        if (stage, terms.len(), u.len()) != (expected.stage, expected.terms, expected.dofs) {
+        let state = read_state(&mut input, controls)?;
+        if (stage, terms.len(), state.u.len()) != (expected.stage, expected.terms, expected.dofs) {
             return Err(input.damaged("a point of another stage, with other cost terms or on another mesh"));
         }
-        let load = input.float()?;
-        let (report, work) = (read_report(&mut input)?, read_report(&mut input)?);
+        let work = read_report(&mut input)?;
         let adjoint = match input.flag()? {
             true => Some(AdjointState { lambda: input.floats()?, work: read_report(&mut input)? }),
             false => None,
@@ -95,8 +92,7 @@ impl Evaluated {
             return Err(input.damaged("an adjoint state on another mesh"));
         }
         input.finish()?;
-        let state = State::equilibrium(u, controls, load, report);
-        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, costs: Vec::new(), adjoint })
+        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, adjoint, costs: vec![] })
     }
 }
 
@@ -109,6 +105,30 @@ pub(crate) struct Expected {
 }
 
 const MAGIC: &str = "nastic-point-1";
+
+/// All but the controls, which follow from the control vector.
+fn write_state(state: &State, out: &mut Writer) {
+    let State { u, controls: _, load, time, velocity, internal, report } = state;
+    out.floats(u);
+    out.float(*load);
+    out.float(*time);
+    out.count(usize::from(velocity.is_some()));
+    velocity.iter().for_each(|velocity| out.floats(velocity));
+    out.floats(internal);
+    write_report(report, out);
+}
+
+fn read_state(input: &mut Reader<'_>, controls: Controls) -> Result<State, SavedRunError> {
+    Ok(State {
+        u: Arc::new(input.floats()?),
+        controls: Arc::new(controls),
+        load: input.float()?,
+        time: input.float()?,
+        velocity: if input.flag()? { Some(Arc::new(input.floats()?)) } else { None },
+        internal: Arc::new(input.floats()?),
+        report: read_report(input)?,
+    })
+}
 
 fn write_report(report: &SolveReport, out: &mut Writer) {
     let SolveReport {

@@ -228,7 +228,7 @@ impl Layout {
         self.len == 0
     }
 
-    /// The fixed values of slots nobody controls.
+    /// The fixed values of slots that are not controlled.
     pub fn fixed_mut(&mut self) -> &mut Controls {
         &mut self.fixed
     }

@@ -16,7 +16,11 @@ mod snapshot;
 mod state_predictor;
 mod workspace;
 
-pub use cost::*;
+pub use cost::{
+    BoundHausdorff, BoundTracking, CATALOGUE as COSTS, ControlNorm, ControlSmoothness, Cost, CostContext, CostExample,
+    CostPoint, CostRow, Figure, FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff, Target, Tracking,
+    UserCost,
+};
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,
     Measured, Member,
@@ -26,7 +30,7 @@ pub use evaluated::{AdjointState, Evaluated};
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::{ControlBlock, Layout};
 pub use map::{ControlMap, SPACES, Space, SpaceRow};
-pub use nastic_hausdorff::Phi;
+pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow};
 pub use reduced::Reduced;
 pub use snapshot::View;
 pub use workspace::ReducedWorkspace;

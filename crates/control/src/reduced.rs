@@ -2,7 +2,7 @@
 
 mod objective;
 
-pub(crate) use objective::work_figures;
+pub(crate) use objective::work_summary;
 
 use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost, Partials};
 use crate::error::ControlError;
@@ -118,7 +118,7 @@ impl Reduced {
         Ok(self)
     }
 
-    /// Chooses the inner product of the gradient (L2, lumped, unless told otherwise).
+    /// Chooses the inner product of the gradient (default: L2, lumped).
     pub fn metric(mut self, kind: Metric) -> Self {
         self.metric = kind;
         self
@@ -142,8 +142,8 @@ impl Reduced {
     }
 
     /// Whether the workspace keeps a factor of the tangent for the next solve, and points what their costs need for partials
-    /// (they do, unless told otherwise). Without, a solve begins with a factorisation of its own and costs are evaluated again
-    /// for partials: for the many members of a sample that are evaluated once.
+    /// (the default). Without, a solve begins with a factorisation of its own, costs are evaluated again for partials, and a
+    /// point is little more than its state: for the many members of a sample that are evaluated once.
     pub fn keep_factors(mut self, keep: bool) -> Self {
         self.keep_factors = keep;
         self

@@ -4,7 +4,8 @@
 
 use nastic_control::{ControlError, ControlNorm, Reduced, Space, Target, Tracking};
 use nastic_energy::FiberTension;
-use nastic_fem::{CATALOGUE, Solid};
+use nastic_fem::Solid;
+use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, Problem, Taylor, Verdict};
 use nastic_tensor::Vec3;
 
@@ -57,7 +58,7 @@ fn a_pressure_is_found_beside_a_field() -> Outcome {
     let mut unit = vec![0.0; product.len()];
     unit[0] = 1.0;
     assert!((product.inner(&unit, &unit) - 1.0).abs() < 1e-12, "the weight of a pressure is the cavity's volume");
-    assert!(problem.figures(&best.point).get("min_J").is_some_and(|j| j > 0.5));
+    assert!(problem.summary(&best.point).get("min_J").is_some_and(|j| j > 0.5));
     Ok(())
 }
 

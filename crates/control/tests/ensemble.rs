@@ -228,7 +228,7 @@ fn the_inner_product_has_every_block_once() -> Outcome {
 fn reports_every_risk_and_every_member() -> Outcome {
     let problem = eight(Box::new(WorstCase { smoothing: 0.02 }))?;
     let point = problem.at(&start(problem.len()))?;
-    let report = problem.figures(&point);
+    let report = problem.summary(&point);
     let get = |name: &str| report.get(name).unwrap_or_else(|| panic!("no entry {name} in {report:?}"));
     let worst = point.costs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     assert_eq!(get("risk/mean"), PROBABILITIES.iter().zip(&point.costs).map(|(p, j)| p * j).sum::<f64>());

@@ -103,7 +103,7 @@ fn evaluations_from_rest_have_no_history() -> Outcome {
     Ok(())
 }
 
-/// Where a member fails, how far the members behind it had come is a matter of the clock. It leaves no trace.
+/// Where a member fails, how many of the members behind it were evaluated depends on timing. It leaves no trace.
 #[test]
 fn a_failed_trial_leaves_the_same_bits_on_any_number_of_threads() -> Outcome {
     let run = |threads: usize| -> Outcome<Vec<u64>> {

@@ -5,7 +5,7 @@
 //! [`EnergyTerm`](nastic_energy::EnergyTerm) says, and about costs nothing.
 
 mod adjoint;
-mod contributions;
+pub mod contributions;
 mod discretization;
 mod error;
 mod kernels;
@@ -16,13 +16,9 @@ mod solution;
 pub use adjoint::Adjoint;
 pub use adjoint::reverse_sweep::{StatePartials, Swept};
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
-pub use contributions::catalogue::{CATALOGUE, Entry};
-pub use contributions::cavity::Cavity;
-pub use contributions::check::check_contribution;
-pub use contributions::controls::Controls;
-pub use contributions::instant::{Instant, TimeStep};
-pub use contributions::sensitivities::Sensitivities;
-pub use contributions::{Contribution, Demand, Sums};
+pub use contributions::{
+    Cavity, Contribution, Controls, Demand, Instant, Sensitivities, Sums, TimeStep, check_contribution,
+};
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;

@@ -1,9 +1,9 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
 use crate::adjoint::Adjoint;
+use crate::contributions::Cavity;
 use crate::contributions::Contribution;
 use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
-use crate::contributions::cavity::Cavity;
 use crate::contributions::controls::Controls;
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;

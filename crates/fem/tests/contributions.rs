@@ -8,9 +8,10 @@ mod common;
 use common::block::STRICT;
 use common::{Outcome, largest, noise, regular};
 use nastic_energy::{FiberTension, NeoHooke, Slot};
+use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_fem::{
-    CATALOGUE, Contribution, Demand, Instant, InvertedAt, Sensitivities, Solid, SolveOptions, StatePartials, StepTo,
-    Sums, Trajectory, Workspace, check_contribution,
+    Contribution, Demand, Instant, InvertedAt, Sensitivities, Solid, SolveOptions, StatePartials, StepTo, Sums,
+    Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::{SparseMatrix, Symmetry};
 use nastic_mesh::CellKind;

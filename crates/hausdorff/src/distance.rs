@@ -47,8 +47,8 @@ pub struct Evaluation {
     pairs: Pairs,
     smoothing: Smoothing,
     sums: LogSums,
-    to_body: OneSided,
-    to_target: OneSided,
+    to_body: Directed,
+    to_target: Directed,
     rho: f64,
 }
 
@@ -64,8 +64,8 @@ impl Evaluation {
     ) -> Result<Self, HausdorffError> {
         let pairs = Pairs::new(body, target, smoothing.phi(), smoothing.alpha(), summation)?;
         let sums = pairs.log_sums();
-        let to_body = OneSided::new("D1", &smoothing, &sums.target, target)?;
-        let to_target = OneSided::new("D2", &smoothing, &sums.body, body)?;
+        let to_body = Directed::new("D1", &smoothing, &sums.target, target)?;
+        let to_target = Directed::new("D2", &smoothing, &sums.body, body)?;
         let rho = join(to_body.mean, to_target.mean, smoothing.gamma());
         finite("rho", rho)?;
         Ok(Self { pairs, smoothing, sums, to_body, to_target, rho })
@@ -102,8 +102,8 @@ impl Evaluation {
     /// Errors: a result out of the range of numbers.
     pub fn partials(&self) -> Result<Partials, HausdorffError> {
         let (body, target) = (self.pairs.body(), self.pairs.target());
-        let by_d1 = self.by_side(self.to_body.mean);
-        let by_d2 = self.by_side(self.to_target.mean);
+        let by_d1 = self.by_mean(self.to_body.mean);
+        let by_d2 = self.by_mean(self.to_target.mean);
         let by_target = self.to_body.seeds(by_d1, &self.smoothing, target);
         let by_body = self.to_target.seeds(by_d2, &self.smoothing, body);
         let vjp = self.pairs.vjp(&self.sums, &by_target, &by_body)?;
@@ -115,19 +115,19 @@ impl Evaluation {
     }
 
     /// drho/dD = (D / rho)^(gamma - 1) / sqrt 2
-    fn by_side(&self, d: f64) -> f64 {
+    fn by_mean(&self, d: f64) -> f64 {
         if d > 0.0 { (d / self.rho).powf(self.smoothing.gamma() - 1.0) / SQRT_2 } else { 0.0 }
     }
 }
 
 /// One of the two directions: distances at the points of a cloud and their mean of power beta.
 #[derive(Debug)]
-struct OneSided {
+struct Directed {
     distances: Vec<f64>,
     mean: f64,
 }
 
-impl OneSided {
+impl Directed {
     fn new(what: &'static str, smoothing: &Smoothing, logs: &[f64], cloud: &Cloud) -> Result<Self, HausdorffError> {
         let phi = smoothing.phi();
         let distances: Vec<f64> = logs.par_iter().map(|log| phi.inverse_of_log(log / smoothing.alpha())).collect();

@@ -1,18 +1,18 @@
 //! Vector arithmetic beyond what `pulp` offers: 1/sqrt, 2^z and log2 to about one unit in the last place, for AVX-512,
-//! AVX2 and any other machine, chosen at run time. One kind of processor always gives the same bits.
+//! AVX2 and any other processor, chosen at run time. One kind of processor always gives the same bits.
 
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::{V3, V4};
 use pulp::{Scalar, Simd, WithSimd};
 
-/// Width that columns of numbers are padded to; every machine's vector length divides it.
+/// Width that columns of numbers are padded to; the vector length of every instruction set divides it.
 pub(super) const WIDTH: usize = 8;
 
 /// Below this argument `exp2` may give anything between zero and its value here, whose products with weights are
 /// normal numbers.
 pub(super) const EXP2_MIN: f64 = -960.0;
 
-/// The vector machine in use.
+/// The vector instructions in use.
 pub(super) trait Lanes: Simd {
     /// 1 / sqrt(x), for normal positive x.
     fn rsqrt(self, x: Self::f64s) -> Self::f64s;
@@ -211,15 +211,15 @@ impl Lanes for Scalar {
     }
 }
 
-/// Work written once for every machine.
+/// Work written once for every instruction set.
 pub(super) trait Task {
     /// What it gives back.
     type Output;
-    /// Must be `#[inline(always)]`, like all it calls: only then is it compiled for the machine's instructions.
+    /// Must be `#[inline(always)]`, like all it calls: only then is it compiled for its instructions.
     fn run<S: Lanes>(self, lanes: S) -> Self::Output;
 }
 
-/// The best vector machine this processor has.
+/// The best vector instructions that this processor has.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum InstructionSet {
     #[cfg(target_arch = "x86_64")]
@@ -234,7 +234,7 @@ impl InstructionSet {
         Self::all()[0]
     }
 
-    /// Every machine that runs here, best first.
+    /// Every instruction set that runs here, best first.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         #[cfg(target_arch = "x86_64")]
@@ -258,7 +258,7 @@ impl InstructionSet {
     }
 }
 
-/// A task bound to its machine.
+/// A task bound to its instruction set.
 struct On<S, T> {
     simd: S,
     task: T,

@@ -37,9 +37,9 @@ struct LeafBounds {
 
 impl LowerBounds {
     /// Sums at the points of `rows` over those of `columns`.
-    pub fn new(rows: &PointSet, columns: &PointSet, kernel: &Kernel, machine: InstructionSet) -> Self {
+    pub fn new(rows: &PointSet, columns: &PointSet, kernel: &Kernel, instructions: InstructionSet) -> Self {
         let leaves = rows.leaves();
-        let of_leaf = |&leaf: &u32| LeafBounds::new(rows, leaf, columns, kernel, machine);
+        let of_leaf = |&leaf: &u32| LeafBounds::new(rows, leaf, columns, kernel, instructions);
         let bounds: Vec<LeafBounds> = leaves.par_iter().map(of_leaf).collect();
         let nodes = rows.tree().nodes.len();
         let (mut lower, mut wide) = (vec![f64::INFINITY; nodes], vec![false; nodes]);
@@ -59,14 +59,14 @@ impl LowerBounds {
 }
 
 impl LeafBounds {
-    fn new(rows: &PointSet, leaf: u32, columns: &PointSet, kernel: &Kernel, machine: InstructionSet) -> Self {
+    fn new(rows: &PointSet, leaf: u32, columns: &PointSet, kernel: &Kernel, instructions: InstructionSet) -> Self {
         let near = Nearest::new(&rows.boxes[leaf as usize], columns);
         let lowest = kernel.at(near.reach);
         let count = rows.node(leaf).count as usize;
         let mut row_sums = vec![0.0; count * WIDTH];
         let mut column_sums = vec![0.0; padded(columns.node(near.leaf)).len()];
         if kernel.at(near.gap) - lowest <= WIDE {
-            with_form!(kernel, form => machine.run(SumTile {
+            with_form!(kernel, form => instructions.run(SumTile {
                 form,
                 rows: rows.rows(leaf),
                 columns: columns.columns(near.leaf),
@@ -83,10 +83,10 @@ impl LeafBounds {
                 return Self { lower, wide: false, scale: vec![lower; count] };
             }
         }
-        Self::wide(rows, leaf, columns, kernel, machine)
+        Self::wide(rows, leaf, columns, kernel, instructions)
     }
 
-    fn wide(rows: &PointSet, leaf: u32, columns: &PointSet, kernel: &Kernel, machine: InstructionSet) -> Self {
+    fn wide(rows: &PointSet, leaf: u32, columns: &PointSet, kernel: &Kernel, instructions: InstructionSet) -> Self {
         let count = rows.node(leaf).count as usize;
         let here = &rows.boxes[leaf as usize];
         let mut spread = vec![f64::NEG_INFINITY; count * WIDTH];
@@ -97,7 +97,7 @@ impl LeafBounds {
             }
             if columns.node(node).is_leaf() {
                 let (rows, columns) = (rows.rows(leaf), columns.columns(node));
-                with_form!(kernel, form => machine.run(MaxTile { form, rows, columns, largest: &mut spread }));
+                with_form!(kernel, form => instructions.run(MaxTile { form, rows, columns, largest: &mut spread }));
                 lowest = spread.chunks_exact(WIDTH).map(max).fold(f64::INFINITY, f64::min);
             }
             true

@@ -6,11 +6,11 @@ use super::cloud::Cloud;
 use super::error::{HausdorffError, positive};
 use super::kernel::Kernel;
 use super::lanes::InstructionSet;
+use super::leaf_pairs::{LeafPairs, Log2Sums};
 use super::lower_bounds::{BoundedSet, LowerBounds};
 use super::phi::Phi;
 use super::point_set::{PointSet, in_cloud_order, in_tree_order};
 use super::summation::Summation;
-use super::sums::{Log2Sums, Summed};
 use super::vjp::VjpSums;
 
 /// The sums over all pairs of a body and a target, value and derivative.
@@ -27,7 +27,7 @@ use super::vjp::VjpSums;
 #[derive(Debug)]
 pub struct Pairs {
     kernel: Kernel,
-    machine: InstructionSet,
+    instructions: InstructionSet,
     log2_tolerance: f64,
     body: BoundedSet,
     target: BoundedSet,
@@ -76,7 +76,7 @@ impl Pairs {
     }
 
     pub(super) fn on(
-        machine: InstructionSet,
+        instructions: InstructionSet,
         body: &Cloud,
         target: &Cloud,
         phi: Phi,
@@ -89,11 +89,11 @@ impl Pairs {
         let origin = target.centre();
         let (body, target) =
             rayon::join(|| PointSet::new(body, origin, kernel.unit), || PointSet::new(target, origin, kernel.unit));
-        let of_body = LowerBounds::new(&body, &target, &kernel, machine);
-        let of_target = LowerBounds::new(&target, &body, &kernel, machine);
+        let of_body = LowerBounds::new(&body, &target, &kernel, instructions);
+        let of_target = LowerBounds::new(&target, &body, &kernel, instructions);
         let body = BoundedSet { points: body, bounds: of_body };
         let target = BoundedSet { points: target, bounds: of_target };
-        Ok(Self { kernel, machine, log2_tolerance, body, target })
+        Ok(Self { kernel, instructions, log2_tolerance, body, target })
     }
 
     /// log A and log B.
@@ -149,10 +149,10 @@ impl Pairs {
         }
     }
 
-    fn summed(&self) -> Summed<'_> {
-        Summed {
+    fn summed(&self) -> LeafPairs<'_> {
+        LeafPairs {
             kernel: &self.kernel,
-            machine: self.machine,
+            instructions: self.instructions,
             log2_tolerance: self.log2_tolerance,
             rows: &self.body,
             columns: &self.target,

@@ -24,6 +24,36 @@ pub enum Phi {
     },
 }
 
+/// A row of the catalogue.
+#[derive(Clone, Copy, Debug)]
+pub struct PhiRow {
+    /// Name in case files.
+    pub name: &'static str,
+    /// phi(r).
+    pub formula: &'static str,
+    /// Name of its parameter, a length.
+    pub parameter: &'static str,
+    /// The function with this parameter.
+    pub make: fn(f64) -> Phi,
+}
+
+/// Every function phi.
+pub const CATALOGUE: &[PhiRow] = &[
+    PhiRow {
+        name: "exponential",
+        formula: "exp(-r / length)",
+        parameter: "length",
+        make: |length| Phi::Exponential { length },
+    },
+    PhiRow { name: "inverse", formula: "1 / (r + eps)", parameter: "eps", make: |eps| Phi::Inverse { eps } },
+    PhiRow {
+        name: "smooth_inverse",
+        formula: "(r^2 + eps^2)^(-1/2)",
+        parameter: "eps",
+        make: |eps| Phi::SmoothInverse { eps },
+    },
+];
+
 impl Phi {
     /// The parameter that carries the length.
     pub fn length(&self) -> f64 {
@@ -70,8 +100,17 @@ impl Phi {
         }
     }
 
+    /// Its row in the catalogue.
+    fn row(&self) -> usize {
+        match self {
+            Phi::Exponential { .. } => 0,
+            Phi::Inverse { .. } => 1,
+            Phi::SmoothInverse { .. } => 2,
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), HausdorffError> {
-        let name = if matches!(self, Phi::Exponential { .. }) { "length" } else { "eps" };
-        positive(name, self.length()).map(|_| ())
+        let row = &CATALOGUE[self.row()];
+        positive(row.parameter, self.length()).map(|_| ())
     }
 }

@@ -3,7 +3,7 @@
 use super::error::{HausdorffError, positive};
 use super::phi::Phi;
 
-/// phi and the exponents alpha (soft nearest point), beta (soft farthest point), gamma (soft larger of the two sides).
+/// phi and the exponents alpha (soft nearest point), beta (soft farthest point), gamma (soft larger of the two directed distances).
 ///
 /// The distance tends to the Hausdorff distance as all three grow; alpha makes the problem stiff first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +39,7 @@ impl Smoothing {
         self.beta
     }
 
-    /// Exponent that joins the two sides.
+    /// Exponent that joins the two directed distances.
     pub fn gamma(&self) -> f64 {
         self.gamma
     }

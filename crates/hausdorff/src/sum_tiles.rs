@@ -31,7 +31,7 @@ pub(super) fn coordinates<'a, S: Lanes>(columns: &Slab<'a>, n: usize) -> [&'a [S
     [vectors::<S>(columns.x[0], n), vectors::<S>(columns.x[1], n), vectors::<S>(columns.x[2], n)]
 }
 
-/// One row, the same in all lanes. (Closures, as in `map`, would not be compiled for the machine.)
+/// One row, the same in all lanes. (Closures, as in `map`, would not be compiled for the instructions.)
 #[inline(always)]
 pub(super) fn splat<S: Lanes>(s: S, x: &[&[f64]; 3], q: usize) -> [S::f64s; 3] {
     [s.splat_f64s(x[0][q]), s.splat_f64s(x[1][q]), s.splat_f64s(x[2][q])]

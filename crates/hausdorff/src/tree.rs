@@ -4,7 +4,7 @@
 
 use rayon::join;
 
-/// Points in a leaf: the side of a tile of pairs. All leaves but the last are full.
+/// Points in a leaf: the rows or columns of a tile of pairs. All leaves but the last are full.
 pub(super) const LEAF: usize = 64;
 
 /// Below this many points a subtree is built by one thread.

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use super::aligned::Aligned;
 use super::kernel::with_form;
 use super::lanes::WIDTH;
+use super::leaf_pairs::{LeafPair, LeafPairs, Log2Sums, Scale};
 use super::lower_bounds::BoundedSet;
 use super::point_set::padded;
-use super::sums::{LeafPair, Log2Sums, Scale, Summed};
 use super::vjp_tiles::{VJP, VjpTile, WideVjpTile, collect};
 
 /// Per row: the force (units of `Kernel::gradient_factor`) and the mass, see `vjp_tiles`.
@@ -15,7 +15,7 @@ pub(super) type PointVjp = [f64; 4];
 
 /// Seeds (tree order, padded) and the sums they belong to.
 pub(super) struct VjpSums<'a> {
-    pub summed: Summed<'a>,
+    pub summed: LeafPairs<'a>,
     pub row_seed: &'a [f64],
     pub column_seed: &'a [f64],
     pub log2: &'a Log2Sums,
@@ -25,7 +25,7 @@ pub(super) struct VjpSums<'a> {
 }
 
 impl<'a> VjpSums<'a> {
-    pub fn new(summed: Summed<'a>, row_seed: &'a [f64], column_seed: &'a [f64], log2: &'a Log2Sums) -> Self {
+    pub fn new(summed: LeafPairs<'a>, row_seed: &'a [f64], column_seed: &'a [f64], log2: &'a Log2Sums) -> Self {
         let quotient = |set: &BoundedSet, seed: &[f64], log2: &[f64]| -> Vec<f64> {
             let mut quotient = vec![0.0; seed.len()];
             for leaf in set.points.leaves() {
@@ -56,12 +56,12 @@ impl<'a> VjpSums<'a> {
     }
 
     fn tile(&self, pair: LeafPair, out: &mut [f64]) {
-        let Summed { kernel, machine, rows, columns, .. } = self.summed;
+        let LeafPairs { kernel, instructions, rows, columns, .. } = self.summed;
         let row_range = rows.points.node(pair.row).range();
         let column_range = padded(columns.points.node(pair.column));
         let (rows, columns) = (rows.points.rows(pair.row), columns.points.columns(pair.column));
         if self.summed.is_wide(pair) {
-            with_form!(kernel, form => machine.run(WideVjpTile {
+            with_form!(kernel, form => instructions.run(WideVjpTile {
                 form,
                 rows,
                 seed_row: &self.row_seed[row_range.clone()],
@@ -74,7 +74,7 @@ impl<'a> VjpSums<'a> {
         } else {
             let Scale { shift, row_factor, column_factor } = self.summed.scale(pair);
             let (row_quotient, column_quotient) = (&self.row_quotient[row_range], &self.column_quotient[column_range]);
-            with_form!(kernel, form => machine.run(VjpTile {
+            with_form!(kernel, form => instructions.run(VjpTile {
                 form, rows, row_quotient, columns, column_quotient, shift, row_factor, column_factor, out,
             }));
         }

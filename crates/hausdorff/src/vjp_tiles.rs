@@ -1,6 +1,6 @@
 //! Tiles of the vector-Jacobian product: from seeds on the columns and on the rows to the rows.
 //!
-//! With f_qt = g(r) (x_q - y_t), see `Form`, the wanted sums are, for every row q,
+//! With f_qt = g(r) (x_q - y_t), see `Form`, the sums are, for every row q,
 //!
 //! ```text
 //! force_q = sum_t (w_q a_t / A_t + b_q w_t / B_q) E_qt f_qt,    mass_q = sum_t a_t / A_t E_qt.
@@ -111,7 +111,7 @@ pub(super) fn add<S: Lanes, const N: usize>(s: S, out: &mut [f64], sum: &[S::f64
     }
 }
 
-/// What a row's spread sums come to.
+/// Adds up a row's sums, which are spread over lanes.
 pub(super) fn collect<const N: usize>(spread: &[f64]) -> [f64; N] {
     std::array::from_fn(|c| spread[c * WIDTH..(c + 1) * WIDTH].iter().sum())
 }

@@ -36,7 +36,7 @@ pub enum SavedRunError {
 pub struct Writer(Vec<u8>);
 
 impl Writer {
-    /// Begins with a word that tells what the bytes are and in which version.
+    /// Begins with a magic word: kind and version of the bytes.
     pub fn new(magic: &'static str) -> Self {
         Self(magic.as_bytes().to_vec())
     }
@@ -77,7 +77,7 @@ pub struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// From behind the word that tells what the bytes are and in which version.
+    /// From behind the magic word.
     ///
     /// # Errors
     /// They do not begin with it.

@@ -20,7 +20,7 @@ pub(crate) fn conjugate_gradient(
     for _ in 0..max_iterations {
         let ap = apply(&p);
         let curvature = dot(&p, &ap);
-        // Also ends at a number that is none.
+        // Also terminates at NaN.
         let goes_on = rz > tolerance * tolerance * first && curvature > 0.0;
         if !goes_on {
             break;

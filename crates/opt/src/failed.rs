@@ -1,6 +1,6 @@
 //! [`Failed`]: a trial that could not be evaluated.
 
-use crate::figures::Figures;
+use crate::summary::Summary;
 use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Failed {
     source: Arc<dyn Error + Send + Sync>,
-    work: Figures,
+    work: Summary,
 }
 
 impl Failed {
     /// A failure with its cause.
     pub fn new(source: impl Error + Send + Sync + 'static) -> Self {
-        Self { source: Arc::new(source), work: Figures::default() }
+        Self { source: Arc::new(source), work: Summary::default() }
     }
 
     /// A failure that has no type of its own.
@@ -24,15 +24,10 @@ impl Failed {
         Self::new(Words(why.into()))
     }
 
-    /// The same failure with what the attempt took, under the names of [`Objective::figures`](crate::Objective::figures).
+    /// The same failure with what the attempt took, under the names of [`Objective::summary`](crate::Objective::summary).
     #[must_use]
-    pub fn after(self, work: Figures) -> Self {
+    pub fn after(self, work: Summary) -> Self {
         Self { work, ..self }
-    }
-
-    /// The cause.
-    pub fn cause(&self) -> &(dyn Error + Send + Sync + 'static) {
-        self.source.as_ref()
     }
 
     /// The cause, if it is of this type.
@@ -41,7 +36,7 @@ impl Failed {
     }
 
     /// What the attempt took, where that is known.
-    pub fn work(&self) -> &Figures {
+    pub fn work(&self) -> &Summary {
         &self.work
     }
 }

@@ -1,7 +1,7 @@
 //! Limited-memory quasi-Newton method within an admissible set.
 
 use crate::inner_product::InnerProduct;
-use crate::method::{Here, Memory, Method, Secant};
+use crate::method::{Current, Memory, Method, Secant};
 use crate::model::{Curvature, Steepest, minimise};
 use crate::optimizer::{Optimizer, Options};
 use nastic_numeric::vector::{axpy, dot, scale};
@@ -55,16 +55,16 @@ struct QuasiNewton {
 impl QuasiNewton {
     /// By how much theta falls where the cost does not curve upward.
     const RELAX: f64 = 0.25;
-    /// Pairs left out in a row before the memory is given up.
+    /// Pairs left out in a row before the memory is cleared.
     const PATIENCE: usize = 2;
 
-    fn steepest(&self, here: &Here<'_>) -> Vec<f64> {
+    fn steepest(&self, here: &Current<'_>) -> Vec<f64> {
         let curvature = Steepest { metric: here.metric, step: 1.0 / self.theta };
         minimise(here.set, here.metric, here.m, here.derivative, &curvature)
     }
 
     /// Pairs in the tangent space of a new control; those that lose their curvature on the way are dropped.
-    fn carry(&mut self, from: &Here<'_>, to: &Here<'_>) {
+    fn carry(&mut self, from: &Current<'_>, to: &Current<'_>) {
         for pair in &mut self.pairs {
             let before = pair.s.clone();
             to.set.transport(from.m, to.m, &mut pair.s);
@@ -86,7 +86,7 @@ impl Method for QuasiNewton {
         self.skipped = 0;
     }
 
-    fn prepare(&mut self, here: &Here<'_>) {
+    fn prepare(&mut self, here: &Current<'_>) {
         if !self.pairs.is_empty() {
             let hessian = Bfgs::new(here.metric, self.theta, &self.pairs);
             self.direction = minimise(here.set, here.metric, here.m, here.derivative, &hessian);
@@ -98,7 +98,7 @@ impl Method for QuasiNewton {
         self.direction = self.steepest(here);
     }
 
-    fn trial(&self, here: &Here<'_>, fraction: f64) -> Vec<f64> {
+    fn trial(&self, here: &Current<'_>, fraction: f64) -> Vec<f64> {
         let mut out = here.m.to_vec();
         here.set.retract(here.m, &self.direction, fraction, &mut out);
         out
@@ -108,7 +108,7 @@ impl Method for QuasiNewton {
         fraction
     }
 
-    fn accepted(&mut self, from: &Here<'_>, to: &Here<'_>, fraction: f64, _trials: usize) {
+    fn accepted(&mut self, from: &Current<'_>, to: &Current<'_>, fraction: f64, _trials: usize) {
         self.carry(from, to);
         let secant = Secant::between(from, to);
         if secant.is_convex() {

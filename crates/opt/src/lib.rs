@@ -1,4 +1,4 @@
-//! Objectives, admissible sets, optimisers and the Taylor test. Knows no mesh and no physics.
+//! Objectives, admissible sets, optimisers and the Taylor test: no mesh, no physics.
 //!
 //! A problem is an [`Objective`] (a cost of a control vector m, with its derivative), a set ([`Admissible`]: box, sphere
 //! per point, ball per point, products) and an [`InnerProduct`] that turns derivatives into gradients. An [`Optimizer`]
@@ -56,7 +56,6 @@ pub mod bytes;
 mod certificate;
 mod conjugate_gradient;
 mod failed;
-mod figures;
 mod inner_product;
 mod lbfgs;
 mod line_search;
@@ -73,6 +72,7 @@ mod spectral;
 mod start;
 mod state;
 mod stop;
+mod summary;
 mod taylor;
 mod within;
 
@@ -80,19 +80,19 @@ pub use admissible::{Admissible, Ball, Bounds, Face, Limit, Optimality, Outside,
 pub use bytes::SavedRunError;
 pub use certificate::{Base, Certificate};
 pub use failed::Failed;
-pub use figures::Figures;
 pub use inner_product::{Diagonal, Euclidean, INNER_PRODUCTS, InnerProduct, InnerProductError, InnerProductRow};
 pub use lbfgs::Lbfgs;
 pub use line_search::LineSearch;
-pub use method::{Here, Memory, Method, Secant};
+pub use method::{Current, Memory, Method, Secant};
 pub use objective::{DEFAULT_ACCURACY, Objective, Problem, Request};
 pub use observer::{Observer, Reason, Trial};
-pub use optimizer::{CATALOGUE, Entry, Optimizer, Options, by_name};
+pub use optimizer::{CATALOGUE, Optimizer, OptimizerRow, Options, by_name};
 pub use projected_gradient::ProjectedGradient;
 pub use run::{Best, Outcome, Run, RunError};
 pub use spectral::Spectral;
 pub use start::{EvaluatedStart, Start};
 pub use state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 pub use stop::{Stall, Stop};
+pub use summary::Summary;
 pub use taylor::{Row, Taylor, TaylorDirection, TaylorError, TaylorReport, Verdict};
 pub use within::Within;

@@ -7,7 +7,7 @@ use std::fmt::Debug;
 
 /// An accepted control with what is known there.
 #[derive(Clone, Copy, Debug)]
-pub struct Here<'a> {
+pub struct Current<'a> {
     /// The admissible set.
     pub set: &'a dyn Admissible,
     /// The inner product of the control space.
@@ -40,7 +40,7 @@ impl Secant {
     const COSINE: f64 = 1e-9;
 
     /// From one control to another.
-    pub fn between(from: &Here<'_>, to: &Here<'_>) -> Self {
+    pub fn between(from: &Current<'_>, to: &Current<'_>) -> Self {
         let mut s: Vec<f64> = to.m.iter().zip(from.m).map(|(a, b)| a - b).collect();
         to.set.tangent(to.m, &mut s);
         let mut carried = from.derivative.to_vec();
@@ -59,9 +59,9 @@ impl Secant {
 /// A method's memory as plain numbers: what a checkpoint keeps of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Memory {
-    /// Scalars, in an order the method knows.
+    /// Scalars, in the method's order.
     pub numbers: Vec<f64>,
-    /// Vectors, in an order the method knows.
+    /// Vectors, in the method's order.
     pub vectors: Vec<Vec<f64>>,
 }
 
@@ -72,10 +72,10 @@ pub trait Method: Debug + Send {
     fn restart(&mut self, step: f64, cost: f64);
 
     /// Chooses a direction (or a length) at a control.
-    fn prepare(&mut self, here: &Here<'_>);
+    fn prepare(&mut self, here: &Current<'_>);
 
     /// The trial control at a fraction (1 first) of the chosen step: admissible.
-    fn trial(&self, here: &Here<'_>, fraction: f64) -> Vec<f64>;
+    fn trial(&self, here: &Current<'_>, fraction: f64) -> Vec<f64>;
 
     /// The step length to report for a fraction.
     fn step(&self, fraction: f64) -> f64;
@@ -91,7 +91,7 @@ pub trait Method: Debug + Send {
     }
 
     /// Learns from an accepted step, found at the `trials`-th trial.
-    fn accepted(&mut self, from: &Here<'_>, to: &Here<'_>, fraction: f64, trials: usize);
+    fn accepted(&mut self, from: &Current<'_>, to: &Current<'_>, fraction: f64, trials: usize);
 
     /// After a search that found nothing: whether there is another direction to try from the same control.
     fn recover(&mut self) -> bool {

@@ -1,8 +1,8 @@
 //! What an optimiser asks of a problem.
 
 use crate::failed::Failed;
-use crate::figures::Figures;
 use crate::inner_product::InnerProduct;
+use crate::summary::Summary;
 use std::sync::Arc;
 
 /// How a trial is to be evaluated.
@@ -17,7 +17,7 @@ pub struct Request<'a, P> {
     pub stage: usize,
 }
 
-/// Relative accuracy of state solves unless told otherwise.
+/// Default relative accuracy of state solves.
 pub const DEFAULT_ACCURACY: f64 = 1e-8;
 
 impl<P> Default for Request<'_, P> {
@@ -90,8 +90,8 @@ pub trait Objective: Sync {
     fn restage(&self, stage: usize, point: &Self::Point) -> Result<Self::Point, Failed>;
 
     /// What a history line holds of this point.
-    fn figures(&self, _point: &Self::Point) -> Figures {
-        Figures::default()
+    fn summary(&self, _point: &Self::Point) -> Summary {
+        Summary::default()
     }
 
     /// A point as bytes for a checkpoint. The default keeps nothing, and [`Objective::load`] evaluates anew.
@@ -151,8 +151,8 @@ macro_rules! forward {
                 (**self).restage(stage, point)
             }
 
-            fn figures(&self, point: &T::Point) -> Figures {
-                (**self).figures(point)
+            fn summary(&self, point: &T::Point) -> Summary {
+                (**self).summary(point)
             }
 
             fn save(&self, point: &T::Point) -> Vec<u8> {

@@ -1,7 +1,7 @@
 //! Watching a run, trial by trial.
 
 use crate::failed::Failed;
-use crate::figures::Figures;
+use crate::summary::Summary;
 use std::fmt;
 
 /// What became of a trial.
@@ -65,7 +65,7 @@ pub struct Trial<'a, P> {
     /// The same as a share of the control components.
     pub active_share: f64,
     /// What the objective says of this trial; the work of the attempt if the evaluation failed.
-    pub figures: Figures,
+    pub summary: Summary,
     /// The trial control.
     pub m: &'a [f64],
     /// The evaluated trial.
@@ -86,7 +86,7 @@ impl<P> fmt::Display for Trial<'_, P> {
     }
 }
 
-/// Told of every trial. Any `FnMut(&Trial<P>)` is one; `()` looks away.
+/// Sees every trial, accepted or not. Any `FnMut(&Trial<P>)` is one; `()` ignores them.
 pub trait Observer<P> {
     /// Called once per trial, accepted or not, in order.
     fn trial(&mut self, trial: &Trial<'_, P>);

@@ -99,7 +99,7 @@ impl<T: Optimizer + ?Sized> Optimizer for Box<T> {
 
 /// A row of the catalogue: a name of case files and how to build what it names.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry {
+pub struct OptimizerRow {
     /// The name in case files.
     pub name: &'static str,
     /// The optimiser with these options and defaults for the rest.
@@ -107,10 +107,10 @@ pub struct Entry {
 }
 
 /// Every optimiser of this crate.
-pub const CATALOGUE: &[Entry] = &[
-    Entry { name: "projected_gradient", build: |options| Box::new(ProjectedGradient { options }) },
-    Entry { name: "spectral", build: |options| Box::new(Spectral { options, ..Spectral::default() }) },
-    Entry { name: "lbfgs", build: |options| Box::new(Lbfgs { options, ..Lbfgs::default() }) },
+pub const CATALOGUE: &[OptimizerRow] = &[
+    OptimizerRow { name: "projected_gradient", build: |options| Box::new(ProjectedGradient { options }) },
+    OptimizerRow { name: "spectral", build: |options| Box::new(Spectral { options, ..Spectral::default() }) },
+    OptimizerRow { name: "lbfgs", build: |options| Box::new(Lbfgs { options, ..Lbfgs::default() }) },
 ];
 
 /// The optimiser of that name.

@@ -1,6 +1,6 @@
 //! Projected gradient with Armijo backtracking along the projection arc.
 
-use crate::method::{Here, Memory, Method};
+use crate::method::{Current, Memory, Method};
 use crate::model::{Steepest, minimise};
 use crate::optimizer::{Optimizer, Options};
 
@@ -23,29 +23,29 @@ impl Optimizer for ProjectedGradient {
     }
 
     fn method(&self) -> Box<dyn Method> {
-        Box::new(Arc { step: 0.0 })
+        Box::new(ProjectionArc { step: 0.0 })
     }
 }
 
 /// The step length of the next first trial.
 #[derive(Clone, Debug)]
-struct Arc {
+struct ProjectionArc {
     step: f64,
 }
 
-impl Arc {
+impl ProjectionArc {
     /// Growth of the step after an iteration whose first trial was accepted.
     const GROWTH: f64 = 2.0;
 }
 
-impl Method for Arc {
+impl Method for ProjectionArc {
     fn restart(&mut self, step: f64, _cost: f64) {
         self.step = step;
     }
 
-    fn prepare(&mut self, _here: &Here<'_>) {}
+    fn prepare(&mut self, _here: &Current<'_>) {}
 
-    fn trial(&self, here: &Here<'_>, fraction: f64) -> Vec<f64> {
+    fn trial(&self, here: &Current<'_>, fraction: f64) -> Vec<f64> {
         let curvature = Steepest { metric: here.metric, step: self.step(fraction) };
         let d = minimise(here.set, here.metric, here.m, here.derivative, &curvature);
         let mut out = here.m.to_vec();
@@ -61,7 +61,7 @@ impl Method for Arc {
         0.0
     }
 
-    fn accepted(&mut self, _from: &Here<'_>, _to: &Here<'_>, fraction: f64, trials: usize) {
+    fn accepted(&mut self, _from: &Current<'_>, _to: &Current<'_>, fraction: f64, trials: usize) {
         self.step *= if trials == 1 { Self::GROWTH } else { fraction };
     }
 

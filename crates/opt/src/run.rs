@@ -41,7 +41,7 @@ pub enum RunError {
     /// The inner product could not be built.
     #[error("the inner product of the controls could not be built: {0}")]
     InnerProduct(#[source] Failed),
-    /// Nothing tells how long a first step should be.
+    /// No scale for the length of the first step.
     #[error(
         "nothing tells how long a first step should be: the set is unbounded and the cost at the start is zero; bound the control or begin elsewhere"
     )]
@@ -85,7 +85,7 @@ pub struct Best<P> {
     pub stages: Vec<StageEnd>,
 }
 
-/// A run under way. It owns its problem (which may be a reference or an [`Arc`]), its set, its inner product and the
+/// A run of an optimiser. It owns its problem (which may be a reference or an [`Arc`]), its set, its inner product and the
 /// [workspace](Objective::Workspace) of its evaluations. Between two calls of [`Run::step`] it can be looked at and saved.
 #[derive(Debug)]
 pub struct Run<O: Objective> {
@@ -234,7 +234,7 @@ impl<O: Objective> Run<O> {
         self.finish(stop)
     }
 
-    /// Steps until the run ends, and tells why it does; [`finish`](Self::finish) gives the result.
+    /// Steps until the run terminates, and returns the reason; [`finish`](Self::finish) gives the result.
     pub fn run(&mut self, observer: &mut dyn Observer<O::Point>) -> Stop {
         loop {
             if let Outcome::Stopped(stop) = self.step(observer) {
@@ -302,7 +302,7 @@ impl<O: Objective> Run<O> {
         &self.progress
     }
 
-    /// Tells the observer of the start, once.
+    /// Shows the observer the start, once.
     fn announce(&mut self, observer: &mut dyn Observer<O::Point>) {
         if !self.progress.announced {
             self.progress.announced = true;

@@ -2,14 +2,14 @@
 
 use crate::admissible::Admissible;
 use crate::failed::Failed;
-use crate::figures::Figures;
 use crate::inner_product::InnerProduct;
-use crate::method::{Here, Method};
+use crate::method::{Current, Method};
 use crate::objective::{Objective, Request};
 use crate::observer::{Observer, Reason, Trial};
 use crate::optimizer::Options;
 use crate::state::Progress;
 use crate::stop::{Stall, Stop};
+use crate::summary::Summary;
 use nastic_numeric::vector::{dot, sub};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -88,9 +88,9 @@ impl<O: Objective> Setting<O> {
         Ok(Iterate { m, point, cost, derivative, gradient_norm: optimality.norm, active: optimality.active })
     }
 
-    pub fn here<'s>(&'s self, at: &'s Iterate<O::Point>) -> Here<'s> {
+    pub fn here<'s>(&'s self, at: &'s Iterate<O::Point>) -> Current<'s> {
         let (set, metric) = (self.set.as_ref(), self.metric.as_ref());
-        Here { set, metric, m: &at.m, cost: at.cost, derivative: &at.derivative }
+        Current { set, metric, m: &at.m, cost: at.cost, derivative: &at.derivative }
     }
 
     /// Finds the next point from `at`, telling the observer of every trial.
@@ -114,7 +114,7 @@ impl<O: Objective> Setting<O> {
         }
     }
 
-    /// Backtracks from a prepared direction. The inner error is what the whole step promised.
+    /// Backtracks from a prepared direction. The inner error is the predicted change of the whole step.
     fn search_line(
         &self,
         method: &dyn Method,
@@ -172,7 +172,7 @@ impl<O: Objective> Setting<O> {
                 }
             };
             let reference = method.reference(at.cost);
-            // Rounding is forgiven where the whole step promises little more than that, not where backtracking led there.
+            // Rounding is allowed for where the whole step predicts little more than that, not where backtracking led there.
             let slack = Some(method.slack(at.cost)).filter(|slack| whole.abs() <= 100.0 * slack).unwrap_or(0.0);
             if !rules.accepts(reference, predicted, slack, cost) {
                 let reason = Reason::NoDecrease { wanted: reference + rules.armijo * predicted };
@@ -220,10 +220,10 @@ impl<O: Objective> Setting<O> {
 
     /// A history line of a trial that was not accepted from `at`.
     fn tell<'t>(&self, progress: &Progress, at: &Iterate<O::Point>, told: Told<'t, O::Point>) -> Trial<'t, O::Point> {
-        let figures = match (told.point, &told.reason) {
-            (Some(point), _) => self.objective.figures(point),
+        let summary = match (told.point, &told.reason) {
+            (Some(point), _) => self.objective.summary(point),
             (None, Reason::Failed(failed)) => failed.work().clone(),
-            (None, _) => Figures::default(),
+            (None, _) => Summary::default(),
         };
         Trial {
             trial: progress.counts.trials,
@@ -238,7 +238,7 @@ impl<O: Objective> Setting<O> {
             length: told.length,
             active: at.active,
             active_share: at.active as f64 / at.m.len() as f64,
-            figures,
+            summary,
             m: told.m,
             point: told.point,
             derivative: None,

@@ -1,6 +1,6 @@
 //! Spectral projected gradient: Barzilai-Borwein lengths, non-monotone search.
 
-use crate::method::{Here, Memory, Method, Secant};
+use crate::method::{Current, Memory, Method, Secant};
 use crate::model::{Steepest, minimise};
 use crate::optimizer::{Optimizer, Options};
 
@@ -66,12 +66,12 @@ impl Method for BarzilaiBorwein {
         self.short.clear();
     }
 
-    fn prepare(&mut self, here: &Here<'_>) {
+    fn prepare(&mut self, here: &Current<'_>) {
         let curvature = Steepest { metric: here.metric, step: self.step };
         self.direction = minimise(here.set, here.metric, here.m, here.derivative, &curvature);
     }
 
-    fn trial(&self, here: &Here<'_>, fraction: f64) -> Vec<f64> {
+    fn trial(&self, here: &Current<'_>, fraction: f64) -> Vec<f64> {
         let mut out = here.m.to_vec();
         here.set.retract(here.m, &self.direction, fraction, &mut out);
         out
@@ -85,7 +85,7 @@ impl Method for BarzilaiBorwein {
         self.costs.iter().fold(cost, |most, c| most.max(*c))
     }
 
-    fn accepted(&mut self, from: &Here<'_>, to: &Here<'_>, fraction: f64, _trials: usize) {
+    fn accepted(&mut self, from: &Current<'_>, to: &Current<'_>, fraction: f64, _trials: usize) {
         push(&mut self.costs, to.cost, self.window);
         let secant = Secant::between(from, to);
         if !secant.is_convex() {

@@ -33,7 +33,7 @@ pub struct StageEnd {
 pub struct Progress {
     /// What was done.
     pub counts: Counts,
-    /// Whether the start has been told to the observer.
+    /// Whether the observer has seen the start.
     pub announced: bool,
     /// Continuation stage.
     pub stage: usize,
@@ -45,7 +45,7 @@ pub struct Progress {
     pub costs: Vec<f64>,
     /// Projected gradient norm, per iteration of this stage, its start first.
     pub gradients: Vec<f64>,
-    /// Steps in a row whose promise was below the rounding of the cost.
+    /// Steps in a row whose predicted decrease was below the rounding of the cost.
     pub flat: usize,
     /// Stages that ended.
     pub ends: Vec<StageEnd>,

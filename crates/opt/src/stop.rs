@@ -24,7 +24,7 @@ pub enum Stop {
         /// The projected gradient's norm relative to the stage's first.
         relative_gradient: f64,
     },
-    /// Somebody asked to stop.
+    /// The cancellation flag was raised.
     Cancelled,
 }
 
@@ -35,7 +35,7 @@ pub enum Stall {
     Flat {
         /// The cost.
         cost: f64,
-        /// The change that a step of this iteration promised.
+        /// The predicted change of a step of this iteration.
         predicted: f64,
         /// The projected gradient's norm relative to the stage's first.
         relative_gradient: f64,
@@ -53,7 +53,7 @@ pub enum Stall {
         /// The projected gradient's norm relative to the stage's first.
         relative_gradient: f64,
     },
-    /// The cost creeps.
+    /// The cost decreases too slowly.
     Stagnation {
         /// Over how many iterations.
         window: usize,
@@ -103,7 +103,7 @@ impl fmt::Display for Stall {
         match self {
             Self::Flat { cost, predicted, relative_gradient } => write!(
                 f,
-                "a step promises {predicted:.1e}, below the rounding of the cost {cost:.6e}; \
+                "the predicted change {predicted:.1e} of a step is below the rounding of the cost {cost:.6e}; \
                  projected gradient {relative_gradient:.1e} of the first"
             ),
             Self::LineSearch { trials, failed, shortest, last, relative_gradient } => write!(

@@ -29,7 +29,7 @@ pub struct Taylor {
     /// Length of d, as a share of the set's extent, component by component (of the largest |m_i| where the set has no
     /// extent).
     pub length: f64,
-    /// Size of a control where neither the set nor m tells it.
+    /// Size of a control where it follows neither from the set nor from m.
     pub size: Option<f64>,
     /// Only these components vary (a control block); all if none are given.
     pub components: Option<Range<usize>>,

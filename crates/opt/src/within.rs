@@ -1,4 +1,4 @@
-//! [`Within`]: an optimiser, the set it stays in, and everything else a run is told before it begins.
+//! [`Within`]: an optimiser with its admissible set, options, inner product and observer.
 
 use crate::admissible::Admissible;
 use crate::inner_product::InnerProduct;
@@ -68,7 +68,7 @@ impl<M: Optimizer> Within<M> {
 }
 
 impl<M: Optimizer, W> Within<M, W> {
-    /// Tells an observer of every trial; it takes the place of an earlier one.
+    /// Calls an observer at every trial; it replaces an earlier one.
     pub fn observe<V>(self, observer: V) -> Within<M, V> {
         let Self { optimizer, options, set, metric, cancel, .. } = self;
         Within { optimizer, options, set, metric, cancel, observer }

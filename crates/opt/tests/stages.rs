@@ -5,8 +5,8 @@ mod common;
 
 use common::{begin, resume};
 use nastic_opt::{
-    Bounds, CATALOGUE, Euclidean, Failed, Figures, InnerProduct, Lbfgs, Objective, Options, Outcome, Reason, Request,
-    RunState, Stall, Stop, Trial,
+    Bounds, CATALOGUE, Euclidean, Failed, InnerProduct, Lbfgs, Objective, Options, Outcome, Reason, Request, RunState,
+    Stall, Stop, Summary, Trial,
 };
 use std::sync::Mutex;
 
@@ -69,8 +69,8 @@ impl Objective for Staged {
         Ok(Point { stage, ..p.clone() })
     }
 
-    fn figures(&self, p: &Point) -> Figures {
-        Figures(vec![("root".into(), p.root)])
+    fn summary(&self, p: &Point) -> Summary {
+        Summary(vec![("root".into(), p.root)])
     }
 
     fn save(&self, p: &Point) -> Vec<u8> {
@@ -93,7 +93,7 @@ fn stages_follow_each_other_from_the_same_state() {
         let (set, metric) = (Bounds::new(-5.0, 5.0).unwrap(), Euclidean::new(2));
         let mut lines = Vec::new();
         let mut watch = |t: &Trial<'_, Point>| {
-            assert_eq!(t.figures.get("root"), t.point.map(|p| p.root));
+            assert_eq!(t.summary.get("root"), t.point.map(|p| p.root));
             lines.push((t.stage, t.reason.clone(), t.relative_gradient));
         };
         let best = begin(optimizer.as_ref(), &objective, &set, &metric, &[0.0, 0.0]).unwrap().minimize(&mut watch);

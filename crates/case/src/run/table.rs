@@ -42,11 +42,11 @@ impl Table {
             let distance = distance.map_or_else(|| "-".to_owned(), |d| scientific(d, 4));
             let _ = write!(out, " {distance:>10}");
         }
-        let count = |name: &str| trial.figures.get(name).map(|value| value as usize);
+        let count = |name: &str| trial.summary.get(name).map(|value| value as usize);
         let show = |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |n| n.to_string());
         let newton = show(count("newton"));
         let factor = show(count("factorisations"));
-        let min_j = trial.figures.get("min_J").map_or_else(|| "-".to_owned(), |j| format!("{j:.4}"));
+        let min_j = trial.summary.get("min_J").map_or_else(|| "-".to_owned(), |j| format!("{j:.4}"));
         let active = format!("{:.1}%", 100.0 * trial.active_share);
         let _ = write!(out, " {newton:>6} {factor:>6} {min_j:>7} {active:>7} {seconds:>8.2}");
         if let Some(remark) = remark(&trial.reason) {

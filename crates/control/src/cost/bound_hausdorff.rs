@@ -133,7 +133,10 @@ impl Cost for BoundHausdorff {
     }
 }
 
-/// The distance at one displacement: the pair sums are formed here once, for the value, and kept for the partials.
+/// The distance at one displacement: the pair sums are formed once, for the value, and kept for the partials.
+///
+/// Memory: 102 bytes per quadrature point of the body, 66 per point of the target and 24 per node: 17 MB for 1e5 points on
+/// either side. Pairs are not stored.
 #[derive(Debug)]
 struct HausdorffPoint {
     setup: Arc<Setup>,

@@ -1,18 +1,20 @@
 //! Costs: terms j(u, m) of the objective functional.
 
 mod bound_hausdorff;
+mod catalogue;
 mod figure;
 mod regularization;
-mod row;
 mod smoothed_hausdorff;
 mod tracking;
+mod user_cost;
 
 pub use bound_hausdorff::BoundHausdorff;
+pub use catalogue::{CATALOGUE, CostExample, CostRow};
 pub use figure::{Figure, FigureKind};
 pub use regularization::{ControlNorm, ControlSmoothness};
-pub use row::{COSTS, CostRow, MakeCost};
 pub use smoothed_hausdorff::SmoothedHausdorff;
 pub use tracking::{BoundTracking, Target, Tracking};
+pub use user_cost::{MakeCost, UserCost};
 
 use crate::error::ControlError;
 use crate::layout::Layout;
@@ -102,6 +104,12 @@ pub trait IntoCost {
 impl<C: Cost + 'static> IntoCost for C {
     fn bind(self, _: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         Ok(Box::new(self))
+    }
+}
+
+impl IntoCost for Box<dyn Cost> {
+    fn bind(self, _: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        Ok(self)
     }
 }
 

@@ -46,7 +46,7 @@ impl EnsembleBuilder {
         self.scenario_of(ALONE, 1.0, cases)
     }
 
-    /// Is told of every member that finished, from the thread that computed it, in no particular order.
+    /// Calls `watch` after every evaluated member, from the thread that computed it, in no particular order.
     pub fn watched_by(mut self, watch: impl Fn(&Finished) + Send + Sync + 'static) -> Self {
         self.watch = Watch(Some(Arc::new(watch)));
         self
@@ -58,7 +58,7 @@ impl EnsembleBuilder {
         self
     }
 
-    /// Whether the workspace keeps a factor per member for the next solve (it does, unless told otherwise). Without,
+    /// Whether the workspace keeps a factor per member for the next solve (the default). Without,
     /// memory does not grow by factors, and every solve makes its own: for samples that are evaluated once.
     pub fn keep_factors(mut self, keep: bool) -> Self {
         self.keep_factors = keep;
@@ -95,7 +95,7 @@ impl EnsembleBuilder {
             }
             names.push(name);
         }
-        // Only owners lend their inner product, so only theirs is built.
+        // Only the inner products of owners are used, so only theirs are built.
         let mut products = Vec::new();
         for (index, part) in parts.iter().enumerate() {
             let failed = |e| EnsembleError::member(&part.name, e);

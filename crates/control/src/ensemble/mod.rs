@@ -84,7 +84,7 @@ pub struct Ensemble {
     watch: Watch,
 }
 
-/// A member that has been evaluated: what an [`EnsembleBuilder::watched_by`] is told.
+/// A member that has been evaluated: the argument of [`EnsembleBuilder::watched_by`].
 #[derive(Debug, Clone, Copy)]
 pub struct Finished<'a> {
     /// Index of the member.
@@ -236,8 +236,8 @@ impl Ensemble {
     /// Runs `each` for every member, on as many threads as there are; results in the members' order.
     ///
     /// After a failure the members behind it are left out. Those before it are not, so that the failure reported is the
-    /// first in order, whoever was first on the clock. Which of those behind it had run already is a matter of the clock:
-    /// their factors are dropped, so that it leaves no trace in what follows.
+    /// first in order, whichever came first in time. Which of those behind it had run already depends on timing: their
+    /// factors are dropped, so that the next evaluation does not depend on it.
     fn side_by_side<T: Send>(
         &self,
         workspace: &mut EnsembleWorkspace,
@@ -279,7 +279,7 @@ impl Ensemble {
         self.joined(&point.m, parts)
     }
 
-    /// Tells `watch` of every member that finished from now on, as [`EnsembleBuilder::watched_by`] does.
+    /// Calls `watch` after every evaluated member from now on, as [`EnsembleBuilder::watched_by`] does.
     pub fn watch(&mut self, watch: impl Fn(&Finished) + Send + Sync + 'static) {
         self.watch = Watch(Some(Arc::new(watch)));
     }

@@ -4,7 +4,7 @@ use super::blocks::gather;
 use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
 use crate::error::ControlError;
 use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{Failed, Figures, InnerProduct, Objective, Problem, Request, SavedRunError};
+use nastic_opt::{Failed, InnerProduct, Objective, Problem, Request, SavedRunError, Summary};
 use std::sync::Arc;
 
 const MAGIC: &str = "nastic-ensemble-point-1";
@@ -40,8 +40,8 @@ impl Objective for Ensemble {
         Ok(self.restage_typed(stage, point)?)
     }
 
-    fn figures(&self, point: &EnsemblePoint) -> Figures {
-        self.figures_of(point)
+    fn summary(&self, point: &EnsemblePoint) -> Summary {
+        self.summary_of(point)
     }
 
     fn save(&self, point: &EnsemblePoint) -> Vec<u8> {
@@ -86,7 +86,7 @@ impl Problem for Ensemble {
     }
 }
 
-/// A failed trial keeps the error with its type, and the work it tells of.
+/// A failed trial keeps the error with its type, and the Newton iterations spent.
 impl From<EnsembleError> for Failed {
     fn from(error: EnsembleError) -> Self {
         let newton = match &error {
@@ -94,6 +94,6 @@ impl From<EnsembleError> for Failed {
             _ => None,
         };
         let newton = newton.map(|newton| ("newton".to_owned(), newton as f64));
-        Failed::new(error).after(Figures(newton.into_iter().collect()))
+        Failed::new(error).after(Summary(newton.into_iter().collect()))
     }
 }

@@ -1,9 +1,9 @@
 //! What is reported of an ensemble: every risk, every scenario, the work of all.
 
 use super::{Ensemble, EnsemblePoint};
-use crate::reduced::work_figures;
+use crate::reduced::work_summary;
 use nastic_fem::SolveReport;
-use nastic_opt::Figures;
+use nastic_opt::Summary;
 use nastic_uncertainty::risk::{CATALOGUE, Risk, deviation};
 
 /// A measure of risk at a point.
@@ -46,7 +46,7 @@ impl Ensemble {
 
     /// `risk/NAME` and `risk/NAME/exact`, `risk/deviation`; `terms/NAME`, expected; `scenarios/NAME/cost`, and
     /// `scenarios/NAME/LOAD_CASE/terms/TERM` for every member; work summed over members, the smallest J.
-    pub(super) fn figures_of(&self, point: &EnsemblePoint) -> Figures {
+    pub(super) fn summary_of(&self, point: &EnsemblePoint) -> Summary {
         let mut entries = Vec::new();
         for risk in self.risks(point) {
             entries.push((format!("risk/{}", risk.name), risk.value));
@@ -67,7 +67,7 @@ impl Ensemble {
             }
         }
         entries.extend(work_entries(point));
-        Figures(entries)
+        Summary(entries)
     }
 
     /// `sum_s p_s sum_l w_l` of every term, by name; `terms` has those of every member.
@@ -94,5 +94,5 @@ fn work_entries(point: &EnsemblePoint) -> Vec<(String, f64)> {
         work.add_work(&part.total_work());
         min_j = min_j.min(part.state.report.min_j);
     }
-    work_figures(&work).into_iter().chain([("min_J".to_owned(), min_j)]).collect()
+    work_summary(&work).into_iter().chain([("min_J".to_owned(), min_j)]).collect()
 }

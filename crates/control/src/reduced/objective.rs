@@ -5,7 +5,7 @@ use crate::error::ControlError;
 use crate::evaluated::{Evaluated, Expected};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::SolveReport;
-use nastic_opt::{EvaluatedStart, Failed, Figures, InnerProduct, Objective, Problem, Request, Start};
+use nastic_opt::{EvaluatedStart, Failed, InnerProduct, Objective, Problem, Request, Start, Summary};
 use std::sync::Arc;
 
 impl Objective for Reduced {
@@ -42,12 +42,12 @@ impl Objective for Reduced {
 
     /// `terms/NAME` for every cost term; `newton`, `factorisations`, `back_substitutions` of the state solve and of the
     /// adjoint; `min_J`.
-    fn figures(&self, point: &Evaluated) -> Figures {
+    fn summary(&self, point: &Evaluated) -> Summary {
         let terms = self.term_names().into_iter().zip(&point.terms);
         let mut entries: Vec<(String, f64)> = terms.map(|(name, value)| (format!("terms/{name}"), *value)).collect();
-        entries.extend(work_figures(&point.total_work()));
+        entries.extend(work_summary(&point.total_work()));
         entries.push(("min_J".into(), point.state.report.min_j));
-        Figures(entries)
+        Summary(entries)
     }
 
     fn save(&self, point: &Evaluated) -> Vec<u8> {
@@ -70,7 +70,7 @@ impl Problem for Reduced {
 }
 
 /// Work by the names of history lines.
-pub(crate) fn work_figures(work: &SolveReport) -> [(String, f64); 3] {
+pub(crate) fn work_summary(work: &SolveReport) -> [(String, f64); 3] {
     [
         ("newton".into(), work.newton as f64),
         ("factorisations".into(), work.factorisations as f64),
@@ -78,11 +78,11 @@ pub(crate) fn work_figures(work: &SolveReport) -> [(String, f64); 3] {
     ]
 }
 
-/// A failed trial keeps the error with its type, and the work it tells of.
+/// A failed trial keeps the error with its type, and the Newton iterations spent.
 impl From<ControlError> for Failed {
     fn from(error: ControlError) -> Self {
         let newton = error.newton().map(|newton| ("newton".to_owned(), newton as f64));
-        Failed::new(error).after(Figures(newton.into_iter().collect()))
+        Failed::new(error).after(Summary(newton.into_iter().collect()))
     }
 }
 

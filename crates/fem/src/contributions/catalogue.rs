@@ -1,26 +1,84 @@
 //! The catalogue of contributions: a row each, with an example that the contract test holds to [`check_contribution`].
 
-use crate::contributions::cavity::Cavity;
+use crate::contributions::cavity::{self, Cavity};
 use crate::error::FemError;
 use crate::solid::Solid;
-use nastic_energy::{FiberTension, NeoHooke};
+use nastic_energy::{FiberTension, NeoHooke, Slot};
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_tensor::Vec3;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A row of the catalogue.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry {
-    /// What the contribution is called in messages.
+    /// What the contribution is called in messages, and its kind in case files.
     pub name: &'static str,
+    /// How it stands in case files, if it is one of the kinds of `actuation` there.
+    pub form: Option<Form>,
     /// A body that has it under that name.
     pub example: fn() -> Result<Solid, FemError>,
 }
 
+/// A contribution in a case file.
+#[derive(Debug, Clone, Copy)]
+pub struct Form {
+    /// What it is, in a sentence.
+    pub about: &'static str,
+    /// Its keys beside `name` and `kind`.
+    pub keys: &'static [Key],
+    /// Its slots: what can be controlled, or have a fixed value.
+    pub slots: &'static [Slot],
+    /// Adds one of that name to a body.
+    pub add: fn(Solid, &str, &Values) -> Result<Solid, FemError>,
+}
+
+/// A key of a form.
+#[derive(Debug, Clone, Copy)]
+pub struct Key {
+    /// The key.
+    pub name: &'static str,
+    /// What it says, in a sentence.
+    pub about: &'static str,
+    /// What its value is.
+    pub kind: KeyKind,
+}
+
+/// What the value of a key is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KeyKind {
+    /// The name of a surface; needed.
+    Surface,
+    /// Names of surfaces; none if left out.
+    Surfaces,
+    /// True or false; false if left out.
+    Flag,
+}
+
+/// The values of a form's keys.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Values {
+    /// Names, by key.
+    pub names: BTreeMap<&'static str, Vec<String>>,
+    /// Flags that are true.
+    pub flags: BTreeSet<&'static str>,
+}
+
+impl Values {
+    /// The name under a key; empty where there is none.
+    pub fn name(&self, key: &str) -> &str {
+        self.names.get(key).and_then(|names| names.first()).map_or("", String::as_str)
+    }
+}
+
 /// Every contribution of this crate.
 pub const CATALOGUE: &[Entry] = &[
-    Entry { name: "body energy", example: block },
-    Entry { name: "dead load", example: || block()?.traction("x+", Vec3::new(3.0, -2.0, 1.0)) },
-    Entry { name: "cavity", example: || block()?.cavity(Cavity::new("cavity", "inside").lid()) },
+    Entry { name: "body energy", form: None, example: block },
+    Entry { name: "dead load", form: None, example: || block()?.traction("x+", Vec3::new(3.0, -2.0, 1.0)) },
+    Entry {
+        name: "cavity",
+        form: Some(cavity::FORM),
+        example: || block()?.cavity(Cavity::new("cavity", "inside").lid()),
+    },
 ];
 
 /// A cup that is held at one side and pulled along its fibres.

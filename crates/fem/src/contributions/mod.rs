@@ -2,15 +2,18 @@
 
 pub(crate) mod body_energy;
 pub mod catalogue;
-pub(crate) mod cavity;
-pub(crate) mod check;
+mod cavity;
+mod check;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
 pub(crate) mod instant;
 pub(crate) mod sensitivities;
 
 use crate::error::InvertedAt;
-pub use instant::Instant;
+pub use cavity::Cavity;
+pub use check::check_contribution;
+pub use controls::Controls;
+pub use instant::{Instant, TimeStep};
 use nastic_energy::Slot;
 use nastic_linear::{SparseMatrix, Symmetry};
 pub use sensitivities::Sensitivities;

@@ -77,7 +77,7 @@ fn limit_is_the_hausdorff_distance() {
         close(sharp.target_to_body, d1, 2e-5);
         close(sharp.body_to_target, d2, 2e-5);
         close(sharp.rho, d1.max(d2), 2e-5);
-        // The factor 1/sqrt 2 of the larger side, and gamma as it is.
+        // The factor 1/sqrt 2 of the larger directed distance, and gamma as it is.
         let joined = found(1e8, 1e6, 3.0);
         close(joined.rho, ((d1.powi(3) + d2.powi(3)) / 2f64.sqrt()).cbrt(), 2e-5);
         // From far off the exponential soft minimum errs by at most (l / alpha) log(number of points / their share).

@@ -83,11 +83,11 @@ fn same_bits_for_any_number_of_threads() {
                     let body = Cloud::new(body.points().to_vec(), body.weights().to_vec()).unwrap();
                     let pairs = Pairs::new(&body, &target, phi, alpha, summation).unwrap();
                     let sums = pairs.log_sums();
-                    let pulled = pairs.vjp(&sums, target.weights(), body.weights()).unwrap();
+                    let vjp = pairs.vjp(&sums, target.weights(), body.weights()).unwrap();
                     let e = Evaluation::new(&body, &target, smoothing(phi, alpha, 4.0, 2.0), summation).unwrap();
-                    let points: Vec<f64> = pulled.points.into_iter().flatten().collect();
+                    let points: Vec<f64> = vjp.points.into_iter().flatten().collect();
                     let rho = [e.distance().rho, e.partials().unwrap().weights[3]];
-                    [sums.target, sums.body, points, pulled.weights, rho.to_vec()].map(|v| bits(&v))
+                    [sums.target, sums.body, points, vjp.weights, rho.to_vec()].map(|v| bits(&v))
                 })
             };
             let one = run(1);

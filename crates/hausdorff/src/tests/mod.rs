@@ -6,6 +6,7 @@ mod derivative;
 mod input;
 mod invariance;
 mod lanes;
+mod phi;
 mod reference;
 mod sweep;
 mod truncation;
@@ -61,7 +62,7 @@ pub(super) fn close(a: f64, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance * b.abs(), "{a} against {b}: relative error {:.1e}", ((a - b) / b).abs());
 }
 
-/// The three functions with about the same length.
-pub(super) fn all_phi(length: f64) -> [Phi; 3] {
-    [Phi::Exponential { length }, Phi::Inverse { eps: length }, Phi::SmoothInverse { eps: length }]
+/// Every phi of the catalogue, with this length.
+pub(super) fn all_phi(length: f64) -> impl Iterator<Item = Phi> {
+    super::CATALOGUE.iter().map(move |row| (row.make)(length))
 }

@@ -68,14 +68,15 @@ fn log_mean(phi: Phi, alpha: f64, at: [f64; 3], cloud: &Cloud) -> f64 {
 }
 
 #[test]
-fn log_sums_on_every_machine() {
+fn log_sums_on_every_instruction_set() {
     for (m, n) in [(1, 1), (3, 7), (64, 65), (150, 391)] {
         let (body, target) = bars(m, n);
         for phi in all_phi(0.1) {
             // From no decay at all to one that leaves the range of numbers between neighbours.
             for alpha in [1e-3, 1.0, 60.0, 1e4, 1e6] {
-                for machine in InstructionSet::all() {
-                    let sums = Pairs::on(machine, &body, &target, phi, alpha, Summation::Direct).unwrap().log_sums();
+                for instructions in InstructionSet::all() {
+                    let sums =
+                        Pairs::on(instructions, &body, &target, phi, alpha, Summation::Direct).unwrap().log_sums();
                     let scale = alpha * phi.log(0.0).abs().max(phi.log(2.0).abs());
                     for (&y, log) in target.points().iter().zip(&sums.target) {
                         let exact = log_mean(phi, alpha, y, &body);

@@ -16,8 +16,8 @@ fn the_default_keeps_its_bound_on_every_instruction_set() {
         let (_, exact, vjp_exact) = run(&body, &target, phi, alpha, Summation::Direct);
         let slope = alpha * phi.log_derivative(phi.length()).abs().max(phi.log_derivative(0.0).abs());
         let seeds = (body.len() + target.len()) as f64;
-        for machine in InstructionSet::all() {
-            let pairs = Pairs::on(machine, &body, &target, phi, alpha, Summation::default()).unwrap();
+        for instructions in InstructionSet::all() {
+            let pairs = Pairs::on(instructions, &body, &target, phi, alpha, Summation::default()).unwrap();
             let counts = pairs.counts();
             if let Phi::Exponential { .. } = phi {
                 assert!(counts.summed < 0.95 * counts.all, "{counts:?}");
@@ -25,17 +25,17 @@ fn the_default_keeps_its_bound_on_every_instruction_set() {
             let sums = pairs.log_sums();
             let all = sums.target.iter().zip(&exact.target).chain(sums.body.iter().zip(&exact.body));
             let off = all.map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max);
-            assert!(off < 1e-10, "{phi:?} {machine:?}: {off:.1e}");
+            assert!(off < 1e-10, "{phi:?} {instructions:?}: {off:.1e}");
             let mut stream = Stream::new(99);
             let mut seed = |n: usize| (0..n).map(|_| 2.0 * stream.next() - 1.0).collect::<Vec<_>>();
             let (by_target, by_body) = (seed(target.len()), seed(body.len()));
             let vjp = pairs.vjp(&sums, &by_target, &by_body).unwrap();
             let pairs_of = vjp.points.iter().flatten().zip(vjp_exact.points.iter().flatten());
             let off: f64 = pairs_of.map(|(a, b)| (a - b).abs()).sum();
-            assert!(off < 1e-10 * slope * seeds, "{phi:?} {machine:?}: {:.1e}", off / (slope * seeds));
+            assert!(off < 1e-10 * slope * seeds, "{phi:?} {instructions:?}: {:.1e}", off / (slope * seeds));
             let weights = vjp.weights.iter().zip(&vjp_exact.weights).zip(body.weights());
             let off: f64 = weights.map(|((a, b), w)| (a - b).abs() * w).sum();
-            assert!(off < 1e-10 * seeds, "{phi:?} {machine:?}: {:.1e}", off / seeds);
+            assert!(off < 1e-10 * seeds, "{phi:?} {instructions:?}: {:.1e}", off / seeds);
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::state::{Progress, StageEnd};
 use crate::stop::{Stall, Stop};
 use nastic_numeric::vector::sub;
 
-/// Flat steps in a row before a stage is given up.
+/// Flat steps in a row that end a stage.
 const FLAT: usize = 3;
 
 impl<O: Objective> Run<O> {
@@ -111,7 +111,7 @@ impl<O: Objective> Run<O> {
     }
 
     /// The length t of a first step -t gradient: the shortest of what the set's extent, a linear model of a cost that
-    /// is not negative, and the way made in the previous stage suggest.
+    /// is not negative, and the distance covered in the previous stage suggest.
     fn first_step(&self, travel: Option<f64>) -> Option<f64> {
         let gradient = self.current.gradient_norm;
         if gradient == 0.0 {

@@ -76,7 +76,7 @@ impl<'s> Recorder<'s> {
         if let Some(point) = trial.point.filter(|_| trial.reason != Reason::Stage) {
             self.work.iter_mut().zip(&point.parts).for_each(|(work, at)| work.add_work(&at.total_work()));
         } else if let (None, Some(newton), Some(first)) =
-            (trial.cost, trial.figures.get("newton"), self.work.first_mut())
+            (trial.cost, trial.summary.get("newton"), self.work.first_mut())
         {
             first.newton += newton as usize;
         }

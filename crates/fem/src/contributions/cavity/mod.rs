@@ -4,6 +4,7 @@ mod enclosed;
 mod rim;
 mod triple_product;
 
+use super::catalogue::{Form, Key, KeyKind};
 use super::{Contribution, Demand, Instant, Sensitivities, Sums};
 use crate::error::{FemError, InvertedAt};
 use enclosed::{Enclosed, Patch};
@@ -71,6 +72,31 @@ impl Cavity {
         Ok(CavityPressure { name: self.name.clone(), enclosed, reference_volume: volume })
     }
 }
+
+/// How it stands in case files.
+pub(super) const FORM: Form = Form {
+    about: "A cavity under pressure, behind a closed surface of the body.",
+    keys: &[
+        Key { name: "surface", about: "Surface of the mesh that bounds the cavity.", kind: KeyKind::Surface },
+        Key {
+            name: "lid",
+            about: "Whether openings of the surface are closed by a lid that loads their rims.",
+            kind: KeyKind::Flag,
+        },
+        Key {
+            name: "symmetry",
+            about: "Surfaces in the planes of symmetry on which the surface ends.",
+            kind: KeyKind::Surfaces,
+        },
+    ],
+    slots: &SLOTS,
+    add: |solid, name, values| {
+        let mut cavity = Cavity::new(name, values.name("surface"));
+        cavity.lid = values.flags.contains("lid");
+        cavity.symmetry = values.names.get("symmetry").cloned().unwrap_or_default();
+        solid.cavity(cavity)
+    },
+};
 
 /// The contribution of a [`Cavity`].
 #[derive(Debug)]

@@ -11,7 +11,7 @@ use super::sum_tiles::{SumTile, WideSumTile};
 use super::truncation::columns_of;
 
 /// Leaves of rows that are worked on independently, in so many groups at most; fixed, so that sums do not depend on
-/// threads.
+/// threads. While sums are formed each group has a sum of its own for every column.
 const PANELS: usize = 64;
 
 /// A panel has so many leaves at least.
@@ -24,11 +24,11 @@ pub(super) struct Log2Sums {
     pub columns: Vec<f64>,
 }
 
-/// The pairs of two point sets that are summed.
+/// The pairs of leaves of two point sets that are summed.
 #[derive(Clone, Copy)]
-pub(super) struct Summed<'a> {
+pub(super) struct LeafPairs<'a> {
     pub kernel: &'a Kernel,
-    pub machine: InstructionSet,
+    pub instructions: InstructionSet,
     pub log2_tolerance: f64,
     pub rows: &'a BoundedSet,
     pub columns: &'a BoundedSet,
@@ -48,7 +48,7 @@ pub(super) struct Scale {
     pub column_factor: f64,
 }
 
-impl Summed<'_> {
+impl LeafPairs<'_> {
     /// Leaves of rows, in order, in groups for one thread each.
     pub fn panels(&self) -> Vec<Vec<u32>> {
         let leaves = self.rows.points.leaves();
@@ -112,12 +112,12 @@ impl Summed<'_> {
         if self.is_wide(pair) {
             let row_scale = &self.rows.bounds.scale[self.rows.points.node(pair.row).range()];
             let column_scale = &self.columns.bounds.scale[padded(self.columns.points.node(pair.column))];
-            with_form!(self.kernel, form => self.machine.run(WideSumTile {
+            with_form!(self.kernel, form => self.instructions.run(WideSumTile {
                 form, rows, columns, row_scale, column_scale, row_sums, column_sums,
             }));
         } else {
             let Scale { shift, row_factor, column_factor } = self.scale(pair);
-            with_form!(self.kernel, form => self.machine.run(SumTile {
+            with_form!(self.kernel, form => self.instructions.run(SumTile {
                 form, rows, columns, shift, row_factor, column_factor, row_sums, column_sums,
             }));
         }

@@ -1,4 +1,4 @@
-//! [`CostRow`]: a cost of one's own as case files name it.
+//! [`UserCost`]: a cost of one's own as case files name it.
 
 use super::Cost;
 use crate::error::ControlError;
@@ -8,12 +8,9 @@ use nastic_fem::Solid;
 /// How a cost is made for a body, of its parameters and its weight (at least zero), which its values include.
 pub type MakeCost = fn(&Solid, &Given<'_>, f64) -> Result<Box<dyn Cost>, ControlError>;
 
-/// Rows of the costs that need no block of their own in the schema of case files: further built-in costs go here.
-pub const COSTS: &[CostRow] = &[];
-
 /// A cost that case files may name beside the built-in ones.
 #[derive(Clone, Copy, Debug)]
-pub struct CostRow {
+pub struct UserCost {
     /// Its `kind` in case files.
     pub name: &'static str,
     /// What it is, in a few words.

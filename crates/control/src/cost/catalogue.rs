@@ -1,0 +1,88 @@
+//! [`CATALOGUE`]: every cost, with examples of it on a given body.
+
+use super::{ControlNorm, ControlSmoothness, Cost, IntoCost, SmoothedHausdorff, Target, Tracking};
+use crate::error::ControlError;
+use nastic_fem::Solid;
+use nastic_hausdorff::Phi;
+use nastic_mesh::Mesh;
+use std::sync::Arc;
+
+/// What examples are made on.
+#[derive(Debug, Clone, Copy)]
+pub struct CostExample<'a> {
+    /// The body; its first region and its last surface are looked at.
+    pub solid: &'a Solid,
+    /// A control, as the layout names it.
+    pub control: &'a str,
+    /// Multiplies the cost.
+    pub weight: f64,
+}
+
+/// Costs on a body, or why there are none.
+type Bound = Result<Vec<Box<dyn Cost>>, ControlError>;
+
+/// A row of the catalogue.
+#[derive(Debug, Clone, Copy)]
+pub struct CostRow {
+    /// Name in case files, and of the bound cost.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// Examples that cover its options.
+    pub examples: fn(&CostExample) -> Bound,
+}
+
+/// Every cost.
+pub const CATALOGUE: &[CostRow] = &[
+    CostRow {
+        name: "tracking",
+        about: "squared distance of a surface, region or node set from its target positions",
+        examples: tracking,
+    },
+    CostRow {
+        name: "smoothed_hausdorff",
+        about: "smoothed Hausdorff distance of the deformed body from a target domain",
+        examples: smoothed_hausdorff,
+    },
+    CostRow {
+        name: "control_norm",
+        about: "half the squared L2 norm of a control",
+        // Controls are stresses of 1e5 Pa, whose squares would drown what else is compared.
+        examples: |on| Ok(vec![Box::new(ControlNorm::of(on.control, 1e-10 * on.weight)?)]),
+    },
+    CostRow {
+        name: "control_smoothness",
+        about: "half the squared L2 norm of a control's gradient",
+        examples: |on| Ok(vec![Box::new(ControlSmoothness::of(on.control, 1e-10 * on.weight)?)]),
+    },
+];
+
+fn tracking(on: &CostExample) -> Bound {
+    let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
+    let lifted = Target::position(move |x| [x[0], x[1] + 0.3 * x[0] * x[0] / size, x[2]]);
+    let place = |names: Option<&String>| names.cloned().unwrap_or_default();
+    let (surface, region) = (place(mesh.surfaces().keys().next_back()), place(mesh.regions().keys().next()));
+    let displacement: Vec<f64> = (0..on.solid.discretization().dofs()).map(|i| 0.1 * size * (i as f64).sin()).collect();
+    [
+        Tracking::surface(&surface, lifted.clone()),
+        Tracking::region(&region, lifted),
+        Tracking::nodes(&surface, Target::Displacement(displacement)),
+    ]
+    .into_iter()
+    .map(|cost| cost.weight(on.weight).bind(on.solid))
+    .collect()
+}
+
+fn smoothed_hausdorff(on: &CostExample) -> Bound {
+    let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
+    // Bent and shifted, so that no points of body and target coincide.
+    let bent = |x: [f64; 3]| [0.97 * x[0] + 0.013 * size, x[1] + 0.2 * x[0] * x[0] / size, 1.02 * x[2]];
+    let target = Arc::new(Mesh::clone(mesh).mapped(bent)?);
+    let region = mesh.regions().keys().next().cloned().unwrap_or_default();
+    let example = |phi: Phi| SmoothedHausdorff::to(target.clone()).phi(phi).weight(on.weight);
+    let mut all: Vec<SmoothedHausdorff> =
+        nastic_hausdorff::CATALOGUE.iter().map(|row| example((row.make)(0.1 * size))).collect();
+    let phi = Phi::Exponential { length: 0.1 * size };
+    all.push(example(phi).region(&region).target_region(&region).quadrature(3).stages([(2.0, 3.0, 2.0)]));
+    all.into_iter().map(|cost| cost.bind(on.solid)).collect()
+}

@@ -1,0 +1,182 @@
+//! The contract of costs, over every row of the catalogue.
+
+use nastic_control::{COSTS, Cost, CostContext, CostExample, Partials, Reduced, Space};
+use nastic_energy::{FiberTension, MooneyRivlin};
+use nastic_fem::Solid;
+use nastic_mesh::{CellKind, box_mesh};
+use nastic_opt::{Bounds, Objective, Taylor, Verdict};
+use nastic_tensor::Vec3;
+
+type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
+
+/// Two bodies, their control not yet among their costs.
+fn bodies() -> Outcome<Vec<Reduced>> {
+    let body = |kind: CellKind, n: usize| -> Outcome<Reduced> {
+        let solid = Solid::new(box_mesh([1.0, 0.2, 0.2], [4 * n, n, n], kind)?)?
+            .material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?
+            .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
+            .clamp("x-")?;
+        Ok(Reduced::new(solid).control("tension", Space::Cell)?)
+    };
+    Ok(vec![body(CellKind::Hex8, 2)?, body(CellKind::Tet10, 1)?])
+}
+
+/// Every example of every row on every body, with this weight.
+fn each(weight: f64, mut check: impl FnMut(&Reduced, &dyn Cost, &str) -> Outcome) -> Outcome {
+    for body in bodies()? {
+        for row in COSTS {
+            let on = CostExample { solid: body.solid(), control: "tension", weight };
+            for (k, cost) in (row.examples)(&on)?.iter().enumerate() {
+                assert_eq!(cost.name(), row.name);
+                assert!(cost.stages() >= 1, "{}", row.name);
+                check(&body, cost.as_ref(), &format!("{} {k} on {} cells", row.name, body.solid().mesh().cells()))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Repeatable numbers within -1 and 1.
+fn noise(n: usize, seed: f64) -> Vec<f64> {
+    (0..n).map(|i| ((i as f64 + seed) * 12.9898).sin()).collect()
+}
+
+/// A displacement of a few hundredths and a control that varies.
+fn point(body: &Reduced) -> (Vec<f64>, Vec<f64>) {
+    let mesh = body.solid().mesh();
+    let smooth = |x: &[f64; 3]| [0.03 * x[0] * x[1], 0.05 * x[0] * x[0], -0.04 * x[0] * x[2] + 0.02 * x[0]];
+    let mut u: Vec<f64> = mesh.points().iter().flat_map(smooth).collect();
+    let rough = noise(u.len(), 0.3);
+    u.iter_mut().zip(rough).for_each(|(u, r)| *u += 2e-3 * r);
+    let m = noise(body.layout().len(), 1.7).iter().map(|r| -1e5 * (1.0 + 0.5 * r)).collect();
+    (u, m)
+}
+
+fn value(body: &Reduced, cost: &dyn Cost, u: &[f64], m: &[f64], stage: usize) -> Outcome<f64> {
+    let context = CostContext { solid: body.solid(), layout: body.layout(), u, m, stage };
+    Ok(cost.at(&context)?.value())
+}
+
+fn value_and_partials(body: &Reduced, cost: &dyn Cost, u: &[f64], m: &[f64], stage: usize) -> Outcome<(f64, Partials)> {
+    let context = CostContext { solid: body.solid(), layout: body.layout(), u, m, stage };
+    let at = cost.at(&context)?;
+    let mut partials = Partials { u: vec![0.0; u.len()], m: vec![0.0; m.len()] };
+    at.add_partials(&mut partials)?;
+    Ok((at.value(), partials))
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[test]
+fn values_and_partials_are_deterministic() -> Outcome {
+    each(1.0, |body, cost, what| {
+        let (u, m) = point(body);
+        for stage in 0..cost.stages() {
+            let (value, partials) = value_and_partials(body, cost, &u, &m, stage)?;
+            assert!(value.is_finite() && value > 0.0, "{what}: {value}");
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+            let alone = pool.install(|| value_and_partials(body, cost, &u, &m, stage).map_err(|e| e.to_string()))?;
+            assert_eq!(alone.0.to_bits(), value.to_bits(), "{what}");
+            assert_eq!(alone.1, partials, "{what}");
+        }
+        // A cost with fewer stages than others stays at its last.
+        let last = value(body, cost, &u, &m, cost.stages() - 1)?;
+        for beyond in cost.stages()..cost.stages() + 3 {
+            assert_eq!(value(body, cost, &u, &m, beyond)?.to_bits(), last.to_bits(), "{what}");
+        }
+        Ok(())
+    })
+}
+
+#[test]
+fn partials_are_differences_of_values() -> Outcome {
+    each(1.0, |body, cost, what| {
+        let (u, m) = point(body);
+        for stage in 0..cost.stages() {
+            let (at, partials) = value_and_partials(body, cost, &u, &m, stage)?;
+            let (du, dm) = (noise(u.len(), 5.1), noise(m.len(), 8.2));
+            for (name, slope, by_u, by_m) in
+                [("u", dot(&partials.u, &du), 1e-4, 0.0), ("m", dot(&partials.m, &dm), 0.0, 1e3)]
+            {
+                let moved = |t: f64| -> Outcome<f64> {
+                    let u: Vec<f64> = u.iter().zip(&du).map(|(u, d)| u + t * by_u * d).collect();
+                    let m: Vec<f64> = m.iter().zip(&dm).map(|(m, d)| m + t * by_m * d).collect();
+                    value(body, cost, &u, &m, stage)
+                };
+                let central = |t: f64| -> Outcome<f64> { Ok((moved(t)? - moved(-t)?) / (2.0 * t * (by_u + by_m))) };
+                let difference = (4.0 * central(0.5)? - central(1.0)?) / 3.0;
+                let rounding = 1e-14 * at / (by_u + by_m);
+                assert!(
+                    (slope - difference).abs() < 1e-7 * slope.abs() + 8.0 * rounding,
+                    "{what}, stage {stage}, d{name}: {slope:e} where differences say {difference:e}"
+                );
+            }
+        }
+        Ok(())
+    })
+}
+
+#[test]
+fn weights_scale_values_and_partials() -> Outcome {
+    let evaluated = |weight: f64| -> Outcome<Vec<(String, f64, Partials)>> {
+        let mut all = Vec::new();
+        each(weight, |body, cost, what| {
+            let (u, m) = point(body);
+            let (value, partials) = value_and_partials(body, cost, &u, &m, 0)?;
+            all.push((what.to_owned(), value, partials));
+            Ok(())
+        })?;
+        Ok(all)
+    };
+    for ((what, one, of_one), (_, four, of_four)) in evaluated(1.0)?.iter().zip(evaluated(4.0)?) {
+        // Powers of two leave the bits alone.
+        assert_eq!(4.0 * one, four, "{what}");
+        for (one, four) in of_one.u.iter().zip(&of_four.u).chain(of_one.m.iter().zip(&of_four.m)) {
+            assert!((4.0 * one - four).abs() <= 1e-12 * four.abs(), "{what}: {one:e} {four:e}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn figures_are_finite_and_distinct() -> Outcome {
+    each(1.0, |body, cost, what| {
+        let (u, m) = point(body);
+        for stage in 0..cost.stages() {
+            let context = CostContext { solid: body.solid(), layout: body.layout(), u: &u, m: &m, stage };
+            let figures = cost.at(&context)?.figures()?;
+            for (k, figure) in figures.iter().enumerate() {
+                assert!(figure.value.is_finite(), "{what}: {figure:?}");
+                assert!(figures[..k].iter().all(|other| other.kind != figure.kind), "{what}: {figure:?} twice");
+            }
+        }
+        assert!(cost.warnings(body.solid()).iter().all(|text| !text.is_empty()), "{what}");
+        Ok(())
+    })
+}
+
+/// Through a full solve: the order of the Taylor remainder is above 1.95.
+#[test]
+fn taylor_orders_through_a_solve() -> Outcome {
+    for k in 0..bodies()?.len() {
+        for row in COSTS {
+            for example in 0.. {
+                let body = bodies()?.swap_remove(k);
+                let on = CostExample { solid: body.solid(), control: "tension", weight: 1.0 };
+                let Some(cost) = (row.examples)(&on)?.into_iter().nth(example) else { break };
+                let problem = body.cost(cost)?;
+                problem.check()?;
+                let m: Vec<f64> = noise(problem.layout().len(), 0.9).iter().map(|r| -4e4 - 2e4 * r).collect();
+                for stage in 0..problem.stages() {
+                    let test = Taylor { stage, order: 1.95, ..Taylor::default() };
+                    let report = test.test(&problem, &Bounds::new(-4e5, 1.9e5)?, &m)?;
+                    let right = report.directions.iter().all(|d| matches!(d.verdict, Verdict::Right));
+                    assert!(right, "{} {example}, body {k}, stage {stage}: {report}", row.name);
+                }
+            }
+        }
+    }
+    Ok(())
+}
