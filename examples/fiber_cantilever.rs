@@ -6,7 +6,7 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::picture::{Body, Colour, Field, Look, Picture};
+use nastic::picture::{Appearance, Body, Colour, Field, Picture};
 use nastic::prelude::*;
 use std::sync::Arc;
 
@@ -44,9 +44,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tension = optimum.cell_array("tension").map(|a| a.values.clone()).unwrap_or_default();
     Picture::new("Fibre-driven cantilever")
         .subtitle(&format!("true Hausdorff distance to the target {before:.3} m -> {after:.4} m"))
-        .body(Body::of("start", &problem.snapshot(&start, None)?).look(Look::Glass(Colour::GREY)))
-        .body(Body::new("target", target).look(Look::Wire(Colour::ORANGE)))
-        .body(Body::of("optimum", &optimum).look(Look::Field(Field::at_cells("tension", "Pa", tension))))
+        .body(Body::of("start", &problem.snapshot(&start, None)?).appearance(Appearance::Glass(Colour::GREY)))
+        .body(Body::new("target", target).appearance(Appearance::Wire(Colour::ORANGE)))
+        .body(Body::of("optimum", &optimum).appearance(Appearance::Field(Field::at_cells("tension", "Pa", tension))))
         .write("out/fiber_cantilever/picture.png")?;
     Ok(())
 }

@@ -7,7 +7,7 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::picture::{Body, Colour, Look, Picture, View};
+use nastic::picture::{Appearance, Body, Colour, Picture, View};
 use nastic::prelude::*;
 
 const REMANENCE: f64 = 0.1; // T, everywhere
@@ -32,10 +32,10 @@ fn draw(file: &str, shot: &Snapshot) -> Result<(), Box<dyn std::error::Error>> {
     let arrows = shot.cell_array("B_r").map(|a| a.values.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect());
     Picture::new(&format!("Petal, {file}"))
         .subtitle("arrows: remanence in the reference body")
-        .body(Body::of("petal", shot).look(Look::Solid(Colour::BLUE)).lines(false))
+        .body(Body::of("petal", shot).appearance(Appearance::Solid(Colour::BLUE)).lines(false))
         .body(
             Body::new("flat", shot.mesh.clone())
-                .look(Look::Glass(Colour::GREY))
+                .appearance(Appearance::Glass(Colour::GREY))
                 .arrows(Colour::RED, arrows.unwrap_or_default()),
         )
         .view(View::From([0.5, -1.0, 0.7]))

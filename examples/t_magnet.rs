@@ -7,7 +7,7 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::picture::{Body, Colour, Look, Picture, View};
+use nastic::picture::{Appearance, Body, Colour, Picture, View};
 use nastic::prelude::*;
 use nastic::uncertainty::risk::Mean;
 use std::sync::Arc;
@@ -58,9 +58,9 @@ fn problem(disc: &Arc<Discretization>, wanted: (&str, [f64; 3])) -> Outcome<Redu
 /// The state, and the body at rest with its magnetisation as arrows.
 fn draw(file: &str, title: &str, shot: &Snapshot) -> Outcome {
     let arrows = shot.cell_array("B_r").map(|a| a.values.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect());
-    let rest = Body::new("at rest, with its remanence", shot.mesh.clone()).look(Look::Glass(Colour::GREY));
+    let rest = Body::new("at rest, with its remanence", shot.mesh.clone()).appearance(Appearance::Glass(Colour::GREY));
     Picture::new(title)
-        .body(Body::of("in the field", shot).look(Look::Solid(Colour::BLUE)))
+        .body(Body::of("in the field", shot).appearance(Appearance::Solid(Colour::BLUE)))
         .body(rest.arrows(Colour::RED, arrows.unwrap_or_default()))
         .view(View::From([0.6, -1.0, 0.6]))
         .write(format!("out/t_magnet/{file}.png"))?;

@@ -10,7 +10,7 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::picture::{Body, Colour, Field, Look, Picture};
+use nastic::picture::{Appearance, Body, Colour, Field, Picture};
 use nastic::prelude::*;
 
 const LENGTH: f64 = 0.1;
@@ -58,9 +58,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pressure = optimum.cell_array("turgor").map(|a| a.values.clone()).unwrap_or_default();
     Picture::new("A stem lifts itself")
         .subtitle(&format!("{:.2} mm -> {:.3} mm from the target", distance(start.cost()), distance(best.cost)))
-        .body(Body::of("start", &problem.snapshot(&start, None)?).look(Look::Glass(Colour::GREY)))
-        .body(Body::new("target", target).look(Look::Wire(Colour::ORANGE)))
-        .body(Body::of("optimum", &optimum).look(Look::Field(Field::at_cells("turgor", "Pa", pressure))))
+        .body(Body::of("start", &problem.snapshot(&start, None)?).appearance(Appearance::Glass(Colour::GREY)))
+        .body(Body::new("target", target).appearance(Appearance::Wire(Colour::ORANGE)))
+        .body(Body::of("optimum", &optimum).appearance(Appearance::Field(Field::at_cells("turgor", "Pa", pressure))))
         .write("out/turgor_stem/picture.png")?;
     Ok(())
 }

@@ -6,6 +6,7 @@ use nastic::case::console::Console;
 use nastic::case::run::{Exit, Options, Outcome, RunError, run};
 use nastic::case::schema::Command;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
 fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/cases").join(name)
@@ -16,6 +17,32 @@ fn scratch(name: &str) -> PathBuf {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&directory).unwrap();
     directory
+}
+
+/// What a console was told.
+#[derive(Clone, Default)]
+struct Said(Arc<Mutex<Vec<u8>>>);
+
+impl Said {
+    fn console() -> (Self, Console) {
+        let said = Self::default();
+        (said.clone(), Console::new(said))
+    }
+
+    fn text(&self) -> String {
+        String::from_utf8(self.0.lock().unwrap().clone()).unwrap()
+    }
+}
+
+impl std::io::Write for Said {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
 }
 
 fn command(command: Command, case: &Path, name: &str, set: &[&str]) -> Result<Outcome, RunError> {
@@ -40,6 +67,8 @@ fn every_shipped_case_is_complete() {
                 path.display(),
                 outcome.result
             );
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert!(text.contains("\"expect\""), "{}: give it an expected number", path.display());
             cases += 1;
         }
     }
@@ -63,9 +92,27 @@ fn gradcheck_passes_and_leaves_no_state() {
 }
 
 #[test]
+fn a_magnet_is_described_by_the_formula_of_its_variant() {
+    for (variant, carrier) in [("F", "C = F"), ("isochoric", "C = J^(-1/3) F"), ("rotation", "C = R of F = R U")] {
+        let (said, console) = Said::console();
+        let set = vec![format!("actuation/0/variant={variant}")];
+        let options = Options { out: Some(scratch("variant")), set, ..Options::default() };
+        run(Command::Check, &shipped("t_magnet.json"), &options, &console).unwrap();
+        let said = said.text();
+        assert!(said.contains(&format!("magnet adds -(1/mu0)(C B_r).B_a to the energy, {carrier}\n")), "{said}");
+    }
+}
+
+#[test]
 fn the_strip_reaches_its_target_within_bounds() {
     let outcome = command(Command::Optimize, &shipped("strip.json"), "strip", &[]).unwrap();
-    assert!(matches!(outcome.exit, Exit::Done), "{:?} {}", outcome.exit, outcome.result["stop"]);
+    assert_eq!(
+        (outcome.exit, outcome.missed.len()),
+        (Exit::Done, 0),
+        "{:?} {}",
+        outcome.missed,
+        outcome.result["stop"]
+    );
     let (first, last) = (&outcome.result["start"]["cost"]["total"], &outcome.result["cost"]["total"]);
     assert!(last.as_f64().unwrap() < 1e-2 * first.as_f64().unwrap(), "{first} -> {last}");
     for file in ["start.vtu", "optimum.vtu", "iterations.pvd", "history.jsonl", "result.json", "picture.png"] {

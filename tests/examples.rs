@@ -73,9 +73,11 @@ fn a_robust_control_is_better_on_average_where_it_was_found() {
 }
 
 #[test]
-fn the_shortest_program_converges() {
+fn the_shortest_program_ends_at_its_number() {
     let said = run("shortest", &[]);
-    assert!(said.contains("cost"), "{said}");
+    // With its default tolerance it ends by its limit of 100 iterations, at 4 % of the first projected gradient.
+    assert!(said.contains("converged") || said.contains("stopped after 100 iterations"), "{said}");
+    assert!((number_after(&said, "\ncost ") - 0.1357).abs() < 5e-4, "{said}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! typed blocks, and [`expression`] and [`quantity`] give every text with a unit its number in the case's own system.
 //! All problems of a file are reported at once, each with its path and line.
 
+pub mod catalogue;
 pub mod console;
 pub mod expression;
 pub mod history;

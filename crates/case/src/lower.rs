@@ -1,4 +1,4 @@
-//! From a [`Case`] to a [`Problem`]: meshes read, formulas evaluated where they are needed, names looked up.
+//! From a [`Case`] to a [`CaseProblem`]: meshes read, formulas evaluated where they are needed, names looked up.
 //!
 //! Every problem names its path and line; as many as possible are found before giving up. A case becomes an
 //! [`Ensemble`] of members, one for every load case of every scenario; a plain case is an ensemble of one.
@@ -40,7 +40,7 @@ use nastic_control::{Ensemble, EnsembleError, LoadCase, Metric, Reduced};
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::Mesh;
 use nastic_opt::{InnerProduct, Objective, Optimizer, Problem as _, Product};
-use scenario::World;
+use scenario::Scenario;
 use serde_json::{Map, Value};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ use variant::Variant;
 
 /// A case made ready to compute: what every command works on.
 #[derive(Debug)]
-pub struct Problem {
+pub struct CaseProblem {
     /// The file, with its overrides.
     pub document: Document,
     /// Its blocks.
@@ -75,7 +75,7 @@ pub struct Problem {
     differences: Vec<Map<String, Value>>,
 }
 
-impl Problem {
+impl CaseProblem {
     /// Reads all that a case names and builds the problem. A raised flag ends state solves.
     ///
     /// # Errors
@@ -177,8 +177,8 @@ fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &
     };
     let disc = context.take(&mesh::at(case), Discretization::new(mesh.clone()))?;
     let probes = probe::locate(case, &mesh, context);
-    let worlds = scenario::worlds(case, document, &disc, context)?;
-    let variants = match variant::all(case, document, &worlds, context) {
+    let scenarios = scenario::scenarios(case, document, &disc, context)?;
+    let variants = match variant::all(case, document, &scenarios, context) {
         Ok(variants) => variants,
         Err(problems) => {
             context.found.problems.extend(problems.list().iter().cloned());
@@ -196,8 +196,8 @@ fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &
     if !context.is_sound() {
         return None;
     }
-    let (ensemble, labels) = join(case, &worlds, variants, bodies, targets, cancel, context)?;
-    let differences = worlds.into_iter().map(|world| world.values).collect();
+    let (ensemble, labels) = join(case, &scenarios, variants, bodies, targets, cancel, context)?;
+    let differences = scenarios.into_iter().map(|scenario| scenario.values).collect();
     Some(Lowered { ensemble, labels, differences, controls, probes })
 }
 
@@ -236,26 +236,26 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
 /// The members side by side.
 fn join(
     case: &Case,
-    worlds: &[World],
+    scenarios: &[Scenario],
     variants: Vec<Variant>,
     bodies: Vec<Reduced>,
     targets: Vec<Vec<TargetShape>>,
     cancel: Arc<AtomicBool>,
     context: &mut Context<'_>,
 ) -> Option<(Ensemble, Vec<Label>)> {
-    let mut cases: Vec<Vec<LoadCase>> = worlds.iter().map(|_| vec![]).collect();
+    let mut cases: Vec<Vec<LoadCase>> = scenarios.iter().map(|_| vec![]).collect();
     let mut labels = Vec::new();
     for ((variant, body), targets) in variants.into_iter().zip(bodies).zip(targets) {
         let own = variant.case.controls.iter().skip(case.controls.len());
         let part = LoadCase::new(&variant.case_name, variant.weight, body);
-        cases[variant.world].push(own.fold(part, |part, control| part.own(&control.of)));
+        cases[variant.scenario].push(own.fold(part, |part, control| part.own(&control.of)));
         let load_case = variant.load_case.map(|_| variant.case_name.clone());
-        let (scenario, Variant { stem, case_stem, case, .. }) = (worlds[variant.world].name.clone(), variant);
+        let (scenario, Variant { stem, case_stem, case, .. }) = (scenarios[variant.scenario].name.clone(), variant);
         labels.push(Label { scenario, load_case, stem, case_stem, case, targets });
     }
     let mut builder = Ensemble::new(scenario::risk(case)).cancelled_by(cancel);
-    for (world, cases) in worlds.iter().zip(cases) {
-        builder = builder.scenario_of(world.name.as_deref().unwrap_or(""), world.probability, cases);
+    for (scenario, cases) in scenarios.iter().zip(cases) {
+        builder = builder.scenario_of(scenario.name.as_deref().unwrap_or(""), scenario.probability, cases);
     }
     match builder.build() {
         Ok(ensemble) => Some((ensemble, labels)),

@@ -3,8 +3,8 @@
 pub(crate) mod expectation;
 pub(crate) mod files;
 pub(crate) mod fingerprint;
+pub(crate) mod member_report;
 pub(crate) mod picture;
-pub(crate) mod shown;
 pub(crate) mod snapshot;
 pub(crate) mod summary;
 

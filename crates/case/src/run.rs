@@ -10,23 +10,23 @@
 //! # Ok::<(), nastic_case::run::RunError>(())
 //! ```
 
-mod certificate;
 mod check;
+mod check_gradient;
 mod describe;
+mod ensemble_progress;
 mod error;
 mod gradcheck;
 mod gradient;
 mod number;
 mod optimize;
-mod roll;
 mod session;
 mod solve;
 mod table;
 
-pub use certificate::{Certificate, certify};
 pub use error::{Exit, RunError};
 pub use gradcheck::{GradientTest, test_gradient};
 
+use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::result::{Missed, expectation};
 use crate::schema::Command;
@@ -66,13 +66,27 @@ pub struct Outcome {
 /// A [`RunError`], which knows its exit code. A failed gradient check, a stop before convergence and missed expectations
 /// are no errors: see [`Outcome::exit`].
 pub fn run(command: Command, case: &Path, options: &Options, console: &Console) -> Result<Outcome, RunError> {
+    run_with(&Catalogue::standard(), command, case, options, console)
+}
+
+/// As [`run`], with the names of a catalogue of one's own.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with(
+    catalogue: &Catalogue,
+    command: Command,
+    case: &Path,
+    options: &Options,
+    console: &Console,
+) -> Result<Outcome, RunError> {
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = options.threads {
         pool = pool.num_threads(threads);
     }
     let pool = pool.build().map_err(|error| RunError::Threads(error.to_string()))?;
     pool.install(|| {
-        let mut session = Session::open(command, case, options, console)?;
+        let mut session = Session::open(catalogue, command, case, options, console)?;
         let exit = match &session.command {
             Command::Check => check::run(&mut session),
             Command::Solve => solve::run(&mut session),

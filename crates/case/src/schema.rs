@@ -9,6 +9,7 @@
 mod macros;
 
 mod actuation;
+mod added_cost;
 mod case;
 mod catalogue;
 mod check;
@@ -30,6 +31,7 @@ mod units;
 mod value;
 
 pub use actuation::{Actuation, Fixed};
+pub use added_cost::AddedCost;
 pub use case::{Case, Output, Probe};
 pub use catalogue::Input;
 pub use control::{Control, Space, Start};

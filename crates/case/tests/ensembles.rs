@@ -39,6 +39,7 @@ fn scenarios_have_the_numbers_of_the_single_cases() {
     let [soft, stiff] = singles();
     let place = Place::new();
     let result = place.run(Command::Gradient, &robust(), &[]).unwrap().result;
+    assert_eq!(result["gradient_check"]["verdict"], "right", "{}", result["gradient_check"]);
     for key in ["cost/total", "cost/terms/tracking", "min_J", "inertia", "potential", "probes/tip/displacement/2"] {
         assert_eq!(number(&result, &format!("scenarios/soft/{key}")), number(&soft, key), "{key}");
         assert_eq!(number(&result, &format!("scenarios/stiff/{key}")), number(&stiff, key), "{key}");
@@ -366,6 +367,10 @@ fn several_starts_are_run_and_compared() {
     assert_eq!(number(&result, "cost/total"), costs[best]);
     assert!(starts[0]["seed"].is_null() && starts[1]["seed"] == 4_000_013 && starts[1]["iterations"] == 3);
     assert_ne!(starts[1]["start_cost"], starts[2]["start_cost"]);
+    assert_eq!(text.matches("gradient    right").count(), 3, "every start has its certificate: {text}");
+    for check in [&result["gradient_check"], &starts[1]["gradient_check"], &starts[2]["gradient_check"]] {
+        assert!(check["verdict"] == "right" && number(check, "mismatch") < 0.1, "{check}");
+    }
     let again = place.run(Command::Optimize, MAGNET, &set).unwrap().result;
     assert_eq!(again["starts"], result["starts"], "the same seeds, the same bits");
     let plain =

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
+use nastic_case::catalogue::Catalogue;
 use nastic_case::schema::{Case, json_schema};
 use nastic_case::syntax::Document;
 use serde_json::{Value, json};
@@ -17,7 +18,7 @@ fn document(text: &str) -> Document {
 
 #[test]
 fn every_reference_is_defined_and_every_key_described() {
-    let schema = json_schema();
+    let schema = json_schema(&Catalogue::standard());
     let text = schema.to_string();
     for part in text.split("#/$defs/").skip(1) {
         let name = part.split('"').next().unwrap();
@@ -33,7 +34,7 @@ fn every_reference_is_defined_and_every_key_described() {
 
 #[test]
 fn costs_and_phi_are_those_of_the_catalogues() {
-    let schema = json_schema();
+    let schema = json_schema(&Catalogue::standard());
     let costs = schema["properties"]["costs"]["items"]["oneOf"].as_array().unwrap();
     let kind = |one: &Value| {
         let name = one["$ref"].as_str().unwrap().strip_prefix("#/$defs/").unwrap();
@@ -51,7 +52,7 @@ fn costs_and_phi_are_those_of_the_catalogues() {
 
 #[test]
 fn required_keys_defaults_and_units_are_told() {
-    let schema = json_schema();
+    let schema = json_schema(&Catalogue::standard());
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     assert_eq!(schema["required"], json!(["nastic", "mesh", "materials"]));
     assert_eq!(schema["additionalProperties"], false);
@@ -134,7 +135,7 @@ print(json.dumps([validator(schema).is_valid(case) for case in cases]))
 /// What Python's jsonschema says of each text; `None` where it is not installed.
 fn validate(texts: &[(bool, Value)]) -> Option<Vec<bool>> {
     let cases: Vec<&Value> = texts.iter().map(|(_, text)| text).collect();
-    let input = json!([json_schema(), cases]).to_string();
+    let input = json!([json_schema(&Catalogue::standard()), cases]).to_string();
     let mut child =
         Command::new("python3").args(["-c", SCRIPT]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
     // A Python that stops early closes the pipe; its exit code tells why.

@@ -1,8 +1,9 @@
 //! From arguments to an exit code.
 
 use crate::arguments::{Arguments, Case, Command};
+use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{Exit, Options, RunError, run};
+use nastic_case::run::{Exit, Options, RunError, run_with};
 use nastic_case::schema;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
@@ -13,7 +14,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Exit code of a program killed by Ctrl-C, by convention.
 const KILLED: i32 = 130;
 
-pub fn run_arguments(arguments: Arguments) -> ExitCode {
+pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
+    let on_case = |command, case: &Case| on_case(catalogue, command, case);
     match arguments.command {
         Command::Check(case) => on_case(schema::Command::Check, &case),
         Command::Solve(case) => on_case(schema::Command::Solve, &case),
@@ -21,13 +23,13 @@ pub fn run_arguments(arguments: Arguments) -> ExitCode {
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
         Command::Optimize(case) => on_case(schema::Command::Optimize, &case),
         Command::Schema => {
-            print(&schema::json_schema());
+            print(&schema::json_schema(catalogue));
             ExitCode::SUCCESS
         }
     }
 }
 
-fn on_case(command: schema::Command, case: &Case) -> ExitCode {
+fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> ExitCode {
     let name = command.name();
     let options = Options {
         out: case.out.clone(),
@@ -35,7 +37,7 @@ fn on_case(command: schema::Command, case: &Case) -> ExitCode {
         set: case.settings.clone(),
         cancel: cancelled_by_ctrl_c(),
     };
-    let outcome = run(command, &case.case, &options, &console(case));
+    let outcome = run_with(catalogue, command, &case.case, &options, &console(case));
     match outcome {
         Ok(outcome) => {
             if case.json {

@@ -1,12 +1,8 @@
 //! The command line program `nastic`.
 
-mod arguments;
-mod command;
-
-use arguments::Arguments;
-use clap::Parser;
+use nastic_case::catalogue::Catalogue;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    command::run_arguments(Arguments::parse())
+    nastic_cli::run(&Catalogue::standard())
 }

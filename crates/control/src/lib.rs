@@ -18,7 +18,8 @@ mod workspace;
 
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, ControlNorm, ControlSmoothness, Cost, CostContext, CostExample,
-    CostPoint, CostRow, Figure, FigureKind, IntoCost, Partials, SmoothedHausdorff, Target, Tracking,
+    CostPoint, CostRow, Figure, FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff, Target, Tracking,
+    UserCost,
 };
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,

@@ -89,7 +89,7 @@ impl ControlMap {
 
     /// The weights of the points: reference volumes, or the size of the contribution.
     pub(crate) fn weights<'a>(&'a self, disc: &'a Discretization) -> &'a [f64] {
-        self.measure.as_ref().map_or_else(|| disc.points().weights(), |measure| measure)
+        self.measure.as_ref().map_or(disc.points().weights(), |measure| measure.as_slice())
     }
 
     /// The map of a space over the given cells.

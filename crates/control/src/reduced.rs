@@ -11,9 +11,10 @@ use crate::inner_product::{Metric, inner_product};
 use crate::layout::Layout;
 use crate::map::Space;
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{Solid, SolveOptions, SolveReport, State, StatePartials, Trajectory};
+use nastic_fem::{Progress, Solid, SolveOptions, SolveReport, State, StatePartials, Trajectory};
 use nastic_opt::{InnerProduct, Request};
 use std::borrow::Cow;
+use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -34,6 +35,17 @@ pub struct Reduced {
     /// Whether the workspace keeps a factor for the next solve.
     keep_factors: bool,
     cancel: Option<Arc<AtomicBool>>,
+    progress: Option<SolveProgress>,
+}
+
+/// What is told after every Newton iteration.
+#[derive(Clone)]
+struct SolveProgress(Arc<dyn Fn(&Progress) + Send + Sync>);
+
+impl fmt::Debug for SolveProgress {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("SolveProgress(..)")
+    }
 }
 
 /// Values of the cost terms, and the evaluated terms.
@@ -48,7 +60,16 @@ impl Reduced {
     /// The problem of a body, with no cost yet.
     pub fn new(solid: Solid) -> Self {
         let layout = Layout::new(solid.controls());
-        Reduced { solid, layout, costs: vec![], metric: Metric::L2, parallel: true, keep_factors: true, cancel: None }
+        Reduced {
+            solid,
+            layout,
+            costs: vec![],
+            metric: Metric::L2,
+            parallel: true,
+            keep_factors: true,
+            cancel: None,
+            progress: None,
+        }
     }
 
     /// Adds a control field on an actuation (`NAME`, or `NAME.SLOT` where it has several).
@@ -107,6 +128,11 @@ impl Reduced {
     pub fn cancelled_by(mut self, flag: Arc<AtomicBool>) -> Self {
         self.cancel = Some(flag);
         self
+    }
+
+    /// Calls `watch` after every Newton iteration of a state solve.
+    pub fn watch_solves(&mut self, watch: impl Fn(&Progress) + Send + Sync + 'static) {
+        self.progress = Some(SolveProgress(Arc::new(watch)));
     }
 
     /// Computes on one thread: for members of an ensemble, which run side by side.
@@ -188,6 +214,7 @@ impl Reduced {
             parallel: self.parallel,
             accuracy: how.accuracy * RESIDUAL_PER_ACCURACY,
             cancel: self.cancel.as_deref(),
+            watch: self.progress.as_ref().map(|progress| &*progress.0 as &(dyn Fn(&Progress) + Sync)),
             ..SolveOptions::default()
         };
         let solved = self.solid.solve_with(&controls, &options, &mut workspace.solve);

@@ -57,7 +57,7 @@ fn a_pressure_is_found_beside_a_field() -> Outcome {
     let product = problem.inner_product()?;
     let mut unit = vec![0.0; product.len()];
     unit[0] = 1.0;
-    assert!((product.inner(&unit, &unit) - 1.0).abs() < 1e-12, "the weight of a pressure is the cavity's volume");
+    assert!((product.inner(&unit, &unit) - 1.2).abs() < 1e-12, "the weight of a pressure is the cavity's volume");
     assert!(problem.summary(&best.point).get("min_J").is_some_and(|j| j > 0.5));
     Ok(())
 }

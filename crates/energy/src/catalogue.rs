@@ -24,9 +24,9 @@ use nastic_tensor::Mat3;
 
 use crate::{Actuation, ConvexDensity, EnergyError, EnergyTerm};
 
+pub use choose::choose as choose_form;
 use choose::{choose, distinct};
-use inputs::Given;
-pub use inputs::Inputs;
+pub use inputs::{Given, Inputs};
 
 /// A parameter of a law, as case files write it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +59,44 @@ pub enum Takes {
         /// The words.
         of: &'static [&'static str],
     },
+    /// The name of a region, a surface, a node set.
+    Name {
+        /// An example.
+        example: &'static str,
+    },
 }
+
+impl Parameter {
+    /// A number in this unit (`Pa`, `m`, `T`, `1` for a pure number ...), with an example in SI units.
+    pub const fn number(name: &'static str, unit: &'static str, example: f64) -> Self {
+        Parameter { name, takes: Takes::Number { unit, example }, optional: false }
+    }
+
+    /// A unit vector of the reference body.
+    pub const fn direction(name: &'static str, example: [f64; 3]) -> Self {
+        Parameter { name, takes: Takes::Direction { example }, optional: false }
+    }
+
+    /// One of a few words.
+    pub const fn choice(name: &'static str, of: &'static [&'static str]) -> Self {
+        Parameter { name, takes: Takes::Choice { of }, optional: false }
+    }
+
+    /// The name of a region, a surface, a node set.
+    pub const fn place(name: &'static str, example: &'static str) -> Self {
+        Parameter { name, takes: Takes::Name { example }, optional: false }
+    }
+
+    /// The same, which may be left out.
+    pub const fn optional(self) -> Self {
+        Parameter { optional: true, ..self }
+    }
+}
+
+/// How a law is made of its parameters.
+pub type MakeMaterial = fn(&Given<'_>) -> Result<Made, EnergyError>;
+/// How an actuation is made of its parameters.
+pub type MakeActuation = fn(&Given<'_>) -> Result<Arc<dyn Actuation>, EnergyError>;
 
 /// A passive law.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +107,7 @@ pub struct MaterialRow {
     pub about: &'static str,
     /// The sets of parameters it takes, its own coefficients first.
     pub forms: &'static [&'static [Parameter]],
-    make: fn(&Given) -> Result<Made, EnergyError>,
+    make: MakeMaterial,
 }
 
 /// An actuation.
@@ -84,7 +121,7 @@ pub struct ActuationRow {
     pub forms: &'static [&'static [Parameter]],
     /// Positive control values and the displacement gradient they drive a free body at rest towards.
     pub example: Example,
-    make: fn(&Given) -> Result<Arc<dyn Actuation>, EnergyError>,
+    make: MakeActuation,
 }
 
 /// What a positive control does.
@@ -104,15 +141,22 @@ impl Example {
 }
 
 /// A law, once for those who evaluate it and once for those who examine its convexity.
-struct Made {
+#[derive(Debug)]
+pub struct Made {
     term: Arc<dyn EnergyTerm>,
     density: Option<Arc<dyn ConvexDensity>>,
 }
 
 impl Made {
-    fn density(law: impl ConvexDensity + 'static) -> Self {
+    /// Of a law written as a function of `F`, `H` and `J`.
+    pub fn density(law: impl ConvexDensity + 'static) -> Self {
         let law = Arc::new(law);
         Made { term: law.clone(), density: Some(law) }
+    }
+
+    /// Of any other law.
+    pub fn term(law: impl EnergyTerm + 'static) -> Self {
+        Made { term: Arc::new(law), density: None }
     }
 }
 
@@ -149,6 +193,16 @@ pub fn actuation(name: &str) -> Result<&'static ActuationRow, EnergyError> {
 }
 
 impl MaterialRow {
+    /// A row for a law of one's own; `forms` are the sets of parameters it takes.
+    pub const fn new(
+        name: &'static str,
+        about: &'static str,
+        forms: &'static [&'static [Parameter]],
+        make: MakeMaterial,
+    ) -> Self {
+        MaterialRow { name, about, forms, make }
+    }
+
     /// The law with these parameters, which must be exactly one of its [`forms`](Self::forms).
     ///
     /// # Errors
@@ -182,6 +236,17 @@ impl MaterialRow {
 }
 
 impl ActuationRow {
+    /// A row for an actuation of one's own; `forms` are the sets of parameters it takes.
+    pub const fn new(
+        name: &'static str,
+        about: &'static str,
+        forms: &'static [&'static [Parameter]],
+        example: Example,
+        make: MakeActuation,
+    ) -> Self {
+        ActuationRow { name, about, forms, example, make }
+    }
+
     /// The actuation with these parameters.
     ///
     /// # Errors

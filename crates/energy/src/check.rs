@@ -1,13 +1,14 @@
 //! Contract checks for any energy term, ours or a user's own.
 //!
 //! Each check evaluates the term at rotated, strongly deformed states (`J` from 0.3 to 3, never near the identity only)
-//! and compares what it claims with what its energy implies. [`passive`] and [`actuation`] run everything that applies.
+//! and compares what it claims with what its energy implies. [`law`], [`passive`] and [`actuation`] run everything that
+//! applies.
 //!
 //! ```
 //! use nastic_energy::{MooneyRivlin, Place, check};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let law = MooneyRivlin::new(1e5, 2e4, 1e6)?;
-//! let report = check::passive(&law, Place { cell: 0, point: 0 })?;
+//! let report = check::law(&law, Place { cell: 0, point: 0 })?;
 //! assert!(report.findings.iter().all(|finding| finding.worst <= finding.allowed));
 //! # Ok(())
 //! # }
@@ -27,7 +28,7 @@ use std::fmt;
 
 use nastic_tensor::{Inverted, Kinematics, Mat3, Tangent};
 
-use crate::{Actuation, ConvexDensity, EnergyTerm, Place, Points, Response, Slots, Want};
+use crate::{Actuation, ConvexDensity, EnergyTerm, Place, PointBatch, Response, Slots, Want};
 
 pub use accumulation::accumulation;
 pub use control::{control_derivative, drives};
@@ -129,7 +130,7 @@ pub struct Evaluation {
 pub fn evaluate(term: &dyn EnergyTerm, at: Place, k: &Kinematics, m: &[f64]) -> Evaluation {
     let (mut energy, mut stress, mut tangent) = ([0.0], [Mat3::zeros()], [Tangent::zero()]);
     let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut tangent };
-    let points = Points { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
+    let points = PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
     term.respond(&points, Slots { values: m, width: m.len() }, Want::ALL, &mut out);
     Evaluation { energy: energy[0], stress: stress[0], tangent: tangent[0] }
 }
@@ -152,6 +153,18 @@ pub fn passive(law: &dyn EnergyTerm, at: Place) -> Result<Report, Violation> {
     findings.push(ellipticity(law, at)?);
     findings.push(growth(law, at)?);
     Ok(Report { findings })
+}
+
+/// Every check of a law of your own, written as a [`ConvexDensity`]: those of [`passive`], those of [`convex_density`], and
+/// the convexity bound it states.
+///
+/// # Errors
+/// The first [`Violation`].
+pub fn law<L: ConvexDensity>(law: &L, at: Place) -> Result<Report, Violation> {
+    let mut report = passive(law, at)?;
+    report.findings.extend(convex_density(law, at)?.findings);
+    report.findings.extend(fiber_limit(law, at)?);
+    Ok(report)
 }
 
 /// The further checks of a law written as a [`ConvexDensity`]: its partial derivatives one by one, and their convexity.

@@ -2,7 +2,7 @@ use std::fmt::Debug;
 
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
-use crate::{EnergyError, EnergyTerm, Moduli, Place, Points, Response, Slots, Want};
+use crate::{EnergyError, EnergyTerm, Moduli, Place, PointBatch, Response, Slots, Want};
 
 /// Work conjugates of `F`, `H` and `J` (Pa).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Conjugates {
     pub j: f64,
 }
 
-/// A block of second derivatives by two matrices, kept in the cheapest form it has.
+/// A block of second derivatives by two matrices, stored in the least expensive form it has.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Block {
     /// Absent.
@@ -154,7 +154,7 @@ pub trait ConvexDensity: Debug + Send + Sync {
 }
 
 impl<D: ConvexDensity> EnergyTerm for D {
-    fn respond(&self, at: &Points, _m: Slots, want: Want, out: &mut Response) {
+    fn respond(&self, at: &PointBatch, _m: Slots, want: Want, out: &mut Response) {
         for (q, k) in at.kinematics.iter().enumerate() {
             let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
             if want.energy {
@@ -173,7 +173,7 @@ impl<D: ConvexDensity> EnergyTerm for D {
     }
 
     /// The chain rule applied to one direction: a fraction of the work of `dP/dF`.
-    fn stress_change(&self, at: &Points, _m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+    fn stress_change(&self, at: &PointBatch, _m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         for (q, (k, g)) in at.kinematics.iter().zip(change).enumerate() {
             let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
             let s = self.first(place, f, h, j);

@@ -7,7 +7,7 @@ use crate::{EnergyError, Moduli, Place};
 
 /// The quadrature points of one cell: their kinematics, and who they are.
 #[derive(Clone, Copy, Debug)]
-pub struct Points<'a> {
+pub struct PointBatch<'a> {
     /// `F`, `H`, `J` per point.
     pub kinematics: &'a [Kinematics],
     /// The mesh cell.
@@ -16,7 +16,7 @@ pub struct Points<'a> {
     pub first: usize,
 }
 
-impl Points<'_> {
+impl PointBatch<'_> {
     /// Number of points.
     #[inline]
     pub fn len(&self) -> usize {
@@ -31,8 +31,8 @@ impl Points<'_> {
 
     /// The `q`-th point by itself.
     #[inline]
-    pub fn only(&self, q: usize) -> Points<'_> {
-        Points { kinematics: &self.kinematics[q..=q], cell: self.cell, first: self.first + q }
+    pub fn only(&self, q: usize) -> PointBatch<'_> {
+        PointBatch { kinematics: &self.kinematics[q..=q], cell: self.cell, first: self.first + q }
     }
 
     /// The place of the `q`-th point, for fields.
@@ -82,7 +82,7 @@ pub struct Want {
 }
 
 impl Want {
-    /// The energy alone: cheap, for line searches.
+    /// The energy alone, for line searches.
     pub const ENERGY: Want = Want { energy: true, stress: false, tangent: false };
     /// The stress alone.
     pub const STRESS: Want = Want { energy: false, stress: true, tangent: false };
@@ -109,11 +109,11 @@ pub struct Response<'a> {
 /// are a function of `(F, H, J)` implement [`ConvexDensity`](crate::ConvexDensity) instead and get this for free.
 pub trait EnergyTerm: Debug + Send + Sync {
     /// Adds energy, `P` and `dP/dF`, as wanted, at all points of one cell.
-    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response);
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response);
 
     /// Adds the change of stress `dP/dF : G` (Pa) for a change `G` of `F` at every point of one cell: all that a product with
-    /// the tangent matrix asks of a law. Derived from [`respond`](Self::respond); a law that knows a cheaper way says it here.
-    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+    /// the tangent matrix asks of a law. Derived from [`respond`](Self::respond); a law with a less expensive way implements it here.
+    fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         let want = Want { energy: false, stress: false, tangent: true };
         for (q, (change, out)) in change.iter().zip(out).enumerate() {
             let mut tangent = [Tangent::zero()];
@@ -213,7 +213,7 @@ pub trait Actuation: EnergyTerm {
     fn slots(&self) -> &[Slot];
 
     /// Control derivative of the stress at every point: sets `out[q * width + k] = dP/dm_k` (Pa per unit of slot `k`).
-    fn stress_by_control(&self, at: &Points, m: Slots, out: &mut [Mat3]);
+    fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]);
 
     /// The control values seen by an observer who turned space by `q`: components of spatial vectors turn with it,
     /// scalars and vectors of the reference body stay. The contract tests use it to state objectivity.
@@ -221,11 +221,11 @@ pub trait Actuation: EnergyTerm {
 }
 
 impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
-    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         (**self).respond(at, m, want, out);
     }
 
-    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+    fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         (**self).stress_change(at, m, change, out);
     }
 
@@ -251,7 +251,7 @@ impl<T: Actuation + ?Sized> Actuation for Arc<T> {
         (**self).slots()
     }
 
-    fn stress_by_control(&self, at: &Points, m: Slots, out: &mut [Mat3]) {
+    fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
         (**self).stress_by_control(at, m, out);
     }
 

@@ -4,7 +4,7 @@
 use nastic_energy::check::{self, Violation};
 use nastic_energy::{
     Actuation, Block, Conjugates, ConvexDensity, Curvature, EnergyTerm, FiberTension, Moduli, MooneyRivlin, NeoHooke,
-    Place, Points, Response, Slot, Slots, Want,
+    Place, PointBatch, Response, Slot, Slots, Want,
 };
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
@@ -19,8 +19,8 @@ impl<F> std::fmt::Debug for Faulty<F> {
     }
 }
 
-impl<F: Fn(&Points, Want, &mut Response) + Send + Sync> EnergyTerm for Faulty<F> {
-    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+impl<F: Fn(&PointBatch, Want, &mut Response) + Send + Sync> EnergyTerm for Faulty<F> {
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         self.0.respond(at, m, want, out);
         (self.1)(at, want, out);
     }
@@ -30,7 +30,7 @@ impl<F: Fn(&Points, Want, &mut Response) + Send + Sync> EnergyTerm for Faulty<F>
     }
 }
 
-fn fails(fault: impl Fn(&Points, Want, &mut Response) + Send + Sync) -> String {
+fn fails(fault: impl Fn(&PointBatch, Want, &mut Response) + Send + Sync) -> String {
     let law = Faulty(MooneyRivlin::new(1e5, 2e4, 1e6).unwrap(), fault);
     match check::passive(&law, HERE).unwrap_err() {
         Violation::Exceeds { check, .. } => check.to_owned(),
@@ -40,7 +40,7 @@ fn fails(fault: impl Fn(&Points, Want, &mut Response) + Send + Sync) -> String {
 
 #[test]
 fn nothing_is_found_without_a_fault() {
-    let law = Faulty(MooneyRivlin::new(1e5, 2e4, 1e6).unwrap(), |_: &Points, _: Want, _: &mut Response| {});
+    let law = Faulty(MooneyRivlin::new(1e5, 2e4, 1e6).unwrap(), |_: &PointBatch, _: Want, _: &mut Response| {});
     let report = check::passive(&law, HERE).unwrap();
     assert_eq!(report.findings.len(), 10);
     assert_eq!(report.to_string().lines().count(), 10);
@@ -96,7 +96,7 @@ fn not_objective() {
 }
 
 /// A consistent extra term `w(J)`.
-fn volumetric(w: fn(f64) -> [f64; 3]) -> impl Fn(&Points, Want, &mut Response) + Send + Sync {
+fn volumetric(w: fn(f64) -> [f64; 3]) -> impl Fn(&PointBatch, Want, &mut Response) + Send + Sync {
     move |at, want, out| {
         let k = &at.kinematics[0];
         let [value, first, second] = w(k.j());
@@ -118,11 +118,11 @@ fn volumetric(w: fn(f64) -> [f64; 3]) -> impl Fn(&Points, Want, &mut Response) +
 struct Forgetful(MooneyRivlin);
 
 impl EnergyTerm for Forgetful {
-    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         self.0.respond(at, m, want, out);
     }
 
-    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+    fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         self.0.stress_change(at, m, change, out);
         out[0] -= cross(at.kinematics[0].h(), &change[0]);
     }
@@ -313,7 +313,7 @@ fn a_fiber_limit_that_is_too_high() {
 struct Backwards(FiberTension);
 
 impl EnergyTerm for Backwards {
-    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         self.0.respond(at, m, want, out);
     }
 }
@@ -323,7 +323,7 @@ impl Actuation for Backwards {
         self.0.slots()
     }
 
-    fn stress_by_control(&self, at: &Points, m: Slots, out: &mut [Mat3]) {
+    fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
         self.0.stress_by_control(at, m, out);
         out.iter_mut().for_each(|p| *p = -*p);
     }
@@ -338,4 +338,34 @@ fn control_derivatives() {
     ));
     assert!(matches!(check::actuation(&term, HERE, &[]), Err(Violation::Controls { expected: 1, found: 0, .. })));
     assert!(check::drives(&term, HERE, &[1.0], &Mat3::identity()).unwrap() < 0.0);
+}
+
+/// A neo-Hookean law without the term that takes the stress at rest away: all its derivatives are right.
+#[derive(Debug)]
+struct StressedAtRest(NeoHooke);
+
+impl ConvexDensity for StressedAtRest {
+    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+        self.0.value(at, f, h, j) + 1e3 * (j - 1.0)
+    }
+
+    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+        let first = self.0.first(at, f, h, j);
+        Conjugates { j: first.j + 1e3, ..first }
+    }
+
+    fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
+        self.0.second(at, f, h, j)
+    }
+}
+
+#[test]
+fn the_complete_check_finds_stress_at_rest() {
+    let law = NeoHooke::new(1e5, 4e5).unwrap();
+    let report = check::law(&law, HERE).unwrap();
+    assert_eq!(report.findings.len(), 13, "{report}");
+    let law = StressedAtRest(law);
+    assert!(check::convex_density(&law, HERE).is_ok(), "the partial derivatives alone do not show it");
+    let found = check::law(&law, HERE).unwrap_err();
+    assert!(matches!(found, Violation::Exceeds { check: "the rest state has no energy and no stress", .. }), "{found}");
 }

@@ -1,7 +1,7 @@
 //! Parameters and directions: what is refused, with which words, and fields that vary over the body.
 
 use nastic_energy::{
-    EnergyTerm, FiberTension, Field, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, Points, Response, Slots,
+    EnergyTerm, FiberTension, Field, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, PointBatch, Response, Slots,
     TransverseMooneyRivlin, Want, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
@@ -104,7 +104,7 @@ fn a_batch_is_its_points() {
 
     let (mut energy, mut stress, mut tangent) = ([0.0; 4], [Mat3::zeros(); 4], [Tangent::zero(); 4]);
     let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut tangent };
-    let points = Points { kinematics: &states, cell, first };
+    let points = PointBatch { kinematics: &states, cell, first };
     laws.iter().for_each(|law| law.respond(&points, Slots::none(), Want::ALL, &mut out));
     tension.respond(&points, Slots { values: &controls, width: 1 }, Want::ALL, &mut out);
 

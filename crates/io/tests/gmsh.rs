@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // clippy.toml frees test functions, not their helpers
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use nastic_io::{parse_gmsh, read_gmsh, read_gmsh_scaled, read_mesh};
@@ -187,6 +188,9 @@ fn a_mirrored_mesh_is_mended_and_says_so() {
 
 #[test]
 fn the_committed_meshes_are_what_their_scripts_say() {
+    // The stem's section is four quarter circles as parabolas through their ends and middles, about a square.
+    let corner = std::f64::consts::FRAC_1_SQRT_2;
+    let stem = (2.0 + 16.0 / 3.0 * corner * (1.0 - corner)) * 0.005f64.powi(2) * 0.1;
     // The target: a bar on an arc of angle 0.62; volume and area of its ends as the straight bar's.
     let expected = [
         ("cantilever.msh", CellKind::Hex27, 0.04),
@@ -196,8 +200,13 @@ fn the_committed_meshes_are_what_their_scripts_say() {
         ("strip_quad9.msh", CellKind::Quad9, 0.1),
         ("t.msh", CellKind::Hex27, (0.8 * 0.2 + 0.2) * 0.05),
         ("t_tet.msh", CellKind::Tet10, (0.8 * 0.2 + 0.2) * 0.05),
+        ("stem.msh", CellKind::Hex20, stem),
         ("petal.msh", CellKind::Hex27, (4.0 * 0.13 * 0.06 + 0.06 * 0.06) * 1e-3),
     ];
+    let committed =
+        std::fs::read_dir(meshes("")).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let committed: BTreeSet<String> = committed.filter(|name| name.ends_with(".msh")).collect();
+    assert_eq!(committed, expected.iter().map(|(file, ..)| (*file).to_owned()).collect(), "a mesh without its row");
     for (file, kind, volume) in expected {
         let mesh = read_mesh(meshes(file), 1.0).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(mesh.blocks().len(), 1, "{file}");

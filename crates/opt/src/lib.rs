@@ -8,7 +8,8 @@
 //! * nothing is evaluated outside the set; a failed evaluation shortens the step;
 //! * derivatives are asked for at accepted points alone; the accepted point travels on as [`Request::near`];
 //! * it ends with a [`Stop`] that says why;
-//! * no default depends on the unit system: a problem in other units takes the same steps;
+//! * no default depends on the unit system: a problem in other units takes the same steps, as long as all components and
+//!   the inner product are scaled by one factor (blocks of different kinds, Pa and T, are not weighed against each other);
 //! * the same input gives the same bits, also after [`Run::save`] and [`Run::load`].
 //!
 //! ```
@@ -52,6 +53,7 @@
 
 pub mod admissible;
 pub mod bytes;
+mod certificate;
 mod conjugate_gradient;
 mod failed;
 mod inner_product;
@@ -76,6 +78,7 @@ mod within;
 
 pub use admissible::{Admissible, Ball, Bounds, Face, Limit, Optimality, Outside, Product, SetError, Sphere};
 pub use bytes::SavedRunError;
+pub use certificate::{Base, Certificate};
 pub use failed::Failed;
 pub use inner_product::{Diagonal, Euclidean, INNER_PRODUCTS, InnerProduct, InnerProductError, InnerProductRow};
 pub use lbfgs::Lbfgs;

@@ -1,6 +1,7 @@
 //! A run of an optimiser: the loop that all methods share.
 
 mod begin;
+mod certify;
 mod stage;
 
 use crate::admissible::Outside;

@@ -43,16 +43,19 @@ fn names_are_those_of_case_files() {
 
 #[test]
 fn rosenbrock_is_minimised() {
-    for o in every(options(1e-7, 400)) {
-        if o.name() == SLOW {
-            continue;
-        }
-        for n in [2, 20] {
+    // Steepest descent creeps along the valley: it gets the iterations it takes, without the test for creeping.
+    let patient = Options { stagnation: 0.0, ..options(1e-7, 100_000) };
+    for entry in CATALOGUE {
+        let slow = entry.name == SLOW;
+        let o = (entry.build)(if slow { patient } else { options(1e-7, 400) });
+        for n in if slow { &[2][..] } else { &[2, 20] } {
+            let n = *n;
             let start = [-1.2, 1.0].repeat(n / 2);
             let best = run(o.as_ref(), &rosenbrock(Bounds::none()), &Bounds::none(), &Euclidean::new(n), &start);
             println!("{} {n}: {} {:?}", o.name(), best.stop, best.counts);
             assert!(best.stop.is_converged(), "{}: {}", o.name(), best.stop);
-            assert!(distance(&best.m, &vec![1.0; n]) < 1e-5, "{}", o.name());
+            // its gradient is as small, but the valley is flat
+            assert!(distance(&best.m, &vec![1.0; n]) < if slow { 1e-4 } else { 1e-5 }, "{}", o.name());
         }
     }
 }

@@ -3,8 +3,12 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::{Cost, rosenbrock};
-use nastic_opt::{Ball, Bounds, Product, Sphere, Taylor, TaylorError, Verdict};
+use nastic_opt::{
+    Ball, Base, Bounds, Certificate, Euclidean, Lbfgs, Product, Run, Sphere, Taylor, TaylorError, Verdict,
+};
 
 fn smooth(guard: impl nastic_opt::Admissible + 'static, error: f64, offset: f64) -> Cost {
     let value =
@@ -168,4 +172,31 @@ fn what_cannot_be_tested_is_said() {
     assert!(matches!(beyond.test(&rosenbrock(set.clone()), &set, &[0.5, 0.5]), Err(TaylorError::Components { .. })));
     let failing = rosenbrock(set.clone()).failing(|_| true);
     assert!(matches!(Taylor::default().test(&failing, &set, &[0.5, 0.5]), Err(TaylorError::Base(_))));
+}
+
+/// The short check vouches for a right derivative after few evaluations, leaves a wrong one to the full test, and is a
+/// method of every run.
+#[test]
+fn certificates_of_runs_and_of_points() {
+    let m: Vec<f64> = (0..7).map(|i| 0.3 + 0.2 * i as f64).collect();
+    let (set, metric) = (Bounds::new(-2.0, 2.0).unwrap(), Euclidean::new(7));
+    let optimizer = Lbfgs::default();
+    for seed in 0..20 {
+        let cost = smooth(set.clone(), 0.0, 1.0);
+        let mut run = Run::start(&optimizer, &cost, Arc::new(set.clone()), Arc::new(metric.clone()), &m[..]).unwrap();
+        let certificate = run.certify(None, seed).unwrap();
+        assert_eq!(certificate.verdict, Verdict::Right, "{certificate}");
+        assert!(certificate.trials <= 4 && certificate.full.is_none() && certificate.mismatch < 1e-3);
+        run.step(&mut ());
+        assert_ne!(run.certify(None, seed).unwrap().verdict, Verdict::Wrong);
+        let cost = smooth(set.clone(), 0.02, 1.0);
+        let derivative = (cost.derivative)(&m);
+        let base = Base { m: &m, point: &m, derivative: &derivative, stage: 0 };
+        let certificate = Certificate::of(&cost, &set, &base, &mut (), None, seed).unwrap();
+        assert_eq!(certificate.verdict, Verdict::Wrong, "{certificate}");
+        assert!(certificate.full.is_some());
+    }
+    let cost = smooth(Bounds::none(), 0.0, 1.0);
+    let base = Base { m: &[0.0], point: &vec![0.0], derivative: &[1.0], stage: 0 };
+    assert_eq!(Certificate::of(&cost, &Bounds::none(), &base, &mut (), None, 1), Err(TaylorError::NoDirection));
 }

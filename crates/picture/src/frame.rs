@@ -5,7 +5,7 @@ use super::colour::Colour;
 use super::scene::{Bar, Scene};
 use super::shade;
 use super::vector::V3;
-use super::{Look, Picture};
+use super::{Appearance, Picture};
 
 /// Where a text touches its point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,15 +98,15 @@ impl Layout {
         let mut x = 48.0 * u;
         for body in picture.bodies.iter().filter(|body| !body.label.is_empty()) {
             let (low, high) = ([x, y - 11.0 * u], [x + 34.0 * u, y + 11.0 * u]);
-            match (&body.look, &scene.bar) {
-                (Look::Solid(colour), _) => self.rectangle(low, high, *colour, 1.0),
-                (Look::Field(_), Some(bar)) => self.gradient(low, high, bar, false),
-                (Look::Glass(colour) | Look::Wire(colour), _) => {
-                    let opacity = if matches!(body.look, Look::Glass(_)) { 0.3 } else { 0.0 };
+            match (&body.appearance, &scene.bar) {
+                (Appearance::Solid(colour), _) => self.rectangle(low, high, *colour, 1.0),
+                (Appearance::Field(_), Some(bar)) => self.gradient(low, high, bar, false),
+                (Appearance::Glass(colour) | Appearance::Wire(colour), _) => {
+                    let opacity = if matches!(body.appearance, Appearance::Glass(_)) { 0.3 } else { 0.0 };
                     self.rectangle(low, high, *colour, opacity);
                     self.outline(low, high, *colour);
                 }
-                (Look::Field(_), None) => {}
+                (Appearance::Field(_), None) => {}
             }
             self.text([x + 46.0 * u, y], Anchor::Start, 24.0, false, Colour::INK, &body.label);
             x += 46.0 * u + super::text::width(&body.label, 24.0 * u) + 40.0 * u;

@@ -28,7 +28,7 @@ use nastic_io::write_atomically;
 /// Several bodies seen from one place.
 ///
 /// ```
-/// use nastic_picture::{Body, Colour, Look, Picture};
+/// use nastic_picture::{Body, Colour, Appearance, Picture};
 /// use nastic_mesh::{CellKind, box_mesh};
 ///
 /// # let out = tempfile::tempdir()?;
@@ -36,8 +36,8 @@ use nastic_io::write_atomically;
 /// let bar = box_mesh([1.0, 0.2, 0.2], [10, 2, 2], CellKind::Hex27)?;
 /// let bent = bar.points().iter().map(|p| [p[0], p[1], p[2] + 0.3 * p[0] * p[0]]).collect();
 /// Picture::new("A bar and a bent bar")
-///     .body(Body::new("start", bar.clone()).look(Look::Glass(Colour::GREY)))
-///     .body(Body::new("bent", bar).at(bent).look(Look::Solid(Colour::BLUE)))
+///     .body(Body::new("start", bar.clone()).appearance(Appearance::Glass(Colour::GREY)))
+///     .body(Body::new("bent", bar).at(bent).appearance(Appearance::Solid(Colour::BLUE)))
 ///     .write(path)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -64,7 +64,7 @@ pub enum View {
 
 /// How a body looks.
 #[derive(Clone, Debug)]
-pub enum Look {
+pub enum Appearance {
     /// Opaque, in one colour.
     Solid(Colour),
     /// Opaque, coloured by a scalar.
@@ -120,7 +120,7 @@ pub struct Body {
     label: String,
     mesh: Arc<Mesh>,
     positions: Vec<[f64; 3]>,
-    look: Look,
+    appearance: Appearance,
     lines: bool,
     arrows: Option<Arrows>,
 }
@@ -138,7 +138,14 @@ impl Body {
     pub fn new(label: &str, mesh: impl Into<Arc<Mesh>>) -> Self {
         let mesh = mesh.into();
         let positions = mesh.points().to_vec();
-        Self { label: label.to_owned(), mesh, positions, look: Look::Solid(Colour::GREY), lines: true, arrows: None }
+        Self {
+            label: label.to_owned(),
+            mesh,
+            positions,
+            appearance: Appearance::Solid(Colour::GREY),
+            lines: true,
+            arrows: None,
+        }
     }
 
     /// The body of a snapshot, moved by its field `displacement`.
@@ -152,9 +159,9 @@ impl Body {
         self
     }
 
-    /// Chooses the look.
-    pub fn look(mut self, look: Look) -> Self {
-        self.look = look;
+    /// Chooses the appearance.
+    pub fn appearance(mut self, appearance: Appearance) -> Self {
+        self.appearance = appearance;
         self
     }
 

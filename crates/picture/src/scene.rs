@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::colour::{Colour, ColourMap};
 use super::tessellation::{Surface, SurfaceEdge, SurfacePoint};
 use super::vector::{V3, dot};
-use super::{Look, Picture};
+use super::{Appearance, Picture};
 
 /// A corner of a flat piece, in the picture.
 #[derive(Clone, Copy, Debug)]
@@ -85,14 +85,14 @@ impl Scene {
         let extent = f64::from(picture.width.max(picture.height));
         for (index, body) in picture.bodies.iter().enumerate() {
             let surface = Surface::of(body, FINENESS);
-            let nearer = match body.look {
-                Look::Glass(_) => 0.0,
-                Look::Solid(_) | Look::Field(_) => 4e-3,
-                Look::Wire(_) => 6e-3,
+            let nearer = match body.appearance {
+                Appearance::Glass(_) => 0.0,
+                Appearance::Solid(_) | Appearance::Field(_) => 4e-3,
+                Appearance::Wire(_) => 6e-3,
             };
             let forward = extent * (nearer + 2e-4 * index as f64);
             scene.shapes.push(scene.shape(
-                &body.look,
+                &body.appearance,
                 body.lines,
                 &surface,
                 forward,
@@ -108,12 +108,12 @@ impl Scene {
         [self.origin[0] + self.scale * right, self.origin[1] - self.scale * up, self.scale * near]
     }
 
-    fn shape(&self, look: &Look, lines: bool, surface: &Surface, forward: f64, thickness: f64) -> Shape {
-        let fill = match look {
-            Look::Solid(colour) => Fill::Opaque(*colour),
-            Look::Field(_) => Fill::Mapped,
-            Look::Glass(colour) => Fill::Glass(*colour),
-            Look::Wire(_) => Fill::None,
+    fn shape(&self, appearance: &Appearance, lines: bool, surface: &Surface, forward: f64, thickness: f64) -> Shape {
+        let fill = match appearance {
+            Appearance::Solid(colour) => Fill::Opaque(*colour),
+            Appearance::Field(_) => Fill::Mapped,
+            Appearance::Glass(colour) => Fill::Glass(*colour),
+            Appearance::Wire(_) => Fill::None,
         };
         let corner = |point: &SurfacePoint| Corner {
             at: self.place(point.at),
@@ -122,26 +122,26 @@ impl Scene {
         };
         let pieces = surface.pieces.iter().map(|piece| piece.iter().map(corner).collect());
         let pieces = if fill == Fill::None { Vec::new() } else { pieces.collect() };
-        let strokes = surface.edges.iter().filter_map(|edge| self.stroke(look, lines, edge, thickness)).collect();
+        let strokes = surface.edges.iter().filter_map(|edge| self.stroke(appearance, lines, edge, thickness)).collect();
         Shape { fill, pieces, strokes, forward }
     }
 
-    fn stroke(&self, look: &Look, lines: bool, edge: &SurfaceEdge, thickness: f64) -> Option<Stroke> {
+    fn stroke(&self, appearance: &Appearance, lines: bool, edge: &SurfaceEdge, thickness: f64) -> Option<Stroke> {
         let marked = self.is_outline(edge);
         let hidden = !self.plane && edge.normals.iter().all(|normal| dot(*normal, self.camera.eye) <= 0.0);
-        let (colour, opacity, width) = match look {
+        let (colour, opacity, width) = match appearance {
             // Seen through the body, lines of the far side only confuse.
-            Look::Wire(_) | Look::Glass(_) if hidden => return None,
-            Look::Solid(_) | Look::Field(_) if marked => (Colour::INK, 0.85, 1.8),
-            Look::Solid(_) | Look::Field(_) if lines => (Colour::INK, 0.32, 1.0),
-            Look::Glass(colour) if marked => (darker(*colour), 0.8, 1.6),
-            Look::Wire(colour) if marked => (*colour, 1.0, 2.2),
-            Look::Wire(colour) => (*colour, 0.45, 1.0),
+            Appearance::Wire(_) | Appearance::Glass(_) if hidden => return None,
+            Appearance::Solid(_) | Appearance::Field(_) if marked => (Colour::INK, 0.85, 1.8),
+            Appearance::Solid(_) | Appearance::Field(_) if lines => (Colour::INK, 0.32, 1.0),
+            Appearance::Glass(colour) if marked => (darker(*colour), 0.8, 1.6),
+            Appearance::Wire(colour) if marked => (*colour, 1.0, 2.2),
+            Appearance::Wire(colour) => (*colour, 0.45, 1.0),
             _ => return None,
         };
         let points = edge.points.iter().map(|p| self.place(*p)).collect();
         // Outlines of glass also show on an opaque body just in front of it: often the two nearly coincide.
-        let lift = if matches!(look, Look::Glass(_)) { 16.0 * thickness } else { 1.5 };
+        let lift = if matches!(appearance, Appearance::Glass(_)) { 16.0 * thickness } else { 1.5 };
         Some(Stroke { points, colour, opacity, width: width * thickness.max(0.6), lift })
     }
 
@@ -170,7 +170,7 @@ fn check(picture: &Picture) -> Result<(), String> {
             Err(format!("body \"{}\" has {found} {what} where {wanted} are needed", body.label))
         };
         fits("positions", body.positions.len(), nodes)?;
-        if let Look::Field(field) = &body.look {
+        if let Appearance::Field(field) = &body.appearance {
             let nodal = matches!(field.values, super::Values::Nodes(_));
             fits("values", field.values().len(), if nodal { nodes } else { cells })?;
         }
@@ -187,7 +187,10 @@ fn check(picture: &Picture) -> Result<(), String> {
 /// One bar for all fields: the first one's name, everyone's range unless one is given.
 fn bar(picture: &Picture) -> Option<Bar> {
     let fields = || {
-        picture.bodies.iter().filter_map(|body| if let Look::Field(field) = &body.look { Some(field) } else { None })
+        picture
+            .bodies
+            .iter()
+            .filter_map(|body| if let Appearance::Field(field) = &body.appearance { Some(field) } else { None })
     };
     let first = fields().next()?;
     let given = fields().find_map(|field| field.range);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nastic_mesh::{CellKind, Mesh};
 
 use super::vector::{V3, unit};
-use super::{Body, Look, Values};
+use super::{Appearance, Body, Values};
 
 /// A point of the surface.
 #[derive(Clone, Copy, Debug)]
@@ -77,8 +77,8 @@ struct Piece<'a> {
 impl<'a> Piece<'a> {
     fn new(body: &Body, face: &'a Face) -> Self {
         let positions = body.mesh.gather(&body.positions, &face.nodes);
-        let values = match &body.look {
-            Look::Field(field) => match &field.values {
+        let values = match &body.appearance {
+            Appearance::Field(field) => match &field.values {
                 Values::Nodes(values) => face.nodes.iter().map(|node| values[*node as usize]).collect(),
                 Values::Cells(values) => vec![values[face.cell]; face.nodes.len()],
             },

@@ -4,7 +4,7 @@
 
 use nastic_io::WriteError;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh, rectangle};
-use nastic_picture::{Body, Colour, Field, Look, Picture, View};
+use nastic_picture::{Appearance, Body, Colour, Field, Picture, View};
 
 struct Pixels {
     width: usize,
@@ -46,8 +46,8 @@ fn moved(mesh: &Mesh, by: [f64; 3]) -> Vec<[f64; 3]> {
 }
 
 /// A body without a legend and without element lines, so that pixels are surface.
-fn bare(mesh: &Mesh, look: Look) -> Body {
-    Body::new("", mesh.clone()).look(look).lines(false)
+fn bare(mesh: &Mesh, appearance: Appearance) -> Body {
+    Body::new("", mesh.clone()).appearance(appearance).lines(false)
 }
 
 fn from_the_front() -> Picture {
@@ -65,8 +65,8 @@ fn is_blue([r, g, b]: [u8; 3]) -> bool {
 #[test]
 fn what_is_nearer_hides_what_is_farther_whatever_the_order() {
     let mesh = cube(CellKind::Hex8);
-    let near = || bare(&mesh, Look::Solid(Colour::RED));
-    let far = || bare(&mesh, Look::Solid(Colour::BLUE)).at(moved(&mesh, [0.0, 2.0, 0.0]));
+    let near = || bare(&mesh, Appearance::Solid(Colour::RED));
+    let far = || bare(&mesh, Appearance::Solid(Colour::BLUE)).at(moved(&mesh, [0.0, 2.0, 0.0]));
     assert!(is_red(pixels(&from_the_front().body(near()).body(far())).middle()));
     assert!(is_red(pixels(&from_the_front().body(far()).body(near())).middle()));
     let behind = from_the_front().view(View::From([0.0, 1.0, 0.0]));
@@ -83,7 +83,7 @@ fn a_body_hides_its_own_far_side() {
         raw.push(CellKind::Hex8, &std::array::from_fn::<u32, 8, _>(|node| 8 * cube + node as u32), &[]);
     }
     let mesh = Mesh::build(raw).unwrap();
-    let body = || bare(&mesh, Look::Field(Field::at_cells("m", "", vec![1.0, -1.0])));
+    let body = || bare(&mesh, Appearance::Field(Field::at_cells("m", "", vec![1.0, -1.0])));
     for (eye, near_is_red) in [([0.0, -1.0, 0.0], true), ([0.0, 1.0, 0.0], false)] {
         let image = pixels(&from_the_front().view(View::From(eye)).body(body()));
         let pixel = image.at((27 + 400 - 75) / 2, 145);
@@ -94,14 +94,14 @@ fn a_body_hides_its_own_far_side() {
 #[test]
 fn glass_tints_the_ground_but_not_the_body_behind_it() {
     let mesh = cube(CellKind::Tet10);
-    let solid = |y: f64| bare(&mesh, Look::Solid(Colour::BLUE)).at(moved(&mesh, [0.0, y, 0.0]));
-    let glass = || bare(&mesh, Look::Glass(Colour::RED));
+    let solid = |y: f64| bare(&mesh, Appearance::Solid(Colour::BLUE)).at(moved(&mesh, [0.0, y, 0.0]));
+    let glass = || bare(&mesh, Appearance::Glass(Colour::RED));
     let alone = pixels(&from_the_front().body(solid(2.0))).middle();
     assert_eq!(pixels(&from_the_front().body(solid(2.0)).body(glass())).middle(), alone);
     let [r, g, b] = pixels(&from_the_front().body(glass())).middle();
     assert!(r > g.saturating_add(15) && g > 150 && b > 150, "{r} {g} {b}");
     // Wire leaves the ground between its lines as it is.
-    let ground = pixels(&from_the_front().body(bare(&mesh, Look::Wire(Colour::RED)))).at(230, 157);
+    let ground = pixels(&from_the_front().body(bare(&mesh, Appearance::Wire(Colour::RED)))).at(230, 157);
     assert!(ground.iter().all(|byte| *byte > 225), "{ground:?}");
 }
 
@@ -115,7 +115,7 @@ fn values_become_colours_at_their_place() {
     });
     let cells: Vec<f64> = cells.collect();
     for field in [Field::at_nodes("m", "Pa", values.clone()), Field::at_cells("m", "Pa", cells)] {
-        let image = pixels(&from_the_front().body(bare(&mesh, Look::Field(field))));
+        let image = pixels(&from_the_front().body(bare(&mesh, Appearance::Field(field))));
         // The bar takes the right; the body is centred in what is left.
         let (middle, row) = ((27 + 400 - 75) / 2, 145);
         assert!(is_blue(image.at(middle - 60, row)), "{:?}", image.at(middle - 60, row));
@@ -123,7 +123,7 @@ fn values_become_colours_at_their_place() {
         assert!(r > b.saturating_add(80), "{r} {b}");
     }
     let broken = Field::at_nodes("m", "Pa", vec![f64::NAN; mesh.points().len()]);
-    pixels(&from_the_front().body(bare(&mesh, Look::Field(broken))));
+    pixels(&from_the_front().body(bare(&mesh, Appearance::Field(broken))));
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn faces_of_second_order_are_curved() {
     // A strip one cell wide whose middle nodes bulge upwards: the bulge is above the straight line between corners.
     let mesh = box_mesh([2.0, 0.2, 0.2], [1, 1, 1], CellKind::Hex27).unwrap();
     let bulge = |p: &[f64; 3]| [p[0], p[1], p[2] + 0.8 * p[0] * (2.0 - p[0])];
-    let body = bare(&mesh, Look::Solid(Colour::RED)).at(mesh.points().iter().map(bulge).collect());
+    let body = bare(&mesh, Appearance::Solid(Colour::RED)).at(mesh.points().iter().map(bulge).collect());
     let image = pixels(&from_the_front().body(body));
     let red = |x: usize| (0..image.height - 60).find(|y| is_red(image.at(x, *y))).unwrap() as f64;
     let (left, middle, quarter) = (red(40), red(200), red(120));
@@ -144,7 +144,7 @@ fn faces_of_second_order_are_curved() {
 fn plane_meshes_are_seen_from_above_in_their_true_colours() {
     for kind in [CellKind::Tri3, CellKind::Tri6, CellKind::Quad4, CellKind::Quad8, CellKind::Quad9] {
         let mesh = rectangle([2.0, 1.0], [4, 2], kind).unwrap();
-        let image = pixels(&Picture::new("").size(400, 300).body(bare(&mesh, Look::Solid(Colour::ORANGE))));
+        let image = pixels(&Picture::new("").size(400, 300).body(bare(&mesh, Appearance::Solid(Colour::ORANGE))));
         // Beside the line between cells, which runs through the middle.
         assert_eq!(image.at(215, 130), Colour::ORANGE.0, "{kind}");
     }
@@ -188,7 +188,7 @@ fn what_cannot_be_drawn_is_refused() {
     refused(&one(body().at(vec![[f64::NAN, 0.0, 0.0]; 27])), "a.svg", "not finite, at node 0");
     refused(&one(body().at(vec![[1.0; 3]; 27])), "a.svg", "no extent");
     let field = Field::at_cells("J", "", vec![1.0; 27]);
-    refused(&one(body().look(Look::Field(field))), "a.png", "27 values where 8 are needed");
+    refused(&one(body().appearance(Appearance::Field(field))), "a.png", "27 values where 8 are needed");
     refused(&one(body().arrows(Colour::RED, vec![])), "a.png", "0 arrows where 8");
     refused(&one(body()).view(View::From([0.0; 3])), "a.png", "view is zero");
     assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
@@ -200,7 +200,7 @@ fn a_single_cell_far_from_the_origin_is_drawn() {
     raw.points = vec![[1e3, 0.0, 0.0], [1e3 + 1e-3, 0.0, 0.0], [1e3, 1e-3, 0.0], [1e3, 0.0, 1e-3]];
     raw.push(CellKind::Tet4, &[0, 1, 2, 3], &[]);
     let mesh = Mesh::build(raw).unwrap();
-    let image = pixels(&Picture::new("").size(400, 300).body(bare(&mesh, Look::Solid(Colour::RED))));
+    let image = pixels(&Picture::new("").size(400, 300).body(bare(&mesh, Appearance::Solid(Colour::RED))));
     let red = (0..240).flat_map(|y| (0..300).map(move |x| (x, y))).filter(|(x, y)| is_red(image.at(*x, *y))).count();
     assert!(red > 2000, "{red}");
 }

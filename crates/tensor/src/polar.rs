@@ -12,10 +12,11 @@ const ENOUGH: f64 = 1e-15;
 /// Newton's iteration `X <- (g X + X^-T / g) / 2` with Higham's scaling `g = (|X^-T| / |X|)^(1/2)` (SIAM J. Sci. Stat.
 /// Comput. 7, 1986), which converges within ten steps even for stretches sixteen decades apart.
 pub fn polar_rotation(f: &Mat3) -> Option<Mat3> {
-    let mut r = *f;
-    if !(cofactor(f).dot(f) > 0.0) {
+    let determinant = cofactor(f).dot(f) / 3.0;
+    if determinant.is_nan() || determinant <= 0.0 {
         return None;
     }
+    let mut r = *f;
     for _ in 0..STEPS {
         let h = cofactor(&r);
         let inverse_transpose = h / (h.dot(&r) / 3.0);

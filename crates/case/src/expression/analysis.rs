@@ -1,7 +1,7 @@
 //! The dimension of a formula.
 
 use super::program::{Binary, Function, Op, Step};
-use super::token::Problem;
+use super::token::CaseProblem;
 use crate::quantity::Dimension;
 
 /// What is known about an operand.
@@ -53,7 +53,7 @@ impl Kind {
 }
 
 /// The kind of the whole formula, or the first contradiction in it.
-pub(super) fn analyse(steps: &[Step]) -> Result<Kind, Problem> {
+pub(super) fn analyse(steps: &[Step]) -> Result<Kind, CaseProblem> {
     let mut stack: Vec<(Kind, Option<f64>)> = Vec::with_capacity(8);
     for step in steps {
         let next = match step.op {
@@ -99,8 +99,8 @@ fn fold(binary: Binary, x: Option<f64>, y: Option<f64>) -> Option<f64> {
     }
 }
 
-fn combine(binary: Binary, a: Kind, b: Kind, exponent: Option<f64>, column: usize) -> Result<Kind, Problem> {
-    let huge = || Problem { column, message: "a dimension beyond every sensible power".to_string() };
+fn combine(binary: Binary, a: Kind, b: Kind, exponent: Option<f64>, column: usize) -> Result<Kind, CaseProblem> {
+    let huge = || CaseProblem { column, message: "a dimension beyond every sensible power".to_string() };
     match binary {
         Binary::Add => unify(a, b, "added", column),
         Binary::Subtract => unify(a, b, "subtracted", column),
@@ -111,7 +111,7 @@ fn combine(binary: Binary, a: Kind, b: Kind, exponent: Option<f64>, column: usiz
     }
 }
 
-fn unify(a: Kind, b: Kind, verb: &str, column: usize) -> Result<Kind, Problem> {
+fn unify(a: Kind, b: Kind, verb: &str, column: usize) -> Result<Kind, CaseProblem> {
     let fixed = match (a.flexible(), b.flexible()) {
         _ if a.dimension == b.dimension => return Ok(Kind { plain: a.plain && b.plain, ..a.join(b, a.dimension) }),
         (true, true) => return Ok(Kind { plain: true, ..a.join(b, Dimension::NONE) }),
@@ -119,28 +119,28 @@ fn unify(a: Kind, b: Kind, verb: &str, column: usize) -> Result<Kind, Problem> {
         (true, false) => b,
         (false, false) => {
             let message = format!("{} and {} cannot be {verb}", a.dimension, b.dimension);
-            return Err(Problem { column, message });
+            return Err(CaseProblem { column, message });
         }
     };
     Ok(Kind { plain: fixed.plain, ..a.join(b, fixed.dimension) })
 }
 
-fn call(function: Function, x: Kind, column: usize) -> Result<Kind, Problem> {
+fn call(function: Function, x: Kind, column: usize) -> Result<Kind, CaseProblem> {
     match function {
         Function::Abs => Ok(x),
         Function::Sqrt => raise(x, Kind::PLAIN, Some(0.5), column),
         _ if x.dimension.is_none() || x.flexible() || !x.unit => Ok(Kind { coordinate: x.coordinate, ..Kind::RATIO }),
         _ => {
             let message = format!("\"{}\" takes a plain number, this is {}", function.name(), x.dimension);
-            Err(Problem { column, message })
+            Err(CaseProblem { column, message })
         }
     }
 }
 
-fn raise(base: Kind, exponent: Kind, value: Option<f64>, column: usize) -> Result<Kind, Problem> {
+fn raise(base: Kind, exponent: Kind, value: Option<f64>, column: usize) -> Result<Kind, CaseProblem> {
     if !(exponent.dimension.is_none() || exponent.flexible() || !exponent.unit) {
         let message = format!("an exponent must be a plain number, this is {}", exponent.dimension);
-        return Err(Problem { column, message });
+        return Err(CaseProblem { column, message });
     }
     let coordinate = base.coordinate || exponent.coordinate;
     if base.dimension.is_none() {
@@ -151,7 +151,7 @@ fn raise(base: Kind, exponent: Kind, value: Option<f64>, column: usize) -> Resul
         None if base.flexible() || !base.unit => Ok(Kind { coordinate, ..Kind::PLAIN }),
         None => {
             let message = format!("the exponent of {} must be a constant like 2 or 1/2", base.dimension);
-            Err(Problem { column, message })
+            Err(CaseProblem { column, message })
         }
     }
 }

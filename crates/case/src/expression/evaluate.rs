@@ -5,7 +5,7 @@ use crate::syntax::quoted;
 use std::fmt;
 use thiserror::Error;
 
-/// What made a formula's value no number.
+/// Why a formula's value is NaN or infinite.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Fault {
     /// x / 0

@@ -4,7 +4,7 @@ use super::analysis::{Kind, analyse};
 use super::evaluate::{EvaluationError, evaluate};
 use super::parser::parse;
 use super::program::{Op, Step};
-use super::token::Problem;
+use super::token::CaseProblem;
 use crate::quantity::{Dimension, Units};
 use crate::syntax::quoted;
 use thiserror::Error;
@@ -45,14 +45,15 @@ impl Formula {
     /// What was expected and in which column; contradicting dimensions ("1 m + 1 Pa"); a constant without a finite
     /// value ("1 / 0").
     pub fn parse(text: &str, units: &Units) -> Result<Self, FormulaError> {
-        let refuse = |Problem { column, message }| FormulaError { text: text.to_string(), column, message };
+        let refuse = |CaseProblem { column, message }| FormulaError { text: text.to_string(), column, message };
         let steps = parse(text, units).map_err(refuse)?;
         let kind = analyse(&steps).map_err(refuse)?;
         let varies = steps.iter().any(|step| matches!(step.op, Op::Coordinate(_)));
         let constant = if varies {
             None
         } else {
-            let fault = |(fault, column): (super::Fault, usize)| refuse(Problem { column, message: fault.to_string() });
+            let fault =
+                |(fault, column): (super::Fault, usize)| refuse(CaseProblem { column, message: fault.to_string() });
             Some(evaluate(&steps, [0.0; 3]).map_err(fault)?)
         };
         Ok(Self { text: text.to_string(), steps, kind: Some(kind), constant })

@@ -1,7 +1,7 @@
 //! Tokens to steps, by recursive descent with a depth limit.
 
 use super::program::{Binary, Comparison, Function, Op, Step};
-use super::token::{Placed, Problem, Token, tokens};
+use super::token::{CaseProblem, Placed, Token, tokens};
 use crate::quantity::{UNITS, Unit, Units};
 use crate::syntax::{nearest, quoted};
 
@@ -20,7 +20,7 @@ const COMPARISONS: [(&str, Comparison); 6] = [
     ("!=", Comparison::NotEqual),
 ];
 
-pub(super) fn parse(text: &str, units: &Units) -> Result<Vec<Step>, Problem> {
+pub(super) fn parse(text: &str, units: &Units) -> Result<Vec<Step>, CaseProblem> {
     let mut parser = Parser { tokens: tokens(text)?, next: 0, depth: 0, steps: Vec::new(), units };
     parser.comparison()?;
     match parser.peek() {
@@ -42,7 +42,7 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    fn comparison(&mut self) -> Result<(), Problem> {
+    fn comparison(&mut self) -> Result<(), CaseProblem> {
         self.sum()?;
         let Some((comparison, column)) = self.comparison_sign() else { return Ok(()) };
         self.sum()?;
@@ -54,7 +54,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn sum(&mut self) -> Result<(), Problem> {
+    fn sum(&mut self) -> Result<(), CaseProblem> {
         self.product()?;
         while let Some((sign, column)) = self.take(&["+", "-"]) {
             self.product()?;
@@ -63,7 +63,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn product(&mut self) -> Result<(), Problem> {
+    fn product(&mut self) -> Result<(), CaseProblem> {
         self.signed()?;
         while let Some((sign, column)) = self.take(&["*", "/"]) {
             self.signed()?;
@@ -72,7 +72,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn signed(&mut self) -> Result<(), Problem> {
+    fn signed(&mut self) -> Result<(), CaseProblem> {
         let mut negative = None;
         while let Some((sign, column)) = self.take(&["+", "-"]) {
             if sign == "-" {
@@ -86,7 +86,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn power(&mut self) -> Result<(), Problem> {
+    fn power(&mut self) -> Result<(), CaseProblem> {
         self.operand()?;
         if let Some((_, column)) = self.take(&["^"]) {
             self.nested(Self::signed)?;
@@ -95,7 +95,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn operand(&mut self) -> Result<(), Problem> {
+    fn operand(&mut self) -> Result<(), CaseProblem> {
         let column = self.column();
         match self.peek().clone() {
             Token::Number(value) => {
@@ -120,7 +120,7 @@ impl Parser<'_> {
         }
     }
 
-    fn named(&mut self, name: &str, column: usize) -> Result<(), Problem> {
+    fn named(&mut self, name: &str, column: usize) -> Result<(), CaseProblem> {
         if let Some(axis) = ["X", "Y", "Z"].iter().position(|axis| *axis == name) {
             self.push(Op::Coordinate(axis), column);
         } else if name == "pi" {
@@ -141,12 +141,12 @@ impl Parser<'_> {
             self.measured(1.0, unit, 1, column);
         } else {
             let message = format!("unknown name {}{}", quoted(name), nearest::clause(name, &names()));
-            return Err(Problem { column, message });
+            return Err(CaseProblem { column, message });
         }
         Ok(())
     }
 
-    fn extremum(&mut self, binary: Binary, name: &str, column: usize) -> Result<(), Problem> {
+    fn extremum(&mut self, binary: Binary, name: &str, column: usize) -> Result<(), CaseProblem> {
         self.open(name)?;
         self.nested(Self::comparison)?;
         let mut arguments = 1;
@@ -162,7 +162,7 @@ impl Parser<'_> {
     }
 
     /// `(...) kPa`, `sqrt(...) mm`
-    fn scaled_by_suffix(&mut self) -> Result<(), Problem> {
+    fn scaled_by_suffix(&mut self) -> Result<(), CaseProblem> {
         let column = self.column();
         if let Some((unit, power)) = self.unit_suffix()? {
             self.measured(1.0, unit, power, column);
@@ -172,7 +172,7 @@ impl Parser<'_> {
     }
 
     /// A unit right behind an operand, with its own whole power: 2 m^2 is two square metres, not four.
-    fn unit_suffix(&mut self) -> Result<Option<(Unit, i32)>, Problem> {
+    fn unit_suffix(&mut self) -> Result<Option<(Unit, i32)>, CaseProblem> {
         let Token::Name(name) = self.peek() else { return Ok(None) };
         let Some(unit) = Unit::named(name) else { return Ok(None) };
         self.next += 1;
@@ -199,7 +199,7 @@ impl Parser<'_> {
         self.push(Op::Measured(self.units.value_of(value, unit, power), dimension), column);
     }
 
-    fn nested(&mut self, rule: fn(&mut Self) -> Result<(), Problem>) -> Result<(), Problem> {
+    fn nested(&mut self, rule: fn(&mut Self) -> Result<(), CaseProblem>) -> Result<(), CaseProblem> {
         self.depth += 1;
         if self.depth > DEEPEST {
             return Err(self.problem(&format!("nested deeper than {DEEPEST} levels")));
@@ -209,14 +209,14 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn open(&mut self, name: &str) -> Result<(), Problem> {
+    fn open(&mut self, name: &str) -> Result<(), CaseProblem> {
         match self.take(&["("]) {
             Some(_) => Ok(()),
             None => Err(self.problem(&format!("\"{name}\" is a function: \"(\" was expected, found {}", self.peek()))),
         }
     }
 
-    fn close(&mut self) -> Result<(), Problem> {
+    fn close(&mut self) -> Result<(), CaseProblem> {
         match self.take(&[")"]) {
             Some(_) => Ok(()),
             None => {
@@ -262,8 +262,8 @@ impl Parser<'_> {
         self.tokens.get(self.next).or(self.tokens.last()).map_or(1, |placed| placed.column)
     }
 
-    fn problem(&self, message: &str) -> Problem {
-        Problem { column: self.column(), message: message.to_string() }
+    fn problem(&self, message: &str) -> CaseProblem {
+        CaseProblem { column: self.column(), message: message.to_string() }
     }
 }
 

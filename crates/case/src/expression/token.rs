@@ -21,7 +21,7 @@ pub(super) struct Placed {
 
 /// What went wrong and in which column.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) struct Problem {
+pub(super) struct CaseProblem {
     pub(super) column: usize,
     pub(super) message: String,
 }
@@ -30,7 +30,7 @@ pub(super) struct Problem {
 const SIGNS: [&str; 14] = ["<=", ">=", "==", "!=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ","];
 
 /// All tokens, closed by [`Token::End`].
-pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, Problem> {
+pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, CaseProblem> {
     let chars: Vec<char> = text.chars().collect();
     let mut out = Vec::new();
     let mut at = 0;
@@ -54,9 +54,9 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, Problem> {
     Ok(out)
 }
 
-fn number(chars: &[char], start: usize) -> Result<(Token, usize), Problem> {
+fn number(chars: &[char], start: usize) -> Result<(Token, usize), CaseProblem> {
     let digits = |from: usize| chars[from..].iter().take_while(|c| c.is_ascii_digit()).count();
-    let problem = |message: String| Problem { column: start + 1, message };
+    let problem = |message: String| CaseProblem { column: start + 1, message };
     let mut end = start + digits(start);
     let mut any = end - start;
     if chars.get(end) == Some(&'.') {
@@ -92,11 +92,11 @@ fn begins_name(c: char) -> bool {
     c.is_alphabetic() || c == '_' || c == '\u{b5}'
 }
 
-fn sign(chars: &[char], start: usize) -> Result<(Token, usize), Problem> {
+fn sign(chars: &[char], start: usize) -> Result<(Token, usize), CaseProblem> {
     let fits = |sign: &&&str| sign.chars().enumerate().all(|(i, c)| chars.get(start + i) == Some(&c));
     match SIGNS.iter().find(fits) {
         Some(sign) => Ok((Token::Sign(sign), start + sign.len())),
-        None => Err(Problem {
+        None => Err(CaseProblem {
             column: start + 1,
             message: format!("{} has no meaning in a formula", quoted(&chars[start].to_string())),
         }),

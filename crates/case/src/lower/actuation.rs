@@ -1,7 +1,7 @@
 //! Actuations, and the values of their slots that nobody controls.
 
 use super::context::Context;
-use super::field::Points;
+use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, key_of};
 use crate::quantity::{Dimension, Units};
@@ -14,7 +14,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let mesh = solid.mesh().clone();
         let Some(cells) = context.take(&actuation.at.key("region"), mesh.region(&actuation.region)) else { continue };
         let disc = solid.discretization().clone();
-        let points = Points::of_body(case, &disc, cells);
+        let points = SamplePoints::of_body(case, &disc, cells);
         let Some(mut inputs) = inputs(&actuation.parameters, &actuation.at, &points, context) else { continue };
         if actuation.kind.parameters().iter().any(|p| p.name == MU0) && !actuation.parameters.contains_key(MU0) {
             inputs = inputs.number(MU0, context.units.permeability());
@@ -64,7 +64,7 @@ fn fix_slot(
     let attached = reduced.solid().body().actuations();
     let index = attached.iter().position(|a| a.name == actuation.name)?;
     let first = attached[index].law.slots().iter().position(|slot| slot.group == key)?;
-    let points = Points::of_body(case, &disc, &attached[index].cells);
+    let points = SamplePoints::of_body(case, &disc, &attached[index].cells);
     let columns: Vec<Vec<f64>> = match value {
         Fixed::Scalar(value) => vec![points.scalars(value, &at, context)?],
         Fixed::Vector(value) => {

@@ -2,15 +2,18 @@
 
 use super::array::{self, Entity};
 use super::context::Context;
+use super::named::key_of;
 use crate::expression::EvaluationError;
-use crate::schema::{self, Case, Cost as Block, Phi as PhiBlock, Target as TargetBlock, vector_at};
+use crate::schema::{self, AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Target as TargetBlock, vector_at};
 use crate::syntax::At;
 use nastic_control::{
     ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, IntoCost, Phi, Reduced,
     SmoothedHausdorff, Target, Tracking,
 };
+use nastic_energy::catalogue::{Inputs, choose_form};
 use nastic_fem::Solid;
 use nastic_mesh::{Mesh, MeshError};
+use nastic_tensor::Vec3;
 use std::sync::{Arc, OnceLock};
 
 /// The shape a cost aims at, for pictures and `target.vtu`.
@@ -111,6 +114,13 @@ impl Lowering<'_> {
             Block::ControlSmoothness(block) => {
                 let cost = ControlSmoothness::of(self.control(&block.of)?, block.weight);
                 Some((Box::new(context.take(&block.at, cost)?), None))
+            }
+            Block::Added(block) => {
+                let inputs = uniform(block, context)?;
+                let given = choose_form(block.row.name, block.row.forms, &inputs);
+                let given = given.map_err(|error| context.complain(&key_of(&block.at, &error), error)).ok()?;
+                let cost = (block.row.make)(self.reduced.solid(), &given, block.weight);
+                Some((context.take(&block.at, cost)?, None))
             }
         }
     }
@@ -261,6 +271,25 @@ impl Goal {
         }
         TargetShape { at: block.at().clone(), cost: block.name().to_owned(), mesh: mesh.clone(), displacement }
     }
+}
+
+/// The parameters of an added cost, which are the same everywhere.
+fn uniform(block: &AddedCost, context: &mut Context<'_>) -> Option<Inputs> {
+    let mut out = Inputs::new();
+    for (name, input) in &block.parameters {
+        let constant = match input {
+            Input::Number(value) => value.constant().map(|value| out.clone().number(name, value)),
+            Input::Direction(value) => value.constant().map(|v| out.clone().direction(name, Vec3::from(v))),
+            Input::Word(word) => Some(out.clone().choice(name, word)),
+            Input::Name(place) => Some(out.clone().choice(name, place)),
+        };
+        let Some(with) = constant else {
+            context.complain(&block.at.key(name), "a cost takes one value, not one that varies over the body");
+            return None;
+        };
+        out = with;
+    }
+    Some(out)
 }
 
 fn nodes(mesh: &Mesh, key: &str, name: &str) -> Result<Vec<u32>, MeshError> {

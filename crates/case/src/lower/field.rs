@@ -10,7 +10,7 @@ use nastic_mesh::Mesh;
 use nastic_tensor::Vec3;
 
 /// Where values are wanted: points of a sampling, of which only those of the given cells matter.
-pub(super) struct Points<'a> {
+pub(super) struct SamplePoints<'a> {
     pub case: &'a Case,
     pub mesh: &'a Mesh,
     sampling: &'a QuadraturePoints,
@@ -18,7 +18,7 @@ pub(super) struct Points<'a> {
     wanted: Vec<bool>,
 }
 
-impl<'a> Points<'a> {
+impl<'a> SamplePoints<'a> {
     /// The body's own quadrature points on some cells.
     pub fn of_body(case: &'a Case, disc: &'a Discretization, cells: &[u32]) -> Self {
         let mut inside = vec![false; disc.mesh().cells()];

@@ -1,7 +1,7 @@
 //! Dead loads: tractions and body forces, constant or varying.
 
 use super::context::Context;
-use super::field::Points;
+use super::field::SamplePoints;
 use super::named::attempt;
 use crate::schema::{Case, VectorField};
 use crate::syntax::At;
@@ -63,7 +63,7 @@ fn add_sampled(
     context: &mut Context<'_>,
 ) {
     let mesh = solid.mesh().clone();
-    let Some(values) = Points::of(case, &mesh, sampling).vectors(density, at, context) else { return };
+    let Some(values) = SamplePoints::of(case, &mesh, sampling).vectors(density, at, context) else { return };
     let dim = mesh.dim();
     if dim == 2 && values.iter().any(|v| v.z != 0.0) {
         context.complain(at, "a load on a body in plane strain has no z component");

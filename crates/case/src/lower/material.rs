@@ -1,7 +1,7 @@
 //! Passive laws.
 
 use super::context::Context;
-use super::field::Points;
+use super::field::SamplePoints;
 use super::named::{attempt, key_of};
 use crate::schema::{Case, Input};
 use crate::syntax::At;
@@ -26,7 +26,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             context.warn(&material.at.key("region"), message);
         }
         let disc = solid.discretization().clone();
-        let points = Points::of_body(case, &disc, cells);
+        let points = SamplePoints::of_body(case, &disc, cells);
         let Some(inputs) = inputs(&material.parameters, &material.at, &points, context) else { continue };
         match material.law.build(&inputs) {
             Ok(law) => attempt(solid, &material.at, context, |solid| solid.material(&material.region, law)),
@@ -44,7 +44,7 @@ pub(super) fn inadmissible(
 ) -> Option<EnergyError> {
     let material = case.materials.get(index)?;
     let cells = disc.mesh().region(&material.region).ok()?;
-    let points = Points::of_body(case, disc, cells);
+    let points = SamplePoints::of_body(case, disc, cells);
     let inputs = inputs(&material.parameters, &material.at, &points, context)?;
     material.law.build(&inputs).err()
 }
@@ -53,7 +53,7 @@ pub(super) fn inadmissible(
 pub(super) fn inputs(
     parameters: &BTreeMap<&'static str, Input>,
     at: &At,
-    points: &Points<'_>,
+    points: &SamplePoints<'_>,
     context: &mut Context<'_>,
 ) -> Option<Inputs> {
     let mut out = Some(Inputs::new());
@@ -68,6 +68,7 @@ pub(super) fn inputs(
                 points.direction(value, &at, context).map(|field| out.clone().map(|i| i.direction(name, field)))
             }
             Input::Word(word) => Some(out.clone().map(|i| i.choice(name, word))),
+            Input::Name(place) => Some(out.clone().map(|i| i.choice(name, place))),
         };
         out = with.flatten();
     }

@@ -1,7 +1,7 @@
 //! The members of a problem: every load case of every scenario.
 
 use super::cost::TargetShape;
-use super::{ControlField, Problem};
+use super::{CaseProblem, ControlField};
 use crate::schema::Case;
 use nastic_control::{ControlBlock, Layout, Member, Reduced};
 use nastic_fem::Solid;
@@ -28,11 +28,11 @@ pub(super) struct Label {
 /// One member: a body with its costs. A plain case has one, without a name.
 #[derive(Clone, Copy, Debug)]
 pub struct CaseMember<'p> {
-    problem: &'p Problem,
+    problem: &'p CaseProblem,
     index: usize,
 }
 
-impl Problem {
+impl CaseProblem {
     /// All members, scenario by scenario, load case by load case.
     pub fn members(&self) -> impl Iterator<Item = CaseMember<'_>> {
         (0..self.labels.len()).map(|index| CaseMember { problem: self, index })
@@ -55,7 +55,7 @@ impl Problem {
         self.labels.iter().all(|label| label.scenario.is_none() && label.load_case.is_none())
     }
 
-    /// Whether the worlds are uncertain.
+    /// Whether the scenarios are uncertain.
     #[must_use]
     pub fn has_scenarios(&self) -> bool {
         self.labels.iter().any(|label| label.scenario.is_some())
@@ -65,7 +65,7 @@ impl Problem {
 impl<'p> CaseMember<'p> {
     /// The problem.
     #[must_use]
-    pub fn problem(&self) -> &'p Problem {
+    pub fn problem(&self) -> &'p CaseProblem {
         self.problem
     }
 

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::material::inadmissible;
-use super::scenario::World;
+use super::scenario::Scenario;
 use super::variant::{read, set_field};
 use crate::schema::{Case, Inadmissible, Parameter, RandomParameter, RandomScenarios, Rule};
 use crate::syntax::{At, Document, Node, Place, Setting, Value};
@@ -11,14 +11,14 @@ use nastic_fem::Discretization;
 use nastic_uncertainty::{Beta, Gamma, Law, LogNormalField, Modes, Normal, Sample, StochasticError};
 use serde_json::{Map, json};
 
-/// The nodes of the rule as worlds; `None` after a complaint.
-pub(super) fn worlds(
+/// The nodes of the rule as scenarios; `None` after a complaint.
+pub(super) fn scenarios(
     block: &RandomScenarios,
     case: &Case,
     document: &Document,
     disc: &Discretization,
     context: &mut Context<'_>,
-) -> Option<Vec<World>> {
+) -> Option<Vec<Scenario>> {
     let variables: Vec<Option<Variable>> =
         block.random.iter().map(|one| Variable::new(one, case, document, disc, context)).collect();
     let variables: Vec<Variable> = variables.into_iter().collect::<Option<_>>()?;
@@ -26,8 +26,8 @@ pub(super) fn worlds(
     let sample = sample(&block.rule, &laws, block.seed);
     let sample = context.take(&block.at.key("rule"), sample)?;
     let nodes = sample.nodes.iter().zip(&sample.weights).enumerate();
-    let nodes: Option<Vec<World>> =
-        nodes.map(|(k, (x, weight))| world(k, x, *weight, &variables, block, context)).collect();
+    let nodes: Option<Vec<Scenario>> =
+        nodes.map(|(k, (x, weight))| scenario(k, x, *weight, &variables, block, context)).collect();
     admissible(nodes?, block, case, document, disc, context)
 }
 
@@ -129,17 +129,17 @@ fn field_region<'c>(one: &RandomParameter, case: &'c Case, context: &mut Context
     material.map(|material| material.region.as_str())
 }
 
-/// The world at a node of the rule.
-fn world(
+/// The scenario at a node of the rule.
+fn scenario(
     index: usize,
     node: &[f64],
     probability: f64,
     variables: &[Variable],
     block: &RandomScenarios,
     context: &mut Context<'_>,
-) -> Option<World> {
+) -> Option<Scenario> {
     let name = Some(index.to_string());
-    let mut world = World { name, probability, settings: vec![], fields: vec![], values: Map::new() };
+    let mut scenario = Scenario { name, probability, settings: vec![], fields: vec![], values: Map::new() };
     let mut rest = node;
     for variable in variables {
         let (own, behind) = rest.split_at_checked(variable.laws().len())?;
@@ -151,37 +151,37 @@ fn world(
             Kind::Field(field) => {
                 let values = context.take(&block.at, field.realise(own))?;
                 if let Field::Cell(values) = values {
-                    world.fields.push((variable.path.clone(), values));
+                    scenario.fields.push((variable.path.clone(), values));
                 }
-                world.values.insert(variable.path.clone(), json!({ "coefficients": own }));
+                scenario.values.insert(variable.path.clone(), json!({ "coefficients": own }));
                 continue;
             }
         };
         let node = Node { value: Value::Number(value), place: variable.place.clone() };
-        world.settings.push(Setting { path: variable.path.clone(), node });
-        world.values.insert(variable.path.clone(), json!(value));
+        scenario.settings.push(Setting { path: variable.path.clone(), node });
+        scenario.values.insert(variable.path.clone(), json!(value));
     }
-    Some(world)
+    Some(scenario)
 }
 
-/// The worlds whose materials exist; what becomes of the others is for the case to say.
+/// The scenarios whose materials exist; what becomes of the others is for the case to say.
 fn admissible(
-    all: Vec<World>,
+    all: Vec<Scenario>,
     block: &RandomScenarios,
     case: &Case,
     document: &Document,
     disc: &Discretization,
     context: &mut Context<'_>,
-) -> Option<Vec<World>> {
+) -> Option<Vec<Scenario>> {
     let touched = touched(block, case);
     let count = all.len();
     let (mut kept, mut lost, mut refused) = (Vec::new(), 0.0, Vec::new());
-    for world in all {
-        match fault(&world, &touched, case, document, disc, context) {
-            None => kept.push(world),
+    for scenario in all {
+        match fault(&scenario, &touched, case, document, disc, context) {
+            None => kept.push(scenario),
             Some(error) => {
-                lost += world.probability;
-                refused.push((world, error));
+                lost += scenario.probability;
+                refused.push((scenario, error));
             }
         }
     }
@@ -191,15 +191,15 @@ fn admissible(
         context.complain(&at, refusal(first, error, refused.len(), count));
         return None;
     }
-    let sum: f64 = kept.iter().map(|world| world.probability).sum();
+    let sum: f64 = kept.iter().map(|scenario| scenario.probability).sum();
     if sum <= 0.0 {
         context
             .complain(&at, format!("of {count} nodes none is a material, or those that are have no weight: {error}"));
         return None;
     }
-    for (index, world) in kept.iter_mut().enumerate() {
-        world.probability /= sum;
-        world.name = Some(index.to_string());
+    for (index, scenario) in kept.iter_mut().enumerate() {
+        scenario.probability /= sum;
+        scenario.name = Some(index.to_string());
     }
     context.note(format!(
         "scenarios: {} of {count} nodes are no material and left out (probability {lost:.3e}); the others are scaled up",
@@ -214,27 +214,27 @@ fn touched(block: &RandomScenarios, case: &Case) -> Vec<usize> {
     (0..case.materials.len()).filter(|k| has(&case.materials[*k].at)).collect()
 }
 
-/// What keeps a world's materials from being such.
+/// What keeps a scenario's materials from being such.
 fn fault(
-    world: &World,
+    scenario: &Scenario,
     touched: &[usize],
     case: &Case,
     document: &Document,
     disc: &Discretization,
     context: &Context<'_>,
 ) -> Option<EnergyError> {
-    // Whatever else is wrong will be told when the world is built.
-    let (document, mut own) = read(document, &world.settings, case.units).ok()?;
-    for (path, values) in &world.fields {
+    // Whatever else is wrong will be told when the scenario is built.
+    let (document, mut own) = read(document, &scenario.settings, case.units).ok()?;
+    for (path, values) in &scenario.fields {
         set_field(&mut own, path, Parameter::Cells(values.clone()));
     }
     let mut scratch = context.variant(&document);
     touched.iter().find_map(|k| inadmissible(&own, *k, disc, &mut scratch))
 }
 
-fn refusal(world: &World, error: &EnergyError, refused: usize, count: usize) -> String {
-    let name = world.name.as_deref().unwrap_or_default();
-    let values: Vec<String> = world.values.iter().map(|(path, value)| format!("{path} = {value}")).collect();
+fn refusal(scenario: &Scenario, error: &EnergyError, refused: usize, count: usize) -> String {
+    let name = scenario.name.as_deref().unwrap_or_default();
+    let values: Vec<String> = scenario.values.iter().map(|(path, value)| format!("{path} = {value}")).collect();
     let others = match refused {
         1 => String::new(),
         n => format!(" ({} in all)", n),
@@ -243,7 +243,7 @@ fn refusal(world: &World, error: &EnergyError, refused: usize, count: usize) -> 
         "node {name} of {count} (probability {:.3e}) is no material{others}: {}: {error}; raise the mean of the bulk \
          modulus or narrow the laws, take fewer Gauss points, or leave such nodes out (\"inadmissible\": \"truncate\"), \
          which scales up the probabilities of the others",
-        world.probability,
+        scenario.probability,
         values.join(", ")
     )
 }

@@ -1,18 +1,18 @@
-//! The worlds that one control must serve.
+//! The scenarios that one control must serve.
 
 use super::context::Context;
 use super::random;
-use crate::schema::{Case, Risk as RiskBlock, Scenario, Scenarios};
+use crate::schema::{Case, Risk as RiskBlock, Scenario as ScenarioBlock, Scenarios};
 use crate::syntax::{At, Document, Setting};
 use nastic_fem::Discretization;
 use nastic_uncertainty::risk::{Cvar, Mean, MeanDeviation, Risk, WorstCase};
 use serde_json::{Map, Value};
 use std::sync::Arc;
 
-/// One world: how likely it is, and what differs in it.
+/// One scenario: how likely it is, and what differs in it.
 #[derive(Clone, Debug)]
-pub(super) struct World {
-    /// `None` for the one world of a case without scenarios.
+pub(super) struct Scenario {
+    /// `None` for the one scenario of a case without scenarios.
     pub name: Option<String>,
     pub probability: f64,
     pub settings: Vec<Setting>,
@@ -22,24 +22,24 @@ pub(super) struct World {
     pub values: Map<String, Value>,
 }
 
-/// The worlds of a case; `None` after a complaint.
-pub(super) fn worlds(
+/// The scenarios of a case; `None` after a complaint.
+pub(super) fn scenarios(
     case: &Case,
     document: &Document,
     disc: &Discretization,
     context: &mut Context<'_>,
-) -> Option<Vec<World>> {
+) -> Option<Vec<Scenario>> {
     match &case.scenarios {
         Scenarios::List(list) if list.is_empty() => {
             let values = Map::new();
-            Some(vec![World { name: None, probability: 1.0, settings: vec![], fields: vec![], values }])
+            Some(vec![Scenario { name: None, probability: 1.0, settings: vec![], fields: vec![], values }])
         }
         Scenarios::List(list) => listed(list, context),
-        Scenarios::Random(block) => random::worlds(block, case, document, disc, context),
+        Scenarios::Random(block) => random::scenarios(block, case, document, disc, context),
     }
 }
 
-fn listed(list: &[Scenario], context: &mut Context<'_>) -> Option<Vec<World>> {
+fn listed(list: &[ScenarioBlock], context: &mut Context<'_>) -> Option<Vec<Scenario>> {
     let names: Vec<String> =
         list.iter().enumerate().map(|(k, one)| one.name.clone().unwrap_or_else(|| k.to_string())).collect();
     let mut sound = true;
@@ -52,14 +52,14 @@ fn listed(list: &[Scenario], context: &mut Context<'_>) -> Option<Vec<World>> {
     // The reader has seen that they add up to one, to rounding.
     let given: Vec<f64> = list.iter().map(|one| one.probability.unwrap_or(1.0)).collect();
     let sum: f64 = given.iter().sum();
-    let world = |((one, name), p): ((&Scenario, String), f64)| World {
+    let scenario = |((one, name), p): ((&ScenarioBlock, String), f64)| Scenario {
         name: Some(name),
         probability: p / sum,
         settings: one.set.0.clone(),
         fields: vec![],
         values: one.set.0.iter().map(|setting| (setting.path.clone(), setting.node.to_json())).collect(),
     };
-    sound.then(|| list.iter().zip(names).zip(given).map(world).collect())
+    sound.then(|| list.iter().zip(names).zip(given).map(scenario).collect())
 }
 
 /// The measure of risk.

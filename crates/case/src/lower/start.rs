@@ -1,7 +1,7 @@
 //! Random starts, uniform over what is admitted.
 
 use super::context::Context;
-use super::{Admitted, ControlField, Problem};
+use super::{Admitted, CaseProblem, ControlField};
 use crate::schema::Case;
 use nastic_numeric::Random;
 use nastic_opt::Bounds;
@@ -23,7 +23,7 @@ pub(super) fn check(case: &Case, controls: &[ControlField], context: &mut Contex
     }
 }
 
-impl Problem {
+impl CaseProblem {
     /// A random control vector: scalars uniform within their bounds, vectors of a given length uniform on the sphere,
     /// others uniform in the ball (in the plane, for a plane body). The same for the same seed on every machine.
     #[must_use]

@@ -1,7 +1,7 @@
 //! The members of a problem as cases of their own: every load case of every scenario.
 
 use super::context::Context;
-use super::scenario::World;
+use super::scenario::Scenario;
 use crate::quantity::Units;
 use crate::schema::{Case, Input, LoadCase, Parameter};
 use crate::syntax::{At, Diagnostic, Diagnostics, Document, Setting};
@@ -9,13 +9,13 @@ use crate::syntax::{At, Diagnostic, Diagnostics, Document, Setting};
 /// The case as one member sees it: its values, and all blocks that count for it.
 #[derive(Debug)]
 pub(super) struct Variant {
-    /// Index of its world.
-    pub world: usize,
+    /// Index of its scenario.
+    pub scenario: usize,
     /// Index of its load case in the case, if there are any.
     pub load_case: Option<usize>,
     /// Name of its load case, else empty.
     pub case_name: String,
-    /// Weight in the cost of its world.
+    /// Weight in the cost of its scenario.
     pub weight: f64,
     /// Scenario and load case, for messages.
     pub name: String,
@@ -33,7 +33,7 @@ pub(super) struct Variant {
 pub(super) fn all(
     case: &Case,
     document: &Document,
-    worlds: &[World],
+    scenarios: &[Scenario],
     context: &mut Context<'_>,
 ) -> Result<Vec<Variant>, Diagnostics> {
     let (mut out, mut problems) = (Vec::new(), Vec::new());
@@ -42,9 +42,9 @@ pub(super) fn all(
         let at = At::root().key("load_cases");
         return Err(document.complain(&at, "every load case has the weight zero: nothing is left").into());
     }
-    for (index, world) in worlds.iter().enumerate() {
+    for (index, scenario) in scenarios.iter().enumerate() {
         for load_case in &load_cases {
-            match make(case, document, (index, world), *load_case) {
+            match make(case, document, (index, scenario), *load_case) {
                 Ok(variant) => out.push(variant),
                 Err(found) => problems.extend(found),
             }
@@ -67,32 +67,32 @@ fn counted(case: &Case, context: &mut Context<'_>) -> Vec<Option<usize>> {
 fn make(
     case: &Case,
     document: &Document,
-    (index, world): (usize, &World),
+    (index, scenario): (usize, &Scenario),
     load_case: Option<usize>,
 ) -> Result<Variant, Vec<Diagnostic>> {
     let block = load_case.map(|k| &case.load_cases[k]);
     let own = block.map_or(&[][..], |block| &block.set.0);
-    let settings: Vec<Setting> = world.settings.iter().chain(own).cloned().collect();
+    let settings: Vec<Setting> = scenario.settings.iter().chain(own).cloned().collect();
     let case_name = block.map_or_else(String::new, |block| block.name.clone());
-    let name = match (&world.name, case_name.as_str()) {
-        (Some(world), "") => format!("scenario \"{world}\""),
-        (Some(world), case) => format!("scenario \"{world}\", load case \"{case}\""),
+    let name = match (&scenario.name, case_name.as_str()) {
+        (Some(scenario), "") => format!("scenario \"{scenario}\""),
+        (Some(scenario), case) => format!("scenario \"{scenario}\", load case \"{case}\""),
         (None, "") => "the case".to_owned(),
         (None, case) => format!("load case \"{case}\""),
     };
     let named = |one: &Diagnostic| Diagnostic { message: format!("{name}: {}", one.message), ..one.clone() };
     let (document, mut own) = read(document, &settings, case.units)
         .map_err(|problems| problems.list().iter().map(named).collect::<Vec<_>>())?;
-    for (path, values) in &world.fields {
+    for (path, values) in &scenario.fields {
         set_field(&mut own, path, Parameter::Cells(values.clone()));
     }
     if let Some(block) = block {
         add_blocks(&mut own, block);
     }
     let case_stem = block.map_or_else(String::new, |_| format!("{}_", file_name(&case_name)));
-    let stem = world.name.as_ref().map_or_else(String::new, |_| format!("scenario_{index:03}_")) + &case_stem;
+    let stem = scenario.name.as_ref().map_or_else(String::new, |_| format!("scenario_{index:03}_")) + &case_stem;
     let weight = block.map_or(1.0, |block| block.weight);
-    Ok(Variant { world: index, load_case, case_name, weight, name, stem, case_stem, case: own, document })
+    Ok(Variant { scenario: index, load_case, case_name, weight, name, stem, case_stem, case: own, document })
 }
 
 /// The case with other values.

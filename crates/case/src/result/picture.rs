@@ -6,7 +6,7 @@ use crate::lower::CaseMember;
 use nastic_control::Space;
 use nastic_io::WriteError;
 use nastic_mesh::Snapshot;
-use nastic_picture::{Body, Colour, Field, Look, Picture};
+use nastic_picture::{Appearance, Body, Colour, Field, Picture};
 
 /// What is drawn.
 pub(crate) struct Drawing<'a> {
@@ -23,21 +23,21 @@ pub(crate) fn write(member: CaseMember<'_>, drawing: &Drawing<'_>, to: &Director
     let mut picture =
         Picture::new(&drawing.title).subtitle(&drawing.subtitle).length_unit(member.problem().units().length().symbol);
     if let Some((label, ghost)) = drawing.ghost {
-        picture = picture.body(Body::of(label, ghost).look(Look::Glass(Colour::GREY)));
+        picture = picture.body(Body::of(label, ghost).appearance(Appearance::Glass(Colour::GREY)));
     }
     for target in member.targets().iter().filter(|target| target.is_whole()) {
         if let Ok(shape) = snapshot::target(target) {
-            picture = picture.body(Body::of("target", &shape).look(Look::Glass(Colour::RED)));
+            picture = picture.body(Body::of("target", &shape).appearance(Appearance::Glass(Colour::RED)));
         }
     }
     let (label, body) = drawing.body;
-    picture = picture.body(Body::of(label, body).look(look(member, body)));
+    picture = picture.body(Body::of(label, body).appearance(appearance(member, body)));
     picture.write(to.file(&member.case_file("picture.png")))?;
     picture.write(to.file(&member.case_file("picture.svg")))
 }
 
 /// Coloured by the first scalar control, else by J.
-fn look(member: CaseMember<'_>, body: &Snapshot) -> Look {
+fn appearance(member: CaseMember<'_>, body: &Snapshot) -> Appearance {
     for (block, field) in member.fields() {
         if block.components == 1 {
             let array = match block.map.space() {
@@ -47,12 +47,12 @@ fn look(member: CaseMember<'_>, body: &Snapshot) -> Look {
                 _ => body.cell_array(&field.array).map(|a| Field::at_cells(&a.name, &field.unit, a.values.clone())),
             };
             if let Some(array) = array {
-                return Look::Field(array);
+                return Appearance::Field(array);
             }
         }
     }
     match body.cell_array("J") {
-        Some(array) => Look::Field(Field::at_cells("J", "", array.values.clone())),
-        None => Look::Solid(Colour::BLUE),
+        Some(array) => Appearance::Field(Field::at_cells("J", "", array.values.clone())),
+        None => Appearance::Solid(Colour::BLUE),
     }
 }

@@ -1,7 +1,7 @@
 //! The parts of `result.json`.
 
-use super::shown::Shown;
-use crate::lower::{Admitted, CaseMember, ControlField, Problem};
+use super::member_report::MemberReport;
+use crate::lower::{Admitted, CaseMember, CaseProblem, ControlField};
 use nastic_control::{ControlBlock, ControlError, CostPoint, EnsembleBlock, FigureKind};
 use nastic_fem::{InvertedAt, SolveReport, State};
 use nastic_numeric::vector::norm;
@@ -9,11 +9,11 @@ use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
 /// `{ "total": ..., "terms": { NAME: ... } }` of a member.
-pub(crate) fn cost(shown: &Shown<'_>) -> Value {
-    let names = shown.member.reduced().term_names();
+pub(crate) fn cost(report: &MemberReport<'_>) -> Value {
+    let names = report.member.reduced().term_names();
     let entries: Map<String, Value> =
-        names.into_iter().zip(&shown.terms).map(|(name, value)| (name, json!(value))).collect();
-    json!({ "total": shown.terms.iter().sum::<f64>(), "terms": entries })
+        names.into_iter().zip(&report.terms).map(|(name, value)| (name, json!(value))).collect();
+    json!({ "total": report.terms.iter().sum::<f64>(), "terms": entries })
 }
 
 /// `{ "smoothed": ..., "true": ..., "self": ... }` of the first such cost, and of each under its name where there are
@@ -48,7 +48,7 @@ pub(crate) fn true_distance(costs: &[Arc<dyn CostPoint>]) -> Result<Option<f64>,
 }
 
 /// `{ "euclidean": ..., "metric": ... }`
-pub(crate) fn derivative_norm(problem: &Problem, derivative: &[f64]) -> Value {
+pub(crate) fn derivative_norm(problem: &CaseProblem, derivative: &[f64]) -> Value {
     json!({ "euclidean": norm(derivative), "metric": problem.inner_product().map(|product| product.dual_norm(derivative)) })
 }
 
@@ -64,7 +64,7 @@ fn probes(member: CaseMember<'_>, state: &State) -> Value {
 }
 
 /// `{ NAME: { "unknowns", "min", "max", "active", "active_share" } }`; lengths of vectors where the control is one.
-pub(crate) fn controls(problem: &Problem, m: &[f64]) -> Value {
+pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
     let of = |(block, field): (&EnsembleBlock, &ControlField)| {
         let n = owner(problem, block).components;
         let size = |v: &[f64]| if n == 1 { v[0] } else { norm(v) };
@@ -79,7 +79,7 @@ pub(crate) fn controls(problem: &Problem, m: &[f64]) -> Value {
 }
 
 /// A control field as the first member that uses it has it.
-pub(crate) fn owner<'p>(problem: &'p Problem, block: &EnsembleBlock) -> &'p ControlBlock {
+pub(crate) fn owner<'p>(problem: &'p CaseProblem, block: &EnsembleBlock) -> &'p ControlBlock {
     &problem.member(block.owner).layout().blocks()[block.field]
 }
 

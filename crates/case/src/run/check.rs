@@ -24,9 +24,9 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     for lines in &sections {
         let mut head = "";
         for Line { head: own, text } in lines {
-            let shown = if *own == head { "" } else { own };
+            let reports = if *own == head { "" } else { own };
             head = own;
-            session.console.say(format!("{shown:<12}{text}"));
+            session.console.say(format!("{reports:<12}{text}"));
         }
     }
     let warnings = problem.warnings.len();

@@ -6,7 +6,7 @@ pub(super) use members::{load_cases, scenarios};
 
 use super::number::{count, grouped, quantity, scientific, short, vector};
 use crate::expression::dimension_of;
-use crate::lower::{Admitted, ControlField, Problem, TargetShape};
+use crate::lower::{Admitted, CaseProblem, ControlField, TargetShape};
 use crate::quantity::{Dimension, Units};
 use crate::result::summary::owner;
 use crate::schema::{Cost, Fixed, Input, Metric, Parameter, Phi, VectorField};
@@ -26,7 +26,7 @@ fn line(head: &'static str, text: impl Into<String>) -> Line {
     Line { head, text: text.into() }
 }
 
-pub(super) fn units(problem: &Problem) -> Vec<Line> {
+pub(super) fn units(problem: &CaseProblem) -> Vec<Line> {
     let units = problem.units();
     let (length, force, time, field) = (units.length(), units.force(), units.time(), units.field());
     let pressure = units.label(Dimension::PRESSURE);
@@ -35,7 +35,7 @@ pub(super) fn units(problem: &Problem) -> Vec<Line> {
     vec![line("units", text)]
 }
 
-pub(super) fn mesh(problem: &Problem) -> Vec<Line> {
+pub(super) fn mesh(problem: &CaseProblem) -> Vec<Line> {
     let (mesh, measures) = (problem.mesh(), problem.mesh().measures());
     let kinds: Vec<String> =
         mesh.blocks().iter().map(|block| format!("{} {}", grouped(block.len()), block.kind)).collect();
@@ -73,7 +73,7 @@ pub(super) fn mesh(problem: &Problem) -> Vec<Line> {
     out
 }
 
-pub(super) fn groups(problem: &Problem) -> Vec<Line> {
+pub(super) fn groups(problem: &CaseProblem) -> Vec<Line> {
     let (mesh, measures) = (problem.mesh(), problem.mesh().measures());
     let unit = problem.units().length().symbol;
     let d = mesh.dim();
@@ -97,7 +97,7 @@ pub(super) fn groups(problem: &Problem) -> Vec<Line> {
     out
 }
 
-pub(super) fn materials(problem: &Problem) -> Vec<Line> {
+pub(super) fn materials(problem: &CaseProblem) -> Vec<Line> {
     let of = |material: &crate::schema::Material| {
         let units = problem.units();
         let values = parameters(&material.parameters, &catalogue_of(material.law.forms), units);
@@ -106,7 +106,7 @@ pub(super) fn materials(problem: &Problem) -> Vec<Line> {
     problem.case.materials.iter().map(of).collect()
 }
 
-pub(super) fn actuation(problem: &Problem) -> Vec<Line> {
+pub(super) fn actuation(problem: &CaseProblem) -> Vec<Line> {
     let mut out = Vec::new();
     for (k, actuation) in problem.case.actuation.iter().enumerate() {
         let units = problem.units();
@@ -130,7 +130,7 @@ pub(super) fn actuation(problem: &Problem) -> Vec<Line> {
     out
 }
 
-pub(super) fn controls(problem: &Problem) -> Vec<Line> {
+pub(super) fn controls(problem: &CaseProblem) -> Vec<Line> {
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     let of = |(place, field): (&EnsembleBlock, &ControlField)| {
         let (block, shared) = (owner(problem, place), problem.leads().nth(1).is_some() && field.load_case.is_none());
@@ -166,11 +166,11 @@ fn admitted(field: &ControlField) -> String {
 }
 
 /// The smallest bound on a tension of all members.
-fn fiber_limit(problem: &Problem, actuation: usize) -> Option<f64> {
+fn fiber_limit(problem: &CaseProblem, actuation: usize) -> Option<f64> {
     problem.members().filter_map(|member| member.solid().body().fiber_limit(actuation)).reduce(f64::min)
 }
 
-pub(super) fn supports(problem: &Problem) -> Vec<Line> {
+pub(super) fn supports(problem: &CaseProblem) -> Vec<Line> {
     let (solid, units) = (problem.solid(), problem.units());
     let held = solid.supports().fixed().iter().filter(|fixed| **fixed).count();
     let moved = solid.supports().values().iter().filter(|value| **value != 0.0).count();
@@ -199,7 +199,7 @@ pub(super) fn supports(problem: &Problem) -> Vec<Line> {
     out
 }
 
-pub(super) fn costs(problem: &Problem) -> Vec<Line> {
+pub(super) fn costs(problem: &CaseProblem) -> Vec<Line> {
     let mut out: Vec<Line> = problem.case.costs.iter().map(|cost| cost_line("costs", cost)).collect();
     for target in problem.member(0).targets() {
         out.push(target_line(problem, target));
@@ -222,6 +222,7 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
         }
         Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
         Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
+        Cost::Added(block) => block.row.about.to_owned(),
     };
     let (name, kind) = (cost.name(), cost.kind());
     let name = if name == kind { name.to_owned() } else { format!("{name} ({kind})") };
@@ -229,7 +230,7 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
 }
 
 /// A shape that a term aims at.
-fn target_line(problem: &Problem, target: &TargetShape) -> Line {
+fn target_line(problem: &CaseProblem, target: &TargetShape) -> Line {
     let unit = problem.units().length().symbol;
     if target.displacement.is_empty() {
         let size: Vec<String> = target.mesh.size()[..target.mesh.dim()].iter().map(|s| short(*s)).collect();
@@ -257,7 +258,7 @@ fn phi(phi: &Phi) -> String {
     }
 }
 
-pub(super) fn optimizer(problem: &Problem) -> Vec<Line> {
+pub(super) fn optimizer(problem: &CaseProblem) -> Vec<Line> {
     if problem.start.is_empty() || !problem.has_costs() {
         return vec![];
     }
@@ -275,7 +276,7 @@ pub(super) fn optimizer(problem: &Problem) -> Vec<Line> {
     vec![line("optimizer", text)]
 }
 
-pub(super) fn conventions(problem: &Problem) -> Vec<Line> {
+pub(super) fn conventions(problem: &CaseProblem) -> Vec<Line> {
     let mut out = vec![line(
         "conventions",
         "x = X + u, F = I + grad u, P = dW/dF; loads are dead: per reference area and volume",
@@ -294,12 +295,20 @@ pub(super) fn conventions(problem: &Problem) -> Vec<Line> {
     }
     if problem.case.actuation.iter().any(|a| a.kind.name == "magnet") {
         let mu0 = problem.units().permeability();
+        for magnet in problem.case.actuation.iter().filter(|a| a.kind.name == "magnet") {
+            let carrier = match magnet.parameters.get("variant") {
+                Some(Input::Word("rotation")) => "R of F = R U",
+                Some(Input::Word("isochoric")) => "J^(-1/3) F",
+                _ => "F",
+            };
+            out.push(line(
+                "conventions",
+                format!("{} adds -(1/mu0)(C B_r).B_a to the energy, C = {carrier}", magnet.name),
+            ));
+        }
         out.push(line(
             "conventions",
-            format!(
-                "magnets add -(1/mu0)(F B_r).B_a to the energy; mu0 = {} in these units unless given",
-                scientific(mu0, 8)
-            ),
+            format!("B_r is carried along by C; mu0 = {} in these units unless given", scientific(mu0, 8)),
         ));
     }
     let mut spaces = problem.ensemble.blocks().iter().map(|block| owner(problem, block).map.space());
@@ -324,7 +333,7 @@ pub(super) fn conventions(problem: &Problem) -> Vec<Line> {
 fn catalogue_of(forms: &'static [&'static [catalogue::Parameter]]) -> BTreeMap<&'static str, Dimension> {
     let dimension = |p: &catalogue::Parameter| match p.takes {
         Takes::Number { unit, .. } => dimension_of(unit).unwrap_or(Dimension::NONE),
-        Takes::Direction { .. } | Takes::Choice { .. } => Dimension::NONE,
+        Takes::Direction { .. } | Takes::Choice { .. } | Takes::Name { .. } => Dimension::NONE,
     };
     forms.iter().copied().flatten().map(|p| (p.name, dimension(p))).collect()
 }
@@ -339,6 +348,7 @@ fn parameters(
             Input::Number(value) => scalar(value, dimensions.get(name).copied().unwrap_or(Dimension::NONE), units),
             Input::Direction(value) => vector_field(value),
             Input::Word(word) => (*word).to_owned(),
+            Input::Name(place) => place.clone(),
         };
         format!("{name} {value}")
     };
@@ -368,7 +378,7 @@ fn vector_field(value: &VectorField) -> String {
 }
 
 /// The same for programs.
-pub(super) fn json(problem: &Problem) -> Map<String, Value> {
+pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
     let (mesh, measures, quality) = (problem.mesh(), problem.mesh().measures(), problem.mesh().quality());
     let kinds: BTreeMap<&str, usize> = mesh.blocks().iter().fold(BTreeMap::new(), |mut kinds, block| {
         *kinds.entry(CellKind::name(block.kind)).or_default() += block.len();
@@ -436,7 +446,7 @@ pub(super) fn json(problem: &Problem) -> Map<String, Value> {
 
 /// A law with its constants in the case's units and in SI.
 fn law(
-    problem: &Problem,
+    problem: &CaseProblem,
     region: &str,
     name: &str,
     inputs: &BTreeMap<&'static str, Input>,
@@ -458,6 +468,7 @@ fn law(
                 None => json!({ "varies": vector_field(value) }),
             },
             Input::Word(word) => json!(word),
+            Input::Name(place) => json!(place),
         };
         ((*name).to_owned(), value)
     };

@@ -72,7 +72,7 @@ pub enum RunError {
     /// An array that does not fit its mesh.
     #[error(transparent)]
     Snapshot(#[from] ControlError),
-    /// Somebody asked to stop before there was anything to keep.
+    /// A stop was requested before there was a result.
     #[error("stopped before there was a result")]
     Cancelled,
 }

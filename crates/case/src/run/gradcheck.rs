@@ -5,7 +5,7 @@ mod memo;
 use super::error::{Exit, RunError};
 use super::number::scientific;
 use super::session::Session;
-use crate::lower::{Admitted, Problem};
+use crate::lower::{Admitted, CaseProblem};
 use memo::{Column, Memo, Term};
 use nastic_opt::{Admissible, Objective, Taylor, TaylorDirection, TaylorError, Verdict};
 use serde_json::{Value, json};
@@ -67,7 +67,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
 }
 
 fn test_field(
-    problem: &Problem,
+    problem: &CaseProblem,
     memo: &Memo<'_>,
     taylor: &Taylor,
     control: &str,
@@ -96,7 +96,7 @@ pub fn test_gradient<O: Objective>(
 }
 
 /// Size of a control where neither its set nor its values tell: the law's bound on it, or the one bound it has.
-pub(super) fn size(problem: &Problem) -> Option<f64> {
+pub(super) fn size(problem: &CaseProblem) -> Option<f64> {
     problem.controls.iter().find_map(|field| match field.admitted {
         Admitted::Between { lower, upper } => {
             let bounds = [field.limit.unwrap_or(0.0), lower, upper];

@@ -1,45 +1,40 @@
 //! `nastic gradient`: cost and derivative at the start controls, for optimisers of others.
 
+use super::check_gradient;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
-use super::solve::{ACCURACY, say_cost, say_files, say_members, say_probes, write_collections, write_targets};
-use crate::lower::Problem;
+use super::solve::{say_cost, say_files, say_members, say_probes, write_collections, write_targets};
+use crate::lower::CaseProblem;
 use crate::result::files::Directory;
-use crate::result::shown::{self, Detail};
+use crate::result::member_report::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, View};
-use nastic_opt::{Objective, Request};
+use nastic_opt::{Objective, Verdict};
 use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
     let mut workspace = EnsembleWorkspace::default();
-    let point = session.timed("solve", |session| {
-        session.console.pass("solving");
-        let problem = &session.problem;
-        // A request asks for the state's accuracy, which is a hundred times the residual's.
-        let how = Request { near: None, accuracy: 100.0 * ACCURACY, stage: 0 };
-        problem.ensemble.evaluate(&problem.start, &how, &mut workspace)
-    });
-    let mut point = point.map_err(|failed| session.evaluation_failed(&failed))?;
+    let mut point = session.evaluate_start(&mut workspace)?;
     let derivative =
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
     session.console.clear();
     report(session, &point, &derivative)?;
+    let verdict = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
     session.timed("write", |session| write(session, &point, &derivative))?;
-    Ok(Exit::Done)
+    Ok(if verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {
-    let shown = shown::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
-    let entries = shown::entries(&session.problem, &shown, Detail::Full);
+    let reports = member_report::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
+    let entries = member_report::entries(&session.problem, &reports, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(&session.problem, derivative);
     let controls = summary::controls(&session.problem, &point.m);
-    drop(shown);
+    drop(reports);
     session.put_all(entries);
     session.put("derivative_norm", norm);
     session.put("controls", controls);
@@ -85,7 +80,7 @@ fn write(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -
 
 /// The states of all members, with the gradient.
 pub(super) fn write_states(
-    problem: &Problem,
+    problem: &CaseProblem,
     what: &str,
     point: &EnsemblePoint,
     derivative: &[f64],

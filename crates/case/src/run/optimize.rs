@@ -4,22 +4,21 @@ mod outcome;
 mod recorder;
 mod starts;
 
-use super::certificate::{Certificate, certify};
+use super::check_gradient;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
-use crate::lower::Problem;
+use crate::lower::CaseProblem;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::SolveReport;
 use nastic_opt::{
-    Best, EvaluatedStart, Failed, Objective, Optimizer, Outcome, Problem as _, Request, Run, Stop, Verdict,
+    Best, DEFAULT_ACCURACY, EvaluatedStart, Failed, Objective, Optimizer, Outcome, Problem as _, Run, Stop, Verdict,
 };
 use recorder::Recorder;
-use serde_json::json;
 use std::sync::Arc;
 
 /// A run from one start.
-pub(super) struct Ended {
+pub(super) struct FinishedRun {
     /// Where it began.
     start: EnsemblePoint,
     best: Best<EnsemblePoint>,
@@ -40,13 +39,9 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
     outcome::write_start(session, &point, &derivative)?;
-    let mut begun = Begun { point, derivative, workspace };
-    let certificate = session.timed("gradient_check", |session| check_gradient(session, &mut begun));
-    if session.is_cancelled() {
-        return Err(RunError::Cancelled);
-    }
-    let certificate = certificate?;
-    if certificate.verdict == Verdict::Wrong {
+    let verdict = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
+    let begun = Begun { point, derivative, workspace };
+    if verdict == Verdict::Wrong {
         return Ok(Exit::GradientWrong);
     }
     let began = std::time::Instant::now();
@@ -64,53 +59,7 @@ pub(super) struct Begun {
 }
 
 fn evaluate(session: &Session<'_>, m: &[f64], workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, Failed> {
-    session.console.pass("solving at the start control");
-    let start = session.problem.ensemble.evaluate(m, &Request::default(), workspace);
-    session.console.clear();
-    start
-}
-
-/// The short check; what it finds is said and put into the result.
-fn check_gradient(session: &mut Session<'_>, begun: &mut Begun) -> Result<Certificate, RunError> {
-    session.console.pass("checking the gradient");
-    let problem = &session.problem;
-    let size = super::gradcheck::size(problem);
-    let seed = problem.case.optimizer.seed;
-    let base = (begun.point.m.as_slice(), &begun.point, begun.derivative.as_slice());
-    let certificate = certify(&problem.ensemble, &problem.set, base, &mut begun.workspace, size, seed);
-    session.console.clear();
-    let certificate = match certificate {
-        Ok(certificate) => certificate,
-        // The run itself will say what it needs a scale for.
-        Err(nastic_opt::TaylorError::NoDirection) => {
-            Certificate { mismatch: f64::NAN, trials: 0, verdict: Verdict::Undecided, full: None }
-        }
-        Err(error) => return Err(error.into()),
-    };
-    let found = match certificate.verdict {
-        Verdict::Right if certificate.full.is_none() => format!(
-            "right: differences of the cost agree with it to {} ({} trials)",
-            scientific(certificate.mismatch, 1),
-            certificate.trials
-        ),
-        Verdict::Undecided => "undecided: the cost hardly changes along a random direction".to_owned(),
-        verdict => verdict.to_string(),
-    };
-    session.console.say(format!("gradient    {found}"));
-    if certificate.verdict == Verdict::Wrong {
-        if let Some(full) = &certificate.full {
-            session.console.say(full);
-        }
-        session
-            .console
-            .say("The derivative does not belong to the cost here: nastic gradcheck shows which term is at fault.");
-        session
-            .console
-            .say("A cost with a kink at the start (target and body on the same points) fails this check too.");
-    }
-    session
-        .put("gradient_check", json!({ "verdict": certificate.verdict.to_string(), "mismatch": certificate.mismatch }));
-    Ok(certificate)
+    session.evaluate(m, DEFAULT_ACCURACY, workspace)
 }
 
 /// Runs the optimiser to its end, from an evaluated start.
@@ -119,7 +68,7 @@ fn minimize(
     optimizer: &dyn Optimizer,
     begun: Begun,
     mut recorder: Recorder<'_>,
-) -> Result<Ended, RunError> {
+) -> Result<FinishedRun, RunError> {
     let problem = &session.problem;
     let Begun { point, derivative, workspace } = begun;
     let kept = point.clone();
@@ -134,7 +83,7 @@ fn minimize(
         }
     };
     let work = recorder.finish()?;
-    Ok(Ended { start: kept, best: run.finish(stop), work })
+    Ok(FinishedRun { start: kept, best: run.finish(stop), work })
 }
 
 /// Why it ended, for people.
@@ -146,7 +95,7 @@ pub(super) fn why(stop: &Stop) -> String {
 }
 
 /// The start as the last stage values it: what the end can be compared with.
-fn revalued(problem: &Problem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
+fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
     problem.ensemble.restage(problem.stages() - 1, start).ok()
 }
 

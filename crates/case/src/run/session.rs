@@ -1,28 +1,32 @@
 //! What the commands share: the case at hand, the clock, the place for results.
 
+use super::ensemble_progress::EnsembleProgress;
 use super::error::{Exit, RunError};
-use super::roll::Roll;
 use super::{Options, number};
+use crate::catalogue::Catalogue;
 use crate::console::Console;
-use crate::lower::{CaseMember, Problem};
+use crate::lower::{CaseMember, CaseProblem};
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::snapshot;
 use crate::schema::Command;
 use crate::syntax::Document;
-use nastic_control::{ControlError, EnsembleError, View};
-use nastic_fem::{State, StateError};
-use nastic_opt::Failed;
+use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, View};
+use nastic_fem::{Progress, State, StateError};
+use nastic_opt::{Failed, Objective, Request};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+/// Relative accuracy of the state at the start; its residual is a hundredth of that.
+const START_ACCURACY: f64 = 1e-10;
+
 /// A command under way.
 pub(super) struct Session<'c> {
     pub command: Command,
-    pub problem: Problem,
+    pub problem: CaseProblem,
     pub console: &'c Console,
     pub cancel: Arc<AtomicBool>,
     /// Where results go; `None` for commands that leave nothing behind unless told where.
@@ -34,15 +38,26 @@ pub(super) struct Session<'c> {
 
 impl<'c> Session<'c> {
     /// Reads and lowers the case.
-    pub fn open(command: Command, path: &Path, options: &Options, console: &'c Console) -> Result<Self, RunError> {
+    pub fn open(
+        catalogue: &Catalogue,
+        command: Command,
+        path: &Path,
+        options: &Options,
+        console: &'c Console,
+    ) -> Result<Self, RunError> {
         let began = Instant::now();
-        let mut document = Document::open(path)?;
+        let mut document = Document::open(path)?.with_catalogue(catalogue);
         for option in &options.set {
             document.set(option)?;
         }
-        let mut problem = Problem::lower(document, options.cancel.clone())?;
+        let mut problem = CaseProblem::lower(document, options.cancel.clone())?;
         if problem.members().nth(1).is_some() {
-            problem.ensemble.watch(Roll::new(&problem, console).watcher());
+            problem.ensemble.watch(EnsembleProgress::new(&problem, console).watcher());
+        } else {
+            let terminal = console.clone();
+            problem.ensemble.watch_solves(move |_, Progress { load, newton, residual, .. }| {
+                terminal.pass(format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}"));
+            });
         }
         let out = directory(&command, &problem, path, options);
         let mut session = Self {
@@ -145,7 +160,26 @@ impl<'c> Session<'c> {
         self.put("seconds", Value::Object(times));
     }
 
-    /// Whether somebody asked to stop.
+    /// The ensemble at a control vector: the one way every command comes by its states.
+    pub fn evaluate(
+        &self,
+        m: &[f64],
+        accuracy: f64,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<EnsemblePoint, Failed> {
+        let how = Request { accuracy, ..Request::default() };
+        let point = self.problem.ensemble.evaluate(m, &how, workspace);
+        self.console.clear();
+        point
+    }
+
+    /// The start controls, as exactly as costs no more than another iteration.
+    pub fn evaluate_start(&mut self, workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, RunError> {
+        let point = self.timed("solve", |session| session.evaluate(&session.problem.start, START_ACCURACY, workspace));
+        point.map_err(|failed| self.evaluation_failed(&failed))
+    }
+
+    /// Whether a stop was requested.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
     }
@@ -231,7 +265,7 @@ impl<'c> Session<'c> {
 
 /// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where
 /// they are told to.
-fn directory(command: &Command, problem: &Problem, path: &Path, options: &Options) -> Option<Directory> {
+fn directory(command: &Command, problem: &CaseProblem, path: &Path, options: &Options) -> Option<Directory> {
     let named = options.out.clone().map(Directory::new);
     if matches!(command, Command::Check | Command::Gradcheck) {
         return named;

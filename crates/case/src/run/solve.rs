@@ -3,92 +3,49 @@
 use super::error::{Exit, RunError};
 use super::number::{scientific, short, vector};
 use super::session::Session;
-use crate::lower::{CaseMember, Problem, TargetShape, file_name};
+use crate::lower::{CaseMember, CaseProblem, TargetShape, file_name};
 use crate::result::files::Directory;
+use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
-use crate::result::shown::{self, Detail, MemberError, Shown};
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::View;
-use nastic_fem::{Progress, SolveOptions, SolveReport, State};
-use rayon::prelude::*;
+use nastic_control::{EnsemblePoint, EnsembleWorkspace, View};
+use nastic_fem::SolveReport;
 use serde_json::{Map, Value, json};
 
-/// Relative residual asked for: as near to exact as it is cheap to be.
-pub(super) const ACCURACY: f64 = 1e-12;
-
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
-    let states = session.timed("solve", |session| equilibria(session));
-    let states = states.map_err(|error| session.member_failed(error))?;
-    report(session, &states)?;
-    session.timed("write", |session| write(session, &states))?;
+    let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
+    report(session, &point)?;
+    session.timed("write", |session| write(session, &point))?;
     Ok(Exit::Done)
 }
 
-/// The equilibria of all members, side by side; the first that fails, in their order, ends it.
-fn equilibria(session: &Session<'_>) -> Result<Vec<State>, MemberError> {
-    let problem = &session.problem;
-    let members: Vec<CaseMember<'_>> = problem.members().collect();
-    let solve = |member: &CaseMember<'_>| -> Result<State, MemberError> {
-        let failed = |error| (member.index(), error);
-        let name = member.name();
-        let name = if name.is_empty() { name } else { format!(" {name}") };
-        let watch = |progress: &Progress| {
-            session.console.pass(format!(
-                "solving{name}: load {:.4}, Newton iteration {}, residual {:.1e}",
-                progress.load, progress.newton, progress.residual
-            ));
-        };
-        let how = SolveOptions {
-            accuracy: ACCURACY,
-            cancel: Some(&session.cancel),
-            watch: Some(&watch),
-            parallel: members.len() == 1,
-            ..SolveOptions::default()
-        };
-        let controls = member.layout().to_points(&member.local(&problem.start)).map_err(failed)?;
-        member.solid().solve(&controls, &how).map_err(|error| failed(error.into()))
-    };
-    let states: Vec<Result<State, MemberError>> = members.par_iter().with_max_len(1).map(solve).collect();
-    session.console.clear();
-    states.into_iter().collect()
-}
-
-fn report(session: &mut Session<'_>, states: &[State]) -> Result<(), RunError> {
-    let shown = shown(&session.problem, states).map_err(|error| session.member_failed(error))?;
-    let entries = shown::entries(&session.problem, &shown, Detail::Full);
+fn report(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
+    let reports = member_report::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
+    let entries = member_report::entries(&session.problem, &reports, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
-    let controls = summary::controls(&session.problem, &session.problem.start);
-    drop(shown);
+    let controls = summary::controls(&session.problem, &point.m);
+    drop(reports);
     session.put_all(entries);
     session.put("controls", controls);
-    session.put("load_steps", json!(states.iter().map(|state| state.report.load_steps).max()));
-    say(session, states);
+    session.put("load_steps", json!(point.parts.iter().map(|at| at.state.report.load_steps).max()));
+    say(session, point);
     Ok(())
 }
 
-fn shown<'a>(problem: &'a Problem, states: &'a [State]) -> Result<Vec<Shown<'a>>, MemberError> {
-    let of = |(member, state): (CaseMember<'a>, &'a State)| {
-        let m = member.local(&problem.start);
-        let costs = member.reduced().costs_at(state, &m, 0).map_err(|error| (member.index(), error))?;
-        let terms = costs.iter().map(|cost| cost.value()).collect();
-        Ok(Shown { member, state, terms, costs: costs.into(), stage: 0, work: state.report })
-    };
-    problem.members().zip(states).map(of).collect()
-}
-
-fn say(session: &Session<'_>, states: &[State]) {
+fn say(session: &Session<'_>, point: &EnsemblePoint) {
+    let states = || point.parts.iter().map(|at| &at.state);
     let (console, result) = (session.console, session.result_value());
     let mut work = SolveReport::default();
-    states.iter().for_each(|state| work.add_work(&state.report));
+    states().for_each(|state| work.add_work(&state.report));
     console.say(format!(
         "equilibrium {} Newton iterations in {} load steps ({} cut), {} factorisations ({} reused), residual {}",
         work.newton,
-        states.iter().map(|state| state.report.load_steps).sum::<usize>(),
+        states().map(|state| state.report.load_steps).sum::<usize>(),
         work.cuts,
         work.factorisations,
         work.reused,
-        scientific(states.iter().map(|state| state.report.residual).fold(0.0, f64::max), 1)
+        scientific(states().map(|state| state.report.residual).fold(0.0, f64::max), 1)
     ));
     if work.cycles > 0 {
         console.say(format!("linear      multigrid: {} cycles on {} sets of levels", work.cycles, work.hierarchies));
@@ -230,19 +187,18 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
 }
 
-fn write(session: &mut Session<'_>, states: &[State]) -> Result<(), RunError> {
+fn write(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
     let mut files = Vec::new();
-    for (member, state) in problem.members().zip(states) {
-        let m = member.local(&problem.start);
-        let shot = snapshot::snapshot(member, &View::new(state, &m))?;
+    for (member, at) in problem.members().zip(&point.parts) {
+        let shot = snapshot::snapshot(member, &View::new(&at.state, &at.m))?;
         files.push(member.file("start.vtu"));
         out.write_vtu(&member.file("start.vtu"), &shot)?;
         if member.part().scenario() == 0 {
             let drawing = Drawing {
                 title: title(member),
-                subtitle: format!("equilibrium at the start control, min J {}", short(state.report.min_j)),
+                subtitle: format!("equilibrium at the start control, min J {}", short(at.state.report.min_j)),
                 body: ("equilibrium", &shot),
                 ghost: None,
             };
@@ -267,7 +223,7 @@ pub(super) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
 
 /// `target.vtu` of the first target; further ones bear their cost's name, and those that members have alone begin as
 /// the members' files do.
-pub(super) fn write_targets(problem: &Problem, out: &Directory) -> Result<Vec<String>, RunError> {
+pub(super) fn write_targets(problem: &CaseProblem, out: &Directory) -> Result<Vec<String>, RunError> {
     let targets = named_targets(problem);
     for (name, shape) in &targets {
         out.write_vtu(name, &snapshot::target(shape)?)?;
@@ -276,11 +232,11 @@ pub(super) fn write_targets(problem: &Problem, out: &Directory) -> Result<Vec<St
 }
 
 /// The names of the files with targets.
-pub(super) fn target_files(problem: &Problem) -> Vec<String> {
+pub(super) fn target_files(problem: &CaseProblem) -> Vec<String> {
     named_targets(problem).into_iter().map(|(name, _)| name).collect()
 }
 
-fn named_targets(problem: &Problem) -> Vec<(String, &TargetShape)> {
+fn named_targets(problem: &CaseProblem) -> Vec<(String, &TargetShape)> {
     let mut out: Vec<(String, &TargetShape)> = Vec::new();
     for member in problem.members() {
         let same = |other: &CaseMember<'_>| {
@@ -304,7 +260,7 @@ fn named_targets(problem: &Problem) -> Vec<(String, &TargetShape)> {
 }
 
 /// `scenarios.pvd`: the scenarios' files one after the other, for every load case.
-pub(super) fn write_collections(problem: &Problem, what: &str, out: &Directory) -> Result<Vec<String>, RunError> {
+pub(super) fn write_collections(problem: &CaseProblem, what: &str, out: &Directory) -> Result<Vec<String>, RunError> {
     let mut files = Vec::new();
     for lead in problem.leads().filter(|_| problem.has_scenarios()) {
         let own = problem.members().filter(|member| member.load_case() == lead.load_case());

@@ -7,7 +7,7 @@ use crate::schema::json::Definitions;
 use crate::schema::read::{Read, Reader};
 use crate::schema::value::described_text;
 use crate::syntax::{At, Node};
-use nastic_energy::catalogue::{ActuationRow, actuations};
+use nastic_energy::catalogue::ActuationRow;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
@@ -68,11 +68,12 @@ impl Actuation {
 
 impl Read for Actuation {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
-        let kinds: Vec<&str> = actuations().iter().map(|kind| kind.name).collect();
+        let rows = reader.document.catalogue().actuations();
+        let kinds: Vec<&str> = rows.iter().map(|kind| kind.name).collect();
         let name: Option<String> = reader.key(node, at, "name", NAME, Want::ANY, None);
         let region: Option<String> = reader.key(node, at, "region", REGION, Want::ANY, None);
         let tag = reader.tag(node, at, "kind", &kinds)?;
-        let kind = actuations().iter().find(|kind| kind.name == tag)?;
+        let kind = rows.iter().find(|kind| kind.name == tag)?;
         let slots = slots(kind);
         let members = reader.members(node, at)?;
         let own = keys(kind.forms).into_iter().map(|p| p.name).chain(slots.iter().map(|slot| slot.key));
@@ -92,7 +93,7 @@ impl Read for Actuation {
     fn schema(_: Want, definitions: &mut Definitions) -> Json {
         definitions.part("Actuation", |definitions| {
             let mut options = Vec::new();
-            for kind in actuations() {
+            for kind in definitions.catalogue.clone().actuations() {
                 for form in kind.forms {
                     let mut properties = Map::new();
                     properties.insert("name".into(), described_text(NAME));

@@ -43,7 +43,7 @@ object! {
         pub costs: Vec<Cost> = Vec::new(),
         /// Several states that share the design.
         pub load_cases: Vec<LoadCase> = Vec::new(),
-        /// Several worlds that share the control.
+        /// Scenarios that share the control.
         pub scenarios: Scenarios,
         /// What of the scenarios' costs is made small.
         pub risk: Risk = Risk::Mean,

@@ -20,6 +20,8 @@ pub enum Input {
     Direction(VectorField),
     /// One of a few words.
     Word(&'static str),
+    /// A region, a surface, a node set.
+    Name(String),
 }
 
 impl Input {
@@ -91,6 +93,7 @@ fn read_input(parameter: &catalogue::Parameter, node: &Node, at: &At, reader: &m
     match parameter.takes {
         Takes::Number { unit, .. } => Parameter::read(node, at, want(unit), reader).map(Input::Number),
         Takes::Choice { of } => reader.word(node, at, parameter.name, of).map(Input::Word),
+        Takes::Name { .. } => String::read(node, at, Want::ANY, reader).map(Input::Name),
         Takes::Direction { .. } => {
             let direction = VectorField::read(node, at, Want::NUMBER, reader)?;
             check_unit(&direction, at, reader);
@@ -108,7 +111,7 @@ fn check_form(owner: &str, forms: Forms, node: &Node, members: &[Property], at: 
     };
     let strange =
         |form: &[catalogue::Parameter]| given.iter().filter(|name| !form.iter().any(|p| p.name == **name)).count();
-    // The form somebody was writing shares the most keys and lacks the fewest.
+    // The form that was meant shares the most keys and lacks the fewest.
     let Some(best) = forms.iter().min_by_key(|form| (strange(form), missing(form).len())) else { return true };
     let lacking = missing(best);
     let described: Vec<String> = forms.iter().map(|form| describe(form)).collect();
@@ -146,6 +149,7 @@ pub(crate) fn form_schema(
             Takes::Number { unit, .. } => Parameter::schema(want(unit), definitions),
             Takes::Direction { .. } => annotated(VectorField::schema(Want::NUMBER, definitions), "Unit vector.", None),
             Takes::Choice { of } => json!({ "enum": of, "default": of.first() }),
+            Takes::Name { .. } => String::schema(Want::ANY, definitions),
         };
         properties.insert(parameter.name.into(), schema);
         if !parameter.optional {

@@ -2,6 +2,7 @@
 
 use crate::expression::Formula;
 use crate::quantity::Want;
+use crate::schema::added_cost::AddedCost;
 use crate::schema::field::ArrayFile;
 use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::mesh::MeshSource;
@@ -12,7 +13,8 @@ use serde_json::Value as Json;
 
 tagged! {
     /// A term of the cost; the cost is their sum.
-    pub enum Cost by "kind" {
+    pub enum Cost by "kind" or /// A term that the program has added.
+    Added(AddedCost) {
         /// Distance between the deformed body and a target shape.
         "smoothed_hausdorff" => SmoothedHausdorff(SmoothedHausdorff),
         /// Distance of every point to its own target position.
@@ -158,6 +160,7 @@ impl Cost {
             Self::Tracking(block) => &block.at,
             Self::ControlNorm(block) => &block.at,
             Self::ControlSmoothness(block) => &block.at,
+            Self::Added(block) => &block.at,
         }
     }
 
@@ -169,6 +172,7 @@ impl Cost {
             Self::Tracking(block) => &block.name,
             Self::ControlNorm(block) => &block.name,
             Self::ControlSmoothness(block) => &block.name,
+            Self::Added(block) => &block.name,
         };
         own.as_deref().unwrap_or(self.kind())
     }
@@ -181,6 +185,7 @@ impl Cost {
             Self::Tracking(block) => block.weight,
             Self::ControlNorm(block) => block.weight,
             Self::ControlSmoothness(block) => block.weight,
+            Self::Added(block) => block.weight,
         }
     }
 
@@ -189,7 +194,7 @@ impl Cost {
         match self {
             Self::ControlNorm(block) => Some(&block.of),
             Self::ControlSmoothness(block) => Some(&block.of),
-            Self::SmoothedHausdorff(_) | Self::Tracking(_) => None,
+            Self::SmoothedHausdorff(_) | Self::Tracking(_) | Self::Added(_) => None,
         }
     }
 }

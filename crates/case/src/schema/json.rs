@@ -1,15 +1,17 @@
 //! The JSON Schema of case files (draft 2020-12), from the same description the reader uses.
 
+use crate::catalogue::Catalogue;
 use crate::quantity::{Sign, Want};
 use crate::schema::case::Case;
 use crate::schema::read::{Choice, Object, Read};
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
-/// The JSON Schema of case files. Comments and trailing commas, which case files may have, are outside its scope.
+/// The JSON Schema of case files with these names. Comments and trailing commas, which case files may have, are outside
+/// its scope.
 #[must_use]
-pub fn json_schema() -> Json {
-    let mut definitions = Definitions::default();
+pub fn json_schema(catalogue: &Catalogue) -> Json {
+    let mut definitions = Definitions { parts: BTreeMap::new(), catalogue: catalogue.clone() };
     let case = definitions.describe::<Case>(None);
     let mut schema = Map::new();
     schema.insert("$schema".into(), "https://json-schema.org/draft/2020-12/schema".into());
@@ -17,21 +19,24 @@ pub fn json_schema() -> Json {
     if let Json::Object(case) = case {
         schema.extend(case);
     }
-    schema.insert("$defs".into(), Json::Object(definitions.0.into_iter().collect()));
+    schema.insert("$defs".into(), Json::Object(definitions.parts.into_iter().collect()));
     Json::Object(schema)
 }
 
 /// The named parts of the schema, each described once.
-#[derive(Default)]
-pub(crate) struct Definitions(BTreeMap<String, Json>);
+pub(crate) struct Definitions {
+    parts: BTreeMap<String, Json>,
+    /// The names that may stand in a case.
+    pub(crate) catalogue: Catalogue,
+}
 
 impl Definitions {
     /// A reference to the part `name`, which `build` describes when it is met first.
     pub(crate) fn part(&mut self, name: &str, build: impl FnOnce(&mut Self) -> Json) -> Json {
-        if !self.0.contains_key(name) {
-            self.0.insert(name.to_string(), Json::Null);
+        if !self.parts.contains_key(name) {
+            self.parts.insert(name.to_string(), Json::Null);
             let description = build(self);
-            self.0.insert(name.to_string(), description);
+            self.parts.insert(name.to_string(), description);
         }
         json!({ "$ref": format!("#/$defs/{name}") })
     }

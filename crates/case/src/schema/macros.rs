@@ -106,25 +106,31 @@ macro_rules! object {
     };
 }
 
-/// A block whose other keys depend on the value of one: `tagged! { pub enum Cost by "kind" { "x" => X(Block), } }`.
+/// A block whose other keys depend on the value of one:
+/// `tagged! { pub enum Cost by "kind" or Added(AddedBlock) { "x" => X(Block), } }`; what follows `or` reads the values that
+/// the catalogue of a program adds.
 macro_rules! tagged {
     (
         $(#[doc = $about:literal])*
-        pub enum $name:ident by $tag:literal {
+        pub enum $name:ident by $tag:literal or $(#[doc = $other_about:literal])* $other:ident($added:ty) {
             $( $(#[doc = $doc:literal])* $text:literal => $variant:ident($type:ty) ),* $(,)?
         }
     ) => {
         $(#[doc = $about])*
         #[derive(Clone, PartialEq, Debug)]
         pub enum $name {
-            $( $(#[doc = $doc])* $variant($type) ),*
+            $( $(#[doc = $doc])* $variant($type), )*
+            $(#[doc = $other_about])* $other($added),
         }
 
         impl $name {
             /// The name in the case.
             #[must_use]
             pub fn kind(&self) -> &'static str {
-                match self { $( Self::$variant(_) => $text ),* }
+                match self {
+                    $( Self::$variant(_) => $text, )*
+                    Self::$other(block) => block.kind(),
+                }
             }
         }
 
@@ -135,9 +141,11 @@ macro_rules! tagged {
                 _: $crate::quantity::Want,
                 reader: &mut $crate::schema::read::Reader<'_>,
             ) -> Option<Self> {
-                match reader.tag(node, at, $tag, &[$($text),*])? {
+                let mut known = vec![$($text),*];
+                known.extend(<$added>::kinds(reader));
+                match reader.tag(node, at, $tag, &known)? {
                     $( $text => $crate::schema::read::object(node, at, Some($tag), reader).map(Self::$variant), )*
-                    _ => None,
+                    kind => <$added>::read(kind, node, at, reader).map(Self::$other),
                 }
             }
 
@@ -145,7 +153,8 @@ macro_rules! tagged {
                 _: $crate::quantity::Want,
                 definitions: &mut $crate::schema::json::Definitions,
             ) -> serde_json::Value {
-                let variants = vec![$( definitions.object::<$type>(Some(($tag, $text))) ),*];
+                let mut variants = vec![$( definitions.object::<$type>(Some(($tag, $text))) ),*];
+                variants.extend(<$added>::schemas(definitions));
                 serde_json::json!({ "oneOf": variants })
             }
         }

@@ -6,7 +6,7 @@ use crate::schema::json::Definitions;
 use crate::schema::read::{Read, Reader};
 use crate::schema::value::described_text;
 use crate::syntax::{At, Node};
-use nastic_energy::catalogue::{MaterialRow, materials};
+use nastic_energy::catalogue::MaterialRow;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
@@ -34,10 +34,11 @@ const REGION: &str = "Region of the mesh.";
 
 impl Read for Material {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
-        let names: Vec<&str> = materials().iter().map(|law| law.name).collect();
+        let laws = reader.document.catalogue().materials();
+        let names: Vec<&str> = laws.iter().map(|law| law.name).collect();
         let region: Option<String> = reader.key(node, at, "region", REGION, Want::ANY, None);
         let name = reader.tag(node, at, "law", &names)?;
-        let law = materials().iter().find(|law| law.name == name)?;
+        let law = laws.iter().find(|law| law.name == name)?;
         let known: Vec<&str> = ["region", "law"].into_iter().chain(keys(law.forms).iter().map(|p| p.name)).collect();
         let members = reader.members(node, at)?;
         reader.refuse_unknown(members, at, &known);
@@ -48,7 +49,7 @@ impl Read for Material {
     fn schema(_: Want, definitions: &mut Definitions) -> Json {
         definitions.part("Material", |definitions| {
             let mut options = Vec::new();
-            for law in materials() {
+            for law in definitions.catalogue.clone().materials() {
                 for form in law.forms {
                     let mut properties = Map::new();
                     properties.insert("region".into(), described_text(REGION));

@@ -1,4 +1,4 @@
-//! `scenarios` and `risk`: one control for several worlds.
+//! `scenarios` and `risk`: one control for several scenarios.
 
 use crate::quantity::Want;
 use crate::schema::json::{Definitions, any_of};
@@ -7,17 +7,17 @@ use crate::schema::settings::{Settings, check_path};
 use crate::syntax::{At, Node, Value};
 use serde_json::Value as Json;
 
-/// The worlds one control must serve.
+/// The scenarios one control must serve.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Scenarios {
-    /// Given one by one; empty for a certain world.
+    /// Given one by one; empty for a deterministic problem.
     List(Vec<Scenario>),
     /// Made by a rule from random parameters.
     Random(RandomScenarios),
 }
 
 object! {
-    /// One world.
+    /// One scenario.
     pub struct Scenario {
         /// Name in results; its number if left out.
         pub name: Option<String>,
@@ -29,7 +29,7 @@ object! {
 }
 
 object! {
-    /// Worlds made by a rule from random parameters.
+    /// Scenarios made by a rule from random parameters.
     pub struct RandomScenarios checked by check_random {
         /// The independent random parameters.
         pub random: Vec<RandomParameter>,
@@ -167,7 +167,7 @@ object! {
 }
 
 impl Scenarios {
-    /// True for a certain world.
+    /// True for a deterministic problem.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         matches!(self, Self::List(list) if list.is_empty())

@@ -5,7 +5,9 @@ use super::node::{Node, Place, Property, Value};
 use super::parse::parse;
 use super::path::At;
 use super::setting::{Setting, complaint};
+use crate::catalogue::Catalogue;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Blocks an option may reach into although the case leaves them out.
 const OPTIONAL_BLOCKS: [&str; 3] = ["units", "optimizer", "output"];
@@ -17,6 +19,8 @@ pub struct Document {
     root: Node,
     /// Problems that do not keep the rest from being read.
     problems: Vec<Diagnostic>,
+    /// The names that may stand in it.
+    catalogue: Arc<Catalogue>,
 }
 
 impl Document {
@@ -44,9 +48,22 @@ impl Document {
     pub fn parse(name: &str, text: &str) -> Result<Self, Diagnostics> {
         let mut problems = Vec::new();
         match parse(name, text, &mut problems) {
-            Some(root) => Ok(Self { name: name.to_string(), root, problems }),
+            Some(root) => Ok(Self { name: name.to_string(), root, problems, catalogue: Arc::default() }),
             None => Err(Diagnostics::new(problems)),
         }
+    }
+
+    /// To be read with these names; with the standard ones if never called.
+    #[must_use]
+    pub fn with_catalogue(mut self, catalogue: &Catalogue) -> Self {
+        self.catalogue = Arc::new(catalogue.clone());
+        self
+    }
+
+    /// The names that may stand in it.
+    #[must_use]
+    pub fn catalogue(&self) -> &Catalogue {
+        &self.catalogue
     }
 
     /// Applies an option `path=value`; the value is JSON if it reads as JSON, otherwise a text.

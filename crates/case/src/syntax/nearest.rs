@@ -1,4 +1,4 @@
-//! What somebody probably meant.
+//! The nearest known name to a misspelt one.
 
 /// ": did you mean "mu1"? (mu1, mu2, mu3)", or what there is, or nothing.
 pub(crate) fn clause(wrong: &str, known: &[&str]) -> String {

@@ -3,7 +3,7 @@
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)] // helpers of several tests
 
 use nastic_case::console::Console;
-use nastic_case::lower::Problem;
+use nastic_case::lower::CaseProblem;
 use nastic_case::run::{Options, Outcome, RunError, run};
 use nastic_case::schema::Command;
 use nastic_case::syntax::{Diagnostics, Document};
@@ -95,9 +95,9 @@ pub fn with(text: &str, from: &str, to: &str) -> String {
 }
 
 /// The problem of a case text whose file lies in this crate's tests/cases.
-pub fn lower(text: &str) -> Result<Problem, Diagnostics> {
+pub fn lower(text: &str) -> Result<CaseProblem, Diagnostics> {
     let name = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/case.json");
-    Problem::lower(Document::parse(&name.display().to_string(), text)?, Arc::default())
+    CaseProblem::lower(Document::parse(&name.display().to_string(), text)?, Arc::default())
 }
 
 /// What is wrong with a case text, without the path of its file.

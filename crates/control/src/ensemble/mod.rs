@@ -22,6 +22,7 @@ use crate::evaluated::Evaluated;
 use crate::reduced::AT_REST;
 use crate::workspace::ReducedWorkspace;
 use blocks::{gather, scatter};
+use nastic_fem::Progress;
 use nastic_opt::Request;
 use nastic_uncertainty::risk::Risk;
 use product::EnsembleProduct;
@@ -281,6 +282,15 @@ impl Ensemble {
     /// Calls `watch` after every evaluated member from now on, as [`EnsembleBuilder::watched_by`] does.
     pub fn watch(&mut self, watch: impl Fn(&Finished) + Send + Sync + 'static) {
         self.watch = Watch(Some(Arc::new(watch)));
+    }
+
+    /// Calls `watch` after every Newton iteration of every member, with the member's name.
+    pub fn watch_solves(&mut self, watch: impl Fn(&str, &Progress) + Send + Sync + 'static) {
+        let watch = Arc::new(watch);
+        for part in &mut self.parts {
+            let (watch, name) = (watch.clone(), part.name.clone());
+            part.problem.watch_solves(move |progress| watch(&name, progress));
+        }
     }
 
     /// The derivative of one term's expected value `sum_s p_s sum_l w_l`, whatever the measure of risk.

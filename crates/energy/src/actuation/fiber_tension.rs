@@ -1,6 +1,6 @@
 use nastic_tensor::{Mat3, Vec3};
 
-use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, Points, Response, Slot, Slots, Want};
+use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Response, Slot, Slots, Want};
 
 /// Tension of a fibre family along unit vectors `a(X)`.
 ///
@@ -44,7 +44,7 @@ impl FiberTension {
 }
 
 impl EnergyTerm for FiberTension {
-    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         for (q, k) in at.kinematics.iter().enumerate() {
             let tension = m.get(q, 0);
             let a = self.direction.at(at.place(q));
@@ -61,7 +61,7 @@ impl EnergyTerm for FiberTension {
         }
     }
 
-    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+    fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         for (q, (g, out)) in change.iter().zip(out).enumerate() {
             let a = self.direction.at(at.place(q));
             *out -= (g * a) * (a * m.get(q, 0)).transpose();
@@ -82,7 +82,7 @@ impl Actuation for FiberTension {
         &Self::SLOTS
     }
 
-    fn stress_by_control(&self, at: &Points, _m: Slots, out: &mut [Mat3]) {
+    fn stress_by_control(&self, at: &PointBatch, _m: Slots, out: &mut [Mat3]) {
         for (q, k) in at.kinematics.iter().enumerate() {
             let a = self.direction.at(at.place(q));
             out[q] = -(k.f() * a) * a.transpose();

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
 use super::polar::Polar;
-use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, Points, Response, Slot, Slots, Want};
+use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Response, Slot, Slots, Want};
 
 /// Vacuum permeability in SI units, N/A^2, which is T^2/Pa.
 pub const VACUUM_PERMEABILITY: f64 = 1.25663706e-6;
@@ -169,7 +169,7 @@ fn vectors(m: &Slots, q: usize) -> (Vec3, Vec3) {
 }
 
 impl<C: Carrier> EnergyTerm for Magnetic<C> {
-    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         for (q, k) in at.kinematics.iter().enumerate() {
             let factor = self.factor(at.place(q));
             let (remanence, field) = vectors(&m, q);
@@ -196,7 +196,7 @@ impl<C: Carrier> Actuation for Magnetic<C> {
         &Self::SLOTS
     }
 
-    fn stress_by_control(&self, at: &Points, m: Slots, out: &mut [Mat3]) {
+    fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
         let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
         for (q, k) in at.kinematics.iter().enumerate() {
             let factor = self.factor(at.place(q));

@@ -1,6 +1,6 @@
 use nastic_tensor::{Mat3, cross};
 
-use crate::{Actuation, EnergyTerm, Points, Response, Slot, Slots, Want};
+use crate::{Actuation, EnergyTerm, PointBatch, Response, Slot, Slots, Want};
 
 /// Turgor: a pressure inside the material itself, as in plant cells or fluid-filled foams.
 ///
@@ -29,7 +29,7 @@ impl Turgor {
 }
 
 impl EnergyTerm for Turgor {
-    fn respond(&self, at: &Points, m: Slots, want: Want, out: &mut Response) {
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         for (q, k) in at.kinematics.iter().enumerate() {
             let pressure = m.get(q, 0);
             if want.energy {
@@ -44,7 +44,7 @@ impl EnergyTerm for Turgor {
         }
     }
 
-    fn stress_change(&self, at: &Points, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+    fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         for (q, (k, g)) in at.kinematics.iter().zip(change).enumerate() {
             out[q] -= cross(k.f(), g) * m.get(q, 0);
         }
@@ -56,7 +56,7 @@ impl Actuation for Turgor {
         &Self::SLOTS
     }
 
-    fn stress_by_control(&self, at: &Points, _m: Slots, out: &mut [Mat3]) {
+    fn stress_by_control(&self, at: &PointBatch, _m: Slots, out: &mut [Mat3]) {
         for (out, k) in out.iter_mut().zip(at.kinematics) {
             *out = -k.h();
         }

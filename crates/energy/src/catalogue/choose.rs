@@ -5,6 +5,9 @@ use super::{Parameter, unknown};
 use crate::EnergyError;
 
 /// Checks the given names and kinds against the forms, and finds the one that is meant.
+///
+/// # Errors
+/// An [`EnergyError`] that names the parameter: unknown, missing, of the wrong kind, or of another form.
 pub fn choose<'a>(
     owner: &'static str,
     forms: &'static [&'static [Parameter]],

@@ -48,6 +48,7 @@ impl Inputs {
             Takes::Number { example, .. } => inputs.number(p.name, example),
             Takes::Direction { example } => inputs.direction(p.name, Vec3::from(example)),
             Takes::Choice { of } => inputs.choice(p.name, of.first().copied().unwrap_or_default()),
+            Takes::Name { example } => inputs.choice(p.name, example),
         })
     }
 
@@ -68,16 +69,18 @@ impl Inputs {
             (Takes::Choice { of }, Some(Value::Choice(word))) if !of.contains(&word.as_str()) => {
                 return Err(super::unknown(&format!("{} of {owner}", parameter.name), word, of.to_vec()));
             }
-            (Takes::Choice { .. }, None | Some(Value::Choice(_))) => return Ok(()),
+            (Takes::Choice { .. } | Takes::Name { .. }, None | Some(Value::Choice(_))) => return Ok(()),
             (Takes::Number { .. }, _) => "a number",
             (Takes::Direction { .. }, _) => "a direction",
             (Takes::Choice { .. }, _) => "a word",
+            (Takes::Name { .. }, _) => "a name",
         };
         Err(EnergyError::Kind { owner, name: parameter.name, expected })
     }
 }
 
 /// Inputs that were checked against one form of one law.
+#[derive(Clone, Copy, Debug)]
 pub struct Given<'a> {
     owner: &'static str,
     form: &'static [Parameter],
@@ -85,7 +88,7 @@ pub struct Given<'a> {
 }
 
 impl<'a> Given<'a> {
-    pub fn new(owner: &'static str, form: &'static [Parameter], inputs: &'a Inputs) -> Self {
+    pub(super) fn new(owner: &'static str, form: &'static [Parameter], inputs: &'a Inputs) -> Self {
         Given { owner, form, inputs }
     }
 
@@ -94,6 +97,10 @@ impl<'a> Given<'a> {
         self.form.iter().any(|p| p.name == name)
     }
 
+    /// A number, uniform or a field.
+    ///
+    /// # Errors
+    /// [`EnergyError::Missing`].
     pub fn number(&self, name: &'static str) -> Result<Field<f64>, EnergyError> {
         match self.inputs.values.get(name) {
             Some(Value::Number(field)) => Ok(field.clone()),
@@ -101,6 +108,10 @@ impl<'a> Given<'a> {
         }
     }
 
+    /// A direction, uniform or a field.
+    ///
+    /// # Errors
+    /// [`EnergyError::Missing`].
     pub fn direction(&self, name: &'static str) -> Result<Field<Vec3>, EnergyError> {
         match self.inputs.values.get(name) {
             Some(Value::Direction(field)) => Ok(field.clone()),
@@ -108,6 +119,7 @@ impl<'a> Given<'a> {
         }
     }
 
+    /// A number that may be left out.
     pub fn number_or(&self, name: &str, default: f64) -> Field<f64> {
         match self.inputs.values.get(name) {
             Some(Value::Number(field)) => field.clone(),
@@ -115,7 +127,7 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// The word given, if any.
+    /// The word or name given, if any.
     pub fn word(&self, name: &str) -> Option<&'a str> {
         match self.inputs.values.get(name) {
             Some(Value::Choice(word)) => Some(word),

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::{ActuationRow, Example, Made, MaterialRow, Parameter, Takes};
+use super::{ActuationRow, Example, Made, MaterialRow, Parameter};
 use crate::magnet::VACUUM_PERMEABILITY;
 use crate::{
     FiberTension, Magnet, MagnetIsochoric, MagnetRotation, MooneyRivlin, NeoHooke, NeoHookeIsochoric,
@@ -34,7 +34,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             pressure("mu2", 2e4),
             pressure("mu3", 3e5),
             pressure("mu4", 1e6),
-            direction("fiber", [0.6, 0.8, 0.0]),
+            Parameter::direction("fiber", [0.6, 0.8, 0.0]),
         ]],
         make: |given| {
             Ok(Made::density(TransverseMooneyRivlin::new(
@@ -80,7 +80,7 @@ pub const ACTUATIONS: &[ActuationRow] = &[
     ActuationRow {
         name: FiberTension::NAME,
         about: "fibre tension along `direction`; positive lengthens the fibre, negative contracts it",
-        forms: &[&[direction("direction", [0.6, 0.0, 0.8])]],
+        forms: &[&[Parameter::direction("direction", [0.6, 0.0, 0.8])]],
         example: Example { controls: &[1.5e5], towards: [[0.36, 0.0, 0.48], [0.0, 0.0, 0.0], [0.48, 0.0, 0.64]] },
         make: |given| Ok(Arc::new(FiberTension::along_field(given.direction("direction")?)?)),
     },
@@ -95,8 +95,8 @@ pub const ACTUATIONS: &[ActuationRow] = &[
         name: Magnet::NAME,
         about: "remanence in an applied field; the body turns its remanence into the field",
         forms: &[&[
-            Parameter { optional: true, ..choice("variant", &["F", "isochoric", "rotation"]) },
-            Parameter { name: "mu0", takes: PERMEABILITY, optional: true },
+            Parameter::choice("variant", &["F", "isochoric", "rotation"]).optional(),
+            Parameter::number("mu0", "N/A^2", VACUUM_PERMEABILITY).optional(),
         ]],
         example: Example {
             controls: &[0.1, 0.0, 0.0, 0.0, 0.02, 0.0],
@@ -113,25 +113,15 @@ pub const ACTUATIONS: &[ActuationRow] = &[
     },
 ];
 
-const PERMEABILITY: Takes = Takes::Number { unit: "N/A^2", example: VACUUM_PERMEABILITY };
-
 const SHEAR_BULK: &[Parameter] = &[pressure("shear", 1e5), pressure("bulk", 5e5)];
 const SHEAR_BULK_SHARE: &[Parameter] = &[pressure("shear", 1e5), pressure("bulk", 5e5), number("share", 0.8)];
 const YOUNG: &[Parameter] = &[pressure("young", 3e5), number("poisson", 0.4)];
 const YOUNG_SHARE: &[Parameter] = &[pressure("young", 3e5), number("poisson", 0.4), number("share", 0.8)];
 
 const fn pressure(name: &'static str, example: f64) -> Parameter {
-    Parameter { name, takes: Takes::Number { unit: "Pa", example }, optional: false }
+    Parameter::number(name, "Pa", example)
 }
 
 const fn number(name: &'static str, example: f64) -> Parameter {
-    Parameter { name, takes: Takes::Number { unit: "1", example }, optional: false }
-}
-
-const fn direction(name: &'static str, example: [f64; 3]) -> Parameter {
-    Parameter { name, takes: Takes::Direction { example }, optional: false }
-}
-
-const fn choice(name: &'static str, of: &'static [&'static str]) -> Parameter {
-    Parameter { name, takes: Takes::Choice { of }, optional: false }
+    Parameter::number(name, "1", example)
 }

@@ -1,7 +1,7 @@
 use nastic_tensor::Tangent;
 
 use super::{Finding, Violation, Worst, evaluate, norm, states};
-use crate::{EnergyTerm, Place, Points, Response, Slots, Want};
+use crate::{EnergyTerm, Place, PointBatch, Response, Slots, Want};
 
 /// The term adds to what is there, gives each wanted quantity alone the same as all together, and does not touch (or
 /// need) the others.
@@ -12,7 +12,7 @@ pub fn accumulation(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Findi
     let mut worst = Worst::new("adds what is wanted and nothing else", 1e-14);
     for k in states() {
         let whole = evaluate(term, at, &k, m);
-        let points = Points { kinematics: &[k], cell: at.cell, first: at.point };
+        let points = PointBatch { kinematics: &[k], cell: at.cell, first: at.point };
         let slots = Slots { values: m, width: m.len() };
         // Start values of the size of the answer, so that an overwritten start shows and no digits are lost.
         let scale = norm(&whole.tangent) + whole.stress.norm() + whole.energy.abs();

@@ -2,7 +2,7 @@ use nastic_tensor::{Kinematics, Mat3};
 
 use super::derivative::sixth_order;
 use super::{Finding, Violation, Worst, evaluate, states};
-use crate::{Actuation, Place, Points, Slots};
+use crate::{Actuation, Place, PointBatch, Slots};
 
 /// `stress_by_control` is the derivative of `P` by every control component, and is set rather than added.
 ///
@@ -45,7 +45,7 @@ pub fn drives(term: &dyn Actuation, at: Place, m: &[f64], towards: &Mat3) -> Res
 fn by_control(term: &dyn Actuation, at: Place, k: &Kinematics, m: &[f64]) -> Vec<Mat3> {
     // Not-a-number to begin with: entries left out or added to would show.
     let mut out = vec![Mat3::repeat(f64::NAN); m.len()];
-    let points = Points { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
+    let points = PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
     term.stress_by_control(&points, Slots { values: m, width: m.len() }, &mut out);
     out
 }

@@ -1,7 +1,7 @@
 use nastic_tensor::{Kinematics, Mat3};
 
 use super::{Evaluation, Finding, Violation, Worst, evaluate, kinematics, norm, states};
-use crate::{EnergyTerm, Place, Points, Slots};
+use crate::{EnergyTerm, Place, PointBatch, Slots};
 
 /// `P` is the derivative of the energy by `F`.
 ///
@@ -48,7 +48,7 @@ pub fn stress_change(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Find
     for k in states() {
         let tangent = evaluate(term, at, &k, m).tangent;
         let scale = norm(&tangent);
-        let points = Points { kinematics: &[k], cell: at.cell, first: at.point };
+        let points = PointBatch { kinematics: &[k], cell: at.cell, first: at.point };
         for (unit, _, _) in units() {
             // a start value of the size of the answer, so that an overwritten start shows and no digits are lost
             let mut change = [k.f() * scale];

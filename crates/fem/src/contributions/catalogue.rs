@@ -89,9 +89,9 @@ fn block() -> Result<Solid, FemError> {
         .clamp("x-")
 }
 
-/// A box of 3 x 3 x 2 hexahedra whose upper middle one is missing: a cup with the surfaces "x-", "x+" and "inside".
+/// A box of 3 x 3 x 2 hexahedra, each 1 x 1 x 1.2, whose upper middle one is missing: a cup with the surfaces "x-", "x+" and "inside".
 fn pocket() -> Result<Mesh, FemError> {
-    let full = box_mesh([3.0, 3.0, 2.0], [3, 3, 2], CellKind::Hex8)?;
+    let full = box_mesh([3.0, 3.0, 2.4], [3, 3, 2], CellKind::Hex8)?;
     let mut raw = RawMesh::new("cup");
     raw.points = full.points().to_vec();
     for (tag, name) in [(1, "x-"), (2, "x+"), (3, "inside")] {
@@ -100,7 +100,7 @@ fn pocket() -> Result<Mesh, FemError> {
     raw.names.insert((3, 4), "body".to_owned());
     let missing = |cell: usize| {
         let c = full.cell_centre(cell);
-        (c[0] - 1.5).abs() < 0.1 && (c[1] - 1.5).abs() < 0.1 && c[2] > 1.0
+        (c[0] - 1.5).abs() < 0.1 && (c[1] - 1.5).abs() < 0.1 && c[2] > 1.2
     };
     for cell in (0..full.cells()).filter(|&cell| !missing(cell)) {
         raw.push(CellKind::Hex8, full.cell(cell).nodes, &[4]);
@@ -108,7 +108,7 @@ fn pocket() -> Result<Mesh, FemError> {
     let hole = (0..full.cells()).find(|&cell| missing(cell)).unwrap_or_default();
     for (kind, local) in CellKind::Hex8.faces() {
         let nodes: Vec<u32> = local.iter().map(|&a| full.cell(hole).nodes[a]).collect();
-        if nodes.iter().any(|&node| full.points()[node as usize][2] < 1.5) {
+        if nodes.iter().any(|&node| full.points()[node as usize][2] < 1.8) {
             raw.push(*kind, &nodes, &[3]);
         }
     }

@@ -3,7 +3,7 @@
 use crate::error::InvertedAt;
 use crate::solid::Solid;
 use crate::solution::state::State;
-use nastic_energy::{Points, Response, Slots, Want};
+use nastic_energy::{PointBatch, Response, Slots, Want};
 use nastic_tensor::{Mat3, Vec3};
 
 /// Averages over the reference volume of each cell, in mesh order.
@@ -35,7 +35,7 @@ impl Solid {
         let (mut piola, mut energy) = (vec![Mat3::zeros(); n], vec![0.0; n]);
         for (cell, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
             let range = first..first + count;
-            let at = Points { kinematics: &kinematics[range.clone()], cell, first };
+            let at = PointBatch { kinematics: &kinematics[range.clone()], cell, first };
             let composition = &self.body().compositions[self.body().of_cell[cell] as usize];
             let mut out =
                 Response { energy: &mut energy[range.clone()], stress: &mut piola[range.clone()], tangent: &mut [] };

@@ -189,7 +189,7 @@ impl<'a> Storage<'a> {
         };
         fn parse<T: std::str::FromStr>(word: &[u8]) -> Result<T, String> {
             let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-            number.ok_or_else(|| format!("`{}` is no number", brief(&String::from_utf8_lossy(word))))
+            number.ok_or_else(|| format!("`{}` is not a number", brief(&String::from_utf8_lossy(word))))
         }
         let numbers = match kind {
             Type::Real(_) => words().map(parse).collect::<Result<_, _>>().map(Numbers::Reals),

@@ -159,7 +159,7 @@ fn with_grid<T>(file: &Path, bytes: &[u8], then: impl FnOnce(&Grid) -> Result<T,
     };
     let count = |name: &str| {
         let text = piece.attribute(name).and_then(|text| text.trim().parse::<u64>().ok());
-        text.ok_or_else(|| fail(piece, &format!("{name} is missing or no number"), "write the file again"))
+        text.ok_or_else(|| fail(piece, &format!("{name} is missing or not a number"), "write the file again"))
     };
     let (points, cells) = (count("NumberOfPoints")?, count("NumberOfCells")?);
     then(&Grid { source, storage: &storage, fields: grid.child("FieldData"), piece, points, cells })

@@ -2,7 +2,7 @@
 
 use super::super::number::{count, short};
 use super::{Line, cost_line, line};
-use crate::lower::Problem;
+use crate::lower::CaseProblem;
 use crate::schema::Rule;
 use crate::schema::{LoadCase, Scenarios};
 use serde_json::{Map, Value, json};
@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 /// Scenarios listed one by one; the result has them all.
 const LISTED: usize = 12;
 
-pub(in super::super) fn load_cases(problem: &Problem) -> Vec<Line> {
+pub(in super::super) fn load_cases(problem: &CaseProblem) -> Vec<Line> {
     let mut out = Vec::new();
     for member in problem.leads() {
         let block = problem.case.load_cases.iter().find(|block| Some(block.name.as_str()) == member.load_case());
@@ -37,7 +37,7 @@ fn differs(block: &LoadCase) -> String {
     settings.chain(counts).map(|text| format!(", {text}")).collect()
 }
 
-pub(in super::super) fn scenarios(problem: &Problem) -> Vec<Line> {
+pub(in super::super) fn scenarios(problem: &CaseProblem) -> Vec<Line> {
     if !problem.has_scenarios() {
         return vec![];
     }
@@ -66,7 +66,7 @@ pub(in super::super) fn scenarios(problem: &Problem) -> Vec<Line> {
 }
 
 /// The same for programs.
-pub(super) fn json(problem: &Problem) -> Map<String, Value> {
+pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
     let mut out = Map::new();
     let ensemble = &problem.ensemble;
     if problem.leads().any(|member| member.load_case().is_some()) {

@@ -6,11 +6,11 @@ use super::super::number::{count, short};
 use super::super::session::Session;
 use super::super::solve::{say_files, say_members, say_probes, say_stability, title, write_collections, write_targets};
 use super::starts::{self, Starts};
-use super::{Ended, fall, revalued, why};
+use super::{FinishedRun, fall, revalued, why};
 use crate::lower::file_name;
 use crate::result::files::Directory;
+use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
-use crate::result::shown::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, View};
@@ -27,15 +27,15 @@ pub(super) fn write_start(session: &Session<'_>, start: &EnsemblePoint, derivati
 
 /// Fills the result, writes files, says how it went.
 pub(super) fn report(session: &mut Session<'_>, starts: &Starts) -> Result<(), RunError> {
-    let Ended { start, best, work } = starts.best();
+    let FinishedRun { start, best, work } = starts.best();
     let problem = &session.problem;
-    let mut shown = shown::of_point(problem, &best.point).map_err(|error| session.member_failed(error))?;
-    shown.iter_mut().zip(work).for_each(|(one, work)| one.work = *work);
-    let entries = shown::entries(problem, &shown, Detail::Full);
+    let mut reports = member_report::of_point(problem, &best.point).map_err(|error| session.member_failed(error))?;
+    reports.iter_mut().zip(work).for_each(|(one, work)| one.work = *work);
+    let entries = member_report::entries(problem, &reports, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
-    drop(shown);
+    drop(reports);
     let begin = revalued(problem, start)
-        .map(|start| shown::entries(problem, &shown::of_point(problem, &start)?, Detail::Costs));
+        .map(|start| member_report::entries(problem, &member_report::of_point(problem, &start)?, Detail::Costs));
     let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(problem, &best.derivative);
     let controls = summary::controls(problem, &best.m);
@@ -148,9 +148,9 @@ fn say_how_to_go_on(session: &Session<'_>, stop: &Stop) {
     }
 }
 
-fn write(session: &mut Session<'_>, ended: &Ended, starts: usize) -> Result<(), RunError> {
+fn write(session: &mut Session<'_>, ended: &FinishedRun, starts: usize) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
-    let (problem, Ended { start, best, .. }) = (&session.problem, ended);
+    let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
     let mut files = vec!["history.jsonl".to_owned()];
     files.extend(write_states(problem, "optimum", &best.point, &best.derivative, &out)?);
     for (k, member) in problem.leads().enumerate() {

@@ -5,7 +5,7 @@ use super::super::session::Session;
 use super::super::table::Table;
 use crate::console::Console;
 use crate::history::{self, History};
-use crate::lower::Problem;
+use crate::lower::CaseProblem;
 use crate::result::files::Directory;
 use crate::result::snapshot;
 use crate::result::summary;
@@ -19,7 +19,7 @@ use std::time::Instant;
 
 /// Told of every trial.
 pub(super) struct Recorder<'s> {
-    problem: &'s Problem,
+    problem: &'s CaseProblem,
     console: &'s Console,
     cancel: Arc<AtomicBool>,
     out: Option<Directory>,
@@ -150,7 +150,7 @@ impl<'s> Recorder<'s> {
     }
 }
 
-fn has_distance(problem: &Problem) -> bool {
+fn has_distance(problem: &CaseProblem) -> bool {
     let is = |cost: &crate::schema::Cost| matches!(cost, crate::schema::Cost::SmoothedHausdorff(_));
     problem.members().any(|member| member.case().costs.iter().any(is))
 }

@@ -1,16 +1,17 @@
 //! One run after the other from several starts, of which the best is kept.
 
 use super::recorder::Recorder;
-use super::{Begun, Ended, Session, evaluate, minimize};
+use super::{Begun, FinishedRun, Session, evaluate, minimize};
+use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::number::{scientific, short};
 use nastic_control::EnsembleWorkspace;
-use nastic_opt::{Failed, Objective, Optimizer};
+use nastic_opt::{Certificate, Failed, Objective, Optimizer, Verdict};
 use serde_json::{Value, json};
 
 /// What became of all starts.
 pub(super) struct Starts {
-    best: Ended,
+    best: FinishedRun,
     /// Number of the best.
     pub index: usize,
     /// An entry for each, for the result.
@@ -19,7 +20,7 @@ pub(super) struct Starts {
 
 impl Starts {
     /// The run that came down deepest.
-    pub fn best(&self) -> &Ended {
+    pub fn best(&self) -> &FinishedRun {
         &self.best
     }
 }
@@ -38,7 +39,7 @@ pub(super) fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer, first: B
     announce(session, 0, count, None);
     let recorder = Recorder::new(session, &mut history, (0, count));
     let ended = minimize(session, optimizer, first, recorder)?;
-    let entries = vec![entry(None, &ended)];
+    let entries = vec![entry(None, &ended, None)];
     let mut starts = Starts { best: ended, index: 0, entries };
     for k in 1..count {
         if session.is_cancelled() {
@@ -47,7 +48,7 @@ pub(super) fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer, first: B
         // Seeds of neighbouring cases shall not share their starts.
         let seed = seed.wrapping_mul(1_000_003).wrapping_add(k as u64);
         announce(session, k, count, Some(seed));
-        let begun = match begin(session, seed) {
+        let mut begun = match begin(session, seed) {
             Ok(begun) => begun,
             Err(failed) => {
                 session.console.say(format!("failed      {failed}"));
@@ -55,9 +56,15 @@ pub(super) fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer, first: B
                 continue;
             }
         };
+        let certificate = check_gradient::check(session, &begun.point, &begun.derivative, &mut begun.workspace)?;
+        if certificate.verdict == Verdict::Wrong {
+            let check = check_gradient::json(&certificate);
+            starts.entries.push(json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check }));
+            continue;
+        }
         let recorder = Recorder::new(session, &mut history, (k, count));
         let ended = minimize(session, optimizer, begun, recorder)?;
-        starts.entries.push(entry(Some(seed), &ended));
+        starts.entries.push(entry(Some(seed), &ended, Some(&certificate)));
         if ended.best.cost < starts.best.best.cost {
             (starts.best, starts.index) = (ended, k);
         }
@@ -82,13 +89,18 @@ fn announce(session: &Session<'_>, index: usize, count: usize, seed: Option<u64>
     }
 }
 
-fn entry(seed: Option<u64>, ended: &Ended) -> Value {
+fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Option<&Certificate>) -> Value {
     let best = &ended.best;
-    json!({
+    let mut out = json!({
         "seed": seed, "start_cost": ended.start.risk, "cost": best.cost, "gradient_norm": best.gradient_norm,
         "iterations": best.counts.iterations, "trials": best.counts.trials, "converged": best.stop.is_converged(),
         "stop": best.stop.to_string(),
-    })
+    });
+    // That of the start as written is the result's own.
+    if let Some(certificate) = certificate {
+        out["gradient_check"] = check_gradient::json(certificate);
+    }
+    out
 }
 
 /// One line per start.

@@ -9,7 +9,7 @@ use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
 use crate::kernels::kernel;
-use nastic_energy::{EnergyTerm, Points, Response, Slots, Want};
+use nastic_energy::{EnergyTerm, PointBatch, Response, Slots, Want};
 use nastic_linear::SparseMatrix;
 use nastic_tensor::Kinematics;
 
@@ -85,7 +85,7 @@ impl CellWork for Job<'_> {
         let Terms { energy, force, tangent } = self.demand;
         let want = Want { energy, stress: force, tangent };
         scratch.clear(want);
-        let at = Points { kinematics: &scratch.kinematics, cell: id, first };
+        let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let mut out =
             Response { energy: &mut scratch.energy, stress: &mut scratch.stress, tangent: &mut scratch.tangent };
         let composition = &self.body.compositions[self.body.of_cell[id] as usize];

@@ -7,7 +7,7 @@ use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
 use crate::kernels::kernel;
-use nastic_energy::Points;
+use nastic_energy::PointBatch;
 use nastic_tensor::Mat3;
 
 /// `int (dP/dm_k) : grad lambda dX`, split by point and slot, for every actuation.
@@ -68,7 +68,7 @@ impl CellWork for ControlVjp<'_> {
         }
         self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
         self.body.formulation.change(self.cells, c, self.lambda, scratch);
-        let at = Points { kinematics: &scratch.kinematics, cell: id, first };
+        let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let weights = &self.body.discretization().points().weights()[first..first + points];
         for &k in &composition.actuations {
             let m = slots(self.controls, k, first, points);

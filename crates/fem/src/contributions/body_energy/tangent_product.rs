@@ -7,7 +7,7 @@ use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
 use crate::kernels::kernel;
-use nastic_energy::{EnergyTerm, Points, Slots};
+use nastic_energy::{EnergyTerm, PointBatch, Slots};
 
 /// `out += K(u, m) v`: at every point the change of stress `dP/dF : grad v`, spread like a stress.
 pub(super) fn add(
@@ -54,7 +54,7 @@ impl CellWork for Product<'_> {
         self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
         self.body.formulation.change(self.cells, c, self.v, scratch);
         scratch.clear_stress();
-        let at = Points { kinematics: &scratch.kinematics, cell: id, first };
+        let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let composition = &self.body.compositions[self.body.of_cell[id] as usize];
         for &t in &composition.terms {
             self.body.terms[t].stress_change(&at, Slots::none(), &scratch.change, &mut scratch.stress);

@@ -1,7 +1,7 @@
 //! States of all members as results show them.
 
 use super::summary;
-use crate::lower::{CaseMember, Problem};
+use crate::lower::{CaseMember, CaseProblem};
 use nastic_control::{ControlError, CostPoint, EnsemblePoint};
 use nastic_fem::{SolveReport, State};
 use nastic_uncertainty::risk::deviation;
@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A state of one member, with the values of its costs.
-pub(crate) struct Shown<'a> {
+pub(crate) struct MemberReport<'a> {
     pub member: CaseMember<'a>,
     pub state: &'a State,
     /// Values of its cost terms; empty without costs.
@@ -35,11 +35,14 @@ pub(crate) enum Detail {
 pub(crate) type MemberError = (usize, ControlError);
 
 /// The states of an evaluated control, with the work of its evaluation.
-pub(crate) fn of_point<'a>(problem: &'a Problem, point: &'a EnsemblePoint) -> Result<Vec<Shown<'a>>, MemberError> {
+pub(crate) fn of_point<'a>(
+    problem: &'a CaseProblem,
+    point: &'a EnsemblePoint,
+) -> Result<Vec<MemberReport<'a>>, MemberError> {
     let of = |(member, at): (CaseMember<'a>, &'a nastic_control::Evaluated)| {
         let costs = member.reduced().costs_of(at).map_err(|error| (member.index(), error))?;
         let (terms, work) = (at.terms.clone(), at.total_work());
-        Ok(Shown { member, state: &at.state, terms, costs, stage: at.stage, work })
+        Ok(MemberReport { member, state: &at.state, terms, costs, stage: at.stage, work })
     };
     problem.members().zip(&point.parts).map(of).collect()
 }
@@ -47,20 +50,20 @@ pub(crate) fn of_point<'a>(problem: &'a Problem, point: &'a EnsemblePoint) -> Re
 /// All entries of a result: of a plain case those of its one state, else what holds for all members and, under
 /// `scenarios` and `load_cases`, those of each.
 pub(crate) fn entries(
-    problem: &Problem,
-    shown: &[Shown<'_>],
+    problem: &CaseProblem,
+    reports: &[MemberReport<'_>],
     detail: Detail,
 ) -> Result<Map<String, Value>, MemberError> {
     let own: Vec<Map<String, Value>> =
-        shown.par_iter().with_max_len(1).map(|one| entry(one, detail)).collect::<Result<_, _>>()?;
+        reports.par_iter().with_max_len(1).map(|one| entry(one, detail)).collect::<Result<_, _>>()?;
     if problem.is_plain() {
         return Ok(own.into_iter().next().unwrap_or_default());
     }
     let mut out = Map::new();
-    let costs = costs(problem, shown);
+    let costs = costs(problem, reports);
     if problem.has_costs() {
-        out.insert("stage".into(), json!(shown.iter().map(|one| one.stage).max()));
-        let terms = problem.ensemble.expected_terms(shown.iter().map(|one| one.terms.as_slice()));
+        out.insert("stage".into(), json!(reports.iter().map(|one| one.stage).max()));
+        let terms = problem.ensemble.expected_terms(reports.iter().map(|one| one.terms.as_slice()));
         let terms: Map<String, Value> = terms.into_iter().map(|(name, value)| (name, json!(value))).collect();
         let total = problem.ensemble.risk().value(problem.ensemble.probabilities(), &costs);
         out.insert("cost".into(), json!({ "total": total, "terms": terms }));
@@ -69,23 +72,23 @@ pub(crate) fn entries(
         }
     }
     if detail == Detail::Full {
-        out.extend(overall(&own, shown));
+        out.extend(overall(&own, reports));
     }
     out.extend(tree(problem, &costs, own));
     Ok(out)
 }
 
 /// Cost of every scenario.
-fn costs(problem: &Problem, shown: &[Shown<'_>]) -> Vec<f64> {
+fn costs(problem: &CaseProblem, reports: &[MemberReport<'_>]) -> Vec<f64> {
     let mut out = vec![0.0; problem.ensemble.scenarios().len()];
-    for one in shown {
+    for one in reports {
         let part = one.member.part();
         out[part.scenario()] += part.weight() * one.terms.iter().sum::<f64>();
     }
     out
 }
 
-fn entry(one: &Shown<'_>, detail: Detail) -> Result<Map<String, Value>, MemberError> {
+fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<Map<String, Value>, MemberError> {
     let mut out = Map::new();
     if !one.terms.is_empty() {
         out.insert("stage".into(), json!(one.stage));
@@ -104,7 +107,7 @@ fn entry(one: &Shown<'_>, detail: Detail) -> Result<Map<String, Value>, MemberEr
 }
 
 /// `{ "measure", "value", "deviation", "measures": { NAME: { "value", "exact" } } }`
-fn risk(problem: &Problem, costs: &[f64]) -> Value {
+fn risk(problem: &CaseProblem, costs: &[f64]) -> Value {
     let ensemble = &problem.ensemble;
     let (name, p) = (ensemble.risk().name(), ensemble.probabilities());
     let measures: Map<String, Value> = ensemble
@@ -119,11 +122,11 @@ fn risk(problem: &Problem, costs: &[f64]) -> Value {
 }
 
 /// Of all members together: the worst of states, the sum of work.
-fn overall(own: &[Map<String, Value>], shown: &[Shown<'_>]) -> Map<String, Value> {
+fn overall(own: &[Map<String, Value>], reports: &[MemberReport<'_>]) -> Map<String, Value> {
     let mut work = SolveReport::default();
-    shown.iter().for_each(|one| work.add_work(&one.work));
-    let min_j = shown.iter().map(|one| one.state.report.min_j).fold(f64::INFINITY, f64::min);
-    let residual = shown.iter().map(|one| one.state.report.residual).fold(0.0, f64::max);
+    reports.iter().for_each(|one| work.add_work(&one.work));
+    let min_j = reports.iter().map(|one| one.state.report.min_j).fold(f64::INFINITY, f64::min);
+    let residual = reports.iter().map(|one| one.state.report.residual).fold(0.0, f64::max);
     // One singular tangent leaves no number for all.
     let inertia: Option<Vec<u64>> = own.iter().map(|entry| entry.get("inertia").and_then(Value::as_u64)).collect();
     let mut out = Map::new();
@@ -135,7 +138,7 @@ fn overall(own: &[Map<String, Value>], shown: &[Shown<'_>]) -> Map<String, Value
 }
 
 /// The entries of all members by scenario and load case.
-fn tree(problem: &Problem, costs: &[f64], own: Vec<Map<String, Value>>) -> Map<String, Value> {
+fn tree(problem: &CaseProblem, costs: &[f64], own: Vec<Map<String, Value>>) -> Map<String, Value> {
     let mut scenarios: Vec<Map<String, Value>> = costs.iter().map(|_| Map::new()).collect();
     for (member, entry) in problem.members().zip(own) {
         let scenario = &mut scenarios[member.part().scenario()];

@@ -2,27 +2,27 @@
 
 use super::number::scientific;
 use crate::console::Console;
-use crate::lower::Problem;
+use crate::lower::CaseProblem;
 use nastic_control::Finished;
 use std::sync::{Arc, Mutex};
 
 /// Who has finished in the present round, and where that is shown.
-pub(super) struct Roll {
+pub(super) struct EnsembleProgress {
     done: Mutex<Vec<bool>>,
     what: &'static str,
     console: Console,
 }
 
-impl Roll {
-    pub fn new(problem: &Problem, console: &Console) -> Self {
+impl EnsembleProgress {
+    pub fn new(problem: &CaseProblem, console: &Console) -> Self {
         let what = if problem.has_scenarios() { "scenarios" } else { "load cases" };
         Self { done: Mutex::new(vec![]), what, console: console.clone() }
     }
 
     /// What an ensemble tells.
     pub fn watcher(self) -> impl Fn(&Finished) + Send + Sync + 'static {
-        let roll = Arc::new(self);
-        move |finished| roll.tick(finished)
+        let progress = Arc::new(self);
+        move |finished| progress.tick(finished)
     }
 
     fn tick(&self, finished: &Finished) {

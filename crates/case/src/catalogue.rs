@@ -1,0 +1,94 @@
+//! [`Catalogue`]: the names a case may use.
+
+use nastic_control::UserCost;
+use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials};
+
+/// The laws, actuations and costs that case files may name: the built-in ones, and those a program adds.
+///
+/// A row makes its member known to the reader of case files, to their JSON Schema and to the commands. Check a law of your
+/// own with [`nastic_energy::check`] before you rely on it.
+///
+/// ```no_run
+/// use nastic_case::catalogue::Catalogue;
+/// use nastic_case::console::Console;
+/// use nastic_case::run::{Options, run_with};
+/// use nastic_case::schema::Command;
+/// use nastic_energy::NeoHooke;
+/// use nastic_energy::catalogue::{Made, MaterialRow, Parameter};
+///
+/// static SILICONE: MaterialRow = MaterialRow::new(
+///     "silicone",
+///     "neo-Hookean with lambda = 20 mu",
+///     &[&[Parameter::number("mu", "Pa", 1e5)]],
+///     |given| {
+///         let mu = given.number("mu")?;
+///         Ok(Made::density(NeoHooke::new(mu.clone(), mu.try_map(|_, mu| Ok(20.0 * mu))?)?))
+///     },
+/// );
+///
+/// let catalogue = Catalogue::standard().with_material(&SILICONE);
+/// let outcome = run_with(&catalogue, Command::Solve, "case.json".as_ref(), &Options::default(), &Console::silent())?;
+/// # Ok::<(), nastic_case::run::RunError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Catalogue {
+    materials: Vec<&'static MaterialRow>,
+    actuations: Vec<&'static ActuationRow>,
+    costs: Vec<&'static UserCost>,
+}
+
+impl Catalogue {
+    /// The built-in laws and actuations; the built-in costs are known to every case.
+    #[must_use]
+    pub fn standard() -> Self {
+        Self { materials: materials().iter().collect(), actuations: actuations().iter().collect(), costs: vec![] }
+    }
+
+    /// With a further law. It takes the place of one of the same name.
+    #[must_use]
+    pub fn with_material(mut self, row: &'static MaterialRow) -> Self {
+        self.materials.retain(|known| known.name != row.name);
+        self.materials.push(row);
+        self
+    }
+
+    /// With a further actuation. It takes the place of one of the same name.
+    #[must_use]
+    pub fn with_actuation(mut self, row: &'static ActuationRow) -> Self {
+        self.actuations.retain(|known| known.name != row.name);
+        self.actuations.push(row);
+        self
+    }
+
+    /// With a further cost. It takes the place of an added one of the same name; names of built-in costs stay theirs.
+    #[must_use]
+    pub fn with_cost(mut self, row: &'static UserCost) -> Self {
+        self.costs.retain(|known| known.name != row.name);
+        self.costs.push(row);
+        self
+    }
+
+    /// The laws.
+    #[must_use]
+    pub fn materials(&self) -> &[&'static MaterialRow] {
+        &self.materials
+    }
+
+    /// The actuations.
+    #[must_use]
+    pub fn actuations(&self) -> &[&'static ActuationRow] {
+        &self.actuations
+    }
+
+    /// The costs that were added.
+    #[must_use]
+    pub fn costs(&self) -> &[&'static UserCost] {
+        &self.costs
+    }
+}
+
+impl Default for Catalogue {
+    fn default() -> Self {
+        Self::standard()
+    }
+}

@@ -1,0 +1,101 @@
+//! Costs and laws that a program adds to the catalogue.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may
+
+use nastic_case::catalogue::Catalogue;
+use nastic_case::console::Console;
+use nastic_case::run::{Options, Outcome, RunError, run_with};
+use nastic_case::schema::{Command, json_schema};
+use nastic_control::{ControlError, Cost, CostContext, CostPoint, Partials, UserCost};
+use nastic_energy::catalogue::Parameter;
+use std::sync::Arc;
+
+const BAR: &str = include_str!("cases/bar.json");
+
+/// weight/2 (u_z - height)^2 at every node of a surface.
+#[derive(Debug)]
+struct Lift {
+    nodes: Vec<u32>,
+    height: f64,
+    weight: f64,
+}
+
+#[derive(Debug)]
+struct LiftPoint {
+    /// Unknown and how far it is from the height.
+    gaps: Vec<(usize, f64)>,
+    weight: f64,
+}
+
+impl Cost for Lift {
+    fn name(&self) -> &str {
+        "lift"
+    }
+
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        let gap = |node: &u32| (*node as usize * 3 + 2, at.u[*node as usize * 3 + 2] - self.height);
+        Ok(Arc::new(LiftPoint { gaps: self.nodes.iter().map(gap).collect(), weight: self.weight }))
+    }
+}
+
+impl CostPoint for LiftPoint {
+    fn value(&self) -> f64 {
+        self.weight * self.gaps.iter().map(|(_, gap)| 0.5 * gap * gap).sum::<f64>()
+    }
+
+    fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
+        self.gaps.iter().for_each(|(dof, gap)| out.u[*dof] += self.weight * gap);
+        Ok(())
+    }
+}
+
+static LIFT: UserCost = UserCost {
+    name: "lift",
+    about: "weight/2 (u_z - height)^2 at the nodes of a surface",
+    forms: &[&[Parameter::place("surface", "x+"), Parameter::number("height", "m", 0.1)]],
+    make: |solid, given, weight| {
+        let mesh = solid.mesh();
+        let nodes = mesh.nodes_of_facets(mesh.surface(given.word("surface").unwrap_or_default())?);
+        let height = given.number("height").map_err(|e| ControlError::Cost { what: e.to_string() })?;
+        let height = height.at(nastic_energy::Place { cell: 0, point: 0 });
+        Ok(Box::new(Lift { nodes, height, weight }))
+    },
+};
+
+fn run(cost: &str, command: Command) -> Result<Outcome, RunError> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("case.json");
+    std::fs::write(&path, BAR).unwrap();
+    let set = vec![format!("costs={cost}")];
+    let options = Options { out: Some(directory.path().join("out")), set, ..Options::default() };
+    let catalogue = Catalogue::standard().with_cost(&LIFT);
+    run_with(&catalogue, command, &path, &options, &Console::silent())
+}
+
+#[test]
+fn a_cost_of_ones_own_is_evaluated_and_its_derivative_is_right() {
+    let cost = r#"[{ "kind": "lift", "surface": "x+", "height": "20 mm", "weight": 2 }]"#;
+    let result = run(cost, Command::Gradient).unwrap().result;
+    assert_eq!(result["gradient_check"]["verdict"], "right", "{result}");
+    let once = r#"[{ "kind": "lift", "surface": "x+", "height": 0.02, "name": "up" }]"#;
+    let single = run(once, Command::Gradient).unwrap().result;
+    let (double, single) = (&result["cost"]["terms"]["lift"], &single["cost"]["terms"]["up"]);
+    assert!((double.as_f64().unwrap() / single.as_f64().unwrap() - 2.0).abs() < 1e-12, "{double} {single}");
+}
+
+#[test]
+fn its_keys_are_known_to_reader_and_schema() {
+    let complaint = |cost: &str| run(cost, Command::Check).unwrap_err().to_string();
+    let said = complaint(r#"[{ "kind": "lift", "surface": "x+", "heigth": "20 mm" }]"#);
+    assert!(said.contains("did you mean \"height\"?"), "{said}");
+    let said = complaint(r#"[{ "kind": "lift", "surface": "x+", "height": "20 kPa" }]"#);
+    assert!(said.contains("is a pressure, a length is wanted"), "{said}");
+    let said = complaint(r#"[{ "kind": "lift", "surface": "tip", "height": "20 mm" }]"#);
+    assert!(said.contains("\"tip\" not found") && said.contains("costs/0"), "{said}");
+    let said = complaint(r#"[{ "kind": "lift", "surface": "x+", "height": "0.1 * X" }]"#);
+    assert!(said.contains("one value, not one that varies"), "{said}");
+    let said = complaint(r#"[{ "kind": "lft" }]"#);
+    assert!(said.contains("did you mean \"lift\"?"), "{said}");
+    assert!(json_schema(&Catalogue::standard().with_cost(&LIFT)).to_string().contains("\"lift\""));
+    assert!(!json_schema(&Catalogue::standard()).to_string().contains("\"lift\""));
+}

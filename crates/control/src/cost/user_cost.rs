@@ -1,0 +1,22 @@
+//! [`UserCost`]: a cost of one's own as case files name it.
+
+use super::Cost;
+use crate::error::ControlError;
+use nastic_energy::catalogue::{Given, Parameter};
+use nastic_fem::Solid;
+
+/// How a cost is made for a body, of its parameters and its weight (at least zero), which its values include.
+pub type MakeCost = fn(&Solid, &Given<'_>, f64) -> Result<Box<dyn Cost>, ControlError>;
+
+/// A cost that case files may name beside the built-in ones.
+#[derive(Clone, Copy, Debug)]
+pub struct UserCost {
+    /// Its `kind` in case files.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// The sets of parameters it takes.
+    pub forms: &'static [&'static [Parameter]],
+    /// How it is made.
+    pub make: MakeCost,
+}

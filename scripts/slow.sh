@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# Every shipped case and every example program, in release, held to its expected numbers.
+#
+#   scripts/slow.sh [--quick]        --quick: those that take less than 30 s each on two idle cores, as .ci/run does
+#
+# Cases carry their numbers themselves (`expect`); what the programs must say stands below. About ten minutes for all.
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+quick=0
+[ "${1:-}" = --quick ] && quick=1
+out=target/slow
+failed=()
+mkdir -p "$out"
+
+# Longer than 30 s; the others are run by --quick too.
+slow_cases=(known_control cantilever_arc petal)
+slow_examples=(robust_turgor t_magnet petal)
+
+is_in() { # WORD LIST...
+  local word="$1" other
+  shift
+  for other in "$@"; do [ "$word" = "$other" ] && return 0; done
+  return 1
+}
+
+run() { # NAME COMMAND...
+  local name="$1" began=$SECONDS
+  shift
+  if "$@"; then
+    printf '%5d s  %s\n' $((SECONDS - began)) "$name"
+  else
+    printf '%5d s  FAILED: %s\n' $((SECONDS - began)) "$name"
+    failed+=("$name")
+  fi
+}
+
+# Exit code 0, or 4 for one that is meant to end by its limit of iterations; 6 is a missed expectation.
+case_met() { # NAME
+  local file="examples/cases/$1.json" command=optimize status=0
+  grep -q '"expect"' "$file" || { echo "$file has no \"expect\""; return 1; }
+  grep -q '"command": "solve"' "$file" && command=solve
+  target/release/nastic "$command" "$file" --quiet --out "$out/case_$1" || status=$?
+  [ "$status" = 0 ] || { [ "$status" = 4 ] && [ "$1" = petal ]; }
+}
+
+# The number that stands after the last occurrence of a text, held between two bounds.
+between() { # FILE TEXT LEAST MOST
+  awk -v text="$2" -v least="$3" -v most="$4" '
+    { at = index($0, text); if (at) { rest = substr($0, at + length(text)); found = rest + 0; seen = 1 } }
+    END {
+      if (!seen) { print "no \"" text "\" in the output"; exit 1 }
+      if (found < least || found > most) { print text found " is not in [" least ", " most "]"; exit 1 }
+    }' "$1"
+}
+
+example_met() { # NAME
+  local log="$out/example_$1.log"
+  "target/release/examples/$1" >"$log" || return
+  case "$1" in
+    shortest) between "$log" "cost " 0.1352 0.1362 ;;
+    own_energy) between "$log" "tracking cost " 0 1e-6 && grep -q "verdict: right" "$log" ;;
+    tip_tracking) between "$log" "cost " 0 1.47e-7 ;;
+    turgor_stem) between "$log" "mm -> " 0.7 0.9 ;;
+    robust_turgor) between "$log" "saved in pairs: " 3.5 6.5 ;;
+    t_magnet) between "$log" "start 0: cost 2.341e-3 -> " 0 2.34e-6 ;;
+    fiber_cantilever) between "$log" "m -> " 0 0.03 ;;
+    known_control) between "$log" "m -> " 0 0.01 ;;
+    petal) between "$log" " -> " 0 5.26e-7 && between "$log" "negative pivots: " 0 0 ;;
+    *) echo "no expected number for the example $1: give it one in scripts/slow.sh"; return 1 ;;
+  esac
+}
+
+cargo build --release --locked --quiet -p nastic-cli --bins || exit 1
+cargo build --release --locked --quiet -p nastic --examples || exit 1
+for file in examples/cases/*.json; do
+  name=$(basename "$file" .json)
+  [ "$quick" = 1 ] && is_in "$name" "${slow_cases[@]}" && continue
+  run "case $name" case_met "$name"
+done
+for file in examples/*.rs; do
+  name=$(basename "$file" .rs)
+  [ "$quick" = 1 ] && is_in "$name" "${slow_examples[@]}" && continue
+  run "example $name" example_met "$name"
+done
+[ "${#failed[@]}" = 0 ] && echo "all as expected" && exit 0
+printf 'FAILED: %s\n' "${failed[@]}"
+exit 1
