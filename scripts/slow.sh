@@ -14,7 +14,7 @@ failed=()
 mkdir -p "$out"
 
 # Longer than 30 s; the others are run by --quick too.
-slow_cases=(known_control cantilever_arc petal)
+slow_cases=(petal)
 slow_examples=(robust_turgor t_magnet petal)
 
 is_in() { # WORD LIST...

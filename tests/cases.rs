@@ -126,6 +126,42 @@ fn the_stem_lifts_itself_as_the_case_expects() {
     assert_eq!((outcome.exit, outcome.missed.len()), (Exit::Done, 0), "{:?}", outcome.missed);
 }
 
+#[test]
+fn the_finger_bends_as_the_case_expects() {
+    let outcome = command(Command::Optimize, &shipped("finger.json"), "finger", &[]).unwrap();
+    assert_eq!((outcome.exit, outcome.missed.len()), (Exit::Done, 0), "{:?}", outcome.missed);
+    let air = &outcome.result["contributions"]["air"];
+    let grown = air["volume"].as_f64().unwrap() / air["reference_volume"].as_f64().unwrap();
+    assert!(grown > 2.0, "the chamber grows {grown}-fold");
+}
+
+#[test]
+fn mistakes_about_a_cavity_are_told_once() {
+    let text = std::fs::read_to_string(shipped("finger.json")).unwrap();
+    let text = text.replace("../../meshes/", concat!(env!("CARGO_MANIFEST_DIR"), "/meshes/"));
+    let place = "actuation/0";
+    let cases = [
+        (
+            "open",
+            ", \"symmetry\": [\"middle\"] }",
+            " }",
+            vec![place, "\"chamber\"", "\"air\"", "open at 76 edges", "lid"],
+        ),
+        ("name", "\"chamber\"", "\"chambr\"", vec![place, "\"chambr\" not found", "Did you mean \"chamber\""]),
+        ("surface", "\"surface\": \"chamber\", ", "", vec![place, "missing key \"surface\""]),
+        ("region", "\"chamber\", ", "\"chamber\", \"region\": \"soft\", ", vec!["unknown key \"region\""]),
+        ("space", "\"uniform\"", "\"cell\"", vec!["controls/0", "\"air\" is one number", "\"uniform\""]),
+    ];
+    for (name, from, to, told) in cases {
+        assert!(text.contains(from), "{from}");
+        let path = scratch("cavity").join(format!("{name}.json"));
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        let message = command(Command::Check, &path, "cavity", &[]).unwrap_err().to_string();
+        assert_eq!(message.lines().count(), 1, "{message}");
+        told.into_iter().for_each(|part| assert!(message.contains(part), "{name}: {message}\nwithout: {part}"));
+    }
+}
+
 /// A small case with one thing changed, and what is said of it.
 fn complaint(name: &str, from: &str, to: &str) -> String {
     const GOOD: &str = r#"{

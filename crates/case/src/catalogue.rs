@@ -2,6 +2,7 @@
 
 use nastic_control::UserCost;
 use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials};
+use nastic_fem::contributions::catalogue::{CATALOGUE as CONTRIBUTIONS, Entry, Form};
 
 /// The laws, actuations and costs that case files may name: the built-in ones, and those a program adds.
 ///
@@ -34,6 +35,7 @@ use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials}
 pub struct Catalogue {
     materials: Vec<&'static MaterialRow>,
     actuations: Vec<&'static ActuationRow>,
+    contributions: Vec<&'static Entry>,
     costs: Vec<&'static UserCost>,
 }
 
@@ -41,7 +43,12 @@ impl Catalogue {
     /// The built-in laws and actuations; the built-in costs are known to every case.
     #[must_use]
     pub fn standard() -> Self {
-        Self { materials: materials().iter().collect(), actuations: actuations().iter().collect(), costs: vec![] }
+        Self {
+            materials: materials().iter().collect(),
+            actuations: actuations().iter().collect(),
+            contributions: CONTRIBUTIONS.iter().collect(),
+            costs: vec![],
+        }
     }
 
     /// With a further law. It takes the place of one of the same name.
@@ -60,6 +67,14 @@ impl Catalogue {
         self
     }
 
+    /// With a further contribution. It takes the place of one of the same name.
+    #[must_use]
+    pub fn with_contribution(mut self, row: &'static Entry) -> Self {
+        self.contributions.retain(|known| known.name != row.name);
+        self.contributions.push(row);
+        self
+    }
+
     /// With a further cost. It takes the place of an added one of the same name; names of built-in costs stay theirs.
     #[must_use]
     pub fn with_cost(mut self, row: &'static UserCost) -> Self {
@@ -72,6 +87,11 @@ impl Catalogue {
     #[must_use]
     pub fn materials(&self) -> &[&'static MaterialRow] {
         &self.materials
+    }
+
+    /// The contributions that stand in case files, as kinds of `actuation`.
+    pub fn contributions(&self) -> impl Iterator<Item = (&'static str, &'static Form)> {
+        self.contributions.iter().filter_map(|entry| Some((entry.name, entry.form.as_ref()?)))
     }
 
     /// The actuations.

@@ -30,7 +30,7 @@ mod support;
 mod units;
 mod value;
 
-pub use actuation::{Actuation, Fixed};
+pub use actuation::{Actuation, Fixed, Means};
 pub use added_cost::AddedCost;
 pub use case::{Case, Output, Probe};
 pub use catalogue::Input;

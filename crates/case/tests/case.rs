@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_case::schema::{
-    Case, Cost, Element, Fixed, Input, MeshSource, Method, Metric, Parameter, Phi, Risk, Rule, Scenarios, Space, Start,
-    Target, VectorField, vector_at,
+    Case, Cost, Element, Fixed, Input, Means, MeshSource, Method, Metric, Parameter, Phi, Risk, Rule, Scenarios, Space,
+    Start, Target, VectorField, vector_at,
 };
 use nastic_case::syntax::{Diagnostics, Document};
 
@@ -43,8 +43,9 @@ fn the_documented_case_is_read_in_full() {
     assert_eq!(case.supports[0].fix.iter().map(|axis| axis.index()).collect::<Vec<_>>(), [0, 1, 2]);
     assert_eq!(case.loads[0].traction.as_ref().unwrap().constant(), Some([0.0, 0.0, -5.0]));
     let fiber = &case.actuation[0];
-    assert_eq!((fiber.name.as_str(), fiber.kind.name, fiber.region.as_str()), ("tension", "fiber_tension", "body"));
-    assert_eq!(fiber.parameters["direction"].direction().unwrap().constant(), Some([1.0, 0.0, 0.0]));
+    let Means::Law { region, parameters, .. } = &fiber.means else { panic!() };
+    assert_eq!((fiber.name.as_str(), fiber.kind(), region.as_str()), ("tension", "fiber_tension", "body"));
+    assert_eq!(parameters["direction"].direction().unwrap().constant(), Some([1.0, 0.0, 0.0]));
     assert!(fiber.fixed.is_empty());
 
     let control = &case.controls[0];
@@ -107,8 +108,9 @@ fn magnets_load_cases_and_every_other_key_are_read() {
     assert!((weight / -9.81e-6 - 1.0).abs() < 1e-15, "{weight}");
 
     let magnet = &case.actuation[0];
-    assert_eq!(magnet.parameters["variant"], Input::Word("isochoric"));
-    assert!((number(&magnet.parameters["mu0"]).unwrap() / 1.2 - 1.0).abs() < 1e-15);
+    let Means::Law { parameters, .. } = &magnet.means else { panic!() };
+    assert_eq!(parameters["variant"], Input::Word("isochoric"));
+    assert!((number(&parameters["mu0"]).unwrap() / 1.2 - 1.0).abs() < 1e-15);
     let Fixed::Scalar(Parameter::Formula(pressure)) = &case.actuation[1].fixed["pressure"] else { panic!() };
     assert_eq!(pressure.at([4.0, 0.0, 0.0]).unwrap(), 0.01);
     assert_eq!(case.controls[0].norm, Some(0.1));

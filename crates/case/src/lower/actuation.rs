@@ -5,27 +5,49 @@ use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, key_of};
 use crate::quantity::{Dimension, Units};
-use crate::schema::{Actuation, Case, Fixed};
+use crate::schema::{Actuation, Case, Fixed, Input, Means};
 use nastic_control::Reduced;
+use nastic_energy::catalogue::ActuationRow;
 use nastic_fem::Solid;
+use std::collections::BTreeMap;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for actuation in &case.actuation {
-        let mesh = solid.mesh().clone();
-        let Some(cells) = context.take(&actuation.at.key("region"), mesh.region(&actuation.region)) else { continue };
-        let disc = solid.discretization().clone();
-        let points = SamplePoints::of_body(case, &disc, cells);
-        let Some(mut inputs) = inputs(&actuation.parameters, &actuation.at, &points, context) else { continue };
-        if actuation.kind.parameters().iter().any(|p| p.name == MU0) && !actuation.parameters.contains_key(MU0) {
-            inputs = inputs.number(MU0, context.units.permeability());
-        }
-        match actuation.kind.build(&inputs) {
-            Ok(law) => {
-                attempt(solid, &actuation.at, context, |solid| solid.actuate(&actuation.region, &actuation.name, law))
+        match &actuation.means {
+            Means::Law { row, region, parameters } => {
+                add_law(case, actuation, (row, region, parameters), solid, context)
             }
-            Err(error) => context.complain(&key_of(&actuation.at, &error), error),
+            Means::Contribution { form, values, .. } => {
+                attempt(solid, &actuation.at, context, |solid| (form.add)(solid, &actuation.name, values));
+            }
         }
     }
+}
+
+fn add_law(
+    case: &Case,
+    actuation: &Actuation,
+    (row, region, parameters): (&ActuationRow, &str, &BTreeMap<&'static str, Input>),
+    solid: &mut Solid,
+    context: &mut Context<'_>,
+) {
+    let mesh = solid.mesh().clone();
+    let Some(cells) = context.take(&actuation.at.key("region"), mesh.region(region)) else { return };
+    let disc = solid.discretization().clone();
+    let points = SamplePoints::of_body(case, &disc, cells);
+    let Some(mut inputs) = inputs(parameters, &actuation.at, &points, context) else { return };
+    if row.parameters().iter().any(|p| p.name == MU0) && !parameters.contains_key(MU0) {
+        inputs = inputs.number(MU0, context.units.permeability());
+    }
+    match row.build(&inputs) {
+        Ok(law) => attempt(solid, &actuation.at, context, |solid| solid.actuate(region, &actuation.name, law)),
+        Err(error) => context.complain(&key_of(&actuation.at, &error), error),
+    }
+}
+
+/// Whether the body has an actuation; one that could not be built has been complained about.
+pub(super) fn is_built(name: &str, reduced: &Reduced) -> bool {
+    reduced.solid().model().controllable().iter().any(|has| has.name == name)
 }
 
 /// The one constant with a unit: in the case's system unless given.
@@ -33,7 +55,7 @@ const MU0: &str = "mu0";
 
 /// Sets the fixed values; `None` after a complaint that leaves no problem to go on with.
 pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
-    for actuation in &case.actuation {
+    for actuation in case.actuation.iter().filter(|actuation| is_built(&actuation.name, &reduced)).collect::<Vec<_>>() {
         for (key, value) in &actuation.fixed {
             if let Some(control) = case.controls.iter().find(|control| controls(&control.of, actuation, key)) {
                 let message = format!("{} controls this: remove the fixed value, or the control", control.at);
@@ -61,10 +83,13 @@ fn fix_slot(
 ) -> Option<Reduced> {
     let at = actuation.at.key(key);
     let disc = reduced.solid().discretization().clone();
-    let attached = reduced.solid().body().actuations();
-    let index = attached.iter().position(|a| a.name == actuation.name)?;
-    let first = attached[index].law.slots().iter().position(|slot| slot.group == key)?;
-    let points = SamplePoints::of_body(case, &disc, &attached[index].cells);
+    let controllable = reduced.solid().model().controllable();
+    let index = controllable.iter().position(|a| a.name == actuation.name)?;
+    let first = controllable[index].slots.iter().position(|slot| slot.group == key)?;
+    let Some(cells) = controllable[index].cells else {
+        return fix_number(actuation, key, value, (index, first), reduced, context);
+    };
+    let points = SamplePoints::of_body(case, &disc, cells);
     let columns: Vec<Vec<f64>> = match value {
         Fixed::Scalar(value) => vec![points.scalars(value, &at, context)?],
         Fixed::Vector(value) => {
@@ -84,6 +109,25 @@ fn fix_slot(
         reduced = context.take(&at, fixed)?;
     }
     Some(reduced)
+}
+
+/// The fixed value of a contribution as a whole: one number.
+fn fix_number(
+    actuation: &Actuation,
+    key: &str,
+    value: &Fixed,
+    (index, slot): (usize, usize),
+    reduced: Reduced,
+    context: &mut Context<'_>,
+) -> Option<Reduced> {
+    let at = actuation.at.key(key);
+    let constant = if let Fixed::Scalar(value) = value { value.constant() } else { None };
+    let Some(constant) = constant else {
+        context.complain(&at, format!("\"{}\" has one {key}: give a number, not a field", actuation.name));
+        return None;
+    };
+    let fixed = reduced.fix(index, slot, &[constant]);
+    context.take(&at, fixed)
 }
 
 /// What to say of a tension above the law's convexity bound.

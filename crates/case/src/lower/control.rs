@@ -1,6 +1,6 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
-use super::actuation::beyond_limit;
+use super::actuation::{beyond_limit, is_built};
 use super::array::{self, Entity, MeshArray};
 use super::context::Context;
 use super::start;
@@ -65,6 +65,10 @@ const ROUNDING: f64 = 1e-9;
 /// Adds the fields to the problem; `None` after a complaint that leaves no problem to go on with.
 pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
     for control in &case.controls {
+        let mut owners = case.actuation.iter().filter(|a| owned(&control.of, &a.name));
+        if owners.any(|actuation| !is_built(&actuation.name, &reduced)) {
+            continue;
+        }
         let space = match control.space {
             SpaceBlock::Uniform => Space::Uniform,
             SpaceBlock::Region => Space::Region,
@@ -82,6 +86,11 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
         }
     }
     Some(reduced)
+}
+
+/// Whether a control is of that actuation: "magnet" or "magnet.remanence" of "magnet".
+fn owned(of: &str, actuation: &str) -> bool {
+    of.strip_prefix(actuation).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
 /// Starts and bounds of all fields, each once: those that all members share, of which there are `shared`, then those of

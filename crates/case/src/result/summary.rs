@@ -3,7 +3,7 @@
 use super::member_report::MemberReport;
 use crate::lower::{Admitted, CaseMember, CaseProblem, ControlField};
 use nastic_control::{ControlBlock, ControlError, CostPoint, EnsembleBlock, FigureKind};
-use nastic_fem::{InvertedAt, SolveReport, State};
+use nastic_fem::{Demand, Instant, InvertedAt, SolveReport, State};
 use nastic_numeric::vector::norm;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
@@ -98,13 +98,23 @@ fn is_active(unknown: usize, value: f64, field: &ControlField) -> bool {
 /// `{ SUPPORT: [x, y, z] }`: the forces the supports exert on the body.
 fn reactions(member: CaseMember<'_>, state: &State) -> Result<Value, InvertedAt> {
     let solid = member.solid();
-    let force = solid.body().evaluate(&state.u, &state.controls, true, true)?.force;
-    let net: Vec<f64> = force.iter().zip(solid.dead_load()).map(|(f, d)| f - state.load * d).collect();
-    let entries = solid.supports().reactions(&net).into_iter().map(|(name, force)| (name, json!(force)));
+    let at = Instant::new(&state.u, &state.controls, state.load);
+    let residual = solid.model().evaluate(&at, Demand { energy: false, force: true })?.force;
+    let entries = solid.supports().reactions(&residual).into_iter().map(|(name, force)| (name, json!(force)));
     Ok(Value::Object(entries.collect()))
 }
 
-/// What a state says of itself: `min_J`, `inertia`, `energy`, reactions, probes.
+/// `{ CONTRIBUTION: { "pressure": .., "volume": .. } }`; nothing where no contribution reports anything.
+fn contributions(member: CaseMember<'_>, state: &State) -> Result<Map<String, Value>, InvertedAt> {
+    let at = Instant::new(&state.u, &state.controls, state.load);
+    let mut out = Map::new();
+    for (name, quantity, value) in member.solid().model().quantities(&at)? {
+        out.entry(name).or_insert_with(|| json!({}))[quantity] = json!(value);
+    }
+    Ok(out)
+}
+
+/// What a state says of itself: `min_J`, `inertia`, `potential`, reactions, probes, what contributions report.
 pub(crate) fn state(member: CaseMember<'_>, state: &State) -> Map<String, Value> {
     let mut out = Map::new();
     out.insert("min_J".into(), json!(state.report.min_j));
@@ -114,6 +124,9 @@ pub(crate) fn state(member: CaseMember<'_>, state: &State) -> Map<String, Value>
     out.insert("inertia".into(), json!(member.solid().negative_pivots(state).ok()));
     out.insert("probes".into(), probes(member, state));
     out.insert("reactions".into(), reactions(member, state).unwrap_or(Value::Null));
+    if let Ok(found) = contributions(member, state).map(|found| (!found.is_empty()).then_some(found)) {
+        out.extend(found.map(|found| ("contributions".to_owned(), Value::Object(found))));
+    }
     out
 }
 

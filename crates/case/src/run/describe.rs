@@ -1,7 +1,9 @@
 //! A problem in words: what `nastic check` prints.
 
+mod actuation;
 mod members;
 
+pub(super) use actuation::actuation;
 pub(super) use members::{load_cases, scenarios};
 
 use super::number::{count, grouped, quantity, scientific, short, vector};
@@ -9,7 +11,7 @@ use crate::expression::dimension_of;
 use crate::lower::{Admitted, CaseProblem, ControlField, TargetShape};
 use crate::quantity::{Dimension, Units};
 use crate::result::summary::owner;
-use crate::schema::{Cost, Fixed, Input, Metric, Parameter, Phi, VectorField};
+use crate::schema::{Cost, Input, Means, Metric, Parameter, Phi, VectorField};
 use nastic_control::EnsembleBlock;
 use nastic_energy::catalogue::{self, Takes};
 use nastic_mesh::CellKind;
@@ -106,30 +108,6 @@ pub(super) fn materials(problem: &CaseProblem) -> Vec<Line> {
     problem.case.materials.iter().map(of).collect()
 }
 
-pub(super) fn actuation(problem: &CaseProblem) -> Vec<Line> {
-    let mut out = Vec::new();
-    for (k, actuation) in problem.case.actuation.iter().enumerate() {
-        let units = problem.units();
-        let values = parameters(&actuation.parameters, &catalogue_of(actuation.kind.forms), units);
-        let values = if values.is_empty() { values } else { format!("; {values}") };
-        let text = format!("{}: {} on {}{values}", actuation.name, actuation.kind.name, actuation.region);
-        out.push(line("actuation", text));
-        out.push(line("actuation", format!("  {}", actuation.kind.about)));
-        if let Some(limit) = fiber_limit(problem, k) {
-            let limit = quantity(limit, Dimension::PRESSURE, units);
-            out.push(line("actuation", format!("  the law stays polyconvex up to a tension of {limit}")));
-        }
-        for (key, fixed) in &actuation.fixed {
-            let value = match fixed {
-                Fixed::Scalar(value) => scalar(value, Dimension::NONE, units),
-                Fixed::Vector(value) => vector_field(value),
-            };
-            out.push(line("actuation", format!("  fixed {key} {value}")));
-        }
-    }
-    out
-}
-
 pub(super) fn controls(problem: &CaseProblem) -> Vec<Line> {
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     let of = |(place, field): (&EnsembleBlock, &ControlField)| {
@@ -163,11 +141,6 @@ fn admitted(field: &ControlField) -> String {
         Admitted::MaxNorm(most) => format!("no longer than {} {unit}", short(most)),
         Admitted::Any => "unbounded".to_owned(),
     }
-}
-
-/// The smallest bound on a tension of all members.
-fn fiber_limit(problem: &CaseProblem, actuation: usize) -> Option<f64> {
-    problem.members().filter_map(|member| member.solid().body().fiber_limit(actuation)).reduce(f64::min)
 }
 
 pub(super) fn supports(problem: &CaseProblem) -> Vec<Line> {
@@ -284,19 +257,23 @@ pub(super) fn conventions(problem: &CaseProblem) -> Vec<Line> {
     if problem.mesh().dim() == 2 {
         out.push(line("conventions", "plane strain: F = diag(F_2x2, 1), forces per unit of depth"));
     }
-    if problem.case.actuation.iter().any(|a| a.kind.name == "fiber_tension") {
+    if problem.case.actuation.iter().any(|a| a.kind() == "fiber_tension") {
         out.push(line(
             "conventions",
             "fibre tension m adds -(m/2)|F a|^2 to the energy: m < 0 contracts the fibre, m > 0 lengthens it",
         ));
     }
-    if problem.case.actuation.iter().any(|a| a.kind.name == "turgor") {
+    if problem.case.actuation.iter().any(|a| a.kind() == "turgor") {
         out.push(line("conventions", "turgor m adds -m (J - 1) to the energy: m > 0 inflates"));
     }
-    if problem.case.actuation.iter().any(|a| a.kind.name == "magnet") {
+    if problem.case.actuation.iter().any(|a| a.kind() == "cavity") {
+        out.push(line("conventions", "cavity p adds -p V to the energy, V its volume: p > 0 inflates"));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind() == "magnet") {
         let mu0 = problem.units().permeability();
-        for magnet in problem.case.actuation.iter().filter(|a| a.kind.name == "magnet") {
-            let carrier = match magnet.parameters.get("variant") {
+        for magnet in problem.case.actuation.iter().filter(|a| a.kind() == "magnet") {
+            let Means::Law { parameters, .. } = &magnet.means else { continue };
+            let carrier = match parameters.get("variant") {
                 Some(Input::Word("rotation")) => "R of F = R U",
                 Some(Input::Word("isochoric")) => "J^(-1/3) F",
                 _ => "F",
@@ -419,13 +396,7 @@ pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
             .map(|m| law(problem, &m.region, m.law.name, &m.parameters, m.law.forms))
             .collect(),
     );
-    let actuations = problem.case.actuation.iter().enumerate().map(|(k, a)| {
-        let mut entry = law(problem, &a.region, a.kind.name, &a.parameters, a.kind.forms);
-        entry["name"] = json!(a.name);
-        entry["fiber_limit"] = json!(fiber_limit(problem, k));
-        entry
-    });
-    out.insert("actuation".into(), actuations.collect());
+    out.insert("actuation".into(), actuation::json(problem));
     out.insert("controls".into(), crate::result::summary::controls(problem, &problem.start));
     for (field, block) in problem.controls.iter().zip(problem.ensemble.blocks()) {
         if let Some(entry) = out.get_mut("controls").and_then(|controls| controls.get_mut(&field.name)) {

@@ -1,31 +1,51 @@
 //! The blocks of `actuation`.
 
 use crate::quantity::Want;
-use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, slot_schema, slots};
+use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, slot_names, slot_schema, slots};
 use crate::schema::field::{Parameter, VectorField};
 use crate::schema::json::Definitions;
 use crate::schema::read::{Read, Reader};
 use crate::schema::value::described_text;
 use crate::syntax::{At, Node};
 use nastic_energy::catalogue::ActuationRow;
+use nastic_fem::contributions::catalogue::{Form, KeyKind, Values};
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
-/// What moves the body from within; kinds and their keys are those of the catalogue.
+/// What moves the body; kinds and their keys are those of the catalogues.
 #[derive(Clone, Debug)]
 pub struct Actuation {
     /// Path of this block in the case.
     pub at: At,
     /// Name, by which controls refer to it.
     pub name: String,
-    /// Region of the mesh.
-    pub region: String,
-    /// The kind.
-    pub kind: &'static ActuationRow,
-    /// Exactly the parameters of one of the kind's forms, in the case's units.
-    pub parameters: BTreeMap<&'static str, Input>,
+    /// What it is and where.
+    pub means: Means,
     /// Values of slots ("tension", "field", ...) where they are no controls; zero where absent.
     pub fixed: BTreeMap<&'static str, Fixed>,
+}
+
+/// An actuation is a law of the cells of a region, or a contribution that has a form in case files.
+#[derive(Clone, Debug)]
+pub enum Means {
+    /// A law.
+    Law {
+        /// Its row.
+        row: &'static ActuationRow,
+        /// Region of the mesh.
+        region: String,
+        /// Exactly the parameters of one of the row's forms, in the case's units.
+        parameters: BTreeMap<&'static str, Input>,
+    },
+    /// A contribution.
+    Contribution {
+        /// Its kind.
+        kind: &'static str,
+        /// How it stands in case files.
+        form: &'static Form,
+        /// What its keys say.
+        values: Values,
+    },
 }
 
 /// The value of a slot that is no control.
@@ -39,8 +59,14 @@ pub enum Fixed {
 
 impl PartialEq for Actuation {
     fn eq(&self, other: &Self) -> bool {
-        (&self.at, &self.name, &self.region, self.kind.name) == (&other.at, &other.name, &other.region, other.kind.name)
-            && (&self.parameters, &self.fixed) == (&other.parameters, &other.fixed)
+        let same = match (&self.means, &other.means) {
+            (Means::Law { region, parameters, .. }, Means::Law { region: other_region, parameters: others, .. }) => {
+                region == other_region && parameters == others
+            }
+            (Means::Contribution { values, .. }, Means::Contribution { values: others, .. }) => values == others,
+            _ => false,
+        };
+        same && (&self.at, &self.name, self.kind(), &self.fixed) == (&other.at, &other.name, other.kind(), &other.fixed)
     }
 }
 
@@ -48,9 +74,30 @@ const NAME: &str = "Name, by which controls refer to it.";
 const REGION: &str = "Region of the mesh.";
 
 impl Actuation {
+    /// The kind, as case files name it.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match &self.means {
+            Means::Law { row, .. } => row.name,
+            Means::Contribution { kind, .. } => kind,
+        }
+    }
+
+    /// What it is, in a sentence.
+    #[must_use]
+    pub fn about(&self) -> &'static str {
+        match &self.means {
+            Means::Law { row, .. } => row.about,
+            Means::Contribution { form, .. } => form.about,
+        }
+    }
+
     /// How a control names each slot, and the slot: "NAME" if there is one, otherwise "NAME.field", ...
     pub(crate) fn slots(&self) -> Vec<(String, SlotName)> {
-        let slots = slots(self.kind);
+        let slots = match &self.means {
+            Means::Law { row, .. } => slots(row),
+            Means::Contribution { form, .. } => slot_names(form.slots),
+        };
         let several = slots.len() > 1;
         let name = |slot: &SlotName| if several { format!("{}.{}", self.name, slot.key) } else { self.name.clone() };
         slots.iter().map(|slot| (name(slot), *slot)).collect()
@@ -68,18 +115,21 @@ impl Actuation {
 
 impl Read for Actuation {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
-        let rows = reader.document.catalogue().actuations();
-        let kinds: Vec<&str> = rows.iter().map(|kind| kind.name).collect();
+        let catalogue = reader.document.catalogue().clone();
+        let laws = catalogue.actuations().iter().map(|row| row.name);
+        let kinds: Vec<&str> = laws.chain(catalogue.contributions().map(|(kind, _)| kind)).collect();
         let name: Option<String> = reader.key(node, at, "name", NAME, Want::ANY, None);
-        let region: Option<String> = reader.key(node, at, "region", REGION, Want::ANY, None);
         let tag = reader.tag(node, at, "kind", &kinds)?;
-        let kind = rows.iter().find(|kind| kind.name == tag)?;
-        let slots = slots(kind);
+        let (means, slots, known) = match catalogue.actuations().iter().find(|row| row.name == tag) {
+            Some(row) => read_law(row, node, at, reader),
+            None => {
+                let (kind, form) = catalogue.contributions().find(|(kind, _)| *kind == tag)?;
+                read_contribution(kind, form, node, at, reader)
+            }
+        };
         let members = reader.members(node, at)?;
-        let own = keys(kind.forms).into_iter().map(|p| p.name).chain(slots.iter().map(|slot| slot.key));
-        let known: Vec<&str> = ["name", "kind", "region"].into_iter().chain(own).collect();
+        let known: Vec<&str> = ["name", "kind"].into_iter().chain(known).chain(slots.iter().map(|s| s.key)).collect();
         reader.refuse_unknown(members, at, &known);
-        let parameters = read_inputs(kind.name, kind.forms, node, at, reader);
         let mut fixed = BTreeMap::new();
         for slot in slots {
             let member = members.iter().find(|member| member.key == slot.key);
@@ -87,33 +137,97 @@ impl Read for Actuation {
                 fixed.insert(slot.key, value);
             }
         }
-        Some(Self { at: at.clone(), name: name?, region: region?, kind, parameters: parameters?, fixed })
+        Some(Self { at: at.clone(), name: name?, means: means?, fixed })
     }
 
     fn schema(_: Want, definitions: &mut Definitions) -> Json {
         definitions.part("Actuation", |definitions| {
+            let catalogue = definitions.catalogue.clone();
             let mut options = Vec::new();
-            for kind in definitions.catalogue.clone().actuations() {
+            for kind in catalogue.actuations() {
                 for form in kind.forms {
-                    let mut properties = Map::new();
-                    properties.insert("name".into(), described_text(NAME));
-                    properties.insert("kind".into(), json!({ "const": kind.name }));
+                    let mut properties = common_properties(kind.name, &slots(kind), definitions);
                     properties.insert("region".into(), described_text(REGION));
-                    for slot in slots(kind) {
-                        properties.insert(slot.key.into(), slot_schema(&slot, definitions));
-                    }
-                    options.push(form_schema(
-                        kind.about,
-                        properties,
-                        vec!["name", "kind", "region"],
-                        form,
-                        definitions,
-                    ));
+                    let required = vec!["name", "kind", "region"];
+                    options.push(form_schema(kind.about, properties, required, form, definitions));
                 }
             }
-            json!({ "description": "What moves the body from within.", "oneOf": options })
+            for (kind, form) in catalogue.contributions() {
+                options.push(contribution_schema(kind, form, definitions));
+            }
+            json!({ "description": "What moves the body.", "oneOf": options })
         })
     }
+}
+
+type Found = (Option<Means>, Vec<SlotName>, Vec<&'static str>);
+
+/// A law, its slots, and its keys.
+fn read_law(row: &'static ActuationRow, node: &Node, at: &At, reader: &mut Reader<'_>) -> Found {
+    let region: Option<String> = reader.key(node, at, "region", REGION, Want::ANY, None);
+    let parameters = read_inputs(row.name, row.forms, node, at, reader);
+    let means = region.zip(parameters).map(|(region, parameters)| Means::Law { row, region, parameters });
+    (means, slots(row), keys(row.forms).into_iter().map(|p| p.name).chain(["region"]).collect())
+}
+
+/// A contribution, its slots, and its keys.
+fn read_contribution(kind: &'static str, form: &'static Form, node: &Node, at: &At, reader: &mut Reader<'_>) -> Found {
+    let mut values = Values::default();
+    let mut complete = true;
+    for key in form.keys {
+        let names = match key.kind {
+            KeyKind::Surface => {
+                let name: Option<String> = reader.key(node, at, key.name, key.about, Want::ANY, None);
+                complete &= name.is_some();
+                name.into_iter().collect()
+            }
+            KeyKind::Surfaces => {
+                reader.key::<Vec<String>>(node, at, key.name, key.about, Want::ANY, Some(vec![])).unwrap_or_default()
+            }
+            KeyKind::Flag => {
+                let flag = reader.key::<bool>(node, at, key.name, key.about, Want::ANY, Some(false));
+                values.flags.extend(flag.unwrap_or_default().then_some(key.name));
+                continue;
+            }
+        };
+        values.names.insert(key.name, names);
+    }
+    let means = complete.then_some(Means::Contribution { kind, form, values });
+    (means, slot_names(form.slots), form.keys.iter().map(|key| key.name).collect())
+}
+
+/// The properties that every kind has.
+fn common_properties(kind: &str, slots: &[SlotName], definitions: &mut Definitions) -> Map<String, Json> {
+    let mut properties = Map::new();
+    properties.insert("name".into(), described_text(NAME));
+    properties.insert("kind".into(), json!({ "const": kind }));
+    for slot in slots {
+        properties.insert(slot.key.into(), slot_schema(slot, definitions));
+    }
+    properties
+}
+
+fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Definitions) -> Json {
+    let mut properties = common_properties(kind, &slot_names(form.slots), definitions);
+    let mut required = vec!["name", "kind"];
+    for key in form.keys {
+        let schema = match key.kind {
+            KeyKind::Surface => described_text(key.about),
+            KeyKind::Surfaces => json!({ "description": key.about, "type": "array", "items": { "type": "string" } }),
+            KeyKind::Flag => json!({ "description": key.about, "type": "boolean", "default": false }),
+        };
+        properties.insert(key.name.into(), schema);
+        if key.kind == KeyKind::Surface {
+            required.push(key.name);
+        }
+    }
+    json!({
+        "type": "object",
+        "description": form.about,
+        "required": required,
+        "properties": properties,
+        "additionalProperties": false,
+    })
 }
 
 fn read_fixed(slot: &SlotName, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Fixed> {

@@ -54,8 +54,13 @@ pub(crate) fn slots(row: &ActuationRow) -> Vec<SlotName> {
     let Some(example) = row.examples().into_iter().next().and_then(|inputs| row.build(&inputs).ok()) else {
         return vec![];
     };
+    slot_names(example.slots())
+}
+
+/// Slots by name; the components of a vector are one.
+pub(crate) fn slot_names(slots: &[nastic_energy::Slot]) -> Vec<SlotName> {
     let name = |group: SlotGroup| SlotName { key: group.name, want: want(group.unit), vector: group.is_vector() };
-    SlotGroup::of(example.slots()).into_iter().map(name).collect()
+    SlotGroup::of(slots).into_iter().map(name).collect()
 }
 
 /// All keys of all forms, each once.

@@ -118,6 +118,24 @@ impl Read for usize {
     }
 }
 
+impl Read for bool {
+    fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        let Value::Bool(value) = node.value else {
+            reader.expected(node, at, "true or false");
+            return None;
+        };
+        Some(value)
+    }
+
+    fn schema(_: Want, _: &mut Definitions) -> Json {
+        json!({ "type": "boolean" })
+    }
+
+    fn to_json(&self) -> Option<Json> {
+        Some((*self).into())
+    }
+}
+
 impl Read for String {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
         match &node.value {

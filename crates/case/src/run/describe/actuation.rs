@@ -1,0 +1,83 @@
+//! The actuations in words and as JSON.
+
+use super::{Line, catalogue_of, law, line, parameters, scalar, vector_field};
+use crate::lower::CaseProblem;
+use crate::quantity::Dimension;
+use crate::run::number::quantity;
+use crate::schema::{Fixed, Means};
+use serde_json::{Value, json};
+
+pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
+    let mut out = Vec::new();
+    for actuation in &problem.case.actuation {
+        let units = problem.units();
+        let place = match &actuation.means {
+            Means::Law { row, region, parameters: given } => {
+                let values = parameters(given, &catalogue_of(row.forms), units);
+                if values.is_empty() { region.clone() } else { format!("{region}; {values}") }
+            }
+            Means::Contribution { values, .. } => {
+                let told = |(key, names): (&&str, &Vec<String>)| format!("{key} {}", names.join(", "));
+                let names = values.names.iter().filter(|(_, names)| !names.is_empty()).map(told);
+                names.chain(values.flags.iter().map(ToString::to_string)).collect::<Vec<_>>().join("; ")
+            }
+        };
+        out.push(line("actuation", format!("{}: {} on {place}", actuation.name, actuation.kind())));
+        out.push(line("actuation", format!("  {}", actuation.about())));
+        if let Some(volume) = volume_at_rest(problem, &actuation.name) {
+            out.push(line("actuation", format!("  volume at rest {}", quantity(volume, VOLUME, units))));
+        }
+        if let Some(limit) = fiber_limit(problem, &actuation.name) {
+            let limit = quantity(limit, Dimension::PRESSURE, units);
+            out.push(line("actuation", format!("  the law stays polyconvex up to a tension of {limit}")));
+        }
+        for (key, fixed) in &actuation.fixed {
+            let value = match fixed {
+                Fixed::Scalar(value) => scalar(value, Dimension::NONE, units),
+                Fixed::Vector(value) => vector_field(value),
+            };
+            out.push(line("actuation", format!("  fixed {key} {value}")));
+        }
+    }
+    out
+}
+
+/// The actuations as `check --json` has them.
+pub(super) fn json(problem: &CaseProblem) -> Value {
+    let actuations = problem.case.actuation.iter().map(|a| {
+        let mut entry = match &a.means {
+            Means::Law { row, region, parameters } => law(problem, region, row.name, parameters, row.forms),
+            Means::Contribution { kind, values, .. } => {
+                let mut entry = json!({ "kind": kind });
+                values.names.iter().for_each(|(key, names)| entry[*key] = json!(names));
+                values.flags.iter().for_each(|key| entry[*key] = json!(true));
+                entry["reference_volume"] = json!(volume_at_rest(problem, &a.name));
+                entry
+            }
+        };
+        entry["name"] = json!(a.name);
+        entry["fiber_limit"] = json!(fiber_limit(problem, &a.name));
+        entry
+    });
+    actuations.collect()
+}
+
+/// The smallest bound on a tension of all members.
+fn fiber_limit(problem: &CaseProblem, actuation: &str) -> Option<f64> {
+    let of = |body: &nastic_fem::BodyEnergy| {
+        let index = body.actuations().iter().position(|attached| attached.name == actuation)?;
+        body.fiber_limit(index)
+    };
+    problem.members().filter_map(|member| of(member.solid().body())).reduce(f64::min)
+}
+
+const VOLUME: Dimension = Dimension::of(3, 0, 0, 0);
+
+/// The volume that a contribution of that name reports of itself at rest.
+fn volume_at_rest(problem: &CaseProblem, name: &str) -> Option<f64> {
+    let solid = problem.solid();
+    let rest = solid.rest();
+    let at = nastic_fem::Instant::new(&rest.u, &rest.controls, 0.0);
+    let all = solid.model().quantities(&at).unwrap_or_default();
+    all.into_iter().find(|(of, what, _)| of == name && *what == "volume").map(|(.., value)| value)
+}
