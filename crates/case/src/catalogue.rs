@@ -1,6 +1,6 @@
 //! [`Catalogue`]: the names a case may use.
 
-use nastic_control::UserCost;
+use nastic_control::{COSTS, UserCost};
 use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials};
 use nastic_fem::contributions::catalogue::{CATALOGUE as CONTRIBUTIONS, Entry, Form};
 
@@ -40,14 +40,14 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// The built-in laws and actuations; the built-in costs are known to every case.
+    /// The built-in laws, actuations and costs.
     #[must_use]
     pub fn standard() -> Self {
         Self {
             materials: materials().iter().collect(),
             actuations: actuations().iter().collect(),
             contributions: CONTRIBUTIONS.iter().collect(),
-            costs: vec![],
+            costs: COSTS.iter().filter_map(|row| row.form).collect(),
         }
     }
 
@@ -100,7 +100,7 @@ impl Catalogue {
         &self.actuations
     }
 
-    /// The costs that were added.
+    /// The costs beside those that have a block of their own.
     #[must_use]
     pub fn costs(&self) -> &[&'static UserCost] {
         &self.costs

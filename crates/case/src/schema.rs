@@ -22,6 +22,7 @@ mod load;
 mod load_case;
 mod material;
 mod mesh;
+mod named;
 mod optimizer;
 mod read;
 mod scenario;
@@ -44,8 +45,9 @@ pub use json::json_schema;
 pub use load::Load;
 pub use load_case::LoadCase;
 pub use material::Material;
-pub use mesh::{BoxMesh, Element, MeshFile, MeshSource};
-pub use optimizer::{Method, Metric, Optimizer};
+pub use mesh::{BoxMesh, MeshFile, MeshSource};
+pub use named::{Element, Method};
+pub use optimizer::{Metric, Optimizer};
 pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,

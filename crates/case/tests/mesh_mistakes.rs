@@ -165,7 +165,7 @@ fn a_target_of_another_size_is_warned_about() {
 fn what_is_not_supported_yet_says_so() {
     let found = problems(&with(BAR, r#""method": "lbfgs""#, r#""method": "newton_cg""#));
     assert!(
-        found.ends_with("\"newton_cg\" is not supported yet; take projected_gradient, spectral or lbfgs"),
+        found.ends_with("\"newton_cg\" is not supported yet; take one of projected_gradient, spectral, lbfgs"),
         "{found}"
     );
 }

@@ -102,15 +102,29 @@ impl<T: Optimizer + ?Sized> Optimizer for Box<T> {
 pub struct OptimizerRow {
     /// The name in case files.
     pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
     /// The optimiser with these options and defaults for the rest.
     pub build: fn(Options) -> Box<dyn Optimizer>,
 }
 
 /// Every optimiser of this crate.
 pub const CATALOGUE: &[OptimizerRow] = &[
-    OptimizerRow { name: "projected_gradient", build: |options| Box::new(ProjectedGradient { options }) },
-    OptimizerRow { name: "spectral", build: |options| Box::new(Spectral { options, ..Spectral::default() }) },
-    OptimizerRow { name: "lbfgs", build: |options| Box::new(Lbfgs { options, ..Lbfgs::default() }) },
+    OptimizerRow {
+        name: "projected_gradient",
+        about: "Projected gradient with Armijo backtracking.",
+        build: |options| Box::new(ProjectedGradient { options }),
+    },
+    OptimizerRow {
+        name: "spectral",
+        about: "Projected gradient with Barzilai-Borwein steps, non-monotone.",
+        build: |options| Box::new(Spectral { options, ..Spectral::default() }),
+    },
+    OptimizerRow {
+        name: "lbfgs",
+        about: "Limited-memory quasi-Newton with bounds.",
+        build: |options| Box::new(Lbfgs { options, ..Lbfgs::default() }),
+    },
 ];
 
 /// The optimiser of that name.

@@ -3,7 +3,7 @@
 use super::context::Context;
 use crate::schema::{BoxMesh, Case, MeshFile, MeshSource};
 use crate::syntax::At;
-use nastic_mesh::{CellKind, Mesh, MeshError, box_mesh, rectangle};
+use nastic_mesh::{Mesh, MeshError, box_mesh, rectangle};
 use std::sync::Arc;
 
 /// The body's mesh.
@@ -23,7 +23,7 @@ pub(super) fn at(case: &Case) -> At {
 pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Arc<Mesh>> {
     let key = match source {
         MeshSource::File(file) => format!("{} {}", file.file, file.scale),
-        MeshSource::Box(block) => format!("{:?} {:?} {}", block.size, block.cells, block.element.name()),
+        MeshSource::Box(block) => format!("{:?} {:?} {}", block.size, block.cells, block.element.0.name()),
     };
     context.mesh(key, |context| make(source, at, context))
 }
@@ -48,11 +48,10 @@ fn read(file: &MeshFile, at: &At, context: &mut Context<'_>) -> Option<Mesh> {
 }
 
 fn generate(block: &BoxMesh) -> Result<Mesh, MeshError> {
-    let unknown = || MeshError::Generate { what: "a mesh", why: format!("no element {}", block.element.name()) };
-    let kind = CellKind::from_name(block.element.name()).ok_or_else(unknown)?;
+    let kind = block.element.0;
     let cells = |k: usize| block.cells.get(k).copied().unwrap_or(1);
     let size = block.size.xyz();
-    match block.element.dimensions() {
+    match kind.dim() {
         2 => rectangle([size[0], size[1]], [cells(0), cells(1)], kind),
         _ => box_mesh(size, [cells(0), cells(1), cells(2)], kind),
     }

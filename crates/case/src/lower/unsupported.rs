@@ -1,12 +1,14 @@
 //! What a case may say and this version cannot do: refused by name, never ignored.
 
 use super::context::Context;
-use crate::schema::{Case, Method};
+use crate::schema::Case;
+use nastic_opt::CATALOGUE;
 
 pub(super) fn check(case: &Case, context: &mut Context<'_>) {
-    if matches!(case.optimizer.method, Method::GaussNewton | Method::NewtonCg) {
-        let name = case.optimizer.method.name();
-        let message = format!("\"{name}\" is not supported yet; take projected_gradient, spectral or lbfgs");
+    let name = case.optimizer.method.name();
+    if CATALOGUE.iter().all(|row| row.name != name) {
+        let known: Vec<&str> = CATALOGUE.iter().map(|row| row.name).collect();
+        let message = format!("\"{name}\" is not supported yet; take one of {}", known.join(", "));
         context.complain(&case.optimizer.at.key("method"), message);
     }
 }

@@ -1,5 +1,6 @@
 //! The block `mesh`, and other shapes given by a mesh.
 
+use super::named::Element;
 use crate::quantity::Want;
 use crate::schema::json::{Definitions, any_of};
 use crate::schema::read::{Read, Reader};
@@ -52,43 +53,6 @@ object! {
     }
 }
 
-choice! {
-    /// Types of cells.
-    pub enum Element {
-        /// Tetrahedron, linear.
-        "tet4" => Tet4,
-        /// Tetrahedron, quadratic.
-        "tet10" => Tet10,
-        /// Hexahedron, trilinear.
-        "hex8" => Hex8,
-        /// Hexahedron, quadratic without face and centre nodes.
-        "hex20" => Hex20,
-        /// Hexahedron, triquadratic.
-        "hex27" => Hex27,
-        /// Triangle in plane strain, linear.
-        "tri3" => Tri3,
-        /// Triangle in plane strain, quadratic.
-        "tri6" => Tri6,
-        /// Quadrilateral in plane strain, bilinear.
-        "quad4" => Quad4,
-        /// Quadrilateral in plane strain, quadratic without centre node.
-        "quad8" => Quad8,
-        /// Quadrilateral in plane strain, biquadratic.
-        "quad9" => Quad9,
-    }
-}
-
-impl Element {
-    /// 2 or 3.
-    #[must_use]
-    pub fn dimensions(&self) -> usize {
-        match self {
-            Self::Tet4 | Self::Tet10 | Self::Hex8 | Self::Hex20 | Self::Hex27 => 3,
-            Self::Tri3 | Self::Tri6 | Self::Quad4 | Self::Quad8 | Self::Quad9 => 2,
-        }
-    }
-}
-
 impl Read for MeshSource {
     fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
         if let Value::Text(_) = node.value {
@@ -118,11 +82,11 @@ fn check_scale(block: &MeshBlock, reader: &mut Reader<'_>) {
 }
 
 fn check_box(block: &BoxMesh, reader: &mut Reader<'_>) {
-    let wanted = block.element.dimensions();
+    let wanted = block.element.0.dim();
     let given = [("size", block.size.entries().len()), ("cells", block.cells.len())];
     for (key, found) in given {
         if found != wanted {
-            let name = block.element.name();
+            let name = block.element.0.name();
             let message =
                 format!("\"{name}\" is a cell in {wanted} dimensions: {wanted} entries wanted, found {found}");
             reader.complain_at(&block.at.key(key), message);

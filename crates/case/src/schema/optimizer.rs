@@ -1,10 +1,12 @@
 //! The block `optimizer`.
 
+use super::named::Method;
+
 object! {
     /// How the cost is made small.
     pub struct Optimizer {
         /// The method.
-        pub method: Method = Method::ProjectedGradient,
+        pub method: Method = Method::default(),
         /// Iterations after which it stops unconverged.
         pub max_iterations: usize = 100,
         /// It stops when the projected gradient's norm has fallen to this part of its first value.
@@ -15,22 +17,6 @@ object! {
         pub starts: usize as POSITIVE = 1,
         /// Seed of whatever is random.
         pub seed: u64 = 0,
-    }
-}
-
-choice! {
-    /// Optimisation methods.
-    pub enum Method {
-        /// Projected gradient with Armijo backtracking.
-        "projected_gradient" => ProjectedGradient,
-        /// Projected gradient with Barzilai-Borwein steps, non-monotone.
-        "spectral" => Spectral,
-        /// Limited-memory quasi-Newton with bounds.
-        "lbfgs" => Lbfgs,
-        /// Gauss-Newton, for tracking costs.
-        "gauss_newton" => GaussNewton,
-        /// Newton with conjugate gradients.
-        "newton_cg" => NewtonCg,
     }
 }
 

@@ -1,6 +1,6 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
-use super::{ControlNorm, ControlSmoothness, Cost, IntoCost, SmoothedHausdorff, Target, Tracking};
+use super::{ControlNorm, ControlSmoothness, Cost, IntoCost, SmoothedHausdorff, Target, Tracking, UserCost};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_hausdorff::Phi;
@@ -28,6 +28,8 @@ pub struct CostRow {
     pub name: &'static str,
     /// What it is, in a few words.
     pub about: &'static str,
+    /// How case files name it, unless they have a block of its own for it.
+    pub form: Option<&'static UserCost>,
     /// Examples that cover its options.
     pub examples: fn(&CostExample) -> Bound,
 }
@@ -37,22 +39,26 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow {
         name: "tracking",
         about: "squared distance of a surface, region or node set from its target positions",
+        form: None,
         examples: tracking,
     },
     CostRow {
         name: "smoothed_hausdorff",
         about: "smoothed Hausdorff distance of the deformed body from a target domain",
+        form: None,
         examples: smoothed_hausdorff,
     },
     CostRow {
         name: "control_norm",
         about: "half the squared L2 norm of a control",
+        form: None,
         // Controls are stresses of 1e5 Pa, whose squares would drown what else is compared.
         examples: |on| Ok(vec![Box::new(ControlNorm::of(on.control, 1e-10 * on.weight)?)]),
     },
     CostRow {
         name: "control_smoothness",
         about: "half the squared L2 norm of a control's gradient",
+        form: None,
         examples: |on| Ok(vec![Box::new(ControlSmoothness::of(on.control, 1e-10 * on.weight)?)]),
     },
 ];

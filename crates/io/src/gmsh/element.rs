@@ -16,21 +16,11 @@ pub(super) enum ElementType {
 impl ElementType {
     /// By Gmsh's number; `None` for a number that Gmsh does not know either.
     pub fn of(number: i64) -> Option<Self> {
-        use CellKind::*;
+        if let Some(kind) = CellKind::ALL.into_iter().find(|kind| i64::from(kind.gmsh_type()) == number) {
+            return Some(ElementType::Cell(kind, kind.gmsh_order()));
+        }
         Some(match number {
             15 => ElementType::Point,
-            1 => ElementType::Cell(Line2, &[]),
-            8 => ElementType::Cell(Line3, &[]),
-            2 => ElementType::Cell(Tri3, &[]),
-            9 => ElementType::Cell(Tri6, &[]),
-            3 => ElementType::Cell(Quad4, &[]),
-            16 => ElementType::Cell(Quad8, &[]),
-            10 => ElementType::Cell(Quad9, &[]),
-            4 => ElementType::Cell(Tet4, &[]),
-            11 => ElementType::Cell(Tet10, &TET10),
-            5 => ElementType::Cell(Hex8, &[]),
-            17 => ElementType::Cell(Hex20, &HEX20),
-            12 => ElementType::Cell(Hex27, &HEX27),
             6 => ElementType::Foreign("the 6-node prism"),
             13 => ElementType::Foreign("the 18-node prism"),
             18 => ElementType::Foreign("the 15-node prism"),
@@ -69,13 +59,6 @@ impl ElementType {
         }
     }
 }
-
-// Gmsh runs over the edges of a corner after another, VTK around the bottom, the top, then up the sides.
-const TET10: [u8; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
-const HEX20: [u8; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15];
-// Faces: Gmsh z-, y-, x-, x+, y+, z+; VTK x-, x+, y-, y+, z-, z+.
-const HEX27: [u8; 27] =
-    [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26];
 
 #[cfg(test)]
 mod tests {

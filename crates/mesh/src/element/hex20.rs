@@ -6,9 +6,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "hex20",
+    about: "Hexahedron, quadratic without face and centre nodes.",
     dim: 3,
     order: 2,
     vtk: 25,
+    gmsh: (17, GMSH_ORDER),
     corner_kind: CellKind::Hex8,
     nodes: NODES,
     edges: EDGES,
@@ -18,6 +20,9 @@ pub(super) static ELEMENT: Element = Element {
     gradients: |xi, out| serendipity::gradients::<3>(NODES, xi, out),
     default_rule: || Rule::tensor(3, 3),
 };
+
+/// Gmsh runs over the edges of a corner after another, VTK around the bottom, the top, then up the sides.
+const GMSH_ORDER: &[u8] = &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15];
 
 const NODES: &[[f64; 3]] = &[
     [-1.0, -1.0, -1.0],

@@ -7,9 +7,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "hex27",
+    about: "Hexahedron, triquadratic.",
     dim: 3,
     order: 2,
     vtk: 29,
+    gmsh: (12, GMSH_ORDER),
     corner_kind: CellKind::Hex8,
     nodes: NODES,
     edges: EDGES,
@@ -19,6 +21,10 @@ pub(super) static ELEMENT: Element = Element {
     gradients: |xi, out| product::gradients::<3>(NODES, product::quadratic, xi, out),
     default_rule: || Rule::tensor(3, 3),
 };
+
+/// Edges as for the serendipity hexahedron; faces: Gmsh z-, y-, x-, x+, y+, z+; VTK x-, x+, y-, y+, z-, z+.
+const GMSH_ORDER: &[u8] =
+    &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26];
 
 const NODES: &[[f64; 3]] = &[
     [-1.0, -1.0, -1.0],

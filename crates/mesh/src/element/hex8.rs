@@ -5,9 +5,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "hex8",
+    about: "Hexahedron, trilinear.",
     dim: 3,
     order: 1,
     vtk: 12,
+    gmsh: (5, &[]),
     corner_kind: CellKind::Hex8,
     nodes: NODES,
     edges: EDGES,

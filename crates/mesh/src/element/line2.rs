@@ -5,9 +5,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "line2",
+    about: "Line, linear.",
     dim: 1,
     order: 1,
     vtk: 3,
+    gmsh: (1, &[]),
     corner_kind: CellKind::Line2,
     nodes: NODES,
     edges: EDGES,

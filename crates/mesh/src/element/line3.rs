@@ -6,9 +6,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "line3",
+    about: "Line, quadratic.",
     dim: 1,
     order: 2,
     vtk: 21,
+    gmsh: (8, &[]),
     corner_kind: CellKind::Line2,
     nodes: NODES,
     edges: EDGES,

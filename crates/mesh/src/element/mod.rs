@@ -57,9 +57,12 @@ pub type Face = (CellKind, &'static [usize]);
 /// One row of the catalogue.
 struct Element {
     name: &'static str,
+    about: &'static str,
     dim: usize,
     order: usize,
     vtk: u8,
+    /// Gmsh's number, and the permutation `vtk[i] = gmsh[order[i]]` of nodes; empty for the identity.
+    gmsh: (u8, &'static [u8]),
     corner_kind: CellKind,
     nodes: &'static [[f64; 3]],
     edges: &'static [[usize; 2]],
@@ -107,6 +110,21 @@ impl CellKind {
     /// The name in case files: `hex8`, `tet10`, ...
     pub fn name(self) -> &'static str {
         self.element().name
+    }
+
+    /// What it is, in a few words.
+    pub fn about(self) -> &'static str {
+        self.element().about
+    }
+
+    /// The number of this kind in Gmsh's files.
+    pub fn gmsh_type(self) -> u8 {
+        self.element().gmsh.0
+    }
+
+    /// Where Gmsh has the nodes: `vtk[i] = gmsh[order[i]]`; empty where both have the same order.
+    pub fn gmsh_order(self) -> &'static [u8] {
+        self.element().gmsh.1
     }
 
     /// The kind of that name, if there is one.

@@ -5,9 +5,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "quad4",
+    about: "Quadrilateral in plane strain, bilinear.",
     dim: 2,
     order: 1,
     vtk: 9,
+    gmsh: (3, &[]),
     corner_kind: CellKind::Quad4,
     nodes: NODES,
     edges: EDGES,

@@ -6,9 +6,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "quad8",
+    about: "Quadrilateral in plane strain, quadratic without centre node.",
     dim: 2,
     order: 2,
     vtk: 23,
+    gmsh: (16, &[]),
     corner_kind: CellKind::Quad4,
     nodes: NODES,
     edges: EDGES,

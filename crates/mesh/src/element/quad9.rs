@@ -6,9 +6,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "quad9",
+    about: "Quadrilateral in plane strain, biquadratic.",
     dim: 2,
     order: 2,
     vtk: 28,
+    gmsh: (10, &[]),
     corner_kind: CellKind::Quad4,
     nodes: NODES,
     edges: EDGES,

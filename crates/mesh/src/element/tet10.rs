@@ -6,9 +6,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "tet10",
+    about: "Tetrahedron, quadratic.",
     dim: 3,
     order: 2,
     vtk: 24,
+    gmsh: (11, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
     corner_kind: CellKind::Tet4,
     nodes: NODES,
     edges: EDGES,

@@ -5,9 +5,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "tet4",
+    about: "Tetrahedron, linear.",
     dim: 3,
     order: 1,
     vtk: 10,
+    gmsh: (4, &[]),
     corner_kind: CellKind::Tet4,
     nodes: NODES,
     edges: EDGES,

@@ -5,9 +5,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "tri3",
+    about: "Triangle in plane strain, linear.",
     dim: 2,
     order: 1,
     vtk: 5,
+    gmsh: (2, &[]),
     corner_kind: CellKind::Tri3,
     nodes: NODES,
     edges: EDGES,

@@ -6,9 +6,11 @@ use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
     name: "tri6",
+    about: "Triangle in plane strain, quadratic.",
     dim: 2,
     order: 2,
     vtk: 22,
+    gmsh: (9, &[]),
     corner_kind: CellKind::Tri3,
     nodes: NODES,
     edges: EDGES,

@@ -1,0 +1,79 @@
+//! Values that name a row of another crate's catalogue: cell kinds and optimisers.
+
+use crate::quantity::Want;
+use crate::schema::json::Definitions;
+use crate::schema::read::{Choice, Read, Reader};
+use crate::syntax::{At, Node};
+use nastic_mesh::CellKind;
+use nastic_opt::CATALOGUE;
+use serde_json::Value as Json;
+
+/// A type of cells that bodies are made of.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Element(pub CellKind);
+
+/// An optimisation method.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Method(&'static str);
+
+/// Methods that have their names in case files and are not there yet.
+const PLANNED: [(&str, &str); 2] =
+    [("gauss_newton", "Gauss-Newton, for tracking costs."), ("newton_cg", "Newton with conjugate gradients.")];
+
+impl Method {
+    /// The name in the case.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.0
+    }
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Method("projected_gradient")
+    }
+}
+
+impl Read for Element {
+    fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        name(node, at, reader, &elements()).and_then(CellKind::from_name).map(Element)
+    }
+
+    fn schema(_: Want, definitions: &mut Definitions) -> Json {
+        definitions.choice(&elements())
+    }
+
+    fn to_json(&self) -> Option<Json> {
+        Some(self.0.name().into())
+    }
+}
+
+impl Read for Method {
+    fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        name(node, at, reader, &methods()).map(Method)
+    }
+
+    fn schema(_: Want, definitions: &mut Definitions) -> Json {
+        definitions.choice(&methods())
+    }
+
+    fn to_json(&self) -> Option<Json> {
+        Some(self.0.into())
+    }
+}
+
+/// One of the names.
+fn name(node: &Node, at: &At, reader: &mut Reader<'_>, rows: &[Choice]) -> Option<&'static str> {
+    let names: Vec<&'static str> = rows.iter().map(|row| row.name).collect();
+    reader.word(node, at, "name", &names)
+}
+
+fn elements() -> Vec<Choice> {
+    let bodies = CellKind::ALL.into_iter().filter(|kind| kind.dim() > 1);
+    bodies.map(|kind| Choice { name: kind.name(), about: kind.about(), schema: None }).collect()
+}
+
+fn methods() -> Vec<Choice> {
+    let known = CATALOGUE.iter().map(|row| (row.name, row.about));
+    known.chain(PLANNED).map(|(name, about)| Choice { name, about, schema: None }).collect()
+}
