@@ -81,6 +81,13 @@ fn the_shortest_program_ends_at_its_number() {
 }
 
 #[test]
+fn a_finger_is_bent_by_air_and_held_by_springs_of_ones_own() {
+    let said = run("air_finger", &[]);
+    assert!((number_after(&said, "free: ") - 41679.5).abs() < 10.0, "{said}");
+    assert!((number_after(&said, "held by springs: ") - 45000.0).abs() < 1e-6, "{said}");
+}
+
+#[test]
 fn a_law_of_ones_own_passes_the_contract_and_is_driven() {
     let said = run("own_energy", &[]);
     assert!(said.contains("verdict: right"), "{said}");

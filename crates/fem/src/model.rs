@@ -72,20 +72,17 @@ impl Model {
     /// # Errors
     /// A name that is taken, couplings that do not fit the mesh.
     pub fn add(&mut self, contribution: Arc<dyn Contribution>) -> Result<(), FemError> {
-        if self.controllable().iter().any(|known| known.name == contribution.name()) {
-            let name = contribution.name();
-            let what = format!("there are two actuations named \"{name}\"; rename one");
+        let name = contribution.name();
+        let mut taken =
+            self.body.actuations().iter().map(|a| a.name.as_str()).chain(self.others.iter().map(|c| c.name()));
+        if taken.any(|known| known == name) || [self.body.name(), self.dead_load.name()].contains(&name) {
+            let what = format!("there are two actuations or contributions named \"{name}\"; rename one");
             return Err(FemError::Meaningless { what });
         }
         let disc = self.discretization().with_couplings(&contribution.couplings())?;
         self.body.set_discretization(disc);
         self.others.push(contribution);
         Ok(())
-    }
-
-    /// Contributions beside the body energy and the dead loads, in the order they were added.
-    pub fn contributions(&self) -> &[Arc<dyn Contribution>] {
-        &self.others
     }
 
     /// The discretisation.
@@ -283,9 +280,10 @@ impl Model {
     /// Checks that the problem is complete: every cell has a material, no rigid motion is left free.
     ///
     /// # Errors
-    /// [`FemError::NoMaterial`], [`FemError::RigidMotion`].
+    /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
     pub fn check(&self) -> Result<(), FemError> {
         self.body.check_complete()?;
-        self.supports.check(self.discretization().mesh())
+        self.supports.check(self.discretization().mesh())?;
+        self.others.iter().try_for_each(|contribution| contribution.check(self.supports.fixed()))
     }
 }

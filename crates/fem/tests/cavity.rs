@@ -188,6 +188,21 @@ fn a_thick_cylinder_under_pressure_is_that_of_its_radial_equation() -> Outcome {
     Ok(())
 }
 
+/// The volume counts on a rim that stays in its plane.
+#[test]
+fn a_plane_of_symmetry_that_is_not_held_is_refused() -> Outcome {
+    let solid = Solid::new(ring(CellKind::Quad8, 4)?)?
+        .material("body", MooneyRivlin::new(1.0, 0.2, 5.0)?)?
+        .clamp("x+")?
+        .displace("y-", [None, Some(0.0), None])?
+        .cavity(Cavity::new("air", "x-").symmetry("y-").symmetry("y+"))?;
+    let error = solid.check().err().ok_or("it is taken")?.to_string();
+    assert!(error.contains("plane of symmetry across x"), "{error}");
+    assert!(solid.solve(&solid.controls(), &STRICT).is_err());
+    solid.displace("y+", [Some(0.0), None, None])?.check()?;
+    Ok(())
+}
+
 /// Pressure on the lid loads the rim: the cup's floor, held, takes up nothing in sum.
 #[test]
 fn a_closed_room_exerts_no_force_in_sum() -> Outcome {
@@ -252,6 +267,9 @@ fn rooms_that_are_none_are_refused() -> Outcome {
     told(Cavity::new("air", "insdie"), "inside");
     told(Cavity::new("air", "inside").symmetry("inside"), "plane");
     told(Cavity::new("air", "floor").lid(), "encloses no cavity");
+    let tube = Solid::new(regular(CellKind::Hex8, [1.0; 3], [2; 3])?)?;
+    let both = tube.cavity(Cavity::new("air", "x-").symmetry("z-").symmetry("z+").lid());
+    assert!(both.err().is_some_and(|error| error.to_string().contains("two parallel planes")));
     let twice = solid.cavity(Cavity::new("air", "inside").lid())?.cavity(Cavity::new("air", "inside").lid());
     assert!(twice.is_err(), "two cavities of one name");
     Ok(())

@@ -176,9 +176,13 @@ fn a_broken_contract_is_told() -> Outcome {
             &PUSH
         }
         fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+            let others = sums.force.get(7).copied().unwrap_or_default();
             self.0.add_residual(at, demand, sums)?;
-            if self.1 == "potential" {
-                sums.energy += 0.1 * at.u[30];
+            match self.1 {
+                "potential" => sums.energy += 0.1 * at.u[30],
+                "forces of others" if demand.force => sums.force[7] -= others,
+                "force_scale" => sums.force_scale.iter_mut().for_each(|s| *s = 0.0),
+                _ => {}
             }
             Ok(())
         }
@@ -201,7 +205,7 @@ fn a_broken_contract_is_told() -> Outcome {
         }
     }
     let right = Oscillators { mass: 0.3, damping: 0.2, stiffness: 1.5 };
-    for wrong in ["potential", "tangent", "controls", "velocity", "acceleration"] {
+    for wrong in ["potential", "forces of others", "force_scale", "tangent", "controls", "velocity", "acceleration"] {
         let solid = bar()?.contribution(Broken(right.clone(), wrong))?;
         let why = check_contribution(solid.model(), "broken", 3).err().ok_or(format!("{wrong} passes"))?;
         assert!(why.contains(wrong), "{wrong}: {why}");

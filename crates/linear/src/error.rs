@@ -89,4 +89,7 @@ pub enum FactorError {
     /// Matrix and symbolic factorisation belong to different patterns.
     #[error("the matrix belongs to another pattern than the symbolic factorisation")]
     ForeignPattern,
+    /// The matrix is not symmetric.
+    #[error("the matrix is not symmetric; factorise its symmetric part, or use the general solver")]
+    NotSymmetric,
 }

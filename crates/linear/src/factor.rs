@@ -134,6 +134,9 @@ impl Factor {
         if !Arc::ptr_eq(matrix.pattern(), pattern) || matrix.values.len() != pattern.values() {
             return Err(FactorError::ForeignPattern);
         }
+        if !matrix.is_symmetric() {
+            return Err(FactorError::NotSymmetric);
+        }
         self.usable = false;
         self.rotations = None;
         self.pivots = pivots;

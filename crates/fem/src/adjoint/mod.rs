@@ -60,6 +60,7 @@ impl Model {
             let what = "right-hand side of the adjoint".to_owned();
             return Err(crate::FemError::Length { what, found: b.len(), expected }.into());
         }
+        self.check_state(state)?;
         let rhs: Vec<Vec<f64>> = rhs.iter().map(clear).collect();
         let columns: Vec<&[f64]> = rhs.iter().map(Vec::as_slice).collect();
         let mut report = SolveReport::default();

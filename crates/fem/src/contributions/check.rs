@@ -62,7 +62,10 @@ impl Subject<'_> {
         if sums.force != self.sums(self.at).map_err(told)?.force {
             return Err("the residual has other bits when asked again".into());
         }
-        if self.contribution.has_potential() && self.at.step.is_none() {
+        if self.contribution.has_potential() {
+            if self.contribution.symmetry() == Symmetry::General {
+                return Err("it has a potential, so its tangent must be symmetric".into());
+            }
             let slope = difference(|s| Ok(vec![self.sums(self.moved(&self.along(direction, s)))?.energy]))?[0];
             let found = dot(&sums.force, direction);
             agree(
@@ -73,6 +76,7 @@ impl Subject<'_> {
                 sums.energy_scale,
             )?;
         }
+        self.check_adds(&sums, lambda).map_err(told)??;
         let mut tangent = self.model.matrix();
         self.contribution.add_tangent(&self.at, &mut tangent).map_err(told)?;
         let product = multiply(&tangent, direction);
@@ -88,11 +92,36 @@ impl Subject<'_> {
             let (left, right) = (dot(lambda, &product), dot(direction, &multiply(&tangent, lambda)));
             agree("a . K b", &[left], "b . K a", &[right], norm(lambda) * norm(&product))?;
         }
-        let mut out = vec![0.0; direction.len()];
+        let mut out = lambda.to_vec();
         if self.contribution.add_tangent_product(&self.at, direction, &mut out).map_err(told)? {
-            agree("the product without a matrix", &out, "the tangent times the vector", &product, 0.0)?;
+            let out = sub(&out, lambda);
+            agree("the product without a matrix", &out, "the tangent times the vector", &product, norm(lambda))?;
         }
         self.check_sensitivities(lambda)
+    }
+
+    /// Sums are added to, not overwritten; forces are no larger than what their rounding is measured against.
+    fn check_adds(&self, alone: &Sums, others: &[f64]) -> Result<Result<(), String>, InvertedAt> {
+        let scale = max_abs(&alone.force_scale);
+        let before: Vec<f64> = others.iter().map(|o| scale * o).collect();
+        let mut sums = Sums { force: before.clone(), energy: scale, ..Sums::zero(before.len()) };
+        self.contribution.add_residual(&self.at, Demand { energy: true, force: true }, &mut sums)?;
+        let added = sub(&sums.force, &before);
+        if let Err(why) = agree("what is added to forces of others", &added, "the residual", &alone.force, scale) {
+            return Ok(Err(why));
+        }
+        let allowed = 1e-9 * (scale + alone.energy.abs());
+        if (sums.energy - scale - alone.energy).abs() > allowed {
+            return Ok(Err("the potential of others is overwritten instead of added to".into()));
+        }
+        let beyond = alone.force.iter().zip(&alone.force_scale).position(|(f, s)| f.abs() > (1.0 + 1e-9) * s);
+        Ok(match beyond {
+            None => Ok(()),
+            Some(dof) => Err(format!(
+                "the force {:.3e} of unknown {dof} is larger than its `force_scale` {:.3e}: add absolute forces there",
+                alone.force[dof], alone.force_scale[dof]
+            )),
+        })
     }
 
     fn check_sensitivities(&self, lambda: &[f64]) -> Result<(), String> {

@@ -61,9 +61,14 @@ impl Controls {
     /// Sets one slot of the k-th block from one value per point.
     ///
     /// # Errors
-    /// [`FemError::Length`] and [`FemError::NotFinite`].
+    /// No such block or slot, [`FemError::Length`], [`FemError::NotFinite`].
     pub fn set(&mut self, k: usize, slot: usize, at_points: &[f64]) -> Result<(), FemError> {
-        let block = &mut self.blocks[k];
+        let found = self.blocks.len();
+        let no = |what: &str, found| FemError::Meaningless { what: format!("there is no {what}; there are {found}") };
+        let block = self.blocks.get_mut(k).ok_or_else(|| no(&format!("block {k} of controls"), found))?;
+        if slot >= block.slots {
+            return Err(no(&format!("slot {slot} of actuation {k}"), block.slots));
+        }
         let expected = block.values.len() / block.slots;
         if at_points.len() != expected {
             let what = format!("slot {slot} of actuation {k}");

@@ -9,7 +9,7 @@ pub(crate) mod dead_load;
 pub(crate) mod instant;
 pub(crate) mod sensitivities;
 
-use crate::error::InvertedAt;
+use crate::error::{FemError, InvertedAt};
 pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::Controls;
@@ -23,7 +23,7 @@ use std::fmt::Debug;
 ///
 /// Contract, checked by [`check_contribution`](crate::check_contribution): `r` is the derivative of the potential where there
 /// is one, the tangent is the derivative of `r` (by `u`, with `v` and `a` as the time step gives them), `vjp` that of
-/// `lambda . r` by everything else; the same input gives the same bits for any number of threads.
+/// `lambda . r` by everything else; the same input gives the same bits (for any number of threads, which is not checked there).
 ///
 /// Vectors are flat, `dim * node + component`, supported unknowns included.
 pub trait Contribution: Debug + Send + Sync {
@@ -35,15 +35,23 @@ pub trait Contribution: Debug + Send + Sync {
         Symmetry::Symmetric
     }
 
-    /// Whether its residual is the derivative of a potential; where one contribution has none, Newton's method searches
-    /// for a smaller residual instead of a smaller potential.
+    /// Whether its residual is the derivative of a potential, in a time step of an incremental one; where one contribution
+    /// has none, Newton's method searches for a smaller residual instead of a smaller potential.
     fn has_potential(&self) -> bool {
-        true
+        self.symmetry() == Symmetry::Symmetric
     }
 
     /// Sets of nodes that it couples with each other beyond those that share a cell.
     fn couplings(&self) -> Vec<Vec<u32>> {
         Vec::new()
+    }
+
+    /// Whether the supports hold what it needs held; by unknown, whether it is held.
+    ///
+    /// # Errors
+    /// What has to be held.
+    fn check(&self, _fixed: &[bool]) -> Result<(), FemError> {
+        Ok(())
     }
 
     /// Its controls: numbers for the whole contribution, one per slot (see [`Instant::control`]).
@@ -61,7 +69,7 @@ pub trait Contribution: Debug + Send + Sync {
         1.0
     }
 
-    /// Adds potential and residual, as wanted, and what their rounding is measured against.
+    /// Adds potential (in a time step the incremental one) and residual, as wanted, and what their rounding is measured against.
     ///
     /// # Errors
     /// [`InvertedAt`] where J <= 0.

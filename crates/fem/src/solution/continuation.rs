@@ -2,6 +2,7 @@
 
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::TimeStep;
+use crate::error::FemError;
 use crate::error::StateError;
 use crate::model::Model;
 use crate::solution::newton::{Newton, Stop};
@@ -67,13 +68,17 @@ impl Model {
         self.check_controls(controls)?;
         let rest = self.rest();
         let mut spent = SolveReport::default();
-        let guess = how.guess.filter(|guess| guess.len() == rest.u.len());
+        if let Some(guess) = how.guess.filter(|guess| guess.len() != rest.u.len()) {
+            let what = "guess of the displacement".to_owned();
+            return Err(FemError::Length { what, found: guess.len(), expected: rest.u.len() }.into());
+        }
+        how.near.map_or(Ok(()), |near| self.check_state(near))?;
         if let Some(found) =
-            guess.and_then(|guess| self.jump(guess, controls, (how, time_step), workspace, &mut spent).transpose())
+            how.guess.and_then(|guess| self.jump(guess, controls, (how, time_step), workspace, &mut spent).transpose())
         {
             return found;
         }
-        let Some(near) = how.near.filter(|near| self.fits(near)) else {
+        let Some(near) = how.near else {
             return self.walk(&rest, controls, (how, time_step), usize::MAX, workspace, &mut spent);
         };
         match self.walk(near, controls, (how, time_step), WARM * how.max_newton, workspace, &mut spent) {
@@ -82,7 +87,10 @@ impl Model {
                 workspace.forget();
                 let how = (how, time_step);
                 let found = self.walk(&rest, controls, how, usize::MAX, workspace, &mut SolveReport::default());
-                let mut state = found.map_err(|_| failed)?;
+                let mut state = found.map_err(|again| match again {
+                    StateError::Cancelled => again,
+                    _ => failed,
+                })?;
                 state.report.add_work(&spent);
                 Ok(state)
             }
@@ -126,8 +134,14 @@ impl Model {
         workspace.solver(how.solver.unwrap_or_else(|| self.solver()), self)
     }
 
-    fn fits(&self, state: &State) -> bool {
-        state.u.len() == self.unknowns().len() && state.controls.fits(&self.controls())
+    /// Refuses a state of another body.
+    pub(crate) fn check_state(&self, state: &State) -> Result<(), StateError> {
+        let expected = self.unknowns().len();
+        if state.u.len() != expected {
+            let what = "displacement of a state".to_owned();
+            return Err(FemError::Length { what, found: state.u.len(), expected }.into());
+        }
+        self.check_controls(&state.controls)
     }
 
     pub(super) fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {

@@ -8,10 +8,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// How to solve: warm starts are handed in here, explicitly. The default needs no tuning.
 #[derive(Clone)]
 pub struct SolveOptions<'a> {
-    /// Start from this state (its controls and load are where the path begins). Default: from rest.
+    /// Start from this state (its controls and load are where the path begins); one of another body is an error. Default: from
+    /// rest.
     pub near: Option<&'a State>,
-    /// A guess of the equilibrium, flat displacements, from which the first attempt begins; where that leads nowhere, or has
-    /// another length than the body's displacements, it is as if none had been given.
+    /// A guess of the equilibrium, flat displacements, from which the first attempt begins; where that leads nowhere, it
+    /// is as if none had been given. Another length than that of the body's displacements is an error.
     pub guess: Option<&'a [f64]>,
     /// By what tangent systems are solved. Default: what [`Solver::cheaper`] expects to be cheaper.
     pub solver: Option<Solver>,

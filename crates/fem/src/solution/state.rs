@@ -56,7 +56,7 @@ pub struct SolveReport {
     pub residual: f64,
     /// Smallest J at a quadrature point.
     pub min_j: f64,
-    /// Total potential (body energy less the work of the dead loads).
+    /// Total potential: the sum over contributions.
     pub energy: f64,
     /// Times a tangent had to be shifted to be positive definite: the way led over an unstable region.
     pub shifted: usize,

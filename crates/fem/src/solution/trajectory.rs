@@ -14,6 +14,8 @@ use std::sync::Arc;
 pub struct Trajectory {
     begin: Begin,
     states: Vec<State>,
+    /// Lengths of the steps between them.
+    steps: Vec<f64>,
 }
 
 /// What the first state is.
@@ -37,14 +39,14 @@ pub struct StepTo {
 impl From<State> for Trajectory {
     /// A static problem: its equilibrium.
     fn from(state: State) -> Self {
-        Trajectory { begin: Begin::Equilibrium, states: vec![state] }
+        Trajectory { begin: Begin::Equilibrium, states: vec![state], steps: Vec::new() }
     }
 }
 
 impl Trajectory {
     /// One that begins at a state that is given.
     pub fn from_given(state: State) -> Self {
-        Trajectory { begin: Begin::Given, states: vec![state] }
+        Trajectory { begin: Begin::Given, states: vec![state], steps: Vec::new() }
     }
 
     /// What the first state is.
@@ -62,16 +64,17 @@ impl Trajectory {
         &self.states[self.states.len() - 1]
     }
 
-    /// The step that led to the n-th state, `n >= 1`.
-    pub fn step(&self, n: usize) -> TimeStep {
-        let (before, after) = (&self.states[n - 1], &self.states[n]);
-        TimeStep::backward_euler(before, after.time - before.time)
+    /// The step that led to the n-th state; `None` for the first, and where there is no such state.
+    pub fn step(&self, n: usize) -> Option<TimeStep> {
+        let before = n.checked_sub(1)?;
+        Some(TimeStep::backward_euler(&self.states[before], *self.steps.get(before)?))
     }
 }
 
 impl Model {
     /// Goes on from the end of a trajectory by steps of backward Euler, each an equilibrium with the velocities and
-    /// accelerations that the scheme gives; at full dead loads.
+    /// accelerations that the scheme gives; at full dead loads. Each begins at the state before: `near` and `guess` of the
+    /// options are not used.
     ///
     /// # Errors
     /// A step that is not positive; a [`StateError`] at the first step that has no solution.
@@ -91,7 +94,7 @@ impl Model {
             self.check_controls(&to.controls)?;
             let before = trajectory.end();
             let step = TimeStep::backward_euler(before, to.dt);
-            let options = SolveOptions { near: Some(before), ..how.clone() };
+            let options = SolveOptions { near: Some(before), guess: None, ..how.clone() };
             let mut state = self.find(&to.controls, &options, Some(&step), workspace)?;
             state.time = before.time + to.dt;
             state.velocity = Some(Arc::new(step.velocity_at(&state.u)));
@@ -100,6 +103,7 @@ impl Model {
             let internal = self.commit(&at).map_err(|at| StateError::Inverted { at, load: 1.0, cuts: 0, last })?;
             state.internal = Arc::new(internal);
             trajectory.states.push(state);
+            trajectory.steps.push(to.dt);
         }
         Ok(())
     }

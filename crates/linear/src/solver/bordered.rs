@@ -15,6 +15,14 @@ pub struct Border {
     pub corner: DMatrix<f64>,
 }
 
+impl Border {
+    fn check(&self, unknowns: usize, scalars: usize) -> Result<(), LinearError> {
+        let long = |vectors: &[Vec<f64>]| vectors.len() == scalars && vectors.iter().all(|v| v.len() == unknowns);
+        let fits = long(&self.columns) && long(&self.rows) && self.corner.shape() == (scalars, scalars);
+        if fits { Ok(()) } else { Err(LinearError::ForeignBorder { unknowns, scalars }) }
+    }
+}
+
 /// Corrections of the solution by its residual: elimination loses digits where A is nearly singular.
 const CORRECTIONS: usize = 3;
 
@@ -29,7 +37,8 @@ const CORRECTIONS: usize = 3;
 /// systems", SIAM J. Matrix Anal. 12 (1991).
 ///
 /// # Errors
-/// What the solver says of A; [`LinearError::Border`] where the Schur complement is singular.
+/// What the solver says of A; [`LinearError::Border`] where the Schur complement is singular; lengths that do not fit; a residual
+/// that stays above `accuracy.residual`.
 pub fn solve_bordered(
     solver: &mut dyn LinearSolver,
     system: &System,
@@ -39,6 +48,7 @@ pub fn solve_bordered(
     accuracy: Accuracy,
     work: &mut LinearWork,
 ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+    border.check(f.len(), g.len())?;
     let (columns, rows) = if transposed { (&border.rows, &border.columns) } else { (&border.columns, &border.rows) };
     let corner = if transposed { border.corner.transpose() } else { border.corner.clone() };
     let mut inverse = |b: &[f64]| match transposed {
@@ -76,8 +86,9 @@ pub fn solve_bordered(
             residual_g[i] = g[i] - dot(&rows[i], &x) - corner;
         }
         if norm(&residual_f).hypot(norm(&residual_g)) <= wanted {
-            break;
+            return Ok((x, y));
         }
     }
-    Ok((x, y))
+    let residual = norm(&residual_f).hypot(norm(&residual_g)) / norm(f).hypot(norm(g));
+    Err(LinearError::Singular { residual, wanted: accuracy.residual })
 }

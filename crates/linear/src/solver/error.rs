@@ -51,9 +51,20 @@ pub enum LinearError {
     /// No shift of the diagonal makes the matrix positive definite.
     #[error("the tangent stays indefinite under any shift")]
     Shift,
+    /// Signs of eigenvalues are counted of symmetric matrices alone.
+    #[error("the matrix is not symmetric, so that signs of its eigenvalues are not counted")]
+    NoInertia,
     /// The solver takes symmetric matrices alone.
     #[error("the matrix is not symmetric; use the general solver")]
     NotSymmetric,
+    /// The border has other lengths than the right-hand sides.
+    #[error("the border does not fit: {scalars} columns and rows of length {unknowns} are needed, and a square corner")]
+    ForeignBorder {
+        /// Length of f.
+        unknowns: usize,
+        /// Length of g.
+        scalars: usize,
+    },
     /// The border makes the system singular.
     #[error("the bordered system is singular: its Schur complement of {scalars} scalar unknowns has no inverse")]
     Border {

@@ -22,11 +22,15 @@ impl MultigridOrDirect {
         MultigridOrDirect { symbolic, multigrid: Some(MultigridSolver::default()), direct }
     }
 
+    fn too_large(&self, why: LinearError) -> LinearError {
+        let gib = self.symbolic.factor_bytes() as f64 / f64::from(1 << 30);
+        LinearError::TooLarge { source: Box::new(why), gib }
+    }
+
     /// From multigrid to a factor, unless that is too large.
     fn fall_back(&mut self, why: LinearError) -> Result<(), LinearError> {
         if !fits(&self.symbolic) {
-            let gib = self.symbolic.factor_bytes() as f64 / f64::from(1 << 30);
-            return Err(LinearError::TooLarge { source: Box::new(why), gib });
+            return Err(self.too_large(why));
         }
         self.multigrid = None;
         Ok(())
@@ -100,6 +104,7 @@ impl LinearSolver for MultigridOrDirect {
     fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError> {
         match self.multigrid.as_mut().map(|multigrid| multigrid.inertia(system)) {
             Some(Ok(inertia)) => Ok(inertia),
+            Some(Err(why)) if !fits(&self.symbolic) => Err(self.too_large(why)),
             _ => self.direct.inertia(system),
         }
     }

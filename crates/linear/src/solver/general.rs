@@ -130,8 +130,12 @@ impl LinearSolver for General {
         x.map(Some)
     }
 
-    fn inertia(&mut self, _: &System) -> Result<Inertia, LinearError> {
-        Err(LinearError::NotSymmetric)
+    fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError> {
+        if !system.matrix.is_symmetric() {
+            return Err(LinearError::NoInertia);
+        }
+        let factor = self.symbolic.factorize(system.matrix, Pivots::AnySign, system.parallel)?;
+        Ok(Inertia { negative: factor.negative_pivots() })
     }
 
     fn bytes(&self) -> usize {

@@ -119,7 +119,7 @@ pub trait LinearSolver: Debug + Send + Sync {
     /// Drops what is kept.
     fn clear(&mut self);
 
-    /// Makes ready for several solutions with this matrix: factorises unless it was.
+    /// Makes ready for several solutions with this matrix: factorises it.
     ///
     /// # Errors
     /// A matrix that cannot be factorised.

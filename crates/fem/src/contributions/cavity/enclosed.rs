@@ -1,7 +1,7 @@
 //! [`Enclosed`]: the volume behind a surface as a sum over its facets and lids.
 
 use super::Cavity;
-use super::rim::{Plane, RimEdge, open_edges, rims};
+use super::rim::{ON_PLANE, Plane, RimEdge, open_edges, rims};
 use super::triple_product::{Term, Volume};
 use crate::error::FemError;
 use nastic_linear::SparseMatrix;
@@ -17,6 +17,7 @@ pub(super) struct Enclosed {
     /// By kind of facet: the terms of one facet, and the nodes of all.
     facets: Vec<(Vec<Term>, Vec<Vec<u32>>)>,
     lids: Vec<Lid>,
+    planes: Vec<Plane>,
 }
 
 /// Triangles from the mean c of a rim's nodes to its edges.
@@ -40,6 +41,16 @@ impl Enclosed {
     pub fn new(mesh: &Arc<Mesh>, cavity: &Cavity) -> Result<Self, FemError> {
         let surface = mesh.surface(&cavity.surface)?;
         let planes = cavity.symmetry.iter().map(|name| Plane::of(mesh, name)).collect::<Result<Vec<_>, _>>()?;
+        // o can lie on one plane across an axis alone; the cap on another one would be missing from the volume.
+        let parallel =
+            |p: &Plane| planes.iter().any(|q| q.axis == p.axis && (q.at - p.at).abs() > ON_PLANE * mesh.diagonal());
+        if planes.iter().any(parallel) {
+            let what = format!(
+                "cavity \"{}\" ends on two parallel planes of symmetry; name one of them and close the other end by a lid",
+                cavity.name
+            );
+            return Err(FemError::Meaningless { what });
+        }
         let open = open_edges(mesh, surface, &planes);
         if !open.is_empty() && !cavity.lid {
             let what = format!(
@@ -64,7 +75,18 @@ impl Enclosed {
         let lids = rims(open, plane_strain).into_iter().map(|rim| Lid::new(mesh, rim, &planes)).collect();
         let mut origin = Vec3::zeros();
         planes.iter().for_each(|plane| origin[plane.axis] = plane.at);
-        Ok(Enclosed { mesh: mesh.clone(), origin, facets, lids })
+        Ok(Enclosed { mesh: mesh.clone(), origin, facets, lids, planes })
+    }
+
+    /// A node of the surface on a plane of symmetry that may leave it, with the axis across which it moves.
+    pub fn loose(&self, fixed: &[bool]) -> Option<(u32, usize)> {
+        let dim = self.mesh.dim();
+        let nodes = self.facets.iter().flat_map(|(_, facets)| facets.iter().flatten());
+        let on_planes = nodes.flat_map(|&node| self.planes.iter().map(move |plane| (node, plane)));
+        on_planes
+            .filter(|(node, plane)| plane.has(&self.mesh, *node))
+            .find(|(node, plane)| !fixed[dim * *node as usize + plane.axis])
+            .map(|(node, plane)| (node, plane.axis))
     }
 
     /// The nodes of every rim that has a lid.

@@ -6,6 +6,7 @@ mod triple_product;
 
 use super::catalogue::{Form, Key, KeyKind};
 use super::{Contribution, Demand, Instant, Sensitivities, Sums};
+use crate::discretization::supports::AXES;
 use crate::error::{FemError, InvertedAt};
 use enclosed::{Enclosed, Patch};
 use nastic_energy::Slot;
@@ -47,7 +48,8 @@ impl Cavity {
         self
     }
 
-    /// The surface ends on a plane of symmetry, which is that of another named surface.
+    /// The surface ends on a plane of symmetry, which is that of another named surface: hold that one across the plane. Not two
+    /// parallel planes.
     #[must_use]
     pub fn symmetry(mut self, surface: &str) -> Self {
         self.symmetry.push(surface.to_owned());
@@ -116,6 +118,16 @@ impl Contribution for CavityPressure {
 
     fn couplings(&self) -> Vec<Vec<u32>> {
         self.enclosed.rims()
+    }
+
+    fn check(&self, fixed: &[bool]) -> Result<(), FemError> {
+        let Some((node, axis)) = self.enclosed.loose(fixed) else { return Ok(()) };
+        let what = format!(
+            "cavity \"{}\" ends on a plane of symmetry across {}, but node {node} of its surface may leave that plane; \
+             hold the surface of that plane there",
+            self.name, AXES[axis]
+        );
+        Err(FemError::Meaningless { what })
     }
 
     fn slots(&self) -> &[Slot] {

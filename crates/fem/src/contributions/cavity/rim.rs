@@ -22,7 +22,7 @@ pub(super) struct RimEdge {
 }
 
 /// Distance from a plane, as a share of the body's diagonal, within which a node lies on it.
-const ON_PLANE: f64 = 1e-9;
+pub(super) const ON_PLANE: f64 = 1e-9;
 
 impl Plane {
     /// The plane of a surface whose nodes share a coordinate.
