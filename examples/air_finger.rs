@@ -5,7 +5,7 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::fem::{Cavity, Contribution, Demand, Instant, InvertedAt, Sensitivities, Sums, check_contribution};
+use nastic::fem::{Demand, Instant, InvertedAt, Sensitivities, Sums, check_contribution};
 use nastic::linear::SparseMatrix;
 use nastic::prelude::*;
 

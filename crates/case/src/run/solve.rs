@@ -147,10 +147,20 @@ pub(super) fn say_cost(session: &Session<'_>, result: &Value) {
     }
 }
 
-/// The probes' displacements, of every member.
+/// The probes' displacements and the volumes of cavities, of every member.
 pub(super) fn say_probes(session: &Session<'_>, result: &Value) {
     let unit = session.problem.units().length().symbol;
     for (member, entry) in with_plain(result) {
+        for (name, cavity) in entry.get("contributions").and_then(Value::as_object).into_iter().flatten() {
+            let number = |key: &str| cavity.get(key).and_then(Value::as_f64);
+            if let (Some(volume), Some(rest)) = (number("volume"), number("reference_volume")) {
+                let size = format!("{} {unit}^{}", short(volume), session.problem.mesh().dim());
+                let times = short(volume / rest);
+                session
+                    .console
+                    .say(format!("volume      {name} {size}, {times} times that at rest{}", inside(&member)));
+            }
+        }
         for (name, probe) in entry.get("probes").and_then(Value::as_object).into_iter().flatten() {
             let u = numbers(&probe["displacement"]);
             let digits = u.iter().map(|x| format!("{x:.9}")).collect::<Vec<_>>().join(", ");

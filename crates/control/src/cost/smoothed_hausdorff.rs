@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// included. A perfect match costs rho(T, T) > 0 and is in general not stationary, so the true Hausdorff distance and
 /// the self-distance are reported beside rho. Unit: length times the weight's.
 ///
-/// The relative error of every sum A, B is below 1e-10 ([`Summation::default()`], where what that means for the derivative is
+/// The relative error of every sum A, B is below 1e-10 ([`Summation`](nastic_hausdorff::Summation)'s default, where what that means for the derivative is
 /// stated): far below the differences that line searches and gradient checks look at.
 ///
 /// Source: survey, eq. (7); docs/model.md section 5.

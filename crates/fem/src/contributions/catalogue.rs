@@ -1,4 +1,4 @@
-//! The catalogue of contributions: a row each, with an example that the contract test holds to [`check_contribution`].
+//! The catalogue of contributions: a row each, with an example that the contract test holds to [`check_contribution`](crate::check_contribution).
 
 use crate::contributions::cavity::{self, Cavity};
 use crate::error::FemError;

@@ -21,7 +21,7 @@ use std::fmt::Debug;
 
 /// A term of the residual `r(u) = sum_c r_c(u; controls, load, v, a)`, whose zero is an equilibrium.
 ///
-/// Contract, checked by [`check_contribution`](crate::check_contribution): `r` is the derivative of the potential where there
+/// Contract, checked by [`check_contribution`]: `r` is the derivative of the potential where there
 /// is one, the tangent is the derivative of `r` (by `u`, with `v` and `a` as the time step gives them), `vjp` that of
 /// `lambda . r` by everything else; the same input gives the same bits (for any number of threads, which is not checked there).
 ///
