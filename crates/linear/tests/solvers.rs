@@ -7,8 +7,8 @@ mod support;
 use nalgebra::{DMatrix, DVector};
 use nastic_linear::solver::{Accuracy, Border, Configuration, Curvature, Shift, System, solve_bordered, solver};
 use nastic_linear::{
-    Corners, LinearError, LinearSolver, LinearWork, Pattern, Pivots, Rotations, Solver, SparseMatrix, Symbolic,
-    Symmetry, gmres,
+    Corners, FactorError, LinearError, LinearSolver, LinearWork, Pattern, Pivots, Rotations, Solver, SparseMatrix,
+    Symbolic, Symmetry, gmres,
 };
 use nastic_tensor::Mat3;
 use std::sync::Arc;
@@ -278,6 +278,12 @@ fn bordered_systems_are_solved_by_block_elimination() {
     let border = Border { columns: vec![vec![0.0; n]], rows: vec![vec![0.0; n]], corner: DMatrix::zeros(1, 1) };
     let mut own = solver(Solver::Direct, &case.symbolic);
     let system = case.system(&symmetric);
+    let short = Border { columns: vec![vec![1.0; n - 1]], ..border.clone() };
+    let (f, work) = (random.vector(n), &mut LinearWork::default());
+    let refused = solve_bordered(own.as_mut(), &system, &short, (&f, &[1.0]), false, STRICT, work);
+    assert!(matches!(refused, Err(LinearError::ForeignBorder { scalars: 1, .. })), "{refused:?}");
+    let halved = case.symbolic.factorize(&general, Pivots::AnySign, false).err();
+    assert_eq!(halved, Some(FactorError::NotSymmetric), "its symmetric part would be factorised instead");
     let failed = solve_bordered(
         own.as_mut(),
         &system,
