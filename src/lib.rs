@@ -2,7 +2,7 @@
 //!
 //! Given a soft body, what it is made of and how it can be actuated, find the actuation that bends it into the shape you
 //! want, and prove that the answer is right. The body obeys a polyconvex energy and is solved by finite elements at finite
-//! strain; fibre tension, turgor or hard magnets drive it; a cost says how far it is from the target; the adjoint gives the
+//! strain; fibre tension, turgor, air or hard magnets drive it; a cost says how far it is from the target; the adjoint gives the
 //! gradient; a projected method moves the controls within their bounds.
 //!
 //! ```

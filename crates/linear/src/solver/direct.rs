@@ -47,7 +47,18 @@ impl Direct {
         self.factor.as_ref().filter(|f| f.pivots() == Pivots::Positive)
     }
 
-    /// A new factor in single precision in the memory of the old one, and what conjugate gradients make of it.
+    /// A new factor in single precision in the memory of the old one.
+    fn refactorize_single(&mut self, system: &System, work: &mut LinearWork) -> Result<&Factor, FactorError> {
+        work.factorisations += 1;
+        let mut fresh = match self.factor.take() {
+            Some(mut own) => own.approximate(system.matrix, system.parallel).map(|()| own)?,
+            None => self.symbolic.approximate(system.matrix, system.parallel)?,
+        };
+        fresh.set_rotations(system.configuration.rotations().clone());
+        Ok(self.factor.insert(fresh))
+    }
+
+    /// A new factor in single precision, and what conjugate gradients make of it.
     fn approximate(
         &mut self,
         system: &System,
@@ -55,15 +66,9 @@ impl Direct {
         test: StoppingTest,
         work: &mut LinearWork,
     ) -> Result<(Vec<f64>, CgReport), FactorError> {
-        work.factorisations += 1;
-        let mut fresh = match self.factor.take() {
-            Some(mut own) => own.approximate(system.matrix, system.parallel).map(|()| own)?,
-            None => self.symbolic.approximate(system.matrix, system.parallel)?,
-        };
-        fresh.set_rotations(system.configuration.rotations().clone());
-        let (x, cg) = precondition(&product(system), &fresh, system, b, test, FRESH);
+        let fresh = self.refactorize_single(system, work)?;
+        let (x, cg) = precondition(&product(system), fresh, system, b, test, FRESH);
         work.back_substitutions += cg.iterations;
-        self.factor = Some(fresh);
         Ok((x, cg))
     }
 
@@ -77,6 +82,14 @@ impl Direct {
         fresh.set_rotations(system.configuration.rotations().clone());
         self.factor = Some(fresh);
         Ok(())
+    }
+
+    /// The same of a matrix that may be indefinite.
+    fn refactorize_any(&mut self, system: &System, work: &mut LinearWork) -> Result<(), FactorError> {
+        match self.refactorize(system, Pivots::Positive, work) {
+            Err(FactorError::NotPositive { .. }) => self.refactorize(system, Pivots::AnySign, work),
+            done => done,
+        }
     }
 
     fn back_substitute(&self, b: &[f64], work: &mut LinearWork) -> Vec<f64> {
@@ -155,26 +168,13 @@ impl LinearSolver for Direct {
         symmetric(system)?;
         work.solver = Solver::Direct;
         if self.precision == Precision::Single {
-            work.factorisations += 1;
-            let mut fresh = match self.factor.take() {
-                Some(mut own) => own.approximate(system.matrix, system.parallel).map(|()| own),
-                None => self.symbolic.approximate(system.matrix, system.parallel),
-            };
-            match &mut fresh {
-                Ok(factor) => factor.set_rotations(system.configuration.rotations().clone()),
-                Err(FactorError::NotPositive { .. }) => {}
-                Err(other) => return Err(other.clone().into()),
-            }
-            self.factor = fresh.ok();
-            if self.factor.is_some() {
-                return Ok(());
+            match self.refactorize_single(system, work) {
+                Ok(_) => return Ok(()),
+                Err(FactorError::NotPositive { .. }) => (),
+                Err(other) => return Err(other.into()),
             }
         }
-        match self.refactorize(system, Pivots::Positive, work) {
-            Err(FactorError::NotPositive { .. }) => self.refactorize(system, Pivots::AnySign, work)?,
-            done => done?,
-        }
-        Ok(())
+        Ok(self.refactorize_any(system, work)?)
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
@@ -232,10 +232,7 @@ impl LinearSolver for Direct {
         {
             return Ok(x);
         }
-        match self.refactorize(system, Pivots::Positive, work) {
-            Err(FactorError::NotPositive { .. }) => self.refactorize(system, Pivots::AnySign, work)?,
-            done => done?,
-        }
+        self.refactorize_any(system, work)?;
         let mut x = self.back_substitute(b, work);
         let Some(fresh) = &self.factor else { return Err(LinearError::Indefinite) };
         let multiply = |v: &[f64], out: &mut [f64]| system.matrix.multiply(v, out);
