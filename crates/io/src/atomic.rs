@@ -1,4 +1,4 @@
-//! Files appear whole or not at all.
+//! Atomic writes: a file is written beside its place and renamed.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};

@@ -1,4 +1,4 @@
-//! What can go wrong at the edge of the file system: reading and writing fail with different types.
+//! Errors of reading and of writing files, two types.
 
 use std::fmt;
 use std::path::{Path, PathBuf};

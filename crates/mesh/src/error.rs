@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh or with a question about it.
+//! Errors of meshes and of queries on them.
 
 use crate::CellKind;
 

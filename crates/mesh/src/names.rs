@@ -1,4 +1,4 @@
-//! Looking names up, with a suggestion when one is not there.
+//! Lookup of names; an unknown one is answered with the nearest that exists.
 
 /// The known name nearest to `name`, if it is near enough to be a slip of the hand.
 pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {

@@ -1,4 +1,4 @@
-//! Where the eye is, and which way is up.
+//! The camera: direction of view and orthographic projection.
 
 use super::View;
 use super::vector::{V3, add, cross, dot, scale, sub, unit};

@@ -1,4 +1,4 @@
-//! What stands around the bodies: title, legend, colour bar, axes, scale of lengths, arrows. Flat marks, drawn last.
+//! Annotations: title, legend, colour bar, axes, scale of lengths, arrows. Drawn last.
 
 use super::arrows;
 use super::colour::Colour;

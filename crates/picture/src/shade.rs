@@ -1,4 +1,4 @@
-//! Light: one lamp from the upper left, one at the eye, a little shine.
+//! Shading: a key light from the upper left, a head light, a weak specular term.
 
 use super::colour::Linear;
 use super::vector::{V3, dot};

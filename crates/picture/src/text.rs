@@ -1,4 +1,4 @@
-//! Marks into pixels: lines and polygons with smooth edges, text from a rasterised font.
+//! Rasterisation: lines and polygons with antialiased edges, text from a rasterised font.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 

@@ -1,4 +1,4 @@
-//! Arithmetic of three numbers.
+//! Vectors of three components.
 
 pub(super) type V3 = [f64; 3];
 

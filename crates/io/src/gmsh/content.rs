@@ -1,4 +1,4 @@
-//! What both formats share: nodes by tag, elements by type.
+//! Contents common to both formats: nodes by tag, elements by type.
 
 use nastic_mesh::RawMesh;
 

@@ -1,4 +1,4 @@
-//! A place in a Gmsh file, and the numbers read from there, in text or binary.
+//! Sequential reader of a Gmsh file: numbers and words at the present position, in text or binary.
 
 use std::path::Path;
 

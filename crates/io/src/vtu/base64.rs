@@ -1,4 +1,4 @@
-//! Base64 as VTK uses it: several padded streams may stand one after the other.
+//! Base64 as VTK uses it: several padded streams may be concatenated.
 
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 

@@ -1,4 +1,4 @@
-//! As much XML as VTK writes: elements, attributes, text, and the raw bytes of appended data, which no XML reader
+//! The subset of XML that VTK writes: elements, attributes, text, and the raw bytes of appended data, which no XML reader
 //! takes. Every slice points into the file.
 
 use std::borrow::Cow;

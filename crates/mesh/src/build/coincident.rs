@@ -1,4 +1,4 @@
-//! Nodes at the same place: usually parts that were not glued, and a crack nobody sees.
+//! Coincident nodes: usually parts of a mesh that should be connected and are not.
 
 use crate::geometry::{bounds, minus, norm};
 

@@ -3,8 +3,8 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::form::{Conversion, Form};
-use super::patch::{Bend, Patch};
+use super::patch::{Patch, SecondBounds};
+use super::patch_space::{Conversion, PatchSpace};
 use super::tree::{Aabb, Tree};
 use super::{V, simplex};
 
@@ -21,7 +21,7 @@ pub(super) struct Facet {
 }
 
 impl Facet {
-    /// Is the best foot so far on this facet or next to it, on the same face? Then the iteration that found it would
+    /// Is the closest point found so far on this facet or next to it, on the same face? Then the iteration that found it would
     /// end there again.
     fn is_near(&self, best: &Near) -> bool {
         best.face == self.face
@@ -50,8 +50,8 @@ pub(super) struct Boundary {
     pub plane: bool,
     pub facets: Vec<Facet>,
     pub tree: Tree,
-    pub(super) bends: Vec<Bend>,
-    forms: Vec<Form>,
+    pub(super) second_bounds: Vec<SecondBounds>,
+    spaces: Vec<PatchSpace>,
     starts: Vec<u32>,
     control: Vec<V>,
 }
@@ -66,8 +66,8 @@ impl Boundary {
             plane,
             facets: Vec::new(),
             tree: Tree::default(),
-            bends: Vec::new(),
-            forms: Vec::new(),
+            second_bounds: Vec::new(),
+            spaces: Vec::new(),
             starts: Vec::new(),
             control: Vec::new(),
         }
@@ -75,11 +75,11 @@ impl Boundary {
 
     /// Adds a face, cut until its facets sag no more than `flatness` (or 8 times per direction).
     pub fn push(&mut self, conversion: &Conversion, nodes: &[V], flatness: f64) {
-        let face = self.forms.len() as u32;
+        let face = self.spaces.len() as u32;
         self.starts.push(self.control.len() as u32);
-        self.forms.push(conversion.form);
+        self.spaces.push(conversion.space);
         conversion.append(nodes, &mut self.control);
-        self.bends.push(self.patch(face).bend());
+        self.second_bounds.push(self.patch(face).second_bounds());
         let [nu, nv] = self.cuts(face, flatness);
         let at = |i: usize, j: usize| [i as f64 / nu as f64, j as f64 / nv as f64];
         for i in 0..nu {
@@ -87,9 +87,9 @@ impl Boundary {
                 self.facets.push(self.facet(face, [at(i, 0), at(i + 1, 0), at(i + 1, 0)]));
                 continue;
             }
-            let rows = if conversion.form.simplex { nu - i } else { nv };
+            let rows = if conversion.space.simplex { nu - i } else { nv };
             for j in 0..rows {
-                if conversion.form.simplex {
+                if conversion.space.simplex {
                     self.facets.push(self.facet(face, [at(i, j), at(i + 1, j), at(i, j + 1)]));
                     if j + 1 < rows {
                         self.facets.push(self.facet(face, [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
@@ -104,7 +104,7 @@ impl Boundary {
 
     /// Cuts per direction.
     fn cuts(&self, face: u32, flatness: f64) -> [usize; 2] {
-        let (form, m) = (self.forms[face as usize], &self.bends[face as usize]);
+        let (space, m) = (self.spaces[face as usize], &self.second_bounds[face as usize]);
         let mut n = [1usize; 2];
         loop {
             let w = n.map(|n| 1.0 / n as f64);
@@ -112,7 +112,7 @@ impl Boundary {
             if 0.125 * part.iter().sum::<f64>() <= flatness || n.iter().any(|&n| n >= CUTS) {
                 return n;
             }
-            if form.simplex {
+            if space.simplex {
                 n = [n[0] + 1; 2];
             } else if part[0] + 0.5 * part[1] * w[0] >= part[2] + 0.5 * part[1] * w[1] {
                 n[0] += 1;
@@ -129,15 +129,15 @@ impl Boundary {
 
     pub fn patch(&self, face: u32) -> Patch<'_> {
         let face = face as usize;
-        let form = self.forms[face];
-        Patch { form, control: &self.control[self.starts[face] as usize..][..form.controls()] }
+        let space = self.spaces[face];
+        Patch { space, control: &self.control[self.starts[face] as usize..][..space.controls()] }
     }
 
     /// Nearest point, looking first at facet `hint`. `None` only when there is no boundary at all.
     pub fn nearest(&self, p: &V, hint: Option<u32>) -> Option<Near> {
         let mut best: Option<Near> = None;
         let mut look = |facet: usize, limit: f64| {
-            if let Some(near) = self.look(facet, p, limit, &best) {
+            if let Some(near) = self.closest_on_face(facet, p, limit, &best) {
                 best = Some(near);
                 return near.squared;
             }
@@ -149,7 +149,7 @@ impl Boundary {
     }
 
     /// Nearest point of the face under a facet, if it may beat `limit` (a squared distance), the best so far.
-    fn look(&self, index: usize, p: &V, limit: f64, best: &Option<Near>) -> Option<Near> {
+    fn closest_on_face(&self, index: usize, p: &V, limit: f64, best: &Option<Near>) -> Option<Near> {
         let facet = self.facets.get(index)?;
         let (weights, x) = simplex::nearest(&facet.corners, p);
         let squared = (x - p).norm_squared();
@@ -162,7 +162,7 @@ impl Boundary {
         if least * least >= limit || best.is_some_and(|best| facet.is_near(&best)) {
             return None;
         }
-        let (point, squared, param) = super::foot::project(&self.patch(facet.face), p, start);
+        let (point, squared, param) = super::closest_point::project(&self.patch(facet.face), p, start);
         (squared < limit).then(|| near(point, squared, param))
     }
 
@@ -196,7 +196,7 @@ impl Boundary {
     }
 }
 
-/// A facet waiting to be cut, least distance first.
+/// A facet to be subdivided, least distance first.
 struct Bound {
     least: f64,
     seen: usize,

@@ -1,40 +1,40 @@
 //! Which cell holds a point: the cells' maps, inverted.
 
 use super::V;
-use super::form::{Conversion, Form};
-use super::part::{Answer, Part};
-use super::patch::{Bend, Patch};
+use super::patch::{Patch, SecondBounds};
+use super::patch_space::{Conversion, PatchSpace};
+use super::subcell::{Containment, SubCell};
 use super::tree::{Aabb, Tree};
 
 /// Halvings of a cell made ahead, where it is too distorted for its map to be inverted in one go.
 const AHEAD: usize = 3;
-/// Most parts looked at before a point that cannot be decided counts as outside.
+/// Most parts examined before a point that cannot be decided counts as outside.
 const PARTS: usize = 40;
 
 /// Cells as patches, cut into parts whose maps are easy to invert, in a tree.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cells {
-    pub bends: Vec<Bend>,
-    forms: Vec<Form>,
+    pub second_bounds: Vec<SecondBounds>,
+    spaces: Vec<PatchSpace>,
     starts: Vec<u32>,
     control: Vec<V>,
-    parts: Vec<(u32, Part)>,
+    parts: Vec<(u32, SubCell)>,
     tree: Tree,
 }
 
 impl Cells {
     pub fn push(&mut self, conversion: &Conversion, nodes: &[V]) {
-        let cell = self.forms.len();
+        let cell = self.spaces.len();
         self.starts.push(self.control.len() as u32);
-        self.forms.push(conversion.form);
+        self.spaces.push(conversion.space);
         conversion.append(nodes, &mut self.control);
-        self.bends.push(self.patch(cell).bend());
-        let mut stack = vec![(Part::whole(&self.patch(cell), &self.bends[cell]), AHEAD)];
+        self.second_bounds.push(self.patch(cell).second_bounds());
+        let mut stack = vec![(SubCell::whole(&self.patch(cell), &self.second_bounds[cell]), AHEAD)];
         while let Some((part, depth)) = stack.pop() {
-            if part.is_easy() || depth == 0 {
+            if part.is_nearly_linear() || depth == 0 {
                 self.parts.push((cell as u32, part));
             } else {
-                stack.extend(part.halves(&self.patch(cell), &self.bends[cell]).map(|half| (half, depth - 1)));
+                stack.extend(part.halves(&self.patch(cell), &self.second_bounds[cell]).map(|half| (half, depth - 1)));
             }
         }
     }
@@ -45,7 +45,7 @@ impl Cells {
     }
 
     pub fn len(&self) -> usize {
-        self.forms.len()
+        self.spaces.len()
     }
 
     pub fn bounds(&self) -> Aabb {
@@ -53,8 +53,8 @@ impl Cells {
     }
 
     pub fn patch(&self, cell: usize) -> Patch<'_> {
-        let form = self.forms[cell];
-        Patch { form, control: &self.control[self.starts[cell] as usize..][..form.controls()] }
+        let space = self.spaces[cell];
+        Patch { space, control: &self.control[self.starts[cell] as usize..][..space.controls()] }
     }
 
     /// The cell that holds `p`, as the number of a part of it, looking first at part `hint`.
@@ -81,7 +81,7 @@ impl Cells {
         let mut found = false;
         self.tree.overlapping(&Aabb { lo: corner, hi: corner }, |part| {
             let patch = self.patch(self.parts[part].0 as usize);
-            found = patch.form == other.form && patch.control == other.control;
+            found = patch.space == other.space && patch.control == other.control;
             found
         });
         found
@@ -91,15 +91,15 @@ impl Cells {
         let (cell, part) = &self.parts[part];
         let patch = self.patch(*cell as usize);
         match part.find(&patch, p) {
-            Answer::Inside => true,
-            Answer::Outside => false,
-            Answer::Unknown => self.search(part, &patch, &self.bends[*cell as usize], p),
+            Containment::Inside => true,
+            Containment::Outside => false,
+            Containment::Unknown => self.search(part, &patch, &self.second_bounds[*cell as usize], p),
         }
     }
 
     /// Halves a part until its map is easy to invert where that matters.
-    fn search(&self, part: &Part, patch: &Patch, bend: &Bend, p: &V) -> bool {
-        let mut stack = part.halves(patch, bend).to_vec();
+    fn search(&self, part: &SubCell, patch: &Patch, second_bounds: &SecondBounds, p: &V) -> bool {
+        let mut stack = part.halves(patch, second_bounds).to_vec();
         let mut seen = 0;
         while let Some(part) = stack.pop() {
             seen += 1;
@@ -110,9 +110,9 @@ impl Cells {
                 continue;
             }
             match part.find(patch, p) {
-                Answer::Inside => return true,
-                Answer::Outside => {}
-                Answer::Unknown => stack.extend(part.halves(patch, bend)),
+                Containment::Inside => return true,
+                Containment::Outside => {}
+                Containment::Unknown => stack.extend(part.halves(patch, second_bounds)),
             }
         }
         false

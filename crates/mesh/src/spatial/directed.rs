@@ -4,12 +4,12 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::V;
-use super::piece::Piece;
-use super::shape::{Foot, Hint, Shape};
+use super::cell_piece::CellPiece;
+use super::shape::{ClosestPoint, Hint, Shape};
 
 /// Most pieces cut; what is left then shows in the gap.
 const CUTS: usize = 15_000;
-/// Most facets looked at to prove the distance of the farthest point.
+/// Most facets examined to prove the distance of the farthest point.
 const FACETS: usize = 50_000;
 
 /// The true value lies in [lower, upper]; `from` has about that distance from its nearest point `to`.
@@ -30,16 +30,16 @@ pub(super) fn directed(of: &Shape, on: &Shape, tolerance: f64) -> Directed {
         queue: BinaryHeap::new(),
         pieces: Vec::new(),
     };
-    let feet = on.feet_of_corners(of);
-    for (x, foot) in feet.iter().flatten() {
-        search.meet(x, foot);
+    let closest = on.closest_points_of_corners(of);
+    for (x, closest) in closest.iter().flatten() {
+        search.record(x, closest);
     }
     for cell in 0..of.cells.len() {
         // The very same cell is in the other solid: of a shape and itself nothing is left to search.
         if on.cells.same_as(&of.cells.patch(cell)) {
             continue;
         }
-        if let Some(piece) = Piece::whole(of, cell, |node| feet.get(node as usize).copied().flatten()) {
+        if let Some(piece) = CellPiece::whole(of, cell, |node| closest.get(node as usize).copied().flatten()) {
             let bound = piece.bound();
             search.push(piece, bound, None);
         }
@@ -56,19 +56,19 @@ struct Search {
     tolerance: f64,
     /// Largest bound among the pieces dismissed.
     ceiling: f64,
-    queue: BinaryHeap<Waiting>,
-    pieces: Vec<Option<Piece>>,
+    queue: BinaryHeap<Candidate>,
+    pieces: Vec<Option<CellPiece>>,
 }
 
 impl Search {
-    fn meet(&mut self, x: &V, foot: &Foot) {
-        if foot.distance > self.best.0 {
-            self.best = (foot.distance, *x, foot.point);
+    fn record(&mut self, x: &V, closest: &ClosestPoint) {
+        if closest.distance > self.best.0 {
+            self.best = (closest.distance, *x, closest.point);
         }
     }
 
     /// Keeps the piece, or dismisses it if its bound is near enough to the best.
-    fn push(&mut self, piece: Piece, bound: f64, slot: Option<usize>) {
+    fn push(&mut self, piece: CellPiece, bound: f64, slot: Option<usize>) {
         if bound <= self.best.0 + self.tolerance {
             self.ceiling = self.ceiling.max(bound);
             return;
@@ -78,32 +78,32 @@ impl Search {
             self.pieces.len() - 1
         });
         self.pieces[slot] = Some(piece);
-        self.queue.push(Waiting { bound, slot });
+        self.queue.push(Candidate { bound, slot });
     }
 
     fn run(&mut self, of: &Shape, on: &Shape) {
         let mut hint = Hint::default();
         let mut cuts = 0;
-        while let Some(Waiting { bound, slot }) = self.queue.pop() {
+        while let Some(Candidate { bound, slot }) = self.queue.pop() {
             let goal = self.best.0 + self.tolerance;
             if bound <= goal {
                 self.ceiling = self.ceiling.max(bound);
                 return;
             }
             let Some(piece) = self.pieces[slot].take() else { continue };
-            if let Some(proven) = piece.proof(of, on, goal) {
+            if let Some(proven) = piece.proven_bound(of, on, goal) {
                 self.ceiling = self.ceiling.max(proven);
                 continue;
             }
             if cuts == CUTS {
-                self.ceiling = self.ceiling.max(piece.settle(of, on, goal, self.tolerance, bound));
+                self.ceiling = self.ceiling.max(piece.relaxed_bound(of, on, goal, self.tolerance, bound));
                 continue;
             }
             cuts += 1;
             let halves = piece.halves(of, on, &mut hint);
             for half in &halves {
-                for (x, foot) in half.corners() {
-                    self.meet(x, foot);
+                for (x, closest) in half.corners() {
+                    self.record(x, closest);
                 }
             }
             for (half, slot) in halves.into_iter().zip([Some(slot), None]) {
@@ -114,29 +114,29 @@ impl Search {
     }
 }
 
-/// A piece waiting to be looked at, largest bound first.
+/// A piece to be examined, largest bound first.
 #[derive(Clone, Copy, Debug)]
-struct Waiting {
+struct Candidate {
     bound: f64,
     slot: usize,
 }
 
-impl Ord for Waiting {
+impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
         self.bound.total_cmp(&other.bound).then(other.slot.cmp(&self.slot))
     }
 }
 
-impl PartialOrd for Waiting {
+impl PartialOrd for Candidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Waiting {
+impl PartialEq for Candidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Waiting {}
+impl Eq for Candidate {}

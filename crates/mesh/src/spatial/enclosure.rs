@@ -5,9 +5,9 @@
 
 use super::V;
 use super::boundary::Facet;
+use super::interpolation_error::InterpolationError;
 use super::shape::Shape;
 use super::tree::Aabb;
-use super::warp::Warp;
 
 /// Most facets cut in one proof.
 const CUTS: usize = 200;
@@ -16,10 +16,10 @@ const NORMALS: usize = 400;
 /// Most axes tried per facet, besides its own normal and the coordinate axes.
 const AXES: usize = 10;
 
-/// The convex hull of points with all that a warp may add to it, and how far it reaches along some axes.
+/// The convex hull of points with all that a deviation may add to it, and how far it reaches along some axes.
 struct Hull<'a> {
     points: &'a [V],
-    warp: &'a Warp,
+    deviation: &'a InterpolationError,
     /// Moved by minus this.
     shift: V,
     reach: Vec<(V, f64, f64)>,
@@ -27,9 +27,9 @@ struct Hull<'a> {
 
 impl Shape {
     /// A shift (at most `slack`) that brings the convex hull of `points`, which belong to the solid, with all that
-    /// `warp` may add to it, wholly into the solid. `None`: not proven.
-    pub(super) fn shift_into(&self, points: &[V], warp: &Warp, slack: f64) -> Option<f64> {
-        let mut hull = Hull { points, warp, shift: V::zeros(), reach: Vec::with_capacity(AXES + 3) };
+    /// `deviation` may add to it, wholly into the solid. `None`: not proven.
+    pub(super) fn shift_into(&self, points: &[V], deviation: &InterpolationError, slack: f64) -> Option<f64> {
+        let mut hull = Hull { points, deviation, shift: V::zeros(), reach: Vec::with_capacity(AXES + 3) };
         [V::x(), V::y(), V::z()].iter().for_each(|axis| hull.add(axis));
         let normals = self.normals_in_the_way(&hull)?;
         if normals.is_empty() {
@@ -93,7 +93,7 @@ impl Shape {
 impl Hull<'_> {
     fn along(&self, axis: &V) -> (f64, f64) {
         let (lo, hi) = extent(self.points, axis);
-        let (less, more) = self.warp.extent(axis);
+        let (less, more) = self.deviation.extent(axis);
         let shift = self.shift.dot(axis);
         (lo + less - shift, hi + more - shift)
     }

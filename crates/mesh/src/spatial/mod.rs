@@ -9,20 +9,20 @@
 
 mod boundary;
 mod cell;
+mod cell_piece;
+mod closest_point;
 mod directed;
 mod enclosure;
 mod error;
-mod foot;
-mod form;
 mod hausdorff;
-mod part;
+mod interpolation_error;
 mod patch;
-mod piece;
+mod patch_space;
 mod shape;
 mod simplex;
 mod split;
+mod subcell;
 mod tree;
-mod warp;
 
 pub use error::SpatialError;
 pub use hausdorff::{Hausdorff, hausdorff, hausdorff_within};

@@ -1,15 +1,15 @@
 //! Bézier patches: value, derivatives, rigorous bounds.
 
 use super::V;
-use super::form::Form;
+use super::patch_space::PatchSpace;
 
 /// Bounds on the second derivatives of a patch over its whole domain: entry (a, b) bounds |d2x / du_a du_b|.
-pub(super) type Bend = [[f64; 3]; 3];
+pub(super) type SecondBounds = [[f64; 3]; 3];
 
-/// One patch: a form and its control points.
+/// One patch: a space and its control points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch<'a> {
-    pub form: Form,
+    pub space: PatchSpace,
     pub control: &'a [V],
 }
 
@@ -24,24 +24,24 @@ pub(super) struct Jet {
 
 impl Patch<'_> {
     pub fn value(&self, u: &[f64; 3]) -> V {
-        if self.form.simplex { self.simplex(u).x } else { self.tensor::<1>(u).x }
+        if self.space.simplex { self.simplex(u).x } else { self.tensor::<1>(u).x }
     }
 
     pub fn first(&self, u: &[f64; 3]) -> Jet {
-        if self.form.simplex { self.simplex(u) } else { self.tensor::<4>(u) }
+        if self.space.simplex { self.simplex(u) } else { self.tensor::<4>(u) }
     }
 
     pub fn second(&self, u: &[f64; 3]) -> Jet {
-        if self.form.simplex { self.simplex(u) } else { self.tensor::<7>(u) }
+        if self.space.simplex { self.simplex(u) } else { self.tensor::<7>(u) }
     }
 
     fn simplex(&self, u: &[f64; 3]) -> Jet {
-        let (dim, c) = (self.form.dim, self.control);
+        let (dim, c) = (self.space.dim, self.control);
         let lambda = [1.0 - u[0] - u[1] - u[2], u[0], u[1], u[2]];
         let mut slope = [V::zeros(); 4];
         let mut second = [V::zeros(); 3];
         let mut x = V::zeros();
-        if self.form.degree == 1 {
+        if self.space.degree == 1 {
             for a in 0..=dim {
                 slope[a] = c[a];
                 x += c[a] * lambda[a];
@@ -49,7 +49,7 @@ impl Patch<'_> {
         } else {
             for a in 0..=dim {
                 for b in 0..=dim {
-                    slope[a] += c[self.form.pair(a, b)] * (2.0 * lambda[b]);
+                    slope[a] += c[self.space.pair(a, b)] * (2.0 * lambda[b]);
                 }
                 x += slope[a] * (0.5 * lambda[a]);
             }
@@ -64,13 +64,13 @@ impl Patch<'_> {
     }
 
     fn simplex_second(&self, a: usize, b: usize) -> V {
-        let at = |i, j| self.control[self.form.pair(i, j)];
+        let at = |i, j| self.control[self.space.pair(i, j)];
         (at(a + 1, b + 1) - at(a + 1, 0) - at(0, b + 1) + at(0, 0)) * 2.0
     }
 
     /// `PARTS`: 1 value, 4 with first derivatives, 7 with second derivatives.
     fn tensor<const PARTS: usize>(&self, u: &[f64; 3]) -> Jet {
-        let (dim, n) = (self.form.dim, self.form.degree + 1);
+        let (dim, n) = (self.space.dim, self.space.degree + 1);
         // basis[order of derivative][direction][index]
         let mut basis = [[[0.0; 3]; 3]; 3];
         for a in 0..3 {
@@ -122,23 +122,23 @@ impl Patch<'_> {
 
     /// Bounds on the second derivatives: those of a simplex are constant, those of a tensor product lie in the hull of
     /// the second differences.
-    pub fn bend(&self) -> Bend {
-        let (dim, degree) = (self.form.dim, self.form.degree);
-        let bound = |a: usize, b: usize| match (self.form.simplex, degree) {
+    pub fn second_bounds(&self) -> SecondBounds {
+        let (dim, degree) = (self.space.dim, self.space.degree);
+        let bound = |a: usize, b: usize| match (self.space.simplex, degree) {
             _ if a.max(b) >= dim => 0.0,
             (true, 1) => 0.0,
             (true, _) => self.simplex_second(a, b).norm(),
             (false, _) => self.difference(a, b),
         };
-        let bend: Bend = std::array::from_fn(|a| std::array::from_fn(|b| bound(a, b)));
+        let second_bounds: SecondBounds = std::array::from_fn(|a| std::array::from_fn(|b| bound(a, b)));
         // Affine up to rounding is affine.
         let size = self.control.iter().fold(0.0f64, |m, c| m.max((c - self.control[0]).amax()).max(1e-3 * c.amax()));
-        bend.map(|row| row.map(|v| if v <= 1e-12 * size { 0.0 } else { v }))
+        second_bounds.map(|row| row.map(|v| if v <= 1e-12 * size { 0.0 } else { v }))
     }
 
     /// Second derivatives D2x[e, e] of a quadratic simplex along the edges e between these parameters: constants.
     pub fn edge_seconds(&self, corners: &[[f64; 3]]) -> impl Iterator<Item = V> {
-        let dim = self.form.dim;
+        let dim = self.space.dim;
         let second: [[V; 3]; 3] = std::array::from_fn(|a| {
             std::array::from_fn(|b| if a.max(b) < dim { self.simplex_second(a, b) } else { V::zeros() })
         });
@@ -159,7 +159,7 @@ impl Patch<'_> {
 
     /// Bound on a second derivative of a box: it lies in the hull of the second differences.
     fn difference(&self, a: usize, b: usize) -> f64 {
-        let n = self.form.degree + 1;
+        let n = self.space.degree + 1;
         if a == b {
             return if n == 2 { 0.0 } else { self.seconds(a).map(|d| d.norm()).fold(0.0, f64::max) };
         }
@@ -167,7 +167,7 @@ impl Patch<'_> {
         let c = self.control;
         let corner = |i: &usize| i / sa % n + 1 < n && i / sb % n + 1 < n;
         let mixed = (0..c.len()).filter(corner).map(|i| (c[i] - c[i + sa] - c[i + sb] + c[i + sa + sb]).norm());
-        mixed.fold(0.0, f64::max) * (self.form.degree * self.form.degree) as f64
+        mixed.fold(0.0, f64::max) * (self.space.degree * self.space.degree) as f64
     }
 }
 
@@ -181,20 +181,20 @@ pub(super) fn widths(params: &[[f64; 3]]) -> [f64; 3] {
 }
 
 /// The longest edge of a simplex, or the edges in the longest direction of a box, as pairs of corners.
-pub(super) fn longest(form: Form, points: &[V]) -> impl Iterator<Item = (usize, usize)> + use<> {
+pub(super) fn longest(space: PatchSpace, points: &[V]) -> impl Iterator<Item = (usize, usize)> + use<> {
     let length = |i: usize, j: usize| (points[i] - points[j]).norm_squared();
     let count = points.len();
     let mut best = (f64::NEG_INFINITY, (0, 0));
     for i in 0..count {
         for j in i + 1..count {
-            let edge = form.simplex || (j - i).is_power_of_two() && i & (j - i) == 0;
+            let edge = space.simplex || (j - i).is_power_of_two() && i & (j - i) == 0;
             if edge && length(i, j) > best.0 {
                 best = (length(i, j), (i, j));
             }
         }
     }
     let (first, bit) = (best.1, best.1.1 - best.1.0);
-    let simplex = form.simplex;
+    let simplex = space.simplex;
     (0..count)
         .filter(move |i| if simplex { *i == first.0 } else { i & bit == 0 && i | bit < count })
         .map(move |i| if simplex { first } else { (i, i | bit) })
@@ -202,11 +202,11 @@ pub(super) fn longest(form: Form, points: &[V]) -> impl Iterator<Item = (usize, 
 
 /// How far the patch may leave the convex hull of any of its points whose parameters span the widths `w`: x(sum l_i
 /// u_i) - sum l_i x(u_i) is at most 1/2 sum_ab M_ab cov_ab, and a variance is at most a quarter of the squared width.
-pub(super) fn sag(bend: &Bend, w: &[f64; 3]) -> f64 {
+pub(super) fn sag(second_bounds: &SecondBounds, w: &[f64; 3]) -> f64 {
     let mut sum = 0.0;
     for a in 0..3 {
         for b in 0..3 {
-            sum += bend[a][b] * w[a] * w[b];
+            sum += second_bounds[a][b] * w[a] * w[b];
         }
     }
     0.125 * sum
@@ -216,14 +216,14 @@ pub(super) fn sag(bend: &Bend, w: &[f64; 3]) -> f64 {
 mod tests {
     use super::*;
     use crate::CellKind;
-    use crate::spatial::form::Conversion;
-    use crate::spatial::warp::Warp;
+    use crate::spatial::interpolation_error::InterpolationError;
+    use crate::spatial::patch_space::Conversion;
 
     #[test]
     fn patches_reproduce_the_isoparametric_map_and_bound_it() {
         for kind in CellKind::ALL {
             let conversion = Conversion::of(kind);
-            let form = conversion.form;
+            let space = conversion.space;
             // A bent cell: reference nodes pushed around by smooth waves.
             let nodes: Vec<V> = kind
                 .reference_nodes()
@@ -234,54 +234,54 @@ mod tests {
                 .collect();
             let mut control = Vec::new();
             conversion.append(&nodes, &mut control);
-            let patch = Patch { form, control: &control };
-            let bend = patch.bend();
+            let patch = Patch { space, control: &control };
+            let second_bounds = patch.second_bounds();
             let mut shapes = vec![0.0; kind.nodes()];
             let mut gradients = vec![[0.0; 3]; kind.nodes()];
-            let scale = if form.simplex { 1.0 } else { 2.0 };
+            let scale = if space.simplex { 1.0 } else { 2.0 };
             for sample in 0..50 {
                 let mut u = [0.0; 3];
-                for (a, value) in u.iter_mut().enumerate().take(form.dim) {
+                for (a, value) in u.iter_mut().enumerate().take(space.dim) {
                     *value = (0.37 + 0.618 * (sample * (a + 1)) as f64 + 0.2 * a as f64).fract()
-                        / if form.simplex { 3.0 } else { 1.0 };
+                        / if space.simplex { 3.0 } else { 1.0 };
                 }
-                let xi = std::array::from_fn(|a| if form.simplex || a >= form.dim { u[a] } else { 2.0 * u[a] - 1.0 });
+                let xi = std::array::from_fn(|a| if space.simplex || a >= space.dim { u[a] } else { 2.0 * u[a] - 1.0 });
                 kind.shapes(&xi, &mut shapes);
                 kind.gradients(&xi, &mut gradients);
                 let x: V = nodes.iter().zip(&shapes).map(|(x, n)| x * *n).sum();
                 let jet = patch.second(&u);
                 assert!((patch.value(&u) - x).norm() < 1e-13, "{kind:?}");
-                for a in 0..form.dim {
+                for a in 0..space.dim {
                     let d: V = nodes.iter().zip(&gradients).map(|(x, g)| x * (g[a] * scale)).sum();
                     assert!((patch.first(&u).first[a] - d).norm() < 1e-12, "{kind:?}");
                     let mut step = u;
                     step[a] += 1e-5;
                     let second = (patch.second(&step).first[a] - jet.first[a]) / 1e-5;
-                    assert!(second.norm() <= bend[a][a] * (1.0 + 1e-6) + 1e-9, "{kind:?}");
-                    if a < 2 && form.dim < 3 {
+                    assert!(second.norm() <= second_bounds[a][a] * (1.0 + 1e-6) + 1e-9, "{kind:?}");
+                    if a < 2 && space.dim < 3 {
                         assert!((second - jet.second[a]).norm() < 1e-4, "{kind:?}");
                     }
                 }
                 // The chord between two corners stays within the sag.
-                let ends = (form.corner(0), form.corner(form.corners() - 1));
+                let ends = (space.corner(0), space.corner(space.corners() - 1));
                 let mid = std::array::from_fn(|a| 0.5 * (ends.0[a] + ends.1[a]));
                 let w = std::array::from_fn(|a| (ends.0[a] - ends.1[a]).abs());
                 let chord = (patch.value(&ends.0) + patch.value(&ends.1)) * 0.5;
                 let departure = (patch.value(&mid) - chord).norm();
-                assert!(departure <= sag(&bend, &w) * (1.0 + 1e-12) + 1e-14, "{kind:?}");
-                let corners: Vec<_> = (0..form.corners()).map(|i| form.corner(i)).collect();
+                assert!(departure <= sag(&second_bounds, &w) * (1.0 + 1e-12) + 1e-14, "{kind:?}");
+                let corners: Vec<_> = (0..space.corners()).map(|i| space.corner(i)).collect();
                 let weight = |i: usize| -> f64 {
                     let first = 1.0 - u.iter().sum::<f64>();
                     let side = |a: usize| if i >> a & 1 == 1 { u[a] } else { 1.0 - u[a] };
-                    if form.simplex { [first, u[0], u[1], u[2]][i] } else { (0..form.dim).map(side).product() }
+                    if space.simplex { [first, u[0], u[1], u[2]][i] } else { (0..space.dim).map(side).product() }
                 };
                 let linear: V = (0..corners.len()).map(|i| patch.value(&corners[i]) * weight(i)).sum();
-                let warp = Warp::of(&patch, &corners);
+                let deviation = InterpolationError::of(&patch, &corners);
                 for axis in [V::x(), V::y(), V::z(), V::new(0.6, -0.3, 0.7)] {
-                    let (lo, hi) = warp.extent(&axis);
+                    let (lo, hi) = deviation.extent(&axis);
                     assert!((lo - 1e-14..=hi + 1e-14).contains(&(jet.x - linear).dot(&axis)), "{kind:?}");
                 }
-                assert!((jet.x - linear).norm() <= warp.size() + 1e-14, "{kind:?}");
+                assert!((jet.x - linear).norm() <= deviation.bound() + 1e-14, "{kind:?}");
             }
         }
     }

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use super::boundary::Boundary;
 use super::cell::Cells;
-use super::form::Conversion;
+use super::patch_space::Conversion;
 use super::tree::Aabb;
 use super::{SpatialError, V};
 use crate::{CellKind, Mesh};
@@ -35,7 +35,7 @@ pub(super) struct Hint {
 
 /// The nearest point of a solid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
+pub(super) struct ClosestPoint {
     pub point: V,
     pub distance: f64,
 }
@@ -114,14 +114,14 @@ impl Shape {
 
     /// The nearest point of the solid and its distance: the point itself and 0 inside.
     pub fn nearest(&self, p: [f64; 3]) -> ([f64; 3], f64) {
-        let foot = self.foot(&V::from(p), &mut Hint::default());
-        (foot.point.into(), foot.distance)
+        let closest = self.closest_point(&V::from(p), &mut Hint::default());
+        (closest.point.into(), closest.distance)
     }
 
     /// The nearest point of the solid's boundary and its distance, for points inside as well.
     pub fn nearest_boundary(&self, p: [f64; 3]) -> ([f64; 3], f64) {
-        let foot = self.outer_foot(&V::from(p), &mut Hint::default());
-        (foot.point.into(), foot.distance)
+        let closest = self.closest_boundary_point(&V::from(p), &mut Hint::default());
+        (closest.point.into(), closest.distance)
     }
 
     /// Distance to the solid, 0 inside.
@@ -129,39 +129,39 @@ impl Shape {
         self.nearest(p).1
     }
 
-    pub(super) fn foot(&self, p: &V, hint: &mut Hint) -> Foot {
+    pub(super) fn closest_point(&self, p: &V, hint: &mut Hint) -> ClosestPoint {
         if let Some(part) = self.cells.find(p, hint.part) {
             hint.part = Some(part);
-            return Foot { point: *p, distance: 0.0 };
+            return ClosestPoint { point: *p, distance: 0.0 };
         }
-        self.outer_foot(p, hint)
+        self.closest_boundary_point(p, hint)
     }
 
-    fn outer_foot(&self, p: &V, hint: &mut Hint) -> Foot {
+    fn closest_boundary_point(&self, p: &V, hint: &mut Hint) -> ClosestPoint {
         match self.boundary.nearest(p, hint.facet) {
             Some(near) => {
                 hint.facet = Some(near.facet);
-                Foot { point: near.point, distance: near.squared.sqrt() }
+                ClosestPoint { point: near.point, distance: near.squared.sqrt() }
             }
             // No finite distance: p is NaN or beyond the range of squares.
-            None => Foot { point: *p, distance: f64::INFINITY },
+            None => ClosestPoint { point: *p, distance: f64::INFINITY },
         }
     }
 
-    /// Feet on this solid of the corner nodes of the cells of another one, by node.
-    pub(super) fn feet_of_corners(&self, of: &Self) -> Vec<Option<(V, Foot)>> {
-        let mut feet = vec![None; of.nodes];
+    /// Closest points on this solid of the corner nodes of the cells of another one, by node.
+    pub(super) fn closest_points_of_corners(&self, of: &Self) -> Vec<Option<(V, ClosestPoint)>> {
+        let mut closest = vec![None; of.nodes];
         let mut hint = Hint::default();
         for (cell, corners) in of.corners.iter().enumerate() {
             let patch = of.cells.patch(cell);
-            for (i, &node) in corners.iter().enumerate().take(patch.form.corners()) {
-                if let Some(slot @ None) = feet.get_mut(node as usize) {
-                    let x = patch.value(&patch.form.corner(i));
-                    *slot = Some((x, self.foot(&x, &mut hint)));
+            for (i, &node) in corners.iter().enumerate().take(patch.space.corners()) {
+                if let Some(slot @ None) = closest.get_mut(node as usize) {
+                    let x = patch.value(&patch.space.corner(i));
+                    *slot = Some((x, self.closest_point(&x, &mut hint)));
                 }
             }
         }
-        feet
+        closest
     }
 }
 

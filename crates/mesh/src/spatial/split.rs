@@ -2,8 +2,8 @@
 
 use super::V;
 use super::boundary::{Boundary, Facet};
+use super::interpolation_error::InterpolationError;
 use super::patch::{sag, widths};
-use super::warp::Warp;
 
 impl Boundary {
     /// A facet over these parameters of a face.
@@ -11,9 +11,9 @@ impl Boundary {
         let patch = self.patch(face);
         let domain = param.map(|u| [u[0], u[1], 0.0]);
         let corners = domain.map(|u| patch.value(&u));
-        let sag = match patch.form.simplex {
-            true => Warp::of(&patch, &domain).size(),
-            false => sag(&self.bends[face as usize], &widths(&domain)),
+        let sag = match patch.space.simplex {
+            true => InterpolationError::of(&patch, &domain).bound(),
+            false => sag(&self.second_bounds[face as usize], &widths(&domain)),
         };
         let [a, b, c] = corners;
         let edge = b - a;

@@ -1,7 +1,7 @@
 //! A bounding volume hierarchy over boxes: balanced, built by medians, the same for the same input.
 
 use super::V;
-use super::warp::Warp;
+use super::interpolation_error::InterpolationError;
 
 const LEAF: usize = 3;
 /// Depth of a balanced tree over at most 2^32 items, with one waiting sibling per level.
@@ -32,9 +32,9 @@ impl Aabb {
         Self { lo: self.lo.add_scalar(-by), hi: self.hi.add_scalar(by) }
     }
 
-    /// The box with all that a warp may add to it.
-    pub fn warped(&self, warp: &Warp) -> Self {
-        let [x, y, z] = [V::x(), V::y(), V::z()].map(|axis| warp.extent(&axis));
+    /// The box with all that a deviation may add to it.
+    pub fn enlarged(&self, deviation: &InterpolationError) -> Self {
+        let [x, y, z] = [V::x(), V::y(), V::z()].map(|axis| deviation.extent(&axis));
         Self { lo: self.lo + V::new(x.0, y.0, z.0), hi: self.hi + V::new(x.1, y.1, z.1) }
     }
 

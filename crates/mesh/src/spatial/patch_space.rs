@@ -1,17 +1,17 @@
-//! How a cell kind becomes a Bézier patch.
+//! The polynomial space of a Bézier patch, and the control points of a cell in it.
 
 use crate::CellKind;
 
 /// Polynomial space of a patch: degree 1 or 2, over the unit box (tensor product) or the unit simplex of 1 to 3
 /// dimensions.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Form {
+pub(super) struct PatchSpace {
     pub simplex: bool,
     pub dim: usize,
     pub degree: usize,
 }
 
-impl Form {
+impl PatchSpace {
     /// The smallest space that holds the kind's shape functions (serendipity kinds sit inside the full tensor product).
     pub fn of(kind: CellKind) -> Self {
         Self { simplex: kind.is_simplex(), dim: kind.dim(), degree: kind.order() }
@@ -98,7 +98,7 @@ impl Form {
 /// The linear map from a kind's nodes to the control points of its patch.
 #[derive(Clone, Debug)]
 pub(super) struct Conversion {
-    pub form: Form,
+    pub space: PatchSpace,
     /// Node of the cell at each corner of the parameter domain.
     pub corners: Vec<usize>,
     nodes: usize,
@@ -108,31 +108,31 @@ pub(super) struct Conversion {
 
 impl Conversion {
     pub fn of(kind: CellKind) -> Self {
-        let form = Form::of(kind);
+        let space = PatchSpace::of(kind);
         let nodes = kind.nodes();
         let reference = |u: [f64; 3]| {
-            if form.simplex { u } else { std::array::from_fn(|a| if a < form.dim { 2.0 * u[a] - 1.0 } else { 0.0 }) }
+            if space.simplex { u } else { std::array::from_fn(|a| if a < space.dim { 2.0 * u[a] - 1.0 } else { 0.0 }) }
         };
-        let mut weights = vec![0.0; form.controls() * nodes];
-        for (u, row) in form.lattice().into_iter().zip(weights.chunks_exact_mut(nodes)) {
+        let mut weights = vec![0.0; space.controls() * nodes];
+        for (u, row) in space.lattice().into_iter().zip(weights.chunks_exact_mut(nodes)) {
             kind.shapes(&reference(u), row);
         }
         for node in 0..nodes {
-            let mut column: Vec<f64> = (0..form.controls()).map(|i| weights[i * nodes + node]).collect();
-            form.interpolate(&mut column);
+            let mut column: Vec<f64> = (0..space.controls()).map(|i| weights[i * nodes + node]).collect();
+            space.interpolate(&mut column);
             for (i, value) in column.into_iter().enumerate() {
                 weights[i * nodes + node] = value;
             }
         }
         // The node at a corner is the one whose shape function is 1 there.
         let mut shapes = vec![0.0; nodes];
-        let corners = (0..form.corners())
+        let corners = (0..space.corners())
             .map(|i| {
-                kind.shapes(&reference(form.corner(i)), &mut shapes);
+                kind.shapes(&reference(space.corner(i)), &mut shapes);
                 (0..nodes).max_by(|&m, &n| shapes[m].total_cmp(&shapes[n])).unwrap_or(0)
             })
             .collect();
-        Self { form, corners, nodes, weights }
+        Self { space, corners, nodes, weights }
     }
 
     /// Appends the control points of a cell with these node positions.

@@ -1,4 +1,4 @@
-//! The foot of a point on one curved face.
+//! The closest-point projection onto one curved face.
 
 use super::V;
 use super::patch::Patch;
@@ -13,11 +13,11 @@ const BOX: [HalfPlane; 4] = [([1.0, 0.0], 0.0), ([-1.0, 0.0], 1.0), ([0.0, 1.0],
 const TRIANGLE: [HalfPlane; 3] = [([1.0, 0.0], 0.0), ([0.0, 1.0], 0.0), ([-1.0, -1.0], 1.0)];
 
 /// Nearest point of a face to `p` its squared distance and its parameters, by a Newton iteration that keeps to the
-/// domain with its edges and corners. It starts at `start` and never moves away from p, so a start in the right valley
+/// domain with its edges and corners. It starts at `start` and never moves away from p, so a start in the basin of the global minimum
 /// gives the nearest point of all.
 pub(super) fn project(patch: &Patch, p: &V, start: [f64; 2]) -> (V, f64, [f64; 2]) {
-    let line = patch.form.dim == 1;
-    let domain: &[HalfPlane] = match (line, patch.form.simplex) {
+    let line = patch.space.dim == 1;
+    let domain: &[HalfPlane] = match (line, patch.space.simplex) {
         (true, _) => &BOX[..2],
         (_, false) => &BOX,
         _ => &TRIANGLE,
@@ -90,10 +90,10 @@ fn direction(domain: &[HalfPlane], u: &[f64; 2], g: &[f64; 2], h: &[f64; 3], lin
     for (n, _) in domain.iter().filter(|(n, o)| dot(n, u) + o <= ON) {
         let t = [-n[1], n[0]];
         let along = dot(&t, g);
-        let bend = h[0] * t[0] * t[0] + 2.0 * h[2] * t[0] * t[1] + h[1] * t[1] * t[1];
-        let d = t.map(|t| -along / bend * t);
-        if descends(&d) && feasible(&d) && best.is_none_or(|(_, gain)| along * along / bend > gain) {
-            best = Some((d, along * along / bend));
+        let curvature_along = h[0] * t[0] * t[0] + 2.0 * h[2] * t[0] * t[1] + h[1] * t[1] * t[1];
+        let d = t.map(|t| -along / curvature_along * t);
+        if descends(&d) && feasible(&d) && best.is_none_or(|(_, gain)| along * along / curvature_along > gain) {
+            best = Some((d, along * along / curvature_along));
         }
     }
     best.map(|(d, _)| d)

@@ -1,4 +1,4 @@
-//! What a curved piece of a cell does besides spanning its corners.
+//! Bounds of the error of (multi)linear interpolation between the corners of a curved patch.
 
 use super::V;
 use super::patch::{Patch, widths};
@@ -10,24 +10,24 @@ use super::patch::{Patch, widths};
 /// in the hull of the second differences of the control points; on a simplex the error is -1/2 sum_{i<j} l_i l_j
 /// D2x[e_ij, e_ij], constant derivatives all, and the products sum to at most (1 - 1/n) / 2.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Warp {
+pub(super) struct InterpolationError {
     groups: Vec<Vec<V>>,
 }
 
-impl Warp {
+impl InterpolationError {
     pub fn of(patch: &Patch, corners: &[[f64; 3]]) -> Self {
-        let form = patch.form;
-        if form.degree == 1 {
+        let space = patch.space;
+        if space.degree == 1 {
             // (Multi)linear: spans its corners.
             return Self::default();
         }
-        if form.simplex {
+        if space.simplex {
             let factor = -0.25 * (1.0 - 1.0 / corners.len() as f64);
             return Self { groups: vec![patch.edge_seconds(corners).map(|d| d * factor).collect()] };
         }
         let width = widths(corners);
         let group = |a: usize| patch.seconds(a).map(|d| d * (-0.125 * width[a] * width[a])).collect();
-        Self { groups: (0..form.dim).map(group).collect() }
+        Self { groups: (0..space.dim).map(group).collect() }
     }
 
     /// Least and largest product of its vectors with an axis.
@@ -42,7 +42,7 @@ impl Warp {
     }
 
     /// Bound on the norm of its vectors.
-    pub fn size(&self) -> f64 {
+    pub fn bound(&self) -> f64 {
         self.groups.iter().map(|group| group.iter().map(|v| v.norm()).fold(0.0, f64::max)).sum()
     }
 }

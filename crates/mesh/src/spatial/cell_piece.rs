@@ -1,93 +1,100 @@
 //! Pieces of a solid's cells, and upper bounds of the distance to another solid over them.
 
 use super::V;
+use super::interpolation_error::InterpolationError;
 use super::patch::longest;
-use super::shape::{Foot, Hint, Shape};
-use super::warp::Warp;
+use super::shape::{ClosestPoint, Hint, Shape};
 
 /// Most sides told apart.
 const SIDES: usize = 6;
 
-/// Part of a cell: a box or simplex of its parameters, with the feet of its corners on the other solid.
+/// Part of a cell: a box or simplex of its parameters, with the closest points to its corners on the other solid.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct CellPiece {
     cell: u32,
     count: usize,
     params: [[f64; 3]; 8],
     points: [V; 8],
-    feet: [Foot; 8],
+    closest: [ClosestPoint; 8],
     /// The cell leaves the hull of the piece's corners by no more.
     sag: f64,
 }
 
-impl Piece {
-    /// All of a cell; feet of its corners as found before.
-    pub fn whole(of: &Shape, cell: usize, corner: impl Fn(u32) -> Option<(V, Foot)>) -> Option<Self> {
-        let form = of.cells.patch(cell).form;
-        let count = form.corners();
+impl CellPiece {
+    /// All of a cell; closest points to its corners as found before.
+    pub fn whole(of: &Shape, cell: usize, corner: impl Fn(u32) -> Option<(V, ClosestPoint)>) -> Option<Self> {
+        let space = of.cells.patch(cell).space;
+        let count = space.corners();
         let mut params = [[0.0; 3]; 8];
         let mut found = [corner(of.corners[cell][0])?; 8];
         for i in 0..count {
-            params[i] = form.corner(i);
+            params[i] = space.corner(i);
             found[i] = corner(of.corners[cell][i])?;
         }
-        let mut piece =
-            Self { cell: cell as u32, count, params, points: found.map(|f| f.0), feet: found.map(|f| f.1), sag: 0.0 };
+        let mut piece = Self {
+            cell: cell as u32,
+            count,
+            params,
+            points: found.map(|f| f.0),
+            closest: found.map(|f| f.1),
+            sag: 0.0,
+        };
         piece.measure(of);
         Some(piece)
     }
 
-    pub fn corners(&self) -> impl Iterator<Item = (&V, &Foot)> {
-        self.points.iter().zip(&self.feet).take(self.count)
+    pub fn corners(&self) -> impl Iterator<Item = (&V, &ClosestPoint)> {
+        self.points.iter().zip(&self.closest).take(self.count)
     }
 
     fn measure(&mut self, of: &Shape) {
-        self.sag = self.warp(of).size();
+        self.sag = self.deviation(of).bound();
     }
 
-    fn warp(&self, of: &Shape) -> Warp {
-        Warp::of(&of.cells.patch(self.cell as usize), &self.params[..self.count])
+    fn deviation(&self, of: &Shape) -> InterpolationError {
+        InterpolationError::of(&of.cells.patch(self.cell as usize), &self.params[..self.count])
     }
 
-    /// Halves across the longest edge (with its parallels in a box); the new corners' feet are found on `on`.
+    /// Halves across the longest edge (with its parallels in a box); closest points to the new corners are searched on `on`.
     pub fn halves(mut self, of: &Shape, on: &Shape, hint: &mut Hint) -> [Self; 2] {
         let patch = of.cells.patch(self.cell as usize);
         let mut second = self.clone();
-        for (i, j) in longest(patch.form, &self.points[..self.count]) {
+        for (i, j) in longest(patch.space, &self.points[..self.count]) {
             let u = std::array::from_fn(|a| 0.5 * (self.params[i][a] + self.params[j][a]));
             let x = patch.value(&u);
-            let foot = on.foot(&x, hint);
-            self.set(j, u, x, foot);
-            second.set(i, u, x, foot);
+            let closest = on.closest_point(&x, hint);
+            self.set(j, u, x, closest);
+            second.set(i, u, x, closest);
         }
         self.measure(of);
         second.measure(of);
         [self, second]
     }
 
-    fn set(&mut self, i: usize, u: [f64; 3], x: V, foot: Foot) {
+    fn set(&mut self, i: usize, u: [f64; 3], x: V, closest: ClosestPoint) {
         self.params[i] = u;
         self.points[i] = x;
-        self.feet[i] = foot;
+        self.closest[i] = closest;
     }
 
-    /// A bound that costs nothing: one of the feet serves the whole piece.
+    /// A bound that costs nothing: one of the closest points serves the whole piece.
     pub fn bound(&self) -> f64 {
         let farthest = |q: &V| self.corners().map(|(x, _)| (x - q).norm_squared()).fold(0.0, f64::max);
         self.corners().map(|(_, f)| farthest(&f.point)).fold(f64::INFINITY, f64::min).sqrt() + self.sag
     }
 
     /// A bound no greater than `goal`, proven by convex parts of the other solid: the distance to a convex set is a
-    /// convex function, so over the hull of the corners it is at most the same mean of its values there. Feet that
+    /// convex function, so over the hull of the corners it is at most the same mean of its values there. Closest points that
     /// point to different sides (a slot, a bore) make several convex sets, and any mean of the distances to them is a
     /// bound as well. `None`: not proven.
-    pub fn proof(&self, of: &Shape, on: &Shape, goal: f64) -> Option<f64> {
-        // With the warp added, the shifted hull holds a partner, as far away, also for what leaves the piece's hull.
-        let warp = self.warp(of);
-        let enclosed = |hull: &[V], base: f64| if goal > base { on.shift_into(hull, &warp, goal - base) } else { None };
+    pub fn proven_bound(&self, of: &Shape, on: &Shape, goal: f64) -> Option<f64> {
+        // With the deviation added, the shifted hull holds a partner, as far away, also for what leaves the piece's hull.
+        let deviation = self.deviation(of);
+        let enclosed =
+            |hull: &[V], base: f64| if goal > base { on.shift_into(hull, &deviation, goal - base) } else { None };
         let farthest = self.corners().map(|(_, f)| f.distance).fold(0.0, f64::max);
-        let feet: Vec<V> = self.corners().map(|(_, f)| f.point).collect();
-        if let Some(shift) = enclosed(&feet, farthest) {
+        let closest: Vec<V> = self.corners().map(|(_, f)| f.point).collect();
+        if let Some(shift) = enclosed(&closest, farthest) {
             return Some(farthest + shift);
         }
         let sides = self.sides(on, 1e-3 * goal)?;
@@ -99,10 +106,10 @@ impl Piece {
 
     /// The least bound of a few, when there is no time to cut further: what a slack of 2, 4, 8, ... steps proves, or
     /// `bound`.
-    pub fn settle(&self, of: &Shape, on: &Shape, goal: f64, step: f64, bound: f64) -> f64 {
+    pub fn relaxed_bound(&self, of: &Shape, on: &Shape, goal: f64, step: f64, bound: f64) -> f64 {
         let mut slack = step;
         while slack > 0.0 && goal + slack < bound {
-            if let Some(proven) = self.proof(of, on, goal + slack) {
+            if let Some(proven) = self.proven_bound(of, on, goal + slack) {
                 return proven;
             }
             slack *= 2.0;
@@ -110,10 +117,10 @@ impl Piece {
         bound
     }
 
-    /// Where feet point to several sides: for every side, points of the other solid near all corners. Corners inside,
-    /// or `near`, are their own feet on every side. `None` if there is one side, or too many to tell apart.
+    /// Where the closest points lie on several sides: for every side, points of the other solid near all corners. Corners inside,
+    /// or `near`, are their own closest points on every side. `None` if there is one side, or too many to tell apart.
     fn sides(&self, on: &Shape, near: f64) -> Option<Vec<Vec<V>>> {
-        let way = |i: usize| self.feet[i].point - self.points[i];
+        let way = |i: usize| self.closest[i].point - self.points[i];
         // By side: its first direction, and the sum and number of the ways there.
         let mut sides: Vec<(V, V, f64)> = Vec::new();
         for i in 0..self.count {
@@ -128,13 +135,14 @@ impl Piece {
             }
         }
         let mut hint = Hint::default();
-        let mut foot = |side: &(V, V, f64), i: usize| match way(i).try_normalize(near) {
+        let mut closest = |side: &(V, V, f64), i: usize| match way(i).try_normalize(near) {
             Some(direction) if direction.dot(&side.0) <= 0.5 => {
-                on.foot(&(self.points[i] + side.1 / side.2), &mut hint).point
+                on.closest_point(&(self.points[i] + side.1 / side.2), &mut hint).point
             }
-            _ => self.feet[i].point,
+            _ => self.closest[i].point,
         };
-        (sides.len() > 1).then(|| sides.iter().map(|side| (0..self.count).map(|i| foot(side, i)).collect()).collect())
+        (sides.len() > 1)
+            .then(|| sides.iter().map(|side| (0..self.count).map(|i| closest(side, i)).collect()).collect())
     }
 }
 
