@@ -1,4 +1,4 @@
-//! What can go wrong: in the structure (once per mesh) and in the numbers (once per factorisation).
+//! Errors of factorisation: of the structure (once per mesh) and of the numbers (once per factorisation).
 
 /// The node graph, the ordering or the pattern cannot be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -14,8 +14,9 @@ const STEP_TOLERANCE: f64 = 1e-4;
 const EVIDENCE: f64 = 1e-8;
 /// Cycles allowed per system. A nearly incompressible body (Poisson's ratio 0.4994) takes about 250 to full accuracy.
 const MOST: usize = 600;
-/// A kept hierarchy may take this many times the cycles it took when it was new; a new one costs about ten cycles.
-const WORN: usize = 2;
+/// A kept hierarchy may take this many times the cycles per decade of the residual that it took when it was new; a new one
+/// costs about ten cycles.
+const WORN: f64 = 2.0;
 /// Backward error `|b - A x| / (|A| |x| + |b|)` that counts as rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -23,8 +24,8 @@ const ROUNDING: f64 = 1e-14;
 #[derive(Clone, Debug, Default)]
 pub struct MultigridSolver {
     kept: Option<Arc<Multigrid>>,
-    /// Cycles that the kept hierarchy took on its own matrix.
-    fresh: usize,
+    /// Cycles per decade of the residual that the kept hierarchy took on its own matrix.
+    rate: f64,
 }
 
 /// What became of a system.
@@ -48,7 +49,8 @@ impl MultigridSolver {
         }
         work.solver = Solver::Multigrid;
         if let Some(kept) = self.kept.take() {
-            let (x, cg) = iterate(system, &kept, b, tolerance, WORN * self.fresh, work);
+            let most = (WORN * self.rate * decades(tolerance)).ceil() as usize;
+            let (x, cg) = iterate(system, &kept, b, tolerance, most.min(MOST), work);
             match cg.end {
                 CgEnd::NegativeCurvature { .. } => return Ok(Outcome::Indefinite(moved(x))),
                 _ if arrived(system.matrix, b, &x, &cg) => {
@@ -70,7 +72,7 @@ impl MultigridSolver {
         if !arrived(system.matrix, b, &x, &cg) {
             return Err(LinearError::Multigrid { residual: cg.residual, cycles: cg.iterations, wanted: tolerance });
         }
-        (self.kept, self.fresh) = (Some(fresh), cg.iterations.max(1));
+        (self.kept, self.rate) = (Some(fresh), cg.iterations.max(1) as f64 / decades(tolerance));
         Ok(Outcome::Solved(x))
     }
 }
@@ -84,7 +86,7 @@ impl LinearSolver for MultigridSolver {
 
     fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
         let fresh = hierarchy(system, work)?;
-        (self.kept, self.fresh) = (Some(Arc::new(fresh)), MOST / WORN);
+        (self.kept, self.rate) = (Some(Arc::new(fresh)), MOST as f64);
         Ok(())
     }
 
@@ -143,6 +145,11 @@ impl LinearSolver for MultigridSolver {
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(self.clone())
     }
+}
+
+/// Orders of magnitude between a right-hand side and its residual.
+fn decades(tolerance: f64) -> f64 {
+    -tolerance.log10().min(-1.0)
 }
 
 fn hierarchy(system: &System, work: &mut LinearWork) -> Result<Multigrid, FactorError> {
