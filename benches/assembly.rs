@@ -13,7 +13,7 @@ use nastic::prelude::*;
 use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments = Arguments::read()?;
+    let arguments = Arguments::read(&["element", "n", "repeat", "only", "threads"])?;
     let kind = arguments.element("element", CellKind::Hex27)?;
     let across = arguments.number("n", 6)?;
     let repeat = arguments.number("repeat", 20)?;

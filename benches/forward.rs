@@ -15,7 +15,7 @@ use nastic::prelude::*;
 use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments = Arguments::read()?;
+    let arguments = Arguments::read(&["element", "n", "repeat", "threads"])?;
     let kind = arguments.element("element", CellKind::Hex8)?;
     let across = arguments.number("n", 12)?;
     let repeat = arguments.number("repeat", 3)?;

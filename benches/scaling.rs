@@ -18,7 +18,7 @@ use std::process::Command;
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::read()?;
+    let arguments = Arguments::read(&["out", "peers", "python", "cells", "points"])?;
     let mut out = File::create(arguments.text("out", "scaling.jsonl"))?;
     let mut put = |kind: &str, line: Result<Value, String>| -> Result<(), Failure> {
         match line {

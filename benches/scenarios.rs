@@ -15,7 +15,7 @@ use nastic::prelude::*;
 use nastic::uncertainty::risk::Mean;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments = Arguments::read()?;
+    let arguments = Arguments::read(&["count", "n", "repeat", "threads"])?;
     let (count, across) = (arguments.number("count", 8)?, arguments.number("n", 6)?);
     let repeat = arguments.number("repeat", 3)?;
     arguments.use_threads()?;

@@ -27,7 +27,7 @@ struct Peers {
 }
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::read()?;
+    let arguments = Arguments::read(&["peers", "launch", "python", "rows", "sizes", "numba", "points"])?;
     let scripts = Some(PathBuf::from(arguments.text("peers", ""))).filter(|p| p.is_dir());
     let launch = arguments.text("launch", "").split_whitespace().map(str::to_owned).collect();
     let peers = Peers { scripts, python: arguments.text("python", "python3"), launch };

@@ -110,7 +110,7 @@ fn main() -> Outcome {
     let factors = run.workspace().factor_bytes() as f64 / 1e6;
     let robust = run.finish(stop);
     println!("robust: {measure} {:.4} mm^2, {}", robust.cost, robust.stop);
-    println!("factors of {} scenarios: {:.1} MB", all.parts().len(), factors);
+    println!("factors of {} scenarios: {:.1} MB", all.members().len(), factors);
 
     let on_rule = [first.costs, robust.point.costs];
     println!("\non the {} nodes of the rule", rule.scenarios.len());

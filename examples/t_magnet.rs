@@ -108,13 +108,13 @@ fn main() -> Outcome {
         let start = [start.as_slice(), &upward, &[0.0, 0.0, -0.5 * FIELD]].concat();
         let first = two.at(&start)?;
         let best = search.minimize(&two, &first)?;
-        for (case, (from, to)) in two.parts().iter().zip(first.parts.iter().zip(&best.point.parts)) {
+        for (case, (from, to)) in two.members().iter().zip(first.members.iter().zip(&best.point.members)) {
             println!("two targets, start {k}, {}: cost {:.3e} -> {:.3e}", case.name(), from.cost(), to.cost());
         }
         println!("    {} iterations, {}", best.counts.iterations, best.stop);
         if best.cost < least {
             least = best.cost;
-            for (case, at) in two.parts().iter().zip(&best.point.parts) {
+            for (case, at) in two.members().iter().zip(&best.point.members) {
                 draw(
                     &format!("two_{}", case.name()),
                     &format!("T, two targets: {}", case.name()),

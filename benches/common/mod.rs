@@ -11,14 +11,17 @@ use std::time::Instant;
 
 type Failure = Box<dyn std::error::Error>;
 
-/// `key=value` arguments; cargo's own flags are passed over.
+/// `key=value` arguments with known keys; cargo's own flags are passed over.
 pub struct Arguments(BTreeMap<String, String>);
 
 impl Arguments {
-    pub fn read() -> Result<Self, Failure> {
+    pub fn read(known: &[&str]) -> Result<Self, Failure> {
         let mut given = BTreeMap::new();
         for argument in std::env::args().skip(1).filter(|a| !a.starts_with("--")) {
             let (key, value) = argument.split_once('=').ok_or(format!("key=value is wanted, not {argument:?}"))?;
+            if !known.contains(&key) {
+                return Err(format!("no argument {key:?}: there are {}", known.join(", ")).into());
+            }
             given.insert(key.to_owned(), value.to_owned());
         }
         Ok(Self(given))

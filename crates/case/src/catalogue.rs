@@ -1,6 +1,6 @@
 //! [`Catalogue`]: the names a case may use.
 
-use nastic_control::{COSTS, UserCost};
+use nastic_control::{COSTS, CostForm};
 use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials};
 use nastic_fem::contributions::catalogue::{CATALOGUE as CONTRIBUTIONS, Entry, Form};
 
@@ -36,7 +36,7 @@ pub struct Catalogue {
     materials: Vec<&'static MaterialRow>,
     actuations: Vec<&'static ActuationRow>,
     contributions: Vec<&'static Entry>,
-    costs: Vec<&'static UserCost>,
+    costs: Vec<&'static CostForm>,
 }
 
 impl Catalogue {
@@ -77,7 +77,7 @@ impl Catalogue {
 
     /// With a further cost. It takes the place of an added one of the same name; names of built-in costs stay theirs.
     #[must_use]
-    pub fn with_cost(mut self, row: &'static UserCost) -> Self {
+    pub fn with_cost(mut self, row: &'static CostForm) -> Self {
         self.costs.retain(|known| known.name != row.name);
         self.costs.push(row);
         self
@@ -102,7 +102,7 @@ impl Catalogue {
 
     /// The costs beside those that have a block of their own.
     #[must_use]
-    pub fn costs(&self) -> &[&'static UserCost] {
+    pub fn costs(&self) -> &[&'static CostForm] {
         &self.costs
     }
 }

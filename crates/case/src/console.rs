@@ -1,4 +1,4 @@
-//! What a person sees while a command runs.
+//! Terminal output while a command runs.
 
 use std::fmt;
 use std::io::Write;

@@ -1,4 +1,4 @@
-//! Text to nodes that know where they stand: JSON with comments and trailing commas, overrides, diagnostics.
+//! Parser of case files: JSON with comments and trailing commas, nodes with their positions, overrides, diagnostics.
 
 mod diagnostic;
 mod document;

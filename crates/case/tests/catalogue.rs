@@ -6,7 +6,7 @@ use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
 use nastic_case::run::{Options, Outcome, RunError, run_with};
 use nastic_case::schema::{Command, json_schema};
-use nastic_control::{ControlError, Cost, CostContext, CostPoint, Partials, UserCost};
+use nastic_control::{ControlError, Cost, CostContext, CostForm, CostPoint, Partials};
 use nastic_energy::catalogue::Parameter;
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ impl CostPoint for LiftPoint {
     }
 }
 
-static LIFT: UserCost = UserCost {
+static LIFT: CostForm = CostForm {
     name: "lift",
     about: "weight/2 (u_z - height)^2 at the nodes of a surface",
     forms: &[&[Parameter::place("surface", "x+"), Parameter::number("height", "m", 0.1)]],

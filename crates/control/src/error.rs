@@ -1,4 +1,4 @@
-//! What can go wrong between controls, costs and states.
+//! Errors of controls, costs and reduced problems.
 
 use nastic_fem::{FemError, InvertedAt, StateError};
 use nastic_mesh::MeshError;

@@ -18,8 +18,8 @@ mod workspace;
 
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, ControlNorm, ControlSmoothness, Cost, CostContext, CostExample,
-    CostPoint, CostRow, Figure, FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff, Target, Tracking,
-    UserCost,
+    CostForm, CostPoint, CostRow, Figure, FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff, Target,
+    Tracking,
 };
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,
@@ -32,5 +32,5 @@ pub use layout::{ControlBlock, Layout};
 pub use map::{ControlMap, SPACES, Space, SpaceRow};
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow};
 pub use reduced::Reduced;
-pub use snapshot::View;
+pub use snapshot::StateFields;
 pub use workspace::ReducedWorkspace;

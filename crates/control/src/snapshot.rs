@@ -1,4 +1,4 @@
-//! What a viewer is shown of a problem at one control.
+//! The state of a problem at one control as named arrays, for VTU files and pictures.
 
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
@@ -11,7 +11,7 @@ use nastic_mesh::{Mesh, MeshError, Snapshot};
 
 /// A state, and what is known of it.
 #[derive(Debug, Clone, Copy)]
-pub struct View<'a> {
+pub struct StateFields<'a> {
     /// The equilibrium.
     pub state: &'a State,
     /// The control vector.
@@ -24,15 +24,15 @@ pub struct View<'a> {
     pub names: &'a [&'a str],
 }
 
-impl<'a> View<'a> {
+impl<'a> StateFields<'a> {
     /// A state and its control vector.
     pub fn new(state: &'a State, m: &'a [f64]) -> Self {
-        View { state, m, adjoint: None, gradient: None, names: &[] }
+        StateFields { state, m, adjoint: None, gradient: None, names: &[] }
     }
 }
 
 impl Reduced {
-    /// The state with everything worth looking at: [`view`](Self::view) of an evaluated control, with the gradient where a
+    /// The state with everything worth looking at: [`snapshot_of`](Self::snapshot_of) of an evaluated control, with the gradient where a
     /// derivative is given (the Riesz image in the problem's product).
     ///
     /// # Errors
@@ -45,9 +45,12 @@ impl Reduced {
             }
             None => None,
         };
-        let view =
-            View { adjoint: point.adjoint(), gradient: gradient.as_deref(), ..View::new(&point.state, &point.m) };
-        self.view(&view)
+        let fields = StateFields {
+            adjoint: point.adjoint(),
+            gradient: gradient.as_deref(),
+            ..StateFields::new(&point.state, &point.m)
+        };
+        self.snapshot_of(&fields)
     }
 
     /// A state as arrays, for VTU files and pictures.
@@ -61,24 +64,24 @@ impl Reduced {
     ///
     /// # Errors
     /// Vectors of the wrong length.
-    pub fn view(&self, view: &View<'_>) -> Result<Snapshot, ControlError> {
-        self.layout().check(view.m)?;
-        view.gradient.map_or(Ok(()), |gradient| self.layout().check(gradient))?;
+    pub fn snapshot_of(&self, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+        self.layout().check(fields.m)?;
+        fields.gradient.map_or(Ok(()), |gradient| self.layout().check(gradient))?;
         let mesh = self.solid().mesh();
         let mut shot =
-            Snapshot::new(mesh.clone()).with_points("displacement", 3, vectors(&view.state.u, mesh.dim()))?;
-        if let Some(adjoint) = view.adjoint {
+            Snapshot::new(mesh.clone()).with_points("displacement", 3, vectors(&fields.state.u, mesh.dim()))?;
+        if let Some(adjoint) = fields.adjoint {
             shot = shot.with_points("adjoint", 3, vectors(adjoint, mesh.dim()))?;
         }
         for (k, block) in self.layout().blocks().iter().enumerate() {
-            let name = view.names.get(k).copied().unwrap_or(&block.name);
-            shot = self.with_field(shot, block, name, view.m)?;
-            if let Some(gradient) = view.gradient {
+            let name = fields.names.get(k).copied().unwrap_or(&block.name);
+            shot = self.with_field(shot, block, name, fields.m)?;
+            if let Some(gradient) = fields.gradient {
                 shot = self.with_field(shot, block, &format!("gradient_{name}"), gradient)?;
             }
         }
-        shot = self.with_actuations(shot, view.state)?;
-        Ok(self.with_state(shot, view.state)?)
+        shot = self.with_actuations(shot, fields.state)?;
+        Ok(self.with_state(shot, fields.state)?)
     }
 
     /// A field of the control space, by node or by cell; the number of a contribution as a whole is no field.

@@ -112,7 +112,7 @@ fn bits(problem: &Ensemble, m: &[f64], threads: usize) -> Outcome<Vec<u64>> {
         Ok((second, derivative))
     };
     let (point, derivative) = pool.install(run)?;
-    let states = point.parts.iter().flat_map(|part| part.state.u.iter().copied());
+    let states = point.members.iter().flat_map(|part| part.state.u.iter().copied());
     Ok(states.chain(derivative).chain([point.risk]).map(f64::to_bits).collect())
 }
 
@@ -185,23 +185,23 @@ fn load_cases_inside_scenarios_share_and_own_controls() -> Outcome {
     let problem = nested(Cvar { level: 0.5, smoothing: 0.2 }, Metric::L2)?;
     let names: Vec<&str> = problem.blocks().iter().map(|block| block.name.as_str()).collect();
     assert_eq!(names, ["up/pressure", "tension", "down/pressure"]);
-    assert_eq!(problem.parts()[3].name(), "stiff/down");
-    assert_eq!(problem.parts()[3].blocks(), [2, 1]);
+    assert_eq!(problem.members()[3].name(), "stiff/down");
+    assert_eq!(problem.members()[3].blocks(), [2, 1]);
     let mut m = start(problem.len());
     m[0] = 2e4;
     m[problem.len() - 1] = -1e4;
     assert_taylor(&problem, &m, "nested")?;
 
     let point = problem.at(&m)?;
-    assert_eq!(point.costs[1], 2.0 * point.parts[2].cost() + point.parts[3].cost());
-    assert_eq!(point.parts[1].m, problem.local(&problem.parts()[1], &m)?);
-    assert_eq!((point.parts[1].m[0], point.parts[1].m[1]), (-1e4, m[1]));
+    assert_eq!(point.costs[1], 2.0 * point.members[2].cost() + point.members[3].cost());
+    assert_eq!(point.members[1].m, problem.local(&problem.members()[1], &m)?);
+    assert_eq!((point.members[1].m[0], point.members[1].m[1]), (-1e4, m[1]));
     // What only "down" uses moves only "down".
     let mut other = m.clone();
     other[problem.len() - 1] = 3e4;
     let moved = problem.at(&other)?;
-    assert_eq!(point.parts[0].state.u, moved.parts[0].state.u);
-    assert_ne!(point.parts[1].state.u, moved.parts[1].state.u);
+    assert_eq!(point.members[0].state.u, moved.members[0].state.u);
+    assert_ne!(point.members[1].state.u, moved.members[1].state.u);
     Ok(())
 }
 
@@ -237,9 +237,9 @@ fn reports_every_risk_and_every_member() -> Outcome {
     assert!((get("risk/mean_deviation") - get("risk/mean") - get("risk/deviation")).abs() < 1e-15);
     assert!(get("risk/cvar/exact") <= get("risk/cvar") && get("risk/cvar/exact") <= worst);
     assert_eq!(get("scenarios/s3/cost"), point.costs[3]);
-    assert_eq!(get("scenarios/s3/terms/tracking"), point.parts[3].terms[0]);
+    assert_eq!(get("scenarios/s3/terms/tracking"), point.members[3].terms[0]);
     assert!((get("terms/tracking") + get("terms/control_norm") - get("risk/mean")).abs() < 1e-15);
-    assert_eq!(get("newton"), point.parts.iter().map(|part| part.work.newton as f64).sum::<f64>());
+    assert_eq!(get("newton"), point.members.iter().map(|part| part.work.newton as f64).sum::<f64>());
     assert!(get("min_J") > 0.0);
     Ok(())
 }
@@ -268,7 +268,7 @@ fn at_most_one_factor_per_member_is_kept_and_reported() -> Outcome {
             let moved: Vec<f64> = point.m.iter().map(|m| 1.3 * m).collect();
             let trial = all.evaluate(&moved, &Request::near(&point), &mut workspace)?;
             assert_eq!(workspace.factor_bytes(), expected, "a trial adds a factor");
-            refactored += trial.parts.iter().map(|part| part.work.factorisations).sum::<usize>();
+            refactored += trial.members.iter().map(|part| part.work.factorisations).sum::<usize>();
             point = trial;
         }
         assert!(refactored > 0, "no trial made a factor: nothing is seen");
@@ -314,7 +314,7 @@ fn warm_starts_from_the_members_own_state_and_tells_who_finished() -> Outcome {
     let cold = problem.evaluate(&m, &Request::default(), &mut workspace)?;
     let warm = problem.evaluate(&m, &Request::near(&cold), &mut workspace)?;
     assert_eq!(told.load(Ordering::Relaxed), 4);
-    for (warm, cold) in warm.parts.iter().zip(&cold.parts) {
+    for (warm, cold) in warm.members.iter().zip(&cold.members) {
         assert!(warm.work.newton <= 1 && cold.work.newton > 2, "{:?}", warm.work);
     }
     Ok(())
@@ -328,7 +328,7 @@ fn the_mean_shape_and_its_scatter_are_those_of_the_states() -> Outcome {
     let of = |name: &str| shot.point_data.iter().find(|a| a.name == name).map(|a| a.values.clone());
     let (mean, scatter, norm) = (of("displacement"), of("deviation"), of("deviation_norm"));
     let (mean, scatter, norm) = (mean.unwrap(), scatter.unwrap(), norm.unwrap());
-    let (soft, stiff) = (&point.parts[1].state.u, &point.parts[3].state.u);
+    let (soft, stiff) = (&point.members[1].state.u, &point.members[3].state.u);
     for i in 0..mean.len() {
         assert!((mean[i] - (0.4 * soft[i] + 0.6 * stiff[i])).abs() < 1e-15);
         // Two values with probabilities p and q scatter by sqrt(pq) times their distance.

@@ -123,7 +123,7 @@ fn a_failed_trial_leaves_the_same_bits_on_any_number_of_threads() -> Outcome {
             problem.evaluate(&control(-2.5e4), &Request::near(&first), &mut workspace)
         };
         let point = pool.install(evaluate)?;
-        Ok(point.parts.iter().flat_map(|part| bits(&part.state.u)).collect())
+        Ok(point.members.iter().flat_map(|part| bits(&part.state.u)).collect())
     };
     let alone = run(1)?;
     for _ in 0..3 {

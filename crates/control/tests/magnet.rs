@@ -204,7 +204,7 @@ fn two_known_targets_are_reached_with_one_magnetisation() -> Outcome {
     let start = [[REMANENCE, 0.0, 0.0].repeat(cells), random[3 * cells..].to_vec()].concat();
     let first = problem.at(&start)?;
     let best = minimise(&problem, set, start)?;
-    for (part, (from, to)) in problem.parts().iter().zip(first.parts.iter().zip(&best.point.parts)) {
+    for (part, (from, to)) in problem.members().iter().zip(first.members.iter().zip(&best.point.members)) {
         println!("{}: {:e} -> {:e}", part.name(), from.cost(), to.cost());
         assert!(to.cost() < 1e-2 * from.cost(), "{}: {:e} -> {:e}", part.name(), from.cost(), to.cost());
     }

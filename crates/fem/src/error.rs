@@ -1,4 +1,4 @@
-//! What can go wrong in building a problem and in solving it.
+//! Errors of building a problem and of solving it.
 
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::solution::state::State;

@@ -1,4 +1,4 @@
-//! What can be wrong with the input.
+//! Errors of the input.
 
 /// Why a smoothed Hausdorff distance cannot be formed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -43,6 +43,11 @@ pub struct Base<'a, P> {
 }
 
 impl Certificate {
+    /// Nothing was tried.
+    pub fn undecided() -> Self {
+        Self { mismatch: f64::NAN, trials: 0, verdict: Verdict::Undecided, full: None }
+    }
+
     /// Compares the derivative at an evaluated control with differences of the cost along one random admissible
     /// direction: at most four evaluations when it is right. If they do not vouch for it, the full [`Taylor`] test
     /// decides. `size` is that of a control where neither the set nor the control tells it.

@@ -1,4 +1,4 @@
-//! What makes one optimiser different from another: where to try next.
+//! [`Method`]: the strategy of an optimiser, which proposes the next trial.
 
 use crate::admissible::Admissible;
 use crate::inner_product::InnerProduct;

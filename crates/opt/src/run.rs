@@ -5,6 +5,7 @@ mod certify;
 mod stage;
 
 use crate::admissible::Outside;
+use crate::certificate::Certificate;
 use crate::failed::Failed;
 use crate::method::Method;
 use crate::objective::Objective;
@@ -12,6 +13,7 @@ use crate::observer::{Observer, Reason};
 use crate::search::{Iterate, Setting};
 use crate::state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 use crate::stop::Stop;
+use crate::taylor::TaylorError;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use thiserror::Error;
@@ -44,6 +46,25 @@ pub enum RunError {
         "nothing tells how long a first step should be: the set is unbounded and the cost at the start is zero; bound the control or begin elsewhere"
     )]
     NoScale,
+    /// Stages that the problem does not have.
+    #[error("stages {first}..{end} of a problem with {stages}: ask for some of 0..{stages}")]
+    Stages {
+        /// First stage asked for.
+        first: usize,
+        /// End of those asked for.
+        end: usize,
+        /// How many there are.
+        stages: usize,
+    },
+    /// The derivative does not belong to the cost.
+    #[error(
+        "the derivative at the start does not belong to the cost, so nothing was optimised: {0}. Taylor::test shows where; a cost \
+         with a kink at the start is refused too: start elsewhere; gradient_check(false) runs anyway"
+    )]
+    Derivative(Box<Certificate>),
+    /// The derivative at the start could not be checked.
+    #[error("the derivative at the start could not be checked: {0}; gradient_check(false) runs without")]
+    Check(#[source] TaylorError),
     /// A saved run of another problem.
     #[error("the saved run does not fit: {0}")]
     Saved(#[source] Failed),
@@ -81,6 +102,8 @@ pub struct Best<P> {
     pub counts: Counts,
     /// How each stage ended.
     pub stages: Vec<StageEnd>,
+    /// The gradient check at the start, where one was made.
+    pub certificate: Option<Certificate>,
 }
 
 /// A run of an optimiser. It owns its problem (which may be a reference or an [`Arc`]), its set, its inner product and the
@@ -182,7 +205,7 @@ impl<O: Objective> Run<O> {
         self.settle(&stop);
         let Iterate { m, point, cost, derivative, gradient_norm, active } = self.current;
         let Progress { counts, ends: stages, .. } = self.progress;
-        Best { m, point, cost, derivative, gradient_norm, active, stop, counts, stages }
+        Best { m, point, cost, derivative, gradient_norm, active, stop, counts, stages, certificate: None }
     }
 
     /// Where a stage ends: at the point that met the tolerance, else at the best one.

@@ -11,6 +11,7 @@ use crate::state::Progress;
 use crate::stop::{Stall, Stop};
 use crate::summary::Summary;
 use nastic_numeric::vector::{dot, sub};
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -21,6 +22,8 @@ pub(crate) struct Setting<O> {
     pub set: Arc<dyn Admissible>,
     pub metric: Arc<dyn InnerProduct>,
     pub options: Options,
+    /// Continuation stages to run.
+    pub stages: Range<usize>,
     pub cancel: Option<Arc<AtomicBool>>,
 }
 
@@ -44,6 +47,12 @@ pub(crate) struct Found<P> {
 }
 
 impl<O: Objective> Setting<O> {
+    /// All stages of the objective, never cancelled.
+    pub fn new(objective: O, set: Arc<dyn Admissible>, metric: Arc<dyn InnerProduct>, options: Options) -> Self {
+        let stages = 0..objective.stages();
+        Self { objective, set, metric, options, stages, cancel: None }
+    }
+
     pub fn is_cancelled(&self) -> bool {
         self.cancel.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }

@@ -1,4 +1,4 @@
-//! Where a run begins.
+//! [`Start`]: the start of a run, a control or an evaluated point.
 
 /// A start: one number for every component, one for each, or an evaluated point.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! [`Within`]: an optimiser with its admissible set, options, inner product and observer.
 
 use crate::admissible::Admissible;
+use crate::certificate::Certificate;
 use crate::inner_product::InnerProduct;
 use crate::objective::Problem;
 use crate::observer::Observer;
@@ -9,6 +10,8 @@ use crate::run::{Best, Run, RunError};
 use crate::search::Setting;
 use crate::start::Start;
 use crate::state::RunState;
+use crate::taylor::{TaylorError, Verdict};
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -57,21 +60,35 @@ pub struct Within<M, W = ()> {
     set: Arc<dyn Admissible>,
     metric: Option<Arc<dyn InnerProduct>>,
     cancel: Option<Arc<AtomicBool>>,
+    stages: Option<Range<usize>>,
+    gradient_check: bool,
+    seed: u64,
     observer: W,
 }
 
 impl<M: Optimizer> Within<M> {
     pub(crate) fn new(optimizer: M, set: impl Admissible + 'static) -> Self {
         let options = *optimizer.options();
-        Self { optimizer, options, set: Arc::new(set), metric: None, cancel: None, observer: () }
+        let set = Arc::new(set);
+        Self {
+            optimizer,
+            options,
+            set,
+            metric: None,
+            cancel: None,
+            stages: None,
+            gradient_check: true,
+            seed: 1,
+            observer: (),
+        }
     }
 }
 
 impl<M: Optimizer, W> Within<M, W> {
     /// Calls an observer at every trial; it replaces an earlier one.
     pub fn observe<V>(self, observer: V) -> Within<M, V> {
-        let Self { optimizer, options, set, metric, cancel, .. } = self;
-        Within { optimizer, options, set, metric, cancel, observer }
+        let Self { optimizer, options, set, metric, cancel, stages, gradient_check, seed, .. } = self;
+        Within { optimizer, options, set, metric, cancel, stages, gradient_check, seed, observer }
     }
 
     /// Measures gradients and steps in this inner product, not in the problem's own.
@@ -109,6 +126,31 @@ impl<M: Optimizer, W> Within<M, W> {
         self
     }
 
+    /// Runs these continuation stages only, `1..2` the second alone; an evaluated start is [valued anew] by the first of
+    /// them. Without it the run goes through all stages of the problem.
+    ///
+    /// [valued anew]: crate::Objective::restage
+    #[must_use]
+    pub fn stages(mut self, stages: Range<usize>) -> Self {
+        self.stages = Some(stages);
+        self
+    }
+
+    /// Whether [`minimize`](Self::minimize) begins with a check of the derivative at the start, as it does by default: one to four
+    /// evaluations if the derivative is right.
+    #[must_use]
+    pub fn gradient_check(mut self, on: bool) -> Self {
+        self.gradient_check = on;
+        self
+    }
+
+    /// Seed of the gradient check's random direction; 1 by default.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
     /// Begins a run, to be stepped by hand. Its observer is given to every step.
     ///
     /// # Errors
@@ -125,10 +167,11 @@ impl<M: Optimizer, W> Within<M, W> {
         Run::resume(&self.optimizer, self.setting(problem)?, state)
     }
 
-    /// Minimises from a start.
+    /// Minimises from a start, whose derivative is checked first ([`Run::certify`]); the result holds the certificate.
     ///
     /// # Errors
-    /// As [`start`](Self::start).
+    /// As [`start`](Self::start); [`RunError::Derivative`] when the derivative is wrong, [`RunError::Check`] when it
+    /// could not be checked. Where nothing tells how far to vary the control, the certificate is undecided.
     pub fn minimize<P: Problem>(
         &mut self,
         problem: P,
@@ -137,7 +180,22 @@ impl<M: Optimizer, W> Within<M, W> {
     where
         W: Observer<P::Point>,
     {
-        Ok(self.start(problem, start)?.minimize(&mut self.observer))
+        let run = self.start(problem, start)?;
+        let certificate = if self.gradient_check { Some(self.certify(&run)?) } else { None };
+        let mut best = run.minimize(&mut self.observer);
+        best.certificate = certificate;
+        Ok(best)
+    }
+
+    fn certify<P: Problem>(&self, run: &Run<P>) -> Result<Certificate, RunError> {
+        match run.certify(None, self.seed) {
+            Ok(certificate) if certificate.verdict == Verdict::Wrong => {
+                Err(RunError::Derivative(Box::new(certificate)))
+            }
+            Ok(certificate) => Ok(certificate),
+            Err(TaylorError::NoDirection) => Ok(Certificate::undecided()),
+            Err(error) => Err(RunError::Check(error)),
+        }
     }
 
     fn setting<P: Problem>(&self, problem: P) -> Result<Setting<P>, RunError> {
@@ -145,7 +203,11 @@ impl<M: Optimizer, W> Within<M, W> {
             Some(metric) => metric.clone(),
             None => problem.inner_product().map_err(RunError::InnerProduct)?,
         };
-        let (set, options, cancel) = (self.set.clone(), self.options, self.cancel.clone());
-        Ok(Setting { objective: problem, set, metric, options, cancel })
+        let mut setting = Setting::new(problem, self.set.clone(), metric, self.options);
+        setting.cancel.clone_from(&self.cancel);
+        if let Some(stages) = &self.stages {
+            setting.stages.clone_from(stages);
+        }
+        Ok(setting)
     }
 }

@@ -1,9 +1,9 @@
-//! What the builder of runs passes on to them.
-#![allow(clippy::unwrap_used, clippy::panic)]
+//! The builder of runs: what it passes on to them, the gradient check, stages.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use nastic_opt::{
-    Bounds, Diagonal, EvaluatedStart, Failed, InnerProduct, InnerProductError, Lbfgs, Objective, Optimizer, Options,
-    Outcome, Problem, Request, RunError, Stop, Trial, by_name,
+    Best, Bounds, Diagonal, EvaluatedStart, Failed, InnerProduct, InnerProductError, Lbfgs, Objective, Optimizer,
+    Options, Outcome, Problem, Request, RunError, Stop, Trial, Verdict, by_name,
 };
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -74,6 +74,81 @@ fn every_part_reaches_the_run() {
     assert!(matches!(none.stop, Stop::MaxIterations { iterations: 0, .. }), "{}", none.stop);
     let short = Lbfgs::default().within(bounds()).tolerance(0.0).max_iterations(1).minimize(&problem, 0.0).unwrap();
     assert!(matches!(short.stop, Stop::MaxIterations { iterations: 1, .. }), "{}", short.stop);
+}
+
+/// sum m_i^2 times 1 + stage, with a derivative `error` times too long.
+struct Stretched {
+    error: f64,
+}
+
+impl Objective for Stretched {
+    type Point = (Vec<f64>, usize);
+    type Workspace = ();
+
+    fn evaluate(&self, m: &[f64], how: &Request<'_, Self::Point>, (): &mut ()) -> Result<Self::Point, Failed> {
+        Ok((m.to_vec(), how.stage))
+    }
+
+    fn value(&self, (m, stage): &Self::Point) -> f64 {
+        (1 + stage) as f64 * m.iter().map(|m| m * m).sum::<f64>()
+    }
+
+    fn derivative(&self, (m, stage): &mut Self::Point, (): &mut ()) -> Result<Vec<f64>, Failed> {
+        Ok(m.iter().map(|m| 2.0 * (1.0 + self.error) * (1 + *stage) as f64 * m).collect())
+    }
+
+    fn stages(&self) -> usize {
+        3
+    }
+
+    fn restage(&self, stage: usize, (m, _): &Self::Point) -> Result<Self::Point, Failed> {
+        Ok((m.clone(), stage))
+    }
+}
+
+impl Problem for Stretched {
+    fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed> {
+        Ok(Arc::new(Diagonal::new(vec![1.0; 2]).map_err(Failed::new)?))
+    }
+}
+
+#[test]
+fn minimize_refuses_a_wrong_derivative_and_keeps_the_certificate_of_a_right_one() {
+    let mut search = Lbfgs::default().within(bounds());
+    let best = search.minimize(Stretched { error: 0.0 }, 2.0).unwrap();
+    let certificate = best.certificate.expect("a certificate");
+    assert!(certificate.verdict == Verdict::Right && certificate.mismatch < 1e-3, "{certificate}");
+    let wrong = || Stretched { error: 0.2 };
+    let refused = search.minimize(wrong(), 2.0).map(drop).unwrap_err();
+    assert!(matches!(&refused, RunError::Derivative(found) if found.verdict == Verdict::Wrong), "{refused}");
+    assert!(refused.to_string().contains("gradient_check(false)"), "{refused}");
+    let unchecked = search.gradient_check(false).minimize(wrong(), 2.0).unwrap();
+    assert!(unchecked.certificate.is_none() && unchecked.cost < 1e-6, "{}", unchecked.cost);
+}
+
+#[test]
+fn a_run_goes_through_the_stages_asked_for() {
+    let problem = Stretched { error: 0.0 };
+    let ran = |best: &Best<(Vec<f64>, usize)>| best.stages.iter().map(|end| end.stage).collect::<Vec<_>>();
+    let all = Lbfgs::default().within(bounds()).minimize(&problem, 2.0).unwrap();
+    assert_eq!(ran(&all), [0, 1, 2]);
+    let mut costs = Vec::new();
+    let last = Lbfgs::default()
+        .within(bounds())
+        .stages(1..3)
+        .observe(|trial: &Trial<'_, (Vec<f64>, usize)>| costs.extend(trial.cost))
+        .minimize(&problem, 2.0)
+        .unwrap();
+    assert_eq!((ran(&last), costs[0]), (vec![1, 2], 16.0));
+    // An evaluated start is of stage 0.
+    let point = (vec![2.0, 2.0], 0);
+    let start = EvaluatedStart { m: point.0.clone(), point, derivative: Some(vec![4.0, 4.0]) };
+    let run = Lbfgs::default().within(bounds()).stages(2..3).start(&problem, start).unwrap();
+    assert_eq!((run.cost(), run.progress().stage), (24.0, 2));
+    for (first, end) in [(0, 4), (3, 3), (2, 1)] {
+        let refused = Lbfgs::default().within(bounds()).stages(first..end).start(&problem, 2.0).map(drop).unwrap_err();
+        assert_eq!(refused, RunError::Stages { first, end, stages: 3 });
+    }
 }
 
 /// The norm of the gradient tells in which product a run measures.

@@ -1,4 +1,4 @@
-//! What can go wrong with random parameters.
+//! Errors of random parameters.
 
 use nastic_energy::EnergyError;
 use thiserror::Error;

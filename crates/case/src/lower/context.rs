@@ -1,4 +1,4 @@
-//! What lowering carries along: the document, and everything found on the way.
+//! Context of lowering: the document and the diagnostics collected.
 
 use crate::quantity::Units;
 use crate::syntax::{At, Diagnostic, Document};

@@ -82,7 +82,7 @@ impl<'p> CaseMember<'p> {
     /// The library's view of it.
     #[must_use]
     pub fn part(&self) -> &'p Member {
-        &self.problem.ensemble.parts()[self.index]
+        &self.problem.ensemble.members()[self.index]
     }
 
     /// Body, control fields and costs.

@@ -1,4 +1,4 @@
-//! What kind of thing a number measures.
+//! Physical dimensions of numbers.
 
 use crate::quantity::UNITS;
 use std::fmt;

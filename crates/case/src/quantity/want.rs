@@ -1,4 +1,4 @@
-//! What a key asks of its number.
+//! [`Want`]: dimension and range that a key demands of its number.
 
 use crate::quantity::Dimension;
 

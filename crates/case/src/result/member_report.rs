@@ -44,7 +44,7 @@ pub(crate) fn of_point<'a>(
         let (terms, work) = (at.terms.clone(), at.total_work());
         Ok(MemberReport { member, state: &at.state, terms, costs, stage: at.stage, work })
     };
-    problem.members().zip(&point.parts).map(of).collect()
+    problem.members().zip(&point.members).map(of).collect()
 }
 
 /// All entries of a result: of a plain case those of its one state, else what holds for all members and, under

@@ -1,17 +1,17 @@
 //! States as snapshots, under the names the case gives its controls.
 
 use crate::lower::{CaseMember, TargetShape};
-use nastic_control::{ControlError, View};
+use nastic_control::{ControlError, StateFields};
 use nastic_mesh::Snapshot;
 
 /// Names of result arrays that no control may take.
 pub(crate) const RESERVED: [&str; 10] =
     ["displacement", "adjoint", "J", "P", "cauchy_stress", "energy", "fiber", "B_r", "B_a", "region"];
 
-/// The snapshot of a state: [`nastic_control::Reduced::view`] with the case's names.
-pub(crate) fn snapshot(member: CaseMember<'_>, view: &View<'_>) -> Result<Snapshot, ControlError> {
+/// The snapshot of a state: [`nastic_control::Reduced::snapshot_of`] with the case's names.
+pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
     let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
-    member.reduced().view(&View { names: &names, ..*view })
+    member.reduced().snapshot_of(&StateFields { names: &names, ..*fields })
 }
 
 /// A target as it is shown: its mesh, or the body moved to where it is wanted.

@@ -25,9 +25,7 @@ pub(super) fn check(
     let certificate = match found {
         Ok(certificate) => certificate,
         // The run itself will say what it needs a scale for.
-        Err(TaylorError::NoDirection) => {
-            Certificate { mismatch: f64::NAN, trials: 0, verdict: Verdict::Undecided, full: None }
-        }
+        Err(TaylorError::NoDirection) => Certificate::undecided(),
         Err(error) => return Err(error.into()),
     };
     session.console.say(format!("gradient    {certificate}"));

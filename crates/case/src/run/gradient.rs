@@ -10,7 +10,7 @@ use crate::result::files::Directory;
 use crate::result::member_report::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::{EnsemblePoint, EnsembleWorkspace, View};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_opt::{Objective, Verdict};
 use serde_json::{Map, Value, json};
 
@@ -88,11 +88,12 @@ pub(super) fn write_states(
 ) -> Result<Vec<String>, RunError> {
     let gradient = problem.inner_product().map(|product| product.riesz(derivative));
     let mut files = Vec::new();
-    for (member, at) in problem.members().zip(&point.parts) {
+    for (member, at) in problem.members().zip(&point.members) {
         let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
-        let view = View { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..View::new(&at.state, &at.m) };
+        let fields =
+            StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::new(&at.state, &at.m) };
         files.push(member.file(&format!("{what}.vtu")));
-        out.write_vtu(&member.file(&format!("{what}.vtu")), &snapshot::snapshot(member, &view)?)?;
+        out.write_vtu(&member.file(&format!("{what}.vtu")), &snapshot::snapshot(member, &fields)?)?;
     }
     Ok(files)
 }

@@ -11,7 +11,7 @@ use crate::result::fingerprint::Fingerprint;
 use crate::result::snapshot;
 use crate::schema::Command;
 use crate::syntax::Document;
-use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, View};
+use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, State, StateError};
 use nastic_opt::{Failed, Objective, Request};
 use serde_json::{Map, Value, json};
@@ -202,7 +202,7 @@ impl<'c> Session<'c> {
     pub fn forward_failed(&self, error: EnsembleError) -> RunError {
         match error {
             EnsembleError::Member { who, source } => {
-                let at = self.problem.ensemble.parts().iter().position(|part| part.name() == who);
+                let at = self.problem.ensemble.members().iter().position(|part| part.name() == who);
                 self.member_failed((at.unwrap_or(0), *source))
             }
             other => {
@@ -251,8 +251,8 @@ impl<'c> Session<'c> {
         let Some(out) = &self.out else { return Ok(None) };
         // The start control is what was asked for; the state shows how far the body came.
         let m = member.local(&self.problem.start);
-        let view = View::new(last, &m);
-        let mut snapshot = snapshot::snapshot(member, &view)?;
+        let fields = StateFields::new(last, &m);
+        let mut snapshot = snapshot::snapshot(member, &fields)?;
         if let Some(cell) = cell {
             let mut failed = vec![0.0; self.problem.mesh().cells()];
             failed[cell] = 1.0;

@@ -9,7 +9,7 @@ use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::{EnsemblePoint, EnsembleWorkspace, View};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::SolveReport;
 use serde_json::{Map, Value, json};
 
@@ -28,13 +28,13 @@ fn report(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<(), RunErr
     drop(reports);
     session.put_all(entries);
     session.put("controls", controls);
-    session.put("load_steps", json!(point.parts.iter().map(|at| at.state.report.load_steps).max()));
+    session.put("load_steps", json!(point.members.iter().map(|at| at.state.report.load_steps).max()));
     say(session, point);
     Ok(())
 }
 
 fn say(session: &Session<'_>, point: &EnsemblePoint) {
-    let states = || point.parts.iter().map(|at| &at.state);
+    let states = || point.members.iter().map(|at| &at.state);
     let (console, result) = (session.console, session.result_value());
     let mut work = SolveReport::default();
     states().for_each(|state| work.add_work(&state.report));
@@ -201,8 +201,8 @@ fn write(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<(), RunErro
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
     let mut files = Vec::new();
-    for (member, at) in problem.members().zip(&point.parts) {
-        let shot = snapshot::snapshot(member, &View::new(&at.state, &at.m))?;
+    for (member, at) in problem.members().zip(&point.members) {
+        let shot = snapshot::snapshot(member, &StateFields::new(&at.state, &at.m))?;
         files.push(member.file("start.vtu"));
         out.write_vtu(&member.file("start.vtu"), &shot)?;
         if member.part().scenario() == 0 {

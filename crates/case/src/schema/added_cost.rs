@@ -6,7 +6,7 @@ use crate::schema::json::Definitions;
 use crate::schema::read::{Read, Reader};
 use crate::schema::value::described_text;
 use crate::syntax::{At, Node};
-use nastic_control::UserCost;
+use nastic_control::CostForm;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub struct AddedCost {
     /// Name in results; the kind if left out.
     pub name: Option<String>,
     /// The kind.
-    pub row: &'static UserCost,
+    pub row: &'static CostForm,
     /// Exactly the parameters of one of the kind's forms, in the case's units.
     pub parameters: BTreeMap<&'static str, Input>,
     /// Factor.

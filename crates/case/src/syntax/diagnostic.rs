@@ -1,4 +1,4 @@
-//! What is wrong with a case.
+//! Errors of case files.
 
 use std::fmt;
 use thiserror::Error;

@@ -1,6 +1,6 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
-use super::{ControlNorm, ControlSmoothness, Cost, IntoCost, SmoothedHausdorff, Target, Tracking, UserCost};
+use super::{ControlNorm, ControlSmoothness, Cost, CostForm, IntoCost, SmoothedHausdorff, Target, Tracking};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_hausdorff::Phi;
@@ -29,7 +29,7 @@ pub struct CostRow {
     /// What it is, in a few words.
     pub about: &'static str,
     /// How case files name it, unless they have a block of its own for it.
-    pub form: Option<&'static UserCost>,
+    pub form: Option<&'static CostForm>,
     /// Examples that cover its options.
     pub examples: fn(&CostExample) -> Bound,
 }

@@ -2,19 +2,19 @@
 
 mod bound_hausdorff;
 mod catalogue;
+mod cost_form;
 mod figure;
 mod regularization;
 mod smoothed_hausdorff;
 mod tracking;
-mod user_cost;
 
 pub use bound_hausdorff::BoundHausdorff;
 pub use catalogue::{CATALOGUE, CostExample, CostRow};
+pub use cost_form::{CostForm, MakeCost};
 pub use figure::{Figure, FigureKind};
 pub use regularization::{ControlNorm, ControlSmoothness};
 pub use smoothed_hausdorff::SmoothedHausdorff;
 pub use tracking::{BoundTracking, Target, Tracking};
-pub use user_cost::{MakeCost, UserCost};
 
 use crate::error::ControlError;
 use crate::layout::Layout;

@@ -1,7 +1,7 @@
 //! [`EnsembleBlock`]: the control fields of an ensemble, each once, in one vector.
 
 use super::error::EnsembleError;
-use super::part::Member;
+use super::member::Member;
 use crate::layout::ControlBlock;
 
 /// One control field of an ensemble, used by some of its members.
@@ -20,27 +20,27 @@ pub struct EnsembleBlock {
 }
 
 impl EnsembleBlock {
-    /// Its part of a vector.
+    /// Its member of a vector.
     pub fn of<'m>(&self, m: &'m [f64]) -> &'m [f64] {
         &m[self.first..self.first + self.len]
     }
 }
 
-/// Enters the control fields of `part` (names as the ensemble has them) after those of the parts before it.
+/// Enters the control fields of `member` (names as the ensemble has them) after those of the members before it.
 pub(super) fn enter(
     blocks: &mut Vec<EnsembleBlock>,
     before: &[Member],
-    part: &mut Member,
+    member: &mut Member,
     names: Vec<String>,
 ) -> Result<(), EnsembleError> {
     for (field, name) in names.into_iter().enumerate() {
-        let new = &part.problem.layout().blocks()[field];
+        let new = &member.problem.layout().blocks()[field];
         let index = match blocks.iter().position(|block| block.name == name) {
             Some(index) => {
                 let owner = &before[blocks[index].owner];
                 let old = &owner.problem.layout().blocks()[blocks[index].field];
                 if let Some(what) = difference(old, new) {
-                    let (who, other) = (part.name.clone(), owner.name.clone());
+                    let (who, other) = (member.name.clone(), owner.name.clone());
                     return Err(EnsembleError::Block { block: name, who, other, what });
                 }
                 index
@@ -51,7 +51,7 @@ pub(super) fn enter(
                 blocks.len() - 1
             }
         };
-        part.blocks.push(index);
+        member.blocks.push(index);
     }
     Ok(())
 }
@@ -70,13 +70,13 @@ fn difference(a: &ControlBlock, b: &ControlBlock) -> Option<&'static str> {
 }
 
 /// The control vector of one member.
-pub(super) fn gather(blocks: &[EnsembleBlock], part: &Member, m: &[f64]) -> Vec<f64> {
-    part.blocks.iter().flat_map(|&block| blocks[block].of(m)).copied().collect()
+pub(super) fn gather(blocks: &[EnsembleBlock], member: &Member, m: &[f64]) -> Vec<f64> {
+    member.blocks.iter().flat_map(|&block| blocks[block].of(m)).copied().collect()
 }
 
 /// Adds `weight` times a member's dual vector to the ensemble's.
-pub(super) fn scatter(blocks: &[EnsembleBlock], part: &Member, weight: f64, from: &[f64], out: &mut [f64]) {
-    for (local, &block) in part.problem.layout().blocks().iter().zip(&part.blocks) {
+pub(super) fn scatter(blocks: &[EnsembleBlock], member: &Member, weight: f64, from: &[f64], out: &mut [f64]) {
+    for (local, &block) in member.problem.layout().blocks().iter().zip(&member.blocks) {
         let block = &blocks[block];
         let place = &mut out[block.first..block.first + block.len];
         place.iter_mut().zip(local.of(from)).for_each(|(out, d)| *out += weight * d);

@@ -2,7 +2,7 @@
 
 use super::blocks::enter;
 use super::error::EnsembleError;
-use super::part::{LoadCase, Member};
+use super::member::{LoadCase, Member};
 use super::product::EnsembleProduct;
 use super::{Ensemble, Finished, Watch};
 use crate::error::ControlError;
@@ -75,14 +75,14 @@ impl EnsembleBuilder {
         let probabilities: Vec<f64> = self.scenarios.iter().map(|(_, p, _)| *p).collect();
         self.risk.check(&probabilities)?;
         let alone = self.scenarios.iter().map(|(_, _, cases)| cases.len()).sum::<usize>() == 1;
-        let (mut parts, mut blocks, mut names) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut members, mut blocks, mut names) = (Vec::new(), Vec::new(), Vec::new());
         for (scenario, (name, _, cases)) in self.scenarios.into_iter().enumerate() {
             for case in cases {
                 // One member without a name needs none in messages.
                 let own =
                     if name.is_empty() && case.name.is_empty() { String::new() } else { label(&name, &case.name) };
                 let fields = field_names(&case).map_err(|e| EnsembleError::member(&own, e))?;
-                let mut part = Member {
+                let mut member = Member {
                     name: own,
                     case: case.name,
                     scenario,
@@ -90,24 +90,24 @@ impl EnsembleBuilder {
                     problem: prepared(case.problem, alone, self.cancel.as_ref(), self.keep_factors),
                     blocks: vec![],
                 };
-                enter(&mut blocks, &parts, &mut part, fields)?;
-                parts.push(part);
+                enter(&mut blocks, &members, &mut member, fields)?;
+                members.push(member);
             }
             names.push(name);
         }
         // Only the inner products of owners are used, so only theirs are built.
         let mut products = Vec::new();
-        for (index, part) in parts.iter().enumerate() {
-            let failed = |e| EnsembleError::member(&part.name, e);
-            part.problem.solid().check().map_err(|e| failed(ControlError::from(e)))?;
+        for (index, member) in members.iter().enumerate() {
+            let failed = |e| EnsembleError::member(&member.name, e);
+            member.problem.solid().check().map_err(|e| failed(ControlError::from(e)))?;
             if blocks.iter().any(|block| block.owner == index) {
-                products.push((index, part.problem.build_inner_product().map_err(failed)?));
+                products.push((index, member.problem.build_inner_product().map_err(failed)?));
             }
         }
         let len = blocks.iter().map(|block| block.len).sum();
-        let product = Arc::new(EnsembleProduct::new(&blocks, &parts, products));
+        let product = Arc::new(EnsembleProduct::new(&blocks, &members, products));
         let (risk, watch) = (self.risk, self.watch);
-        Ok(Ensemble { parts, names, probabilities, blocks, len, risk, product, watch })
+        Ok(Ensemble { members, names, probabilities, blocks, len, risk, product, watch })
     }
 
     fn check_names(&self) -> Result<(), EnsembleError> {

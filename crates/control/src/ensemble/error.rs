@@ -1,4 +1,4 @@
-//! What can go wrong with an ensemble.
+//! Errors of ensembles.
 
 use crate::error::ControlError;
 use nastic_uncertainty::risk::RiskError;

@@ -3,8 +3,8 @@
 mod blocks;
 mod builder;
 mod error;
+mod member;
 mod objective;
-mod part;
 mod point;
 mod product;
 mod report;
@@ -13,7 +13,7 @@ mod shape;
 pub use blocks::EnsembleBlock;
 pub use builder::EnsembleBuilder;
 pub use error::EnsembleError;
-pub use part::{LoadCase, Member};
+pub use member::{LoadCase, Member};
 pub use point::{EnsemblePoint, EnsembleWorkspace};
 pub use report::Measured;
 
@@ -68,13 +68,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 ///     robust = robust.scenario(name, 0.5, problem);
 /// }
 /// let robust = robust.build()?;
-/// let best = ProjectedGradient::default().within(Bounds::new(0.0, 1e5)?).minimize(&robust, 0.0)?;
+/// // Not from 0: there all scenarios cost the same, and the deviation has a kink.
+/// let best = ProjectedGradient::default().within(Bounds::new(0.0, 1e5)?).minimize(&robust, 1e3)?;
 /// assert_eq!(best.point.costs.len(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct Ensemble {
-    parts: Vec<Member>,
+    members: Vec<Member>,
     names: Vec<String>,
     probabilities: Vec<f64>,
     blocks: Vec<EnsembleBlock>,
@@ -116,8 +117,8 @@ impl Ensemble {
     }
 
     /// The members, scenario by scenario, load case by load case.
-    pub fn parts(&self) -> &[Member] {
-        &self.parts
+    pub fn members(&self) -> &[Member] {
+        &self.members
     }
 
     /// Names of the scenarios.
@@ -168,10 +169,10 @@ impl Ensemble {
     pub fn fiber_limit(&self, name: &str) -> Result<Option<f64>, EnsembleError> {
         let block = self.block(name)?;
         let mut lowest: Option<f64> = None;
-        for part in &self.parts {
-            for (field, index) in part.problem.layout().blocks().iter().zip(&part.blocks) {
+        for member in &self.members {
+            for (field, index) in member.problem.layout().blocks().iter().zip(&member.blocks) {
                 if self.blocks[*index].first == block.first {
-                    let limit = part.problem.solid().body().fiber_limit(field.actuation);
+                    let limit = member.problem.solid().body().fiber_limit(field.actuation);
                     lowest = lowest.into_iter().chain(limit).reduce(f64::min);
                 }
             }
@@ -183,9 +184,9 @@ impl Ensemble {
     ///
     /// # Errors
     /// [`EnsembleError::Length`].
-    pub fn local(&self, part: &Member, m: &[f64]) -> Result<Vec<f64>, EnsembleError> {
+    pub fn local(&self, member: &Member, m: &[f64]) -> Result<Vec<f64>, EnsembleError> {
         self.check_len(m)?;
-        Ok(gather(&self.blocks, part, m))
+        Ok(gather(&self.blocks, member, m))
     }
 
     /// Equilibria and risk at m, from rest, in the first stage, to residuals of 1e-11. What
@@ -204,14 +205,14 @@ impl Ensemble {
         workspace: &mut EnsembleWorkspace,
     ) -> Result<EnsemblePoint, EnsembleError> {
         self.check_len(m)?;
-        let parts = self.side_by_side(workspace, |index, part, workspace| {
-            let near = how.near.and_then(|point| point.parts.get(index));
+        let members = self.side_by_side(workspace, |index, member, workspace| {
+            let near = how.near.and_then(|point| point.members.get(index));
             let request = Request { near, accuracy: how.accuracy, stage: how.stage };
-            let outcome = part.problem.evaluate_typed(&gather(&self.blocks, part, m), &request, workspace);
+            let outcome = member.problem.evaluate_typed(&gather(&self.blocks, member, m), &request, workspace);
             self.tell(index, &outcome);
             outcome
         })?;
-        self.joined(m, parts)
+        self.joined(m, members)
     }
 
     fn check_len(&self, m: &[f64]) -> Result<(), EnsembleError> {
@@ -220,17 +221,17 @@ impl Ensemble {
     }
 
     /// Costs of the scenarios, and their risk.
-    fn joined(&self, m: &[f64], parts: Vec<Evaluated>) -> Result<EnsemblePoint, EnsembleError> {
+    fn joined(&self, m: &[f64], members: Vec<Evaluated>) -> Result<EnsemblePoint, EnsembleError> {
         let mut costs = vec![0.0; self.names.len()];
-        for (part, point) in self.parts.iter().zip(&parts) {
+        for (member, point) in self.members.iter().zip(&members) {
             let value = point.cost();
             if !value.is_finite() {
-                return Err(EnsembleError::Value { who: part.name.clone(), value });
+                return Err(EnsembleError::Value { who: member.name.clone(), value });
             }
-            costs[part.scenario] += part.weight * value;
+            costs[member.scenario] += member.weight * value;
         }
         let risk = self.risk.value(&self.probabilities, &costs);
-        Ok(EnsemblePoint { m: m.to_vec(), parts, costs, risk })
+        Ok(EnsemblePoint { m: m.to_vec(), members, costs, risk })
     }
 
     /// Runs `each` for every member, on as many threads as there are; results in the members' order.
@@ -244,18 +245,18 @@ impl Ensemble {
         each: impl Fn(usize, &Member, &mut ReducedWorkspace) -> Result<T, ControlError> + Sync,
     ) -> Result<Vec<T>, EnsembleError> {
         let failed = AtomicUsize::new(usize::MAX);
-        let run = |(index, (part, workspace)): (usize, (&Member, &mut ReducedWorkspace))| {
+        let run = |(index, (member, workspace)): (usize, (&Member, &mut ReducedWorkspace))| {
             if index > failed.load(Ordering::Relaxed) {
                 return None;
             }
-            let outcome = each(index, part, workspace).map_err(|e| EnsembleError::member(&part.name, e));
+            let outcome = each(index, member, workspace).map_err(|e| EnsembleError::member(&member.name, e));
             if outcome.is_err() {
                 failed.fetch_min(index, Ordering::Relaxed);
             }
             Some(outcome)
         };
-        let workspaces = workspace.of(self.parts.len());
-        let members = self.parts.par_iter().zip(workspaces.par_iter_mut()).enumerate();
+        let workspaces = workspace.of(self.members.len());
+        let members = self.members.par_iter().zip(workspaces.par_iter_mut()).enumerate();
         let outcomes: Vec<Option<_>> = members.with_max_len(1).map(run).collect();
         let first = failed.into_inner();
         workspaces.iter_mut().skip(first.saturating_add(1)).for_each(|own| own.solve.clear());
@@ -266,17 +267,17 @@ impl Ensemble {
     fn tell(&self, index: usize, outcome: &Result<Evaluated, ControlError>) {
         if let Some(watch) = &self.watch.0 {
             let cost = outcome.as_ref().map(Evaluated::cost);
-            watch(&Finished { index, of: self.parts.len(), name: &self.parts[index].name, cost });
+            watch(&Finished { index, of: self.members.len(), name: &self.members[index].name, cost });
         }
     }
 
     fn restage_typed(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, EnsembleError> {
         let none = &mut EnsembleWorkspace::default();
-        let parts = self.side_by_side(none, |index, part, _| match point.parts.get(index) {
-            Some(at) => part.problem.restage_typed(stage, at),
-            None => Err(ControlError::Length { found: point.parts.len(), expected: self.parts.len() }),
+        let members = self.side_by_side(none, |index, member, _| match point.members.get(index) {
+            Some(at) => member.problem.restage_typed(stage, at),
+            None => Err(ControlError::Length { found: point.members.len(), expected: self.members.len() }),
         })?;
-        self.joined(&point.m, parts)
+        self.joined(&point.m, members)
     }
 
     /// Calls `watch` after every evaluated member from now on, as [`EnsembleBuilder::watched_by`] does.
@@ -287,9 +288,9 @@ impl Ensemble {
     /// Calls `watch` after every Newton iteration of every member, with the member's name.
     pub fn watch_solves(&mut self, watch: impl Fn(&str, &Progress) + Send + Sync + 'static) {
         let watch = Arc::new(watch);
-        for part in &mut self.parts {
-            let (watch, name) = (watch.clone(), part.name.clone());
-            part.problem.watch_solves(move |progress| watch(&name, progress));
+        for member in &mut self.members {
+            let (watch, name) = (watch.clone(), member.name.clone());
+            member.problem.watch_solves(move |progress| watch(&name, progress));
         }
     }
 
@@ -303,18 +304,18 @@ impl Ensemble {
         term: &str,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
-        let derivatives = self.side_by_side(workspace, |index, part, workspace| {
-            let own = part.problem.term_names().iter().position(|name| name == term);
-            match (own, point.parts.get(index)) {
-                (Some(own), Some(at)) => part.problem.derivative_of_term(at, own, workspace).map(Some),
+        let derivatives = self.side_by_side(workspace, |index, member, workspace| {
+            let own = member.problem.term_names().iter().position(|name| name == term);
+            match (own, point.members.get(index)) {
+                (Some(own), Some(at)) => member.problem.derivative_of_term(at, own, workspace).map(Some),
                 _ => Ok(None),
             }
         })?;
         let mut out = vec![0.0; self.len];
-        for (part, derivative) in self.parts.iter().zip(derivatives) {
-            let weight = self.probabilities[part.scenario] * part.weight;
+        for (member, derivative) in self.members.iter().zip(derivatives) {
+            let weight = self.probabilities[member.scenario] * member.weight;
             if let Some(derivative) = derivative {
-                scatter(&self.blocks, part, weight, &derivative, &mut out);
+                scatter(&self.blocks, member, weight, &derivative, &mut out);
             }
         }
         Ok(out)
@@ -327,17 +328,17 @@ impl Ensemble {
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
-        let weight = |part: &Member| by_cost[part.scenario] * part.weight;
-        let parts = &point.parts;
+        let weight = |member: &Member| by_cost[member.scenario] * member.weight;
+        let members = &point.members;
         let derivatives =
-            self.side_by_side(workspace, |index, part, workspace| match (weight(part), parts.get(index)) {
-                (weight, Some(at)) if weight != 0.0 => part.problem.sensitivity(at, None, workspace).map(Some),
+            self.side_by_side(workspace, |index, member, workspace| match (weight(member), members.get(index)) {
+                (weight, Some(at)) if weight != 0.0 => member.problem.sensitivity(at, None, workspace).map(Some),
                 _ => Ok(None),
             })?;
         let mut out = vec![0.0; self.len];
-        for ((part, at), derivative) in self.parts.iter().zip(&mut point.parts).zip(derivatives) {
+        for ((member, at), derivative) in self.members.iter().zip(&mut point.members).zip(derivatives) {
             if let Some((derivative, adjoint)) = derivative {
-                scatter(&self.blocks, part, weight(part), &derivative, &mut out);
+                scatter(&self.blocks, member, weight(member), &derivative, &mut out);
                 at.adjoint = adjoint;
             }
         }

@@ -33,7 +33,7 @@ impl Objective for Ensemble {
 
     /// The most of any member; one with fewer stays at its last.
     fn stages(&self) -> usize {
-        self.parts.iter().map(|part| part.problem.stages()).max().unwrap_or(1)
+        self.members.iter().map(|member| member.problem.stages()).max().unwrap_or(1)
     }
 
     fn restage(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, Failed> {
@@ -46,8 +46,8 @@ impl Objective for Ensemble {
 
     fn save(&self, point: &EnsemblePoint) -> Vec<u8> {
         let mut out = Writer::new(MAGIC);
-        out.count(point.parts.len());
-        point.parts.iter().for_each(|at| out.bytes(&at.to_bytes()));
+        out.count(point.members.len());
+        point.members.iter().for_each(|at| out.bytes(&at.to_bytes()));
         out.finish()
     }
 
@@ -56,20 +56,21 @@ impl Objective for Ensemble {
         self.check_len(m)?;
         let own = self.read_members(bytes).map_err(Failed::new)?;
         let how = Request { near: None, accuracy: how.accuracy, stage: how.stage };
-        let load =
-            |(part, bytes): (&super::Member, Vec<u8>)| part.problem.load(&gather(&self.blocks, part, m), &bytes, &how);
-        let parts = self.parts.iter().zip(own).map(load).collect::<Result<_, _>>()?;
-        Ok(self.joined(m, parts)?)
+        let load = |(member, bytes): (&super::Member, Vec<u8>)| {
+            member.problem.load(&gather(&self.blocks, member, m), &bytes, &how)
+        };
+        let members = self.members.iter().zip(own).map(load).collect::<Result<_, _>>()?;
+        Ok(self.joined(m, members)?)
     }
 }
 
 impl Ensemble {
     fn read_members(&self, bytes: &[u8]) -> Result<Vec<Vec<u8>>, SavedRunError> {
         let mut input = Reader::new(bytes, MAGIC)?;
-        if input.count(8)? != self.parts.len() {
+        if input.count(8)? != self.members.len() {
             return Err(input.damaged("another number of members"));
         }
-        let own = self.parts.iter().map(|_| input.list()).collect::<Result<_, _>>()?;
+        let own = self.members.iter().map(|_| input.list()).collect::<Result<_, _>>()?;
         input.finish()?;
         Ok(own)
     }
@@ -79,7 +80,8 @@ impl Problem for Ensemble {
     /// Every block once, in the product of the first member that uses it.
     fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed> {
         if self.len == 0 {
-            let known = self.parts.first().map(|part| crate::layout::Layout::names(part.problem.solid()).join(", "));
+            let known =
+                self.members.first().map(|member| crate::layout::Layout::names(member.problem.solid()).join(", "));
             return Err(ControlError::NoControls { known: known.unwrap_or_default() }.into());
         }
         Ok(self.product.clone())

@@ -9,8 +9,8 @@ use nastic_opt::{EvaluatedStart, Start};
 pub struct EnsemblePoint {
     /// The control vector.
     pub m: Vec<f64>,
-    /// Every member's state and terms, in the order of [`Ensemble::parts`](super::Ensemble::parts).
-    pub parts: Vec<Evaluated>,
+    /// Every member's state and terms, in the order of [`Ensemble::members`](super::Ensemble::members).
+    pub members: Vec<Evaluated>,
     /// Cost `j_s` of every scenario.
     pub costs: Vec<f64>,
     /// R of these.

@@ -25,11 +25,11 @@ struct Owner {
 
 impl EnsembleProduct {
     /// From the products of the owners, each with the member's index.
-    pub fn new(blocks: &[EnsembleBlock], parts: &[Member], products: Vec<(usize, Arc<dyn InnerProduct>)>) -> Self {
+    pub fn new(blocks: &[EnsembleBlock], members: &[Member], products: Vec<(usize, Arc<dyn InnerProduct>)>) -> Self {
         let range = |block: &EnsembleBlock| block.first..block.first + block.len;
         let owner = |(index, product): (usize, Arc<dyn InnerProduct>)| {
-            let local = parts[index].problem.layout().blocks();
-            let fields = parts[index].blocks.iter().map(|&block| range(&blocks[block])).collect();
+            let local = members[index].problem.layout().blocks();
+            let fields = members[index].blocks.iter().map(|&block| range(&blocks[block])).collect();
             let owned = blocks.iter().filter(|block| block.owner == index);
             let owned = owned.map(|block| (range(block), local[block.field].first)).collect();
             Owner { product, fields, owned }

@@ -55,15 +55,15 @@ impl Ensemble {
             }
         }
         entries.push(("risk/deviation".into(), deviation(&self.probabilities, &point.costs)));
-        let terms = self.expected_terms(point.parts.iter().map(|at| at.terms.as_slice()));
+        let terms = self.expected_terms(point.members.iter().map(|at| at.terms.as_slice()));
         entries.extend(terms.into_iter().map(|(name, value)| (format!("terms/{name}"), value)));
         for (name, cost) in self.names.iter().zip(&point.costs).filter(|(name, _)| !name.is_empty()) {
             entries.push((format!("scenarios/{name}/cost"), *cost));
         }
         let kind = if self.names.iter().all(String::is_empty) { "load_cases" } else { "scenarios" };
-        for (part, at) in self.parts.iter().zip(&point.parts).filter(|(part, _)| !part.name.is_empty()) {
-            for (term, value) in part.problem.term_names().iter().zip(&at.terms) {
-                entries.push((format!("{kind}/{}/terms/{term}", part.name), *value));
+        for (member, at) in self.members.iter().zip(&point.members).filter(|(member, _)| !member.name.is_empty()) {
+            for (term, value) in member.problem.term_names().iter().zip(&at.terms) {
+                entries.push((format!("{kind}/{}/terms/{term}", member.name), *value));
             }
         }
         entries.extend(work_entries(point));
@@ -73,9 +73,9 @@ impl Ensemble {
     /// `sum_s p_s sum_l w_l` of every term, by name; `terms` has those of every member.
     pub fn expected_terms<'t>(&self, terms: impl IntoIterator<Item = &'t [f64]>) -> Vec<(String, f64)> {
         let mut sums: Vec<(String, f64)> = Vec::new();
-        for (part, terms) in self.parts.iter().zip(terms) {
-            let weight = self.probabilities[part.scenario] * part.weight;
-            for (name, value) in part.problem.term_names().into_iter().zip(terms) {
+        for (member, terms) in self.members.iter().zip(terms) {
+            let weight = self.probabilities[member.scenario] * member.weight;
+            for (name, value) in member.problem.term_names().into_iter().zip(terms) {
                 match sums.iter_mut().find(|(known, _)| *known == name) {
                     Some((_, sum)) => *sum += weight * value,
                     None => sums.push((name, weight * value)),
@@ -90,9 +90,9 @@ impl Ensemble {
 fn work_entries(point: &EnsemblePoint) -> Vec<(String, f64)> {
     let mut work = SolveReport::default();
     let mut min_j = f64::INFINITY;
-    for part in &point.parts {
-        work.add_work(&part.total_work());
-        min_j = min_j.min(part.state.report.min_j);
+    for member in &point.members {
+        work.add_work(&member.total_work());
+        min_j = min_j.min(member.state.report.min_j);
     }
     work_summary(&work).into_iter().chain([("min_J".to_owned(), min_j)]).collect()
 }

@@ -16,27 +16,27 @@ impl Ensemble {
     /// [`EnsembleError::Shape`] for an unknown load case, or scenarios on different meshes.
     pub fn mean_shape(&self, point: &EnsemblePoint, load_case: &str) -> Result<Snapshot, EnsembleError> {
         let members: Vec<(&Member, &Evaluated)> =
-            self.parts.iter().zip(&point.parts).filter(|(part, _)| part.case == load_case).collect();
+            self.members.iter().zip(&point.members).filter(|(member, _)| member.case == load_case).collect();
         let Some((first, at)) = members.first() else {
             return Err(EnsembleError::Shape { what: format!("there is no load case \"{load_case}\"") });
         };
         let mesh = first.problem.solid().mesh();
-        for (part, _) in &members {
-            if part.problem.solid().mesh().points() != mesh.points() {
+        for (member, _) in &members {
+            if member.problem.solid().mesh().points() != mesh.points() {
                 let what =
-                    format!("{} and {} have different meshes, so there is no mean of both", part.name, first.name);
+                    format!("{} and {} have different meshes, so there is no mean of both", member.name, first.name);
                 return Err(EnsembleError::Shape { what });
             }
         }
-        let p = |part: &Member| self.probabilities[part.scenario];
+        let p = |member: &Member| self.probabilities[member.scenario];
         let mut mean = vec![0.0; at.state.u.len()];
-        for (part, at) in &members {
-            mean.iter_mut().zip(at.state.u.iter()).for_each(|(mean, u)| *mean += p(part) * u);
+        for (member, at) in &members {
+            mean.iter_mut().zip(at.state.u.iter()).for_each(|(mean, u)| *mean += p(member) * u);
         }
         let mut variance = vec![0.0; mean.len()];
-        for (part, at) in &members {
+        for (member, at) in &members {
             for ((variance, u), mean) in variance.iter_mut().zip(at.state.u.iter()).zip(&mean) {
-                *variance += p(part) * (u - mean).powi(2);
+                *variance += p(member) * (u - mean).powi(2);
             }
         }
         let triples = |values: &[f64]| -> Vec<f64> {

@@ -9,6 +9,7 @@ use crate::optimizer::Optimizer;
 use crate::search::{Iterate, Setting};
 use crate::start::{EvaluatedStart, Start};
 use crate::state::{Counts, Progress, RunState, SavedPoint};
+use std::ops::Range;
 use std::sync::Arc;
 
 impl<O: Objective> Run<O> {
@@ -23,8 +24,7 @@ impl<O: Objective> Run<O> {
         metric: Arc<dyn InnerProduct>,
         start: impl Into<Start<O::Point>>,
     ) -> Result<Self, RunError> {
-        let setting = Setting { objective, set, metric, options: *optimizer.options(), cancel: None };
-        Self::begin(optimizer, setting, start.into())
+        Self::begin(optimizer, Setting::new(objective, set, metric, *optimizer.options()), start.into())
     }
 
     pub(crate) fn begin(
@@ -32,9 +32,14 @@ impl<O: Objective> Run<O> {
         setting: Setting<O>,
         start: Start<O::Point>,
     ) -> Result<Self, RunError> {
+        let Range { start: stage, end } = setting.stages;
+        let stages = setting.objective.stages();
+        if stage >= end || end > stages {
+            return Err(RunError::Stages { first: stage, end, stages });
+        }
         let mut workspace = O::Workspace::default();
         let (current, derivatives) = first_iterate(&setting, start, &mut workspace)?;
-        let progress = Progress { counts: Counts { derivatives, ..Counts::default() }, ..Progress::default() };
+        let progress = Progress { stage, counts: Counts { derivatives, ..Counts::default() }, ..Progress::default() };
         let (name, method) = (optimizer.name(), optimizer.method());
         let mut run = Self { setting, name, method, workspace, progress, current, best: None, ended: None };
         run.begin_stage(None)?;
@@ -52,8 +57,7 @@ impl<O: Objective> Run<O> {
         metric: Arc<dyn InnerProduct>,
         state: &RunState,
     ) -> Result<Self, RunError> {
-        let setting = Setting { objective, set, metric, options: *optimizer.options(), cancel: None };
-        Self::resume(optimizer, setting, state)
+        Self::resume(optimizer, Setting::new(objective, set, metric, *optimizer.options()), state)
     }
 
     pub(crate) fn resume(optimizer: &dyn Optimizer, setting: Setting<O>, state: &RunState) -> Result<Self, RunError> {
@@ -67,7 +71,7 @@ impl<O: Objective> Run<O> {
             return Err(saved(format!("its memory is not one of \"{name}\" with these options")));
         }
         let stage = state.progress.stage;
-        if stage >= setting.objective.stages() || state.progress.gradients.is_empty() {
+        if !setting.stages.contains(&stage) || state.progress.gradients.is_empty() {
             return Err(saved(format!("there is no stage {stage}")));
         }
         let current = revive(&setting, &state.current, stage)?;
@@ -86,13 +90,13 @@ fn first_iterate<O: Objective>(
     let begun = match start {
         Start::Uniform(value) => Err(vec![value; setting.metric.len()]),
         Start::Each(m) => Err(m),
-        Start::Evaluated(begun) => Ok(begun),
+        Start::Evaluated(begun) => Ok(restaged(setting, begun)?),
     };
     let EvaluatedStart { m, point, derivative } = match begun {
         Ok(begun) => begun,
         Err(m) => {
             check(setting, &m)?;
-            let how = Request { near: None, accuracy: setting.options.accuracy, stage: 0 };
+            let how = Request { near: None, accuracy: setting.options.accuracy, stage: setting.stages.start };
             let point = setting.objective.evaluate(&m, &how, workspace).map_err(RunError::Start)?;
             EvaluatedStart { m, point, derivative: None }
         }
@@ -107,6 +111,20 @@ fn first_iterate<O: Objective>(
         None => {
             let iterate = setting.differentiate(m, point, cost, workspace);
             Ok((iterate.map_err(|(_, failed)| RunError::Start(failed))?, 1))
+        }
+    }
+}
+
+/// An evaluated start, valued by the first stage to run; what it says is of stage 0 or of that stage.
+fn restaged<O: Objective>(
+    setting: &Setting<O>,
+    begun: EvaluatedStart<O::Point>,
+) -> Result<EvaluatedStart<O::Point>, RunError> {
+    match setting.stages.start {
+        0 => Ok(begun),
+        stage => {
+            let point = setting.objective.restage(stage, &begun.point).map_err(RunError::Start)?;
+            Ok(EvaluatedStart { m: begun.m, point, derivative: None })
         }
     }
 }

@@ -14,7 +14,7 @@ const FLAT: usize = 3;
 
 impl<O: Objective> Run<O> {
     pub(super) fn is_last_stage(&self) -> bool {
-        self.progress.stage + 1 >= self.setting.objective.stages()
+        self.progress.stage + 1 >= self.setting.stages.end
     }
 
     /// Whether the present stage is to end before another iteration.
@@ -32,7 +32,7 @@ impl<O: Objective> Run<O> {
             return Some(Stop::Stalled(Stall::Flat { cost, predicted, relative_gradient }));
         }
         let done = counts.iterations - stage_began;
-        let left = self.setting.objective.stages().saturating_sub(*stage).max(1);
+        let left = self.setting.stages.end.saturating_sub(*stage).max(1);
         if done >= max_iterations.saturating_sub(*stage_began).div_ceil(left) {
             return Some(Stop::MaxIterations { iterations: counts.iterations, relative_gradient });
         }

@@ -59,7 +59,7 @@ impl<'a> Memo<'a> {
             if of > 1 { format!("{name}, stage {}", stage + 1) } else { name.to_owned() }
         };
         // With one state, one term is the total.
-        let single = names.len() == 1 && self.ensemble.parts().len() == 1;
+        let single = names.len() == 1 && self.ensemble.members().len() == 1;
         let whole = if single { names[0].as_str() } else { "total" };
         let mut out: Vec<Term> =
             (0..stages).map(|stage| Term { label: label(whole, stage, stages), stage, of: None }).collect();
@@ -78,11 +78,11 @@ impl<'a> Memo<'a> {
             let own = problem.term_names().iter().position(|term| term == name)?;
             Some(problem.costs()[own].stages())
         };
-        self.ensemble.parts().iter().filter_map(of).max().unwrap_or(1)
+        self.ensemble.members().iter().filter_map(of).max().unwrap_or(1)
     }
 
     fn values_of(&self, point: &EnsemblePoint) -> Value {
-        let terms = self.ensemble.expected_terms(point.parts.iter().map(|at| at.terms.as_slice()));
+        let terms = self.ensemble.expected_terms(point.members.iter().map(|at| at.terms.as_slice()));
         Value { whole: point.risk, terms }
     }
 

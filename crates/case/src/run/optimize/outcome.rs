@@ -13,7 +13,7 @@ use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::{EnsemblePoint, View};
+use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
 use nastic_opt::{Best, Stop};
 use serde_json::{Value, json};
@@ -155,8 +155,8 @@ fn write(session: &mut Session<'_>, ended: &FinishedRun, starts: usize) -> Resul
     files.extend(write_states(problem, "optimum", &best.point, &best.derivative, &out)?);
     for (k, member) in problem.leads().enumerate() {
         let shot = |point: &EnsemblePoint| {
-            let at = &point.parts[k];
-            snapshot::snapshot(member, &View::new(&at.state, &at.m))
+            let at = &point.members[k];
+            snapshot::snapshot(member, &StateFields::new(&at.state, &at.m))
         };
         let (begin, end) = (shot(start)?, shot(&best.point)?);
         let drawing = Drawing {

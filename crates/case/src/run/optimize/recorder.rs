@@ -9,7 +9,7 @@ use crate::lower::CaseProblem;
 use crate::result::files::Directory;
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::{EnsemblePoint, View};
+use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
 use nastic_opt::{Reason, Trial};
 use serde_json::json;
@@ -74,7 +74,7 @@ impl<'s> Recorder<'s> {
         let seconds = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
         if let Some(point) = trial.point.filter(|_| trial.reason != Reason::Stage) {
-            self.work.iter_mut().zip(&point.parts).for_each(|(work, at)| work.add_work(&at.total_work()));
+            self.work.iter_mut().zip(&point.members).for_each(|(work, at)| work.add_work(&at.total_work()));
         } else if let (None, Some(newton), Some(first)) =
             (trial.cost, trial.summary.get("newton"), self.work.first_mut())
         {
@@ -108,7 +108,7 @@ impl<'s> Recorder<'s> {
         let of = |(member, at): (crate::lower::CaseMember<'_>, &nastic_control::Evaluated)| {
             summary::true_distance(&member.reduced().costs_of(at).ok()?).ok()?
         };
-        self.problem.members().zip(&point.parts).filter_map(of).reduce(f64::max)
+        self.problem.members().zip(&point.members).filter_map(of).reduce(f64::max)
     }
 
     /// Every so many iterations, the start among them.
@@ -130,10 +130,14 @@ impl<'s> Recorder<'s> {
         let gradient =
             derivative.zip(self.problem.inner_product()).map(|(derivative, product)| product.riesz(derivative));
         self.steps.push(iteration);
-        for (member, at) in self.problem.leads().zip(&point.parts) {
+        for (member, at) in self.problem.leads().zip(&point.members) {
             let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
-            let view = View { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..View::new(&at.state, &at.m) };
-            out.write_vtu(&member.case_file(&file(iteration)), &snapshot::snapshot(member, &view)?)?;
+            let fields = StateFields {
+                adjoint: at.adjoint(),
+                gradient: gradient.as_deref(),
+                ..StateFields::new(&at.state, &at.m)
+            };
+            out.write_vtu(&member.case_file(&file(iteration)), &snapshot::snapshot(member, &fields)?)?;
             let steps: Vec<(f64, String)> =
                 self.steps.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
             nastic_io::write_pvd(out.file(&member.case_file(&format!("{stem}iterations.pvd"))), &steps)?;

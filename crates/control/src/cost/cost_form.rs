@@ -1,4 +1,4 @@
-//! [`UserCost`]: a cost of one's own as case files name it.
+//! [`CostForm`]: how case files name a cost and its parameters.
 
 use super::Cost;
 use crate::error::ControlError;
@@ -8,9 +8,9 @@ use nastic_fem::Solid;
 /// How a cost is made for a body, of its parameters and its weight (at least zero), which its values include.
 pub type MakeCost = fn(&Solid, &Given<'_>, f64) -> Result<Box<dyn Cost>, ControlError>;
 
-/// A cost that case files may name beside the built-in ones.
+/// How case files name a cost and give its parameters: of a built-in row of the catalogue, or of a cost that a program adds.
 #[derive(Clone, Copy, Debug)]
-pub struct UserCost {
+pub struct CostForm {
     /// Its `kind` in case files.
     pub name: &'static str,
     /// What it is, in a few words.
