@@ -74,6 +74,16 @@ impl Cells {
         found
     }
 
+    /// Whether another cell than `own` holds `p`.
+    pub fn is_in_another(&self, p: &V, own: usize) -> bool {
+        let mut found = false;
+        self.tree.overlapping(&Aabb { lo: *p, hi: *p }, |part| {
+            found = self.parts[part].0 as usize != own && self.holds(part, p);
+            found
+        });
+        found
+    }
+
     /// Is this very patch, to the last bit, a cell of the solid?
     pub fn same_as(&self, other: &Patch) -> bool {
         // Its first corner is in the box of some part of it.

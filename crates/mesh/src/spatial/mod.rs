@@ -18,6 +18,7 @@ mod hausdorff;
 mod interpolation_error;
 mod patch;
 mod patch_space;
+mod self_intersection;
 mod shape;
 mod simplex;
 mod split;
@@ -26,6 +27,7 @@ mod tree;
 
 pub use error::SpatialError;
 pub use hausdorff::{Hausdorff, hausdorff, hausdorff_within};
+pub use self_intersection::SelfIntersection;
 pub use shape::Shape;
 
 type V = nalgebra::Vector3<f64>;

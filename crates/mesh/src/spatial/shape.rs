@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::boundary::Boundary;
 use super::cell::Cells;
@@ -23,7 +23,20 @@ pub struct Shape {
     pub(super) boundary: Boundary,
     /// Mesh nodes at the corners of each cell's parameter domain.
     pub(super) corners: Vec<[u32; 8]>,
+    /// Cells by their numbers in the mesh.
+    pub(super) ids: Vec<u32>,
+    /// Boundary faces in the order of the boundary.
+    pub(super) faces: Vec<Face>,
     nodes: usize,
+}
+
+/// A boundary face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    /// Its cell, counted within the shape.
+    pub cell: u32,
+    /// Its corner nodes, `u32::MAX` behind the last.
+    pub corners: [u32; 4],
 }
 
 /// Where to look first: neighbouring questions have neighbouring answers.
@@ -63,6 +76,8 @@ impl Shape {
             cells: Cells::default(),
             boundary: Boundary::new(mesh.dim() == 2),
             corners: Vec::with_capacity(cells.len()),
+            ids: cells.clone(),
+            faces: Vec::new(),
             nodes: positions.len(),
         };
         let gather = |nodes: &mut dyn Iterator<Item = u32>| -> Vec<V> {
@@ -79,10 +94,14 @@ impl Shape {
             shape.corners.push(corners);
         }
         shape.cells.finish();
+        let index_of: HashMap<u32, u32> = cells.iter().enumerate().map(|(k, &id)| (id, k as u32)).collect();
         let flatness = FLATNESS * shape.cells.bounds().diagonal();
         for (id, face) in exterior(mesh, &cells) {
             let cell = mesh.cell(id as usize);
             let (kind, locals) = cell.kind.faces()[face];
+            let mut corners = [u32::MAX; 4];
+            corners.iter_mut().zip(&locals[..kind.corners()]).for_each(|(node, &local)| *node = cell.nodes[local]);
+            shape.faces.push(Face { cell: index_of[&id], corners });
             let nodes = gather(&mut locals.iter().map(|&l| cell.nodes[l]));
             shape.boundary.push(conversion(&mut conversions, kind), &nodes, flatness);
         }
