@@ -14,3 +14,4 @@ pub mod result;
 pub mod run;
 pub mod schema;
 pub mod syntax;
+pub mod warning;

@@ -9,6 +9,7 @@ mod body;
 mod context;
 mod control;
 mod cost;
+mod elements;
 mod field;
 mod load;
 mod material;
@@ -33,7 +34,8 @@ pub(crate) use variant::file_name;
 
 use crate::quantity::Units;
 use crate::schema::Case;
-use crate::syntax::{At, Diagnostic, Diagnostics, Document};
+use crate::syntax::{At, Diagnostics, Document};
+use crate::warning::Warning;
 use context::{Context, Found};
 use member::Label;
 use nastic_control::{Ensemble, EnsembleError, LoadCase, Metric, Reduced};
@@ -64,8 +66,8 @@ pub struct CaseProblem {
     pub set: Product,
     /// Points to report.
     pub probes: Vec<LocatedProbe>,
-    /// What deserves attention, with its place in the case.
-    pub warnings: Vec<Diagnostic>,
+    /// What deserves attention in the case, before anything is solved.
+    pub warnings: Vec<Warning>,
     /// What was mended when meshes were read.
     pub notes: Vec<String>,
     /// All files that were read, the case itself left out.
@@ -91,6 +93,7 @@ impl CaseProblem {
             (Some(lowered), true) => lowered,
             _ => return Err(Diagnostics::new(problems)),
         };
+        let warnings = warnings.iter().map(|(kind, told)| Warning::at(kind, told)).collect();
         let control::Lowered { controls, start, set, .. } = controls;
         Ok(Self { case, ensemble, controls, start, set, probes, warnings, notes, files, labels, differences, document })
     }
@@ -190,6 +193,9 @@ fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &
     let found = contexts.into_iter().map(|context| context.found);
     context.found.absorb(variants.iter().map(|variant| variant.name.clone()).zip(found).collect());
     let Built { bodies, targets, controls } = built?;
+    if let Some(body) = bodies.first() {
+        sizes::check_bounds(&controls.controls, body.solid(), context);
+    }
     if context.is_sound() {
         start::check(case, &controls.controls, context);
     }
@@ -216,6 +222,9 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
         let targets = cost::load_targets(&variant.case, context);
         bodies.push(body::lower(variant, disc, context));
         sizes::check(&variant.case, disc.mesh(), &targets, context);
+        if let Some(Some(body)) = bodies.last() {
+            elements::check(&variant.case, body.solid(), context);
+        }
         aims.push(targets);
     }
     let bodies: Vec<Reduced> = bodies.into_iter().collect::<Option<_>>()?;

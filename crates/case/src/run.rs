@@ -30,6 +30,7 @@ use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::result::{Missed, expectation};
 use crate::schema::Command;
+use crate::warning::Warning;
 use serde_json::{Value, json};
 use session::Session;
 use std::path::{Path, PathBuf};
@@ -45,6 +46,8 @@ pub struct Options {
     pub threads: Option<usize>,
     /// Overrides `path=value`, in order.
     pub set: Vec<String>,
+    /// Whether warnings make a command fail, with [`Exit::Warned`].
+    pub strict: bool,
     /// Once raised, the command stops as soon as it can, keeping what it has.
     pub cancel: Arc<AtomicBool>,
 }
@@ -108,6 +111,8 @@ pub fn run_with(
 /// What went wrong takes the place of a result, so that no older one is taken for it.
 fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.finish_clock();
+    let warnings: Vec<Value> = session.warnings.iter().map(Warning::json).collect();
+    session.put("warnings", json!(warnings));
     session.put("error", json!(error.to_string()));
     session.put("exit", json!(error.exit().code()));
     if let Some(out) = &session.out {
@@ -134,6 +139,14 @@ fn close(mut session: Session<'_>, exit: Exit) -> Result<Outcome, RunError> {
     if !missed.is_empty() && matches!(exit, Exit::Done | Exit::NotConverged) {
         exit = Exit::ExpectMissed;
     }
+    let warnings: Vec<Value> = session.warnings.iter().map(Warning::json).collect();
+    if session.strict && !warnings.is_empty() && exit == Exit::Done {
+        session
+            .console
+            .say(format!("strict      {} under --strict: exit code 8", number::count(warnings.len(), "warning")));
+        exit = Exit::Warned;
+    }
+    session.put("warnings", json!(warnings));
     session.put("exit", json!(exit.code()));
     let result = session.result_value();
     if let Some(out) = &session.out {

@@ -47,7 +47,7 @@ pub use load_case::LoadCase;
 pub use material::Material;
 pub use mesh::{BoxMesh, MeshFile, MeshSource};
 pub use named::{Element, Method};
-pub use optimizer::{Metric, Optimizer};
+pub use optimizer::{Metric, Optimizer, Unstable};
 pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,

@@ -209,7 +209,11 @@ fn a_load_case_has_the_numbers_of_the_case_that_has_it_alone() {
         assert_eq!(number(&result, &format!("load_cases/pushed/{key}")), number(&alone, key), "{key}");
     }
     assert!(result["load_cases"]["none"].is_null());
-    assert!(result["warnings"][0].as_str().unwrap().contains("the load case is left out"), "{}", result["warnings"]);
+    assert!(
+        result["warnings"][0]["message"].as_str().unwrap().contains("the load case is left out"),
+        "{}",
+        result["warnings"]
+    );
 }
 
 #[test]

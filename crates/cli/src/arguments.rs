@@ -12,7 +12,8 @@ use std::path::PathBuf;
     name = "nastic",
     version,
     after_help = "Exit codes: 0 done, 2 bad input, 3 forward solve failed, 4 stopped before converging, \
-                  5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written.",
+                  5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written, \
+                  8 a warning under --strict.",
     max_term_width = 100
 )]
 pub struct Arguments {
@@ -66,6 +67,9 @@ pub struct Case {
     /// Put a value in the place of another: --set materials/0/mu1="90 kPa"; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub settings: Vec<String>,
+    /// Let warnings fail the command: exit code 8 where there would be 0
+    #[arg(long)]
+    pub strict: bool,
     /// Print errors only
     #[arg(long)]
     pub quiet: bool,

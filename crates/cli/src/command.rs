@@ -35,6 +35,7 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> Exit
         out: case.out.clone(),
         threads: case.threads.map(usize::from),
         set: case.settings.clone(),
+        strict: case.strict,
         cancel: cancelled_by_ctrl_c(),
     };
     let outcome = run_with(catalogue, command, &case.case, &options, &console(case));

@@ -15,6 +15,14 @@ pub enum ControlError {
     /// The state could not be found.
     #[error(transparent)]
     State(#[from] StateError),
+    /// A saddle of the potential energy, where none is accepted.
+    #[error("the equilibrium is unstable: {negative} negative pivots of the tangent, and unstable states are refused")]
+    Unstable {
+        /// Negative pivots of the tangent.
+        negative: usize,
+        /// Newton iterations spent.
+        newton: usize,
+    },
     /// A configuration with J <= 0.
     #[error(transparent)]
     Inverted(#[from] InvertedAt),
@@ -86,6 +94,7 @@ impl ControlError {
     pub fn newton(&self) -> Option<usize> {
         match self {
             ControlError::State(StateError::NoConvergence { newton, .. }) => Some(*newton),
+            ControlError::Unstable { newton, .. } => Some(*newton),
             ControlError::State(StateError::Inverted { last, .. }) => Some(last.report.newton),
             _ => None,
         }

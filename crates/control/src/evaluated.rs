@@ -144,6 +144,7 @@ fn write_report(report: &SolveReport, out: &mut Writer) {
         residual,
         min_j,
         energy,
+        restarts,
         shifted,
     } = *report;
     out.count(match solver {
@@ -151,7 +152,9 @@ fn write_report(report: &SolveReport, out: &mut Writer) {
         Solver::Multigrid => 1,
         Solver::General => 2,
     });
-    for count in [newton, factorisations, reused, back_substitutions, hierarchies, cycles, load_steps, cuts, shifted] {
+    for count in
+        [newton, factorisations, reused, back_substitutions, hierarchies, cycles, load_steps, cuts, restarts, shifted]
+    {
         out.count(count);
     }
     [residual, min_j, energy].into_iter().for_each(|x| out.float(x));
@@ -173,6 +176,7 @@ fn read_report(input: &mut Reader<'_>) -> Result<SolveReport, SavedRunError> {
         cycles: input.number()?,
         load_steps: input.number()?,
         cuts: input.number()?,
+        restarts: input.number()?,
         shifted: input.number()?,
         residual: input.float()?,
         min_j: input.float()?,

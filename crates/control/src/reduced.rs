@@ -34,6 +34,8 @@ pub struct Reduced {
     parallel: bool,
     /// Whether the workspace keeps a factor for the next solve.
     keep_factors: bool,
+    /// Whether a state with negative pivots is no answer.
+    refuse_unstable: bool,
     cancel: Option<Arc<AtomicBool>>,
     progress: Option<SolveProgress>,
 }
@@ -67,6 +69,7 @@ impl Reduced {
             metric: Metric::L2,
             parallel: true,
             keep_factors: true,
+            refuse_unstable: false,
             cancel: None,
             progress: None,
         }
@@ -149,6 +152,13 @@ impl Reduced {
         self
     }
 
+    /// Whether an equilibrium whose tangent has negative pivots, or none, fails with [`ControlError::Unstable`], so that
+    /// optimisers reject such trials (default: accepted). It takes one factorisation more per evaluation.
+    pub fn refuse_unstable(mut self, refuse: bool) -> Self {
+        self.refuse_unstable = refuse;
+        self
+    }
+
     /// Whether all is there to be optimised: a complete body, controls, and an inner product of theirs. A run checks the
     /// same when it begins.
     ///
@@ -220,9 +230,21 @@ impl Reduced {
         let solved = self.solid.solve_with(&controls, &options, &mut workspace.solve);
         self.forget(workspace);
         let state = solved?;
+        self.check_stable(&state)?;
         let (terms, costs) = self.terms(&state, m, how.stage)?;
         let work = state.report;
         Ok(Evaluated { m: m.to_vec(), state, terms, stage: how.stage, work, costs, adjoint: None })
+    }
+
+    fn check_stable(&self, state: &State) -> Result<(), ControlError> {
+        if !self.refuse_unstable {
+            return Ok(());
+        }
+        let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
+        match self.solid.negative_pivots_by(state, &how)? {
+            0 => Ok(()),
+            negative => Err(ControlError::Unstable { negative, newton: state.report.newton }),
+        }
     }
 
     /// Drops the factor where none is to be kept.

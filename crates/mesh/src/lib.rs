@@ -14,6 +14,7 @@
 //! ```
 
 mod build;
+mod coincident;
 pub mod element;
 mod error;
 mod generate;

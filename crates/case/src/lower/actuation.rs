@@ -6,6 +6,7 @@ use super::material::inputs;
 use super::named::{attempt, key_of};
 use crate::quantity::{Dimension, Units};
 use crate::schema::{Actuation, Case, Fixed, Input, Means};
+use crate::warning::CONVEXITY;
 use nastic_control::Reduced;
 use nastic_energy::catalogue::ActuationRow;
 use nastic_fem::Solid;
@@ -100,7 +101,7 @@ fn fix_slot(
     if let (Some(limit), [values]) = (reduced.solid().body().fiber_limit(index), columns.as_slice()) {
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if most > limit {
-            context.warn(&at, beyond_limit(most, limit, context.units));
+            context.warn(&CONVEXITY, &at, beyond_limit(most, limit, context.units));
         }
     }
     let mut reduced = reduced;

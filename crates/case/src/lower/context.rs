@@ -2,6 +2,7 @@
 
 use crate::quantity::Units;
 use crate::syntax::{At, Diagnostic, Document};
+use crate::warning::{WARNINGS, WarningKind};
 use nastic_mesh::{Mesh, Snapshot};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -20,7 +21,7 @@ pub(super) struct Context<'a> {
 #[derive(Default)]
 pub(super) struct Found {
     pub problems: Vec<Diagnostic>,
-    pub warnings: Vec<Diagnostic>,
+    pub warnings: Vec<(&'static WarningKind, Diagnostic)>,
     pub notes: Vec<String>,
 }
 
@@ -48,8 +49,8 @@ impl<'a> Context<'a> {
     }
 
     /// Notes what deserves attention but does not stop anything.
-    pub fn warn(&mut self, at: &At, message: impl ToString) {
-        self.found.warnings.push(self.document.complain(at, message.to_string()));
+    pub fn warn(&mut self, kind: &'static WarningKind, at: &At, message: impl ToString) {
+        self.found.warnings.push((kind, self.document.complain(at, message.to_string())));
     }
 
     /// Notes what may be good to know.
@@ -107,12 +108,15 @@ impl Found {
     /// the first of them.
     pub fn absorb(&mut self, variants: Vec<(String, Found)>) {
         let names: Vec<&String> = variants.iter().map(|(name, _)| name).collect();
-        let told = |of: fn(&Found) -> &Vec<Diagnostic>| -> Vec<Diagnostic> {
-            let lists: Vec<&Vec<Diagnostic>> = variants.iter().map(|(_, found)| of(found)).collect();
-            merged(&names, &lists)
-        };
-        self.problems.extend(told(|found| &found.problems));
-        self.warnings.extend(told(|found| &found.warnings));
+        let problems: Vec<Vec<Diagnostic>> = variants.iter().map(|(_, found)| found.problems.clone()).collect();
+        self.problems.extend(merged(&names, &problems));
+        for kind in WARNINGS {
+            let own = |found: &Found| -> Vec<Diagnostic> {
+                found.warnings.iter().filter(|(of, _)| of == kind).map(|(_, told)| told.clone()).collect()
+            };
+            let lists: Vec<Vec<Diagnostic>> = variants.iter().map(|(_, found)| own(found)).collect();
+            self.warnings.extend(merged(&names, &lists).into_iter().map(|told| (*kind, told)));
+        }
         for note in variants.into_iter().flat_map(|(_, found)| found.notes) {
             if !self.notes.contains(&note) {
                 self.notes.push(note);
@@ -121,11 +125,11 @@ impl Found {
     }
 }
 
-fn merged(names: &[&String], lists: &[&Vec<Diagnostic>]) -> Vec<Diagnostic> {
+fn merged(names: &[&String], lists: &[Vec<Diagnostic>]) -> Vec<Diagnostic> {
     let mut out: Vec<Diagnostic> = Vec::new();
     let mut kinds: Vec<String> = Vec::new();
     for (name, list) in names.iter().zip(lists) {
-        for one in *list {
+        for one in list {
             if lists.iter().all(|list| list.contains(one)) {
                 if !out.contains(one) {
                     out.push(one.clone());

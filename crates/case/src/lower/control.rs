@@ -9,6 +9,7 @@ use crate::quantity::Dimension;
 use crate::result::snapshot::RESERVED;
 use crate::schema::{Case, Control, Parameter, Space as SpaceBlock, Start, vector_at};
 use crate::syntax::At;
+use crate::warning::{CONVEXITY, UNBOUNDED};
 use nastic_control::{ControlBlock, Reduced, Space};
 use nastic_numeric::Random;
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Outside, Product, Sphere};
@@ -191,6 +192,7 @@ impl Lowering<'_> {
             }
             (None, None) => {
                 context.warn(
+                    &UNBOUNDED,
                     &self.control.at,
                     "neither \"norm\" nor \"max_norm\" is given: the vectors may grow without bound",
                 );
@@ -222,20 +224,20 @@ impl Lowering<'_> {
                 }
                 Some(_) => "no \"lower\" bound is given: the amplitude may grow without bound",
             };
-            context.warn(&self.control.at, message);
+            context.warn(&UNBOUNDED, &self.control.at, message);
         }
         let lower = lower.unwrap_or(Limit::Uniform(f64::NEG_INFINITY));
         let upper = match (upper, limit) {
             (Some(upper), limit) => {
                 let most = greatest(&upper);
                 if let Some(limit) = limit.filter(|limit| most > *limit) {
-                    context.warn(&self.control.at.key("upper"), beyond_limit(most, limit, context.units));
+                    context.warn(&CONVEXITY, &self.control.at.key("upper"), beyond_limit(most, limit, context.units));
                 }
                 upper
             }
             (None, Some(limit)) => Limit::Uniform(limit),
             (None, None) => {
-                context.warn(&self.control.at, "no \"upper\" bound is given, and the law reports none");
+                context.warn(&UNBOUNDED, &self.control.at, "no \"upper\" bound is given, and the law reports none");
                 Limit::Uniform(f64::INFINITY)
             }
         };

@@ -6,6 +6,7 @@ use super::named::key_of;
 use crate::expression::EvaluationError;
 use crate::schema::{self, AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Target as TargetBlock, vector_at};
 use crate::syntax::At;
+use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
     ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, IntoCost, Phi, Reduced,
     SmoothedHausdorff, Target, Tracking,
@@ -70,7 +71,7 @@ pub(super) fn add(
     let (mut terms, mut shapes) = (Vec::new(), Vec::new());
     for (block, target) in case.costs.iter().zip(targets) {
         if block.weight() == 0.0 {
-            context.warn(&block.at().key("weight"), "the weight is zero: the term is left out");
+            context.warn(&INPUT, &block.at().key("weight"), "the weight is zero: the term is left out");
             continue;
         }
         let lowering = Lowering { case, reduced: &reduced, block };
@@ -89,7 +90,7 @@ pub(super) fn warn(case: &Case, reduced: &Reduced, context: &mut Context<'_>) {
     let terms = case.costs.iter().filter(|block| block.weight() != 0.0);
     for (block, cost) in terms.zip(reduced.costs()) {
         for warning in cost.warnings(reduced.solid()) {
-            context.warn(block.at(), warning);
+            context.warn(&HAUSDORFF_LENGTH, block.at(), warning);
         }
     }
 }

@@ -5,6 +5,7 @@ use super::field::SamplePoints;
 use super::named::{attempt, key_of};
 use crate::schema::{Case, Input};
 use crate::syntax::At;
+use crate::warning::INPUT;
 use nastic_energy::EnergyError;
 use nastic_energy::catalogue::Inputs;
 use nastic_fem::{Discretization, Solid};
@@ -23,7 +24,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
                 before.len(),
                 case.materials[first].region
             );
-            context.warn(&material.at.key("region"), message);
+            context.warn(&INPUT, &material.at.key("region"), message);
         }
         let disc = solid.discretization().clone();
         let points = SamplePoints::of_body(case, &disc, cells);

@@ -1,15 +1,43 @@
 //! Sizes that look like another unit was meant.
 
 use super::context::Context;
+use super::control::{Admitted, ControlField};
 use super::cost::TargetShape;
+use super::elements::Elastic;
 use crate::quantity::Dimension;
 use crate::schema::Case;
+use crate::warning::{BOUNDS, UNITS};
+use nastic_fem::Solid;
 use nastic_mesh::Mesh;
 
 /// Soft bodies longer than this are rare, millimetres taken for metres are not.
 const LARGE: f64 = 10.0;
 /// Body and target that differ by this much were hardly drawn in one unit.
 const APART: f64 = 50.0;
+
+/// Bounds of a control in units of pressure that exceed Young's modulus this many times were hardly meant.
+const STIFF: f64 = 10.0;
+
+/// Bounds of tensions and pressures far beyond the stiffest material.
+pub(super) fn check_bounds(controls: &[ControlField], solid: &Solid, context: &mut Context<'_>) {
+    let unit = context.units.label(Dimension::PRESSURE);
+    let points = solid.discretization().points_of_cells();
+    let young = |(cell, (point, _)): (usize, &(usize, usize))| Elastic::of(solid, cell, *point).map(Elastic::young);
+    let Some(moduli) = points.iter().enumerate().map(young).collect::<Option<Vec<f64>>>() else { return };
+    let stiffest = moduli.into_iter().fold(0.0, f64::max);
+    for field in controls.iter().filter(|field| field.unit == unit) {
+        let Admitted::Between { lower, upper } = field.admitted else { continue };
+        let most = [lower, upper].into_iter().map(f64::abs).filter(|bound| bound.is_finite()).fold(0.0, f64::max);
+        if most > STIFF * stiffest {
+            let message = format!(
+                "the bounds reach {most:.3e} {unit}, {:.0} times Young's modulus of the stiffest material \
+                 ({stiffest:.3e} {unit}): is the unit right? Solves will fail on the way there",
+                most / stiffest
+            );
+            context.warn(&BOUNDS, &field.at, message);
+        }
+    }
+}
 
 pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], context: &mut Context<'_>) {
     let at = super::mesh::at(case);
@@ -24,7 +52,7 @@ pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], c
              1e-3 }}, or \"units\": {{ \"length\": \"mm\", ... }}",
             mesh.name()
         );
-        context.warn(&at, message);
+        context.warn(&UNITS, &at, message);
     }
     for target in targets.iter().flatten() {
         let ratio = target.mesh.diagonal() / mesh.diagonal();
@@ -33,7 +61,7 @@ pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], c
             let message = format!(
                 "the body measures {body}, this target {aim}: are both drawn in the same unit? Give the \"scale\" of one"
             );
-            context.warn(&target.at.key("target"), message);
+            context.warn(&UNITS, &target.at.key("target"), message);
         }
     }
 }

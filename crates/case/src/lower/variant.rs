@@ -5,6 +5,7 @@ use super::scenario::Scenario;
 use crate::quantity::Units;
 use crate::schema::{Case, Input, LoadCase, Parameter};
 use crate::syntax::{At, Diagnostic, Diagnostics, Document, Setting};
+use crate::warning::INPUT;
 
 /// The case as one member sees it: its values, and all blocks that count for it.
 #[derive(Debug)]
@@ -59,7 +60,7 @@ fn counted(case: &Case, context: &mut Context<'_>) -> Vec<Option<usize>> {
         return vec![None];
     }
     for block in case.load_cases.iter().filter(|block| block.weight == 0.0) {
-        context.warn(&block.at.key("weight"), "the weight is zero: the load case is left out");
+        context.warn(&INPUT, &block.at.key("weight"), "the weight is zero: the load case is left out");
     }
     (0..case.load_cases.len()).filter(|k| case.load_cases[*k].weight > 0.0).map(Some).collect()
 }

@@ -1,5 +1,6 @@
 //! States of all members as results show them.
 
+use super::inspection::Inspection;
 use super::summary;
 use crate::lower::{CaseMember, CaseProblem};
 use nastic_control::{ControlError, CostPoint, EnsemblePoint};
@@ -20,6 +21,8 @@ pub(crate) struct MemberReport<'a> {
     pub costs: Cow<'a, [Arc<dyn CostPoint>]>,
     pub stage: usize,
     pub work: SolveReport,
+    /// What was found in the state; nothing where only costs are told.
+    pub inspection: Option<&'a Inspection>,
 }
 
 /// How much is told of a state.
@@ -42,9 +45,20 @@ pub(crate) fn of_point<'a>(
     let of = |(member, at): (CaseMember<'a>, &'a nastic_control::Evaluated)| {
         let costs = member.reduced().costs_of(at).map_err(|error| (member.index(), error))?;
         let (terms, work) = (at.terms.clone(), at.total_work());
-        Ok(MemberReport { member, state: &at.state, terms, costs, stage: at.stage, work })
+        Ok(MemberReport { member, state: &at.state, terms, costs, stage: at.stage, work, inspection: None })
     };
     problem.members().zip(&point.members).map(of).collect()
+}
+
+/// The same, with what was found in the states.
+pub(crate) fn of_inspected<'a>(
+    problem: &'a CaseProblem,
+    point: &'a EnsemblePoint,
+    inspections: &'a [Inspection],
+) -> Result<Vec<MemberReport<'a>>, MemberError> {
+    let mut reports = of_point(problem, point)?;
+    reports.iter_mut().zip(inspections).for_each(|(one, found)| one.inspection = Some(found));
+    Ok(reports)
 }
 
 /// All entries of a result: of a plain case those of its one state, else what holds for all members and, under
@@ -101,6 +115,11 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<Map<String, Value>, M
     }
     if detail == Detail::Full {
         out.extend(summary::state(one.member, one.state));
+        if let Some(found) = one.inspection {
+            // A tangent that is singular has no inertia to report.
+            out.insert("inertia".into(), json!(found.inertia));
+            out.insert("self_intersection".into(), found.intersection_json());
+        }
         out.extend(summary::work(&one.work));
     }
     Ok(out)

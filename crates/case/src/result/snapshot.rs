@@ -4,14 +4,29 @@ use crate::lower::{CaseMember, TargetShape};
 use nastic_control::{ControlError, StateFields};
 use nastic_mesh::Snapshot;
 
+use super::inspection::Inspection;
+
 /// Names of result arrays that no control may take.
-pub(crate) const RESERVED: [&str; 10] =
-    ["displacement", "adjoint", "J", "P", "cauchy_stress", "energy", "fiber", "B_r", "B_a", "region"];
+pub(crate) const RESERVED: [&str; 11] =
+    ["displacement", "adjoint", "J", "P", "cauchy_stress", "energy", "fiber", "B_r", "B_a", "region", "intersecting"];
 
 /// The snapshot of a state: [`nastic_control::Reduced::snapshot_of`] with the case's names.
 pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
     let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
     member.reduced().snapshot_of(&StateFields { names: &names, ..*fields })
+}
+
+/// The same, with the cells marked where the body intersects itself: cell data `intersecting`, left out where it does not.
+pub(crate) fn inspected(
+    member: CaseMember<'_>,
+    fields: &StateFields<'_>,
+    found: Option<&Inspection>,
+) -> Result<Snapshot, ControlError> {
+    let shot = snapshot(member, fields)?;
+    match found.and_then(|found| found.intersecting(member.mesh().cells())) {
+        Some(marks) => Ok(shot.with_cells("intersecting", 1, marks)?),
+        None => Ok(shot),
+    }
 }
 
 /// A target as it is shown: its mesh, or the body moved to where it is wanted.

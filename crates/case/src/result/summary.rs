@@ -70,12 +70,19 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
         let size = |v: &[f64]| if n == 1 { v[0] } else { norm(v) };
         let sizes: Vec<f64> = block.of(m).chunks_exact(n).map(size).collect();
         let (min, max) = sizes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-        let active = sizes.iter().enumerate().filter(|(i, x)| is_active(*i, **x, field)).count();
+        let active = active(block.of(m), n, field);
         let share = active as f64 / sizes.len().max(1) as f64;
         let entry = json!({ "unknowns": block.len, "min": min, "max": max, "active": active, "active_share": share });
         (field.name.clone(), entry)
     };
     Value::Object(problem.ensemble.blocks().iter().zip(&problem.controls).map(of).collect())
+}
+
+/// How many values of a control field lie on a bound; vectors count once.
+pub(crate) fn active(values: &[f64], components: usize, field: &ControlField) -> usize {
+    let size = |v: &[f64]| if components == 1 { v[0] } else { norm(v) };
+    let sizes = values.chunks_exact(components).map(size).enumerate();
+    sizes.filter(|(i, x)| is_active(*i, *x, field)).count()
 }
 
 /// A control field as the first member that uses it has it.
@@ -114,14 +121,12 @@ fn contributions(member: CaseMember<'_>, state: &State) -> Result<Map<String, Va
     Ok(out)
 }
 
-/// What a state says of itself: `min_J`, `inertia`, `potential`, reactions, probes, what contributions report.
+/// What a state says of itself: `min_J`, `potential`, reactions, probes, what contributions report.
 pub(crate) fn state(member: CaseMember<'_>, state: &State) -> Map<String, Value> {
     let mut out = Map::new();
     out.insert("min_J".into(), json!(state.report.min_j));
     out.insert("residual".into(), json!(state.report.residual));
     out.insert("potential".into(), json!(state.report.energy));
-    // A tangent that is singular has no inertia to report.
-    out.insert("inertia".into(), json!(member.solid().negative_pivots(state).ok()));
     out.insert("probes".into(), probes(member, state));
     out.insert("reactions".into(), reactions(member, state).unwrap_or(Value::Null));
     if let Ok(found) = contributions(member, state).map(|found| (!found.is_empty()).then_some(found)) {

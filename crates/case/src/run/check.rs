@@ -29,7 +29,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
             session.console.say(format!("{reports:<12}{text}"));
         }
     }
-    let warnings = problem.warnings.len();
+    let warnings = session.warnings.len();
     let entries = describe::json(problem);
     session.put_all(entries);
     session.console.say(match warnings {

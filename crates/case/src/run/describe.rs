@@ -48,7 +48,7 @@ pub(super) fn mesh(problem: &CaseProblem) -> Vec<Line> {
     };
     let size: Vec<String> = measures.size[..mesh.dim()].iter().map(|s| short(*s)).collect();
     let quality = mesh.quality();
-    let mut out = vec![
+    vec![
         line("mesh", format!("{}: {}, {}", mesh.name(), kinds.join(" + "), count(mesh.points().len(), "node"))),
         line(
             "mesh",
@@ -70,9 +70,7 @@ pub(super) fn mesh(problem: &CaseProblem) -> Vec<Line> {
                 short(quality.longest_edge)
             ),
         ),
-    ];
-    out.extend(quality.warnings().into_iter().map(|warning| line("mesh", format!("WARNING: {warning}"))));
-    out
+    ]
 }
 
 pub(super) fn groups(problem: &CaseProblem) -> Vec<Line> {

@@ -23,6 +23,8 @@ pub enum Exit {
     ExpectMissed,
     /// A file could not be written.
     NotWritten,
+    /// There were warnings, and none were wanted.
+    Warned,
 }
 
 impl Exit {
@@ -37,6 +39,7 @@ impl Exit {
             Self::GradientWrong => 5,
             Self::ExpectMissed => 6,
             Self::NotWritten => 7,
+            Self::Warned => 8,
         }
     }
 }

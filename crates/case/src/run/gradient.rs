@@ -7,6 +7,7 @@ use super::session::Session;
 use super::solve::{say_cost, say_files, say_members, say_probes, write_collections, write_targets};
 use crate::lower::CaseProblem;
 use crate::result::files::Directory;
+use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
@@ -22,14 +23,21 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
     session.console.clear();
-    report(session, &point, &derivative)?;
+    let found = session.inspect("equilibrium", &point);
+    report(session, &point, &derivative, &found)?;
     let verdict = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
-    session.timed("write", |session| write(session, &point, &derivative))?;
+    session.timed("write", |session| write(session, &point, &derivative, &found))?;
     Ok(if verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
 }
 
-fn report(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {
-    let reports = member_report::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
+fn report(
+    session: &mut Session<'_>,
+    point: &EnsemblePoint,
+    derivative: &[f64],
+    found: &[Inspection],
+) -> Result<(), RunError> {
+    let reports = member_report::of_inspected(&session.problem, point, found);
+    let reports = reports.map_err(|error| session.member_failed(error))?;
     let entries = member_report::entries(&session.problem, &reports, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(&session.problem, derivative);
@@ -63,7 +71,12 @@ fn report(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) 
     Ok(())
 }
 
-fn write(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {
+fn write(
+    session: &mut Session<'_>,
+    point: &EnsemblePoint,
+    derivative: &[f64],
+    found: &[Inspection],
+) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
     let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
@@ -71,7 +84,7 @@ fn write(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -
         blocks.map(|(block, field)| (field.name.clone(), json!(block.of(derivative)))).collect();
     out.write_json("derivative.json", &Value::Object(arrays))?;
     let mut files = vec!["derivative.json".to_owned()];
-    files.extend(write_states(problem, "start", point, derivative, &out)?);
+    files.extend(write_states(problem, "start", (point, derivative, found), &out)?);
     files.extend(write_targets(problem, &out)?);
     files.extend(write_collections(problem, "start", &out)?);
     say_files(session, files);
@@ -82,8 +95,7 @@ fn write(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -
 pub(super) fn write_states(
     problem: &CaseProblem,
     what: &str,
-    point: &EnsemblePoint,
-    derivative: &[f64],
+    (point, derivative, found): (&EnsemblePoint, &[f64], &[Inspection]),
     out: &Directory,
 ) -> Result<Vec<String>, RunError> {
     let gradient = problem.inner_product().map(|product| product.riesz(derivative));
@@ -93,7 +105,10 @@ pub(super) fn write_states(
         let fields =
             StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::new(&at.state, &at.m) };
         files.push(member.file(&format!("{what}.vtu")));
-        out.write_vtu(&member.file(&format!("{what}.vtu")), &snapshot::snapshot(member, &fields)?)?;
+        out.write_vtu(
+            &member.file(&format!("{what}.vtu")),
+            &snapshot::inspected(member, &fields, found.get(member.index()))?,
+        )?;
     }
     Ok(files)
 }

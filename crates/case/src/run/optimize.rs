@@ -1,5 +1,6 @@
 //! `nastic optimize`: the main job.
 
+mod doubts;
 mod outcome;
 mod recorder;
 mod starts;
@@ -47,6 +48,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let began = std::time::Instant::now();
     let starts = starts::run(session, optimizer.as_ref(), begun)?;
     session.note_time("optimize", began.elapsed().as_secs_f64());
+    doubts::warn(session, starts.best());
     outcome::report(session, &starts)?;
     Ok(if starts.best().best.stop.is_converged() { Exit::Done } else { Exit::NotConverged })
 }

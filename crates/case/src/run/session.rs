@@ -8,9 +8,11 @@ use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
+use crate::result::inspection::Inspection;
 use crate::result::snapshot;
 use crate::schema::Command;
 use crate::syntax::Document;
+use crate::warning::Warning;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, State, StateError};
 use nastic_opt::{Failed, Objective, Request};
@@ -29,8 +31,12 @@ pub(super) struct Session<'c> {
     pub problem: CaseProblem,
     pub console: &'c Console,
     pub cancel: Arc<AtomicBool>,
+    /// Whether warnings make the command fail.
+    pub strict: bool,
     /// Where results go; `None` for commands that leave nothing behind unless told where.
     pub out: Option<Directory>,
+    /// What deserves attention, as far as it is known.
+    pub warnings: Vec<Warning>,
     result: Map<String, Value>,
     phases: Vec<(&'static str, f64)>,
     began: Instant,
@@ -65,7 +71,9 @@ impl<'c> Session<'c> {
             problem,
             console,
             cancel: options.cancel.clone(),
+            strict: options.strict,
             out,
+            warnings: Vec::new(),
             result: Map::new(),
             phases: vec![("read", began.elapsed().as_secs_f64())],
             began,
@@ -91,7 +99,6 @@ impl<'c> Session<'c> {
             "time": units.time().symbol,
             "field": units.field().symbol,
         });
-        let warnings: Vec<String> = problem.warnings.iter().map(ToString::to_string).collect();
         let notes = problem.notes.clone();
         let command = self.command.name();
         self.console.say(match &title {
@@ -108,17 +115,38 @@ impl<'c> Session<'c> {
         for note in &notes {
             self.console.say(format!("note        {note}"));
         }
-        for warning in &warnings {
-            self.console.say(format!("WARNING     {warning}"));
-        }
         self.put("command", json!(command));
         self.put("case", json!(path.display().to_string()));
         self.put("title", json!(title));
         self.put("case_hash", json!(hash));
         self.put("versions", versions);
         self.put("units", labels);
-        self.put("warnings", json!(warnings));
         self.put("notes", json!(notes));
+        for warning in self.problem.warnings.clone() {
+            self.warn(warning);
+        }
+    }
+
+    /// Says a warning, and keeps it for the result.
+    pub fn warn(&mut self, warning: Warning) {
+        self.console.say(format!("WARNING     {warning}"));
+        self.warnings.push(warning);
+    }
+
+    /// Looks into the states of an evaluated control and says what deserves attention there; `what` names the states.
+    pub fn inspect(&mut self, what: &str, point: &EnsemblePoint) -> Vec<Inspection> {
+        let found = self.timed("inspect", |session| Inspection::of_point(&session.problem, point));
+        let warnings: Vec<Warning> =
+            self.problem.members().zip(&found).flat_map(|(member, found)| found.warnings(member, what)).collect();
+        warnings.into_iter().for_each(|warning| self.warn(warning));
+        found
+    }
+
+    /// Codes of the warnings so far, for a picture: empty without any.
+    pub fn warned(&self) -> String {
+        let mut codes: Vec<&str> = self.warnings.iter().map(|warning| warning.kind.code).collect();
+        codes.dedup();
+        if codes.is_empty() { String::new() } else { format!("; WARNING: {}", codes.join(", ")) }
     }
 
     /// Adds an entry to the result.

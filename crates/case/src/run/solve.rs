@@ -5,6 +5,7 @@ use super::number::{scientific, short, vector};
 use super::session::Session;
 use crate::lower::{CaseMember, CaseProblem, TargetShape, file_name};
 use crate::result::files::Directory;
+use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
@@ -15,13 +16,15 @@ use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
-    report(session, &point)?;
-    session.timed("write", |session| write(session, &point))?;
+    let found = session.inspect("equilibrium", &point);
+    report(session, &point, &found)?;
+    session.timed("write", |session| write(session, &point, &found))?;
     Ok(Exit::Done)
 }
 
-fn report(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
-    let reports = member_report::of_point(&session.problem, point).map_err(|error| session.member_failed(error))?;
+fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
+    let reports = member_report::of_inspected(&session.problem, point, found);
+    let reports = reports.map_err(|error| session.member_failed(error))?;
     let entries = member_report::entries(&session.problem, &reports, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
     let controls = summary::controls(&session.problem, &point.m);
@@ -197,18 +200,23 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
 }
 
-fn write(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
+fn write(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.members) {
-        let shot = snapshot::snapshot(member, &StateFields::new(&at.state, &at.m))?;
+        let found = found.get(member.index());
+        let shot = snapshot::inspected(member, &StateFields::new(&at.state, &at.m), found)?;
         files.push(member.file("start.vtu"));
         out.write_vtu(&member.file("start.vtu"), &shot)?;
         if member.part().scenario() == 0 {
             let drawing = Drawing {
                 title: title(member),
-                subtitle: format!("equilibrium at the start control, min J {}", short(at.state.report.min_j)),
+                subtitle: format!(
+                    "equilibrium at the start control, min J {}{}",
+                    short(at.state.report.min_j),
+                    session.warned()
+                ),
                 body: ("equilibrium", &shot),
                 ghost: None,
             };

@@ -13,10 +13,24 @@ object! {
         pub tolerance: f64 as POSITIVE = 1e-4,
         /// The inner product of controls.
         pub metric: Metric = Metric::L2,
+        /// What becomes of trials whose equilibrium is unstable.
+        pub unstable: Unstable = Unstable::Accept,
+        /// Whether the optimum is solved again from rest: a warning tells if that ends in another state.
+        pub verify: bool = false,
         /// Number of starts; those after the first are random.
         pub starts: usize as POSITIVE = 1,
         /// Seed of whatever is random.
         pub seed: u64 = 0,
+    }
+}
+
+choice! {
+    /// What becomes of unstable trials.
+    pub enum Unstable {
+        /// They are taken like others; a warning tells if the optimum is one.
+        "accept" => Accept,
+        /// They fail, so that the optimiser shortens its step; one factorisation more per trial.
+        "refuse" => Refuse,
     }
 }
 

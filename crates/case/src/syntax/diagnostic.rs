@@ -18,18 +18,26 @@ pub struct Diagnostic {
     pub message: String,
 }
 
+impl Diagnostic {
+    /// Where it is: `case.json:12:5: materials/0/mu1`.
+    #[must_use]
+    pub fn place(&self) -> String {
+        let mut out = self.file.clone();
+        if self.line > 0 {
+            out += &format!(":{}:{}", self.line, self.column);
+        }
+        if !self.path.is_empty() {
+            out += ": ";
+            out.extend(self.path.chars().filter(|c| !c.is_control()));
+        }
+        out
+    }
+}
+
 /// `case.json:12:5: materials/0/mu1: unit of the wrong kind ...`
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file)?;
-        if self.line > 0 {
-            write!(f, ":{}:{}", self.line, self.column)?;
-        }
-        if !self.path.is_empty() {
-            let path: String = self.path.chars().filter(|c| !c.is_control()).collect();
-            write!(f, ": {path}")?;
-        }
-        write!(f, ": {}", self.message)
+        write!(f, "{}: {}", self.place(), self.message)
     }
 }
 

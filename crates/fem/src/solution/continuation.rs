@@ -92,6 +92,7 @@ impl Model {
                     _ => failed,
                 })?;
                 state.report.add_work(&spent);
+                state.report.restarts += 1;
                 Ok(state)
             }
             solved => solved,

@@ -58,6 +58,8 @@ pub struct SolveReport {
     pub min_j: f64,
     /// Total potential: the sum over contributions.
     pub energy: f64,
+    /// Times the way from the state nearby failed and that from rest was taken: the answer may lie on another branch.
+    pub restarts: usize,
     /// Times a tangent had to be shifted to be positive definite: the way led over an unstable region.
     pub shifted: usize,
 }
@@ -83,6 +85,7 @@ impl SolveReport {
         self.hierarchies += other.hierarchies;
         self.cycles += other.cycles;
         self.cuts += other.cuts;
+        self.restarts += other.restarts;
         self.shifted += other.shifted;
     }
 }

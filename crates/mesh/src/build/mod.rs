@@ -1,7 +1,6 @@
 //! From a raw mesh to a checked one, step by step.
 
 mod check;
-mod coincident;
 mod facets;
 mod groups;
 mod raw;
@@ -26,7 +25,6 @@ pub(crate) fn build(raw: &RawMesh) -> Result<Mesh, Fault> {
     let table = FacetTable::new(blocks, points.len());
     let (boundary, neighbours) = table.sides(blocks, |id| selection.labels[id])?;
     let groups = groups::name(raw, dim, &selection, &table, &mut notes)?;
-    coincident::note(&points, &mut notes);
     points.shrink_to_fit();
     let mut mesh = Mesh {
         name: raw.name.clone(),

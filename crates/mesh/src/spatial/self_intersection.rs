@@ -1,9 +1,9 @@
 //! Self-intersection of a solid: cells that lie in other cells, boundary faces that cross each other.
 
+use super::V;
 use super::boundary::Facet;
 use super::shape::Shape;
 use super::tree::Aabb;
-use super::V;
 
 /// Where a solid intersects itself; cells by their numbers in the mesh, ascending.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -58,7 +58,8 @@ impl Shape {
             let range = Aabb::around(&facet.corners).grown(facet.sag);
             self.boundary.tree.overlapping(&range, |other| {
                 let (a, b) = (facet.face as usize, facets[other].face as usize);
-                if other > k && !(crossed[a] && crossed[b]) && self.are_apart(a, b) && self.cross(facet, &facets[other]) {
+                if other > k && !(crossed[a] && crossed[b]) && self.are_apart(a, b) && self.cross(facet, &facets[other])
+                {
                     (crossed[a], crossed[b]) = (true, true);
                 }
                 false
@@ -83,9 +84,8 @@ impl Shape {
             let [r, s, _] = b.corners;
             return straddles(&[p, q], &r, &b.normal, margin) && straddles(&[r, s], &p, &a.normal, margin);
         }
-        let pierces = |of: &Facet, on: &Facet| {
-            (0..3).any(|i| pierces(&[of.corners[i], of.corners[(i + 1) % 3]], on, margin))
-        };
+        let pierces =
+            |of: &Facet, on: &Facet| (0..3).any(|i| pierces(&[of.corners[i], of.corners[(i + 1) % 3]], on, margin));
         pierces(a, b) || pierces(b, a)
     }
 }

@@ -9,6 +9,7 @@ use super::starts::{self, Starts};
 use super::{FinishedRun, fall, revalued, why};
 use crate::lower::file_name;
 use crate::result::files::Directory;
+use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
@@ -19,17 +20,24 @@ use nastic_opt::{Best, Stop};
 use serde_json::{Value, json};
 
 /// Writes the states at the start and the targets.
-pub(super) fn write_start(session: &Session<'_>, start: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {
+pub(super) fn write_start(
+    session: &mut Session<'_>,
+    start: &EnsemblePoint,
+    derivative: &[f64],
+) -> Result<(), RunError> {
+    let found = session.inspect("start", start);
     let Some(out) = &session.out else { return Ok(()) };
     write_targets(&session.problem, out)?;
-    write_states(&session.problem, "start", start, derivative, out).map(|_| ())
+    write_states(&session.problem, "start", (start, derivative, &found), out).map(|_| ())
 }
 
 /// Fills the result, writes files, says how it went.
 pub(super) fn report(session: &mut Session<'_>, starts: &Starts) -> Result<(), RunError> {
     let FinishedRun { start, best, work } = starts.best();
+    let found = session.inspect("optimum", &best.point);
     let problem = &session.problem;
-    let mut reports = member_report::of_point(problem, &best.point).map_err(|error| session.member_failed(error))?;
+    let reports = member_report::of_inspected(problem, &best.point, &found);
+    let mut reports = reports.map_err(|error| session.member_failed(error))?;
     reports.iter_mut().zip(work).for_each(|(one, work)| one.work = *work);
     let entries = member_report::entries(problem, &reports, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
@@ -67,7 +75,7 @@ pub(super) fn report(session: &mut Session<'_>, starts: &Starts) -> Result<(), R
     session.console.say("");
     starts::say(session, starts);
     say(session, best);
-    session.timed("write", |session| write(session, starts.best(), starts.entries.len()))
+    session.timed("write", |session| write(session, starts.best(), &found, starts.entries.len()))
 }
 
 fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
@@ -148,11 +156,11 @@ fn say_how_to_go_on(session: &Session<'_>, stop: &Stop) {
     }
 }
 
-fn write(session: &mut Session<'_>, ended: &FinishedRun, starts: usize) -> Result<(), RunError> {
+fn write(session: &mut Session<'_>, ended: &FinishedRun, found: &[Inspection], starts: usize) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
     let mut files = vec!["history.jsonl".to_owned()];
-    files.extend(write_states(problem, "optimum", &best.point, &best.derivative, &out)?);
+    files.extend(write_states(problem, "optimum", (&best.point, &best.derivative, found), &out)?);
     for (k, member) in problem.leads().enumerate() {
         let shot = |point: &EnsemblePoint| {
             let at = &point.members[k];
@@ -161,7 +169,7 @@ fn write(session: &mut Session<'_>, ended: &FinishedRun, starts: usize) -> Resul
         let (begin, end) = (shot(start)?, shot(&best.point)?);
         let drawing = Drawing {
             title: title(member),
-            subtitle: format!("{}; cost {}", why(&best.stop), short(best.cost)),
+            subtitle: format!("{}; cost {}{}", why(&best.stop), short(best.cost), session.warned()),
             body: ("optimum", &end),
             ghost: Some(("start", &begin)),
         };

@@ -5,13 +5,14 @@ use super::super::session::Session;
 use super::super::table::Table;
 use crate::console::Console;
 use crate::history::{self, History};
-use crate::lower::CaseProblem;
+use crate::lower::{CaseMember, CaseProblem};
 use crate::result::files::Directory;
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::{EnsemblePoint, StateFields};
-use nastic_fem::SolveReport;
+use nastic_control::{EnsemblePoint, Evaluated, StateFields};
+use nastic_fem::{SolveOptions, SolveReport};
 use nastic_opt::{Reason, Trial};
+use rayon::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -89,6 +90,9 @@ impl<'s> Recorder<'s> {
             if let Some(distance) = distance {
                 line.insert("hausdorff_true".into(), json!(distance));
             }
+            if let Some(point) = trial.point.filter(|_| trial.accepted) {
+                line.insert("inertia".into(), json!(self.inertia(point)));
+            }
             if let (Some(point), true) = (trial.point, self.problem.has_scenarios()) {
                 line.insert("scenarios".into(), json!(point.costs));
             }
@@ -105,10 +109,20 @@ impl<'s> Recorder<'s> {
     /// The true distance of an accepted state: the largest of all members.
     fn distance(&self, trial: &Trial<'_, EnsemblePoint>) -> Option<f64> {
         let point = trial.point.filter(|_| trial.accepted && self.table.distance)?;
-        let of = |(member, at): (crate::lower::CaseMember<'_>, &nastic_control::Evaluated)| {
+        let of = |(member, at): (CaseMember<'_>, &Evaluated)| {
             summary::true_distance(&member.reduced().costs_of(at).ok()?).ok()?
         };
         self.problem.members().zip(&point.members).filter_map(of).reduce(f64::max)
+    }
+
+    /// Negative pivots of the tangent, the most of all members; `None` where a tangent is singular.
+    fn inertia(&self, point: &EnsemblePoint) -> Option<usize> {
+        let members: Vec<_> = self.problem.members().zip(&point.members).collect();
+        let parallel = members.len() == 1;
+        let how = SolveOptions { parallel, ..SolveOptions::default() };
+        let of = |(member, at): &(CaseMember<'_>, &Evaluated)| member.solid().negative_pivots_by(&at.state, &how).ok();
+        let all: Option<Vec<usize>> = members.par_iter().with_max_len(1).map(of).collect();
+        all.and_then(|all| all.into_iter().max())
     }
 
     /// Every so many iterations, the start among them.

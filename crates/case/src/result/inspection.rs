@@ -1,0 +1,121 @@
+//! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
+
+use crate::lower::{CaseMember, CaseProblem};
+use crate::warning::{CELL_SHAPE, NEARLY_SINGULAR, SELF_INTERSECTION, UNSTABLE, Warning};
+use nastic_control::EnsemblePoint;
+use nastic_fem::State;
+use nastic_mesh::spatial::{SelfIntersection, Shape};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+/// Below this scaled Jacobian a cell is badly shaped.
+const POOR: f64 = 0.05;
+
+/// What was found in the state of one member.
+#[derive(Debug, Clone)]
+pub(crate) struct Inspection {
+    /// Negative pivots of the tangent; `None` where it is singular.
+    pub inertia: Option<usize>,
+    /// Where the deformed body intersects itself.
+    pub intersection: SelfIntersection,
+    /// Deformed volume of the cells whose centres lie in other cells.
+    overlap: f64,
+    /// Cells that the deformation made badly shaped, and the lowest scaled Jacobian among them with its cell.
+    distorted: (usize, Option<(u32, f64)>),
+}
+
+impl Inspection {
+    /// Of all members of an evaluated control.
+    pub fn of_point(problem: &CaseProblem, point: &EnsemblePoint) -> Vec<Self> {
+        let members: Vec<_> = problem.members().zip(&point.members).collect();
+        members.par_iter().with_max_len(1).map(|(member, at)| Self::of(*member, &at.state)).collect()
+    }
+
+    /// Of one state.
+    pub fn of(member: CaseMember<'_>, state: &State) -> Self {
+        let mesh = member.mesh();
+        let positions = positions(mesh.points(), &state.u, mesh.dim());
+        let shape = Shape::new(mesh, &positions, None);
+        let intersection = shape.map(|shape| shape.self_intersection()).unwrap_or_default();
+        let (before, now) = (mesh.quality(), mesh.quality_at(&positions));
+        let worse = before.cells.iter().zip(&now.cells);
+        let distorted: Vec<(u32, f64)> = worse
+            .filter(|(before, now)| before.scaled_jacobian >= POOR && now.scaled_jacobian < POOR)
+            .map(|(_, now)| (now.cell, now.scaled_jacobian))
+            .collect();
+        let lowest = distorted.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
+        Self {
+            inertia: member.solid().negative_pivots(state).ok(),
+            overlap: overlap(member, state, &intersection),
+            intersection,
+            distorted: (distorted.len(), lowest),
+        }
+    }
+
+    /// `{ "cells": .., "volume": .. }`
+    pub fn intersection_json(&self) -> Value {
+        json!({ "cells": self.intersection.cells().len(), "volume": self.overlap })
+    }
+
+    /// One value per cell: 1 where the body intersects itself; `None` if it does not.
+    pub fn intersecting(&self, cells: usize) -> Option<Vec<f64>> {
+        let found = self.intersection.cells();
+        let mut marks = vec![0.0; cells];
+        found.iter().for_each(|&cell| marks[cell as usize] = 1.0);
+        (!found.is_empty()).then_some(marks)
+    }
+
+    /// What deserves attention in the state that `what` names.
+    pub fn warnings(&self, member: CaseMember<'_>, what: &str) -> Vec<Warning> {
+        let mut out = Vec::new();
+        match self.inertia {
+            Some(0) => {}
+            Some(n) => {
+                let pivots = if n == 1 { "1 negative pivot".to_owned() } else { format!("{n} negative pivots") };
+                out.push(Warning::new(&UNSTABLE, format!("{what}: {pivots} of the tangent stiffness")));
+            }
+            None => out.push(Warning::new(&NEARLY_SINGULAR, format!("{what}: the tangent stiffness has no factor"))),
+        }
+        if !self.intersection.is_empty() {
+            out.push(Warning::new(&SELF_INTERSECTION, format!("{what}: {}", self.describe_intersection(member))));
+        }
+        if let (count, Some((cell, lowest))) = self.distorted {
+            let message = format!(
+                "{what}: {count} cells have a scaled Jacobian below {POOR}, the lowest is {lowest:.3} (cell {cell})"
+            );
+            out.push(Warning::new(&CELL_SHAPE, message));
+        }
+        out.into_iter().map(|warning| warning.of(member.name())).collect()
+    }
+
+    fn describe_intersection(&self, member: CaseMember<'_>) -> String {
+        let SelfIntersection { overlapped, crossed } = &self.intersection;
+        let (cells, unit) = (member.mesh().cells(), member.problem().units().length().symbol);
+        let named = |cells: &[u32]| cells.iter().take(3).map(u32::to_string).collect::<Vec<_>>().join(", ");
+        match overlapped.len() {
+            0 => format!("the surfaces of {} cells cross (cells {} ..)", crossed.len(), named(crossed)),
+            n => format!(
+                "{n} of {cells} cells lie in others (cells {} ..), {:.3e} {unit}^{} of overlap",
+                named(overlapped),
+                self.overlap,
+                member.mesh().dim()
+            ),
+        }
+    }
+}
+
+fn positions(points: &[[f64; 3]], u: &[f64], dim: usize) -> Vec<[f64; 3]> {
+    let moved = |(x, u): (&[f64; 3], &[f64])| std::array::from_fn(|k| x[k] + u.get(k).copied().unwrap_or(0.0));
+    points.iter().zip(u.chunks_exact(dim)).map(moved).collect()
+}
+
+/// int J dX over the cells whose centres lie in others.
+fn overlap(member: CaseMember<'_>, state: &State, found: &SelfIntersection) -> f64 {
+    let disc = member.solid().discretization();
+    let (Ok(fields), points) = (member.solid().cell_fields(state), disc.points_of_cells()) else { return f64::NAN };
+    let volume = |&cell: &u32| {
+        let (first, count) = points[cell as usize];
+        fields.j[cell as usize] * disc.points().weights()[first..first + count].iter().sum::<f64>()
+    };
+    found.overlapped.iter().map(volume).sum()
+}

@@ -1,0 +1,205 @@
+//! [`Warning`]: a result or an input that deserves attention although nothing failed.
+
+use crate::syntax::Diagnostic;
+use serde_json::{Value, json};
+use std::fmt;
+
+/// A kind of warning: its code, what it means and what to try. docs/warnings.md explains every one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WarningKind {
+    /// The code: in brackets on the terminal, `code` in results.
+    pub code: &'static str,
+    /// What it means, in one line.
+    pub about: &'static str,
+    /// What to try; empty where the message of each warning says so itself.
+    pub advice: &'static str,
+}
+
+/// Every kind of warning.
+pub const WARNINGS: &[&WarningKind] = &[
+    &INPUT,
+    &UNBOUNDED,
+    &CONVEXITY,
+    &BOUNDS,
+    &UNITS,
+    &LOCKING,
+    &CELL_SHAPE,
+    &UNMATCHED_INTERFACE,
+    &HAUSDORFF_LENGTH,
+    &NEGLIGIBLE_TERM,
+    &UNSTABLE,
+    &NEARLY_SINGULAR,
+    &BRANCH_CHANGE,
+    &NO_MOVEMENT,
+    &ALL_ON_BOUNDS,
+    &OTHER_SIGN,
+    &SELF_INTERSECTION,
+    &NOT_VERIFIED,
+];
+
+/// A block that has no effect or a double one.
+pub const INPUT: WarningKind =
+    WarningKind { code: "input", about: "a block of the case has no effect, or acts twice", advice: "" };
+
+/// A control without bounds.
+pub const UNBOUNDED: WarningKind =
+    WarningKind { code: "unbounded", about: "a control has no bound on one side", advice: "" };
+
+/// A tension beyond the convexity bound.
+pub const CONVEXITY: WarningKind = WarningKind {
+    code: "convexity",
+    about: "a tension, or its bound, exceeds what the law carries while it stays polyconvex",
+    advice: "lower it, or stiffen the fibre direction of the law",
+};
+
+/// Bounds far beyond the material.
+pub const BOUNDS: WarningKind = WarningKind {
+    code: "bounds",
+    about: "the bounds of a control reach far beyond the stiffness of the material",
+    advice: "",
+};
+
+/// Lengths that look like another unit.
+pub const UNITS: WarningKind =
+    WarningKind { code: "units", about: "a size looks as if another unit was meant", advice: "" };
+
+/// Elements that are too stiff.
+pub const LOCKING: WarningKind = WarningKind {
+    code: "locking",
+    about: "the elements are too stiff for this material: displacements come out too small",
+    advice: "use second-order elements (tet10, hex20, hex27, tri6, quad9; in Gmsh: Mesh.ElementOrder = 2)",
+};
+
+/// Poor cells.
+pub const CELL_SHAPE: WarningKind = WarningKind {
+    code: "cell_shape",
+    about: "cells are badly shaped, in the mesh or after the deformation",
+    advice: "refine or smooth the mesh there, or lower the control",
+};
+
+/// Coincident nodes.
+pub const UNMATCHED_INTERFACE: WarningKind = WarningKind {
+    code: "unmatched_interface",
+    about: "surfaces of cells touch without sharing nodes, so the body is open there",
+    advice: "merge coincident nodes (in Gmsh: Coherence Mesh; BooleanFragments for touching volumes)",
+};
+
+/// A Hausdorff length below the spacing of points.
+pub const HAUSDORFF_LENGTH: WarningKind = WarningKind {
+    code: "hausdorff_length",
+    about: "a smoothed Hausdorff distance resolves less than the spacing of its points",
+    advice: "",
+};
+
+/// A term of the cost that does not count.
+pub const NEGLIGIBLE_TERM: WarningKind = WarningKind {
+    code: "negligible_term",
+    about: "a term of the cost is more than a million times smaller than another",
+    advice: "raise its weight, or leave it out",
+};
+
+/// Negative pivots.
+pub const UNSTABLE: WarningKind = WarningKind {
+    code: "unstable",
+    about: "the equilibrium is a saddle of the potential energy: a real body would leave it",
+    advice: "go there in steps (start from a nearby result), lower the control, or let the optimiser reject such trials: \
+             \"optimizer\": { \"unstable\": \"refuse\" }",
+};
+
+/// A singular tangent.
+pub const NEARLY_SINGULAR: WarningKind = WarningKind {
+    code: "nearly_singular",
+    about: "the tangent stiffness is singular to working accuracy: the state sits at a limit or bifurcation point",
+    advice: "change the control a little; near such a point gradients mean little",
+};
+
+/// Two equilibria for neighbouring controls.
+pub const BRANCH_CHANGE: WarningKind = WarningKind {
+    code: "branch_change",
+    about: "trials ended on another branch of equilibria than the point they started from",
+    advice: "shorten steps, bound the control more narrowly, or refuse unstable trials",
+};
+
+/// Nothing moved.
+pub const NO_MOVEMENT: WarningKind = WarningKind {
+    code: "no_movement",
+    about: "the optimisation ended where it began",
+    advice: "check that the control moves the body where the cost looks (`nastic gradient`), and the scale of the cost",
+};
+
+/// Bounds decide.
+pub const ALL_ON_BOUNDS: WarningKind = WarningKind {
+    code: "all_on_bounds",
+    about: "every value of a control lies on a bound: the bounds decide the answer, not the cost",
+    advice: "widen the bounds if the body allows it, or move the target within reach",
+};
+
+/// The wrong sign.
+pub const OTHER_SIGN: WarningKind = WarningKind {
+    code: "other_sign",
+    about: "the cost falls in the direction that a bound at zero forbids",
+    advice: "turn the sign of the bounds: a positive tension lengthens, a negative one contracts; a positive pressure inflates",
+};
+
+/// The body intersects itself.
+pub const SELF_INTERSECTION: WarningKind = WarningKind {
+    code: "self_intersection",
+    about: "the deformed body intersects itself: there is no contact in the model, so parts pass through each other",
+    advice: "lower the control, or look at the cells marked in the VTU file (array `intersecting`)",
+};
+
+/// The cold solve disagrees.
+pub const NOT_VERIFIED: WarningKind = WarningKind {
+    code: "not_verified",
+    about: "solved again from rest, the optimum is another state: the answer depends on the path to it",
+    advice: "drive the real body along the same path, or begin from rest in steps",
+};
+
+/// Something that deserves attention.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// What kind it is.
+    pub kind: &'static WarningKind,
+    /// Where: a place of the case file, a scenario; empty for the case as a whole.
+    pub place: String,
+    /// What was found, with its numbers.
+    pub message: String,
+}
+
+impl Warning {
+    /// About the case or its result as a whole.
+    pub fn new(kind: &'static WarningKind, message: impl Into<String>) -> Self {
+        Self { kind, place: String::new(), message: message.into() }
+    }
+
+    /// The same, of a scenario or load case.
+    #[must_use]
+    pub fn of(mut self, place: impl Into<String>) -> Self {
+        self.place = place.into();
+        self
+    }
+
+    /// At a place of the case.
+    #[must_use]
+    pub fn at(kind: &'static WarningKind, diagnostic: &Diagnostic) -> Self {
+        Self { kind, place: diagnostic.place(), message: diagnostic.message.clone() }
+    }
+
+    /// As it stands in results: `{ "code", "place", "message", "try" }`.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        json!({ "code": self.kind.code, "place": self.place, "message": self.message, "try": self.kind.advice })
+    }
+}
+
+/// `[locking] case.json:3:5: materials/0: ...; try: ...`
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "[{}] ", self.kind.code)?;
+        if !self.place.is_empty() {
+            write!(f, "{}: ", self.place)?;
+        }
+        f.write_str(&self.message)?;
+        if self.kind.advice.is_empty() { Ok(()) } else { write!(f, "; try: {}", self.kind.advice) }
+    }
+}

@@ -1,0 +1,181 @@
+//! Warnings: each is raised by a case that deserves it, reaches the result, and fails the command under `--strict`.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+
+use common::{BAR, Heard, Place, warnings, with};
+use nastic_case::console::Console;
+use nastic_case::run::{Exit, Options, Outcome};
+use nastic_case::schema::Command;
+use nastic_case::warning::WARNINGS;
+
+/// A strip in plane strain, clamped at the left, with room for a load or an actuation.
+fn strip(size: &str, cells: &str, more: &str) -> String {
+    format!(
+        r#"{{ "nastic": 1,
+  "mesh": {{ "box": {{ "size": {size}, "cells": {cells}, "element": "quad9" }} }},
+  "materials": [ {{ "region": "body", "law": "neo_hooke", "young": "100 kPa", "poisson": 0.3 }} ],
+  "supports": [ {{ "surface": "x-", "fix": ["x", "y"] }} ]{more} }}"#
+    )
+}
+
+/// A column that a dead load compresses beyond its buckling load, E h^3 / 12 (1 - nu^2) (pi / 2)^2 = 2.8 N/m.
+fn column(traction: &str) -> String {
+    let load = format!(r#", "loads": [ {{ "surface": "x+", "traction": ["{traction}", 0] }} ]"#);
+    strip("[1.0, 0.05]", "[10, 1]", &load)
+}
+
+/// The codes in a result, in their order.
+fn codes(outcome: &Outcome) -> Vec<String> {
+    let all = outcome.result["warnings"].as_array().unwrap();
+    all.iter().map(|warning| warning["code"].as_str().unwrap().to_owned()).collect()
+}
+
+fn run(command: Command, case: &str) -> Outcome {
+    Place::new().run(command, case, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn message(outcome: &Outcome, code: &str) -> String {
+    let all = outcome.result["warnings"].as_array().unwrap();
+    let one = all.iter().find(|warning| warning["code"] == code).unwrap_or_else(|| panic!("no {code} in {all:?}"));
+    format!("{}: {}", one["place"].as_str().unwrap(), one["message"].as_str().unwrap())
+}
+
+#[test]
+fn locking_elements() {
+    let tets = warnings(&with(BAR, r#""element": "hex8""#, r#""element": "tet4""#));
+    assert!(tets.contains("[locking]") && tets.contains("tet4 cells of \"body\" at Poisson's ratio"), "{tets}");
+    let soft = strip("[1.0, 0.1]", "[8, 2]", "");
+    assert_eq!(warnings(&soft), "");
+    for (element, poisson, locks) in
+        [("quad4", "0.39", false), ("quad4", "0.41", true), ("quad9", "0.49", false), ("tri3", "0.1", true)]
+    {
+        let case = with(&with(&soft, "quad9", element), r#""poisson": 0.3"#, &format!(r#""poisson": {poisson}"#));
+        assert_eq!(warnings(&case).contains("[locking]"), locks, "{element} at {poisson}: {}", warnings(&case));
+    }
+}
+
+/// Two unit cells side by side that do not share their nodes, the second with a corner drawn out to a point.
+const TWO_CELLS: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"body\"\n1 2 \"left\"\n$EndPhysicalNames\n\
+$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 1 0 0\n6 2 0 0\n7 1.52 0.52 0\n8 1 1 0\n$EndNodes\n\
+$Elements\n4\n1 3 2 1 1 1 2 3 4\n2 3 2 1 1 5 6 7 8\n3 1 2 2 2 4 1\n4 1 2 2 2 5 6\n$EndElements\n";
+
+#[test]
+fn cells_that_are_badly_shaped_or_not_connected() {
+    let place = Place::new();
+    place.write("two.msh", TWO_CELLS);
+    let case = r#"{ "nastic": 1, "mesh": "two.msh",
+        "materials": [ { "region": "body", "law": "neo_hooke", "young": "100 kPa", "poisson": 0.3 } ],
+        "supports": [ { "surface": "left", "fix": ["x", "y"] } ] }"#;
+    let outcome = place.run(Command::Check, case, &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(codes(&outcome), ["cell_shape", "unmatched_interface"]);
+    assert!(message(&outcome, "unmatched_interface").contains("2 nodes lie on others"));
+}
+
+#[test]
+fn bounds_far_beyond_the_material() {
+    assert!(warnings(&with(BAR, "-200 kPa", "-200 MPa")).contains("[bounds]"), "{BAR}");
+}
+
+#[test]
+fn an_unstable_equilibrium() {
+    assert_eq!(codes(&run(Command::Solve, &column("-40 Pa"))), [""; 0]);
+    let place = Place::new();
+    let outcome = place.run(Command::Solve, &column("-80 Pa"), &[]).unwrap();
+    assert_eq!((codes(&outcome), outcome.exit), (vec!["unstable".to_owned()], Exit::Done));
+    assert!(message(&outcome, "unstable").contains("1 negative pivot"), "{}", outcome.result["warnings"]);
+    assert_eq!(outcome.result["inertia"], 1);
+    assert!(std::fs::read_to_string(place.path("out/picture.svg")).unwrap().contains("WARNING: unstable"));
+    // The same under --strict, and where unstable states are refused.
+    let strict = Options { strict: true, ..place.options(&[]) };
+    let heard = Heard::default();
+    let outcome = place.run_with(Command::Solve, &column("-80 Pa"), &Console::new(heard.clone()), &strict).unwrap();
+    assert_eq!((outcome.exit, outcome.exit.code()), (Exit::Warned, 8));
+    assert!(heard.text().contains("WARNING     [unstable] equilibrium: 1 negative pivot"), "{}", heard.text());
+    let refused = with(&column("-80 Pa"), r#""nastic": 1,"#, r#""nastic": 1, "optimizer": { "unstable": "refuse" },"#);
+    let error = place.run(Command::Solve, &refused, &[]).unwrap_err();
+    assert!(error.to_string().contains("unstable: 1 negative pivots"), "{error}");
+    assert_eq!(error.exit(), Exit::ForwardFailed);
+}
+
+/// A strip whose fibres shorten above and lengthen below rolls up.
+#[test]
+fn a_body_that_intersects_itself() {
+    let rolled = |tension: &str| {
+        let fixed = format!(
+            r#", "actuation": [ {{ "name": "tension", "kind": "fiber_tension", "region": "body", "direction": [1, 0],
+               "tension": "{tension} * (1 - Y / 0.01)" }} ]"#
+        );
+        strip("[1.0, 0.02]", "[60, 1]", &fixed)
+    };
+    let place = Place::new();
+    let open = place.run(Command::Solve, &rolled("5 kPa"), &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert!(codes(&open).is_empty(), "{}", open.result["warnings"]);
+    assert_eq!(open.result["self_intersection"]["cells"], 0);
+    let closed = place.run(Command::Solve, &rolled("9 kPa"), &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(codes(&closed), ["self_intersection"], "{}", closed.result["warnings"]);
+    assert!(closed.result["self_intersection"]["volume"].as_f64().unwrap() > 0.0);
+    let marked = nastic_io::read_snapshot(place.path("out/start.vtu")).unwrap();
+    let marks = &marked.cell_array("intersecting").unwrap().values;
+    assert_eq!(closed.result["self_intersection"]["cells"], marks.iter().sum::<f64>());
+}
+
+const TARGET: &str = r#""target": ["X - 0.1", "Y", "Z + 0.1"]"#;
+
+/// The bar, started without tension, with another target.
+fn from_rest(target: &str) -> String {
+    with(&with(BAR, "-50 kPa * Z / 0.25 m", "0 Pa"), TARGET, target)
+}
+
+#[test]
+fn an_optimisation_in_which_nothing_moves() {
+    let outcome = run(Command::Optimize, &from_rest(r#""target": ["X", "Y", "Z"]"#));
+    assert_eq!(codes(&outcome), ["no_movement"], "{}", outcome.result["warnings"]);
+    assert!(message(&outcome, "no_movement").contains("exactly zero"), "{}", outcome.result["warnings"]);
+}
+
+#[test]
+fn bounds_that_decide() {
+    let shorter = from_rest(r#""target": ["X - 0.1", "Y", "Z"]"#);
+    let narrow = with(&shorter, "-200 kPa", "-1 Pa");
+    let outcome = run(Command::Optimize, &narrow);
+    assert_eq!(codes(&outcome)[0], "all_on_bounds", "{}", outcome.result["warnings"]);
+    let outcome = run(Command::Optimize, &with(&shorter, "-200 kPa", "0 Pa"));
+    assert_eq!(codes(&outcome), ["no_movement", "other_sign"], "{}", outcome.result["warnings"]);
+    assert!(message(&outcome, "other_sign").contains("the lower bound, and the cost falls below it"));
+}
+
+#[test]
+fn a_term_that_does_not_count() {
+    let case = with(BAR, r#""weight": 1e-14"#, r#""weight": 1e-30"#);
+    let outcome = run(Command::Optimize, &case);
+    assert!(codes(&outcome).contains(&"negligible_term".to_owned()), "{}", outcome.result["warnings"]);
+    assert!(message(&outcome, "negligible_term").contains("control_norm is at most"));
+}
+
+/// Solved again from rest, the optimum of a stable body is the same state.
+#[test]
+fn an_optimum_that_is_verified() {
+    let verified = with(BAR, r#""optimizer": {"#, r#""optimizer": { "verify": true,"#);
+    assert_eq!(codes(&run(Command::Optimize, &verified)), [""; 0]);
+}
+
+/// Every accepted trial is told with its negative pivots.
+#[test]
+fn the_history_has_the_inertia_of_accepted_trials() {
+    let place = Place::new();
+    place.run(Command::Optimize, BAR, &[]).unwrap();
+    let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
+    let lines: Vec<serde_json::Value> = history.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert!(lines.len() > 2 && lines.iter().all(|line| (line["accepted"] == true) == (line["inertia"] == 0)));
+}
+
+/// The page of warnings names every code, and no others.
+#[test]
+fn the_page_of_warnings_is_complete() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/warnings.md")).unwrap();
+    let told: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("## `")?.strip_suffix('`')).collect();
+    let known: Vec<&str> = WARNINGS.iter().map(|kind| kind.code).collect();
+    assert_eq!(told, known);
+}
