@@ -5,6 +5,7 @@ use crate::solution::state::State;
 use nastic_energy::EnergyError;
 use nastic_linear::{LinearError, StructureError};
 use nastic_mesh::MeshError;
+use std::fmt;
 
 /// An inverted deformation gradient, J <= 0, at which no law is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -125,6 +126,47 @@ pub enum FemError {
     },
 }
 
+/// Why there may be no equilibrium.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cause {
+    /// Towards this load the displacement grows as towards a limit point: the path of equilibria turns back there.
+    LimitPoint {
+        /// Estimated load of the limit point.
+        load: f64,
+    },
+    /// A tension beyond the convexity bound of the laws.
+    Convexity {
+        /// Name of the actuation.
+        actuation: String,
+        /// Its largest tension.
+        tension: f64,
+        /// The bound.
+        limit: f64,
+    },
+    /// Nothing tells.
+    Unknown,
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cause::LimitPoint { load } => write!(
+                f,
+                "the path of equilibria seems to turn back at a limit point near load {load:.4}: beyond it the body jumps to \
+                 another equilibrium or has none; try a smaller control or load"
+            ),
+            Cause::Convexity { actuation, tension, limit } => write!(
+                f,
+                "the tension of \"{actuation}\" reaches {tension:.4e}, beyond {limit:.4e}, up to which the laws stay \
+                 polyconvex: the energy may be unbounded below; keep it under the bound"
+            ),
+            Cause::Unknown => f.write_str(
+                "the body may have no stable equilibrium there: try a smaller control or load, or a finer mesh",
+            ),
+        }
+    }
+}
+
 /// Why a state solve stopped short. It is an ordinary answer: an optimiser shortens its step on it.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum StateError {
@@ -144,8 +186,8 @@ pub enum StateError {
     },
     /// Newton's method did not converge at this load, however small the step.
     #[error(
-        "no equilibrium found at load {load:.4} after {cuts} cuts of the load step and {newton} Newton iterations \
-         (relative residual {residual:.2e}); the body may have no stable equilibrium there: try a smaller control or load"
+        "no equilibrium found at load {load:.4}, the last one at load {reached:.4}, after {cuts} cuts of the load step and \
+         {newton} Newton iterations (relative residual {residual:.2e}); {cause}"
     )]
     NoConvergence {
         /// Fraction of the way.
@@ -156,6 +198,10 @@ pub enum StateError {
         newton: usize,
         /// Residual reached, relative to the sum of element forces.
         residual: f64,
+        /// Fraction of the way to the last equilibrium found.
+        reached: f64,
+        /// The likely reason.
+        cause: Cause,
         /// The last equilibrium found on the way.
         last: Box<State>,
     },

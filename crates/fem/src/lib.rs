@@ -23,7 +23,7 @@ pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
-pub use error::{FemError, InvertedAt, StateError};
+pub use error::{Cause, FemError, InvertedAt, StateError};
 pub use model::{Controllable, Model, Unknowns};
 pub use nastic_linear::Solver;
 pub use solid::Solid;

@@ -3,16 +3,16 @@
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::TimeStep;
 use crate::error::FemError;
-use crate::error::StateError;
+use crate::error::{Cause, StateError};
 use crate::model::Model;
+use crate::solution::load_steps::LoadSteps;
 use crate::solution::newton::{Newton, Stop};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
 use nastic_linear::LinearSolver;
+use nastic_numeric::vector::{norm, sub};
 
-/// Load steps shorter than this share of the way are given up on.
-const SHORTEST: f64 = 1.0 / 4096.0;
 /// A warm start is left for the way from rest at the first step that fails after so many times the iterations allowed for
 /// one: a state nearby that takes more is not nearby.
 const WARM: usize = 3;
@@ -23,7 +23,8 @@ impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
     /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method fails,
-    /// the step is halved, and doubled again after a success. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or needs more iterations than
+    /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
+    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or needs more iterations than
     /// three load steps may take, the way from rest is tried.
     ///
     /// # Errors
@@ -168,9 +169,9 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<State, StateError> {
         let mut here = from.clone();
-        let (mut done, mut step) = (0.0, 1.0_f64);
-        while done < 1.0 {
-            let path = (done + step).min(1.0);
+        let mut steps = LoadSteps::default();
+        while steps.done < 1.0 {
+            let path = steps.next();
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
@@ -178,16 +179,16 @@ impl Model {
             match newton.solve(here.u.to_vec(), self.linear_solver(how, workspace), report) {
                 Ok(u) => {
                     report.load_steps += 1;
+                    steps.succeeded(path, norm(&sub(&u, &here.u)));
                     here = State::equilibrium(u, controls, load, *report);
-                    done = path;
-                    step *= 2.0;
                 }
                 Err(Stop::Cancelled) => return Err(StateError::Cancelled),
                 Err(Stop::Linear(error)) => return Err(error.into()),
-                Err(stop) if step <= SHORTEST || report.newton > most => return Err(give_up(stop, path, report, here)),
-                Err(_) => {
+                Err(stop) => {
+                    if steps.failed(path) || report.newton > most {
+                        return Err(self.give_up(stop, path, &steps, to, report, here));
+                    }
                     report.cuts += 1;
-                    step *= 0.5;
                     workspace.forget();
                 }
             }
@@ -195,14 +196,47 @@ impl Model {
         here.report = *report;
         Ok(here)
     }
-}
 
-fn give_up(stop: Stop, load: f64, report: &SolveReport, here: State) -> StateError {
-    let (cuts, last) = (report.cuts, Box::new(here));
-    match stop {
-        Stop::Inverted(at) => StateError::Inverted { at, load, cuts, last },
-        Stop::Slow { residual } => StateError::NoConvergence { load, cuts, newton: report.newton, residual, last },
-        Stop::Linear(error) => error.into(),
-        Stop::Cancelled => StateError::Cancelled,
+    fn give_up(
+        &self,
+        stop: Stop,
+        load: f64,
+        steps: &LoadSteps,
+        controls: &Controls,
+        report: &SolveReport,
+        here: State,
+    ) -> StateError {
+        let (cuts, last) = (report.cuts, Box::new(here));
+        match stop {
+            Stop::Inverted(at) => StateError::Inverted { at, load, cuts, last },
+            Stop::Slow { residual } => {
+                let cause = match (self.beyond_convexity(controls), steps.limit_point()) {
+                    (Some(beyond), _) => beyond,
+                    (None, Some(load)) => Cause::LimitPoint { load },
+                    (None, None) => Cause::Unknown,
+                };
+                StateError::NoConvergence {
+                    load,
+                    cuts,
+                    newton: report.newton,
+                    residual,
+                    reached: steps.done,
+                    cause,
+                    last,
+                }
+            }
+            Stop::Linear(error) => error.into(),
+            Stop::Cancelled => StateError::Cancelled,
+        }
+    }
+
+    /// The first tension beyond what the laws carry while they stay polyconvex.
+    fn beyond_convexity(&self, controls: &Controls) -> Option<Cause> {
+        let body = &self.body;
+        body.actuations().iter().enumerate().find_map(|(k, actuation)| {
+            let limit = body.fiber_limit(k)?;
+            let tension = controls.values(k).iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            (tension > limit).then(|| Cause::Convexity { actuation: actuation.name.clone(), tension, limit })
+        })
     }
 }

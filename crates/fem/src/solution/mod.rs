@@ -1,6 +1,8 @@
 //! From controls to an equilibrium: load steps, Newton's method, tangent systems, time steps.
 
 mod continuation;
+mod limit_point;
+mod load_steps;
 pub(crate) mod newton;
 pub(crate) mod nodal_rotations;
 pub(crate) mod options;

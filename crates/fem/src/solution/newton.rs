@@ -63,6 +63,9 @@ const COLLAPSE: f64 = 0.09;
 const ARMIJO: f64 = 1e-4;
 /// Below this relative residual a step that does not halve it has met the limit of double precision.
 const ROUNDING: f64 = 1e-10;
+/// Iterations after which an attempt is given up that had to shift the tangent so many times: it goes downhill far from any
+/// equilibrium, which shorter load steps do not. Attempts that converge shift it once or twice.
+const LOST: (usize, usize) = (30, 3);
 /// A full step shorter than this share of the body's size is below what double precision resolves.
 const RESOLUTION: f64 = 1e-12;
 
@@ -84,9 +87,13 @@ impl Newton<'_> {
         let mut jump = self.jump(&u);
         let mut before = f64::INFINITY;
         let mut fit = None;
-        for _ in 0..self.options.max_newton {
+        let shifted = report.shifted;
+        for iteration in 0..self.options.max_newton {
             if self.options.cancelled() {
                 return Err(Stop::Cancelled);
+            }
+            if iteration >= LOST.0 && report.shifted - shifted >= LOST.1 {
+                break;
             }
             let (residual, relative) = self.residual(&now);
             self.record(&now, relative, report);
