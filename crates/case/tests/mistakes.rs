@@ -286,6 +286,12 @@ fn contradictions_inside_a_block_are_found() {
         "[20, 4]",
         ": mesh/box/cells: \"hex20\" is a cell in 3 dimensions: 3 entries wanted, found 2",
     );
+    one(
+        SCENARIOS,
+        "[20, 4, 4]",
+        "[20000, 4000, 4000]",
+        ": mesh/box/cells: this box would have some 7.7e12 unknowns; at most 4e6 are taken: use fewer cells",
+    );
     one(SCENARIOS, "\"level\": 0.9", "\"level\": 1.5", ": risk/cvar/level: must lie between 0 and 1, found 1.5");
     one(SCENARIOS, "\"length\": \"0.3 m\", ", "", "modes belong to a field: give its covariance \"length\" too");
     one(

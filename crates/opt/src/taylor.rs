@@ -19,7 +19,8 @@ use thiserror::Error;
 ///
 /// fall as t and t^2 if dj is the derivative. Orders are fitted to the smallest steps whose r1 stands clear of the noise
 /// of j, which is estimated from the scatter of j(m(t)) at the smallest steps, without use of the derivative.
-/// Remainders at round-off are not judged.
+/// Remainders at round-off are not judged: where the order at these steps is neither that of a right derivative nor that of a
+/// remainder linear in t, larger steps are asked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taylor {
     /// Number of random directions.
@@ -91,6 +92,8 @@ impl Taylor {
     const MOST: usize = 5;
     /// A remainder this many times the noise is clear of it.
     const CLEAR: f64 = 30.0;
+    /// An error of the derivative above this share of the slope must not hide behind noise and curvature where it is called right.
+    const HIDDEN: f64 = 1e-3;
 
     /// Tests the derivative of `objective` at an admissible control.
     ///
@@ -157,18 +160,27 @@ impl Taylor {
         let (scatter, observed) = noise_and_slope(&rows, cost);
         let noise = scatter.max(2.0 * f64::EPSILON * cost.abs());
         let clear: Vec<usize> = (0..rows.len()).filter(|k| rows[*k].r1 > Self::CLEAR * noise).collect();
-        let window = &clear[clear.len().saturating_sub(Self::MOST)..];
-        window.iter().for_each(|k| rows[*k].used = true);
-        let enough = window.len() >= Self::FEWEST;
-        let fit = |r: fn(&Row) -> f64| order(window.iter().map(|k| (rows[*k].t, r(&rows[*k]))));
-        let (order0, order1) = if enough { (fit(|row| row.r0), fit(|row| row.r1)) } else { (f64::NAN, f64::NAN) };
         let linear = clear.is_empty() && rows.iter().any(|row| row.r0 > 1e6 * noise);
-        let verdict = match () {
-            () if linear => Verdict::Linear,
-            () if !enough => Verdict::Undecided,
-            () if order1 >= self.order => Verdict::Right,
-            () => Verdict::Wrong,
+        let hidden = hidden_error(&rows, slope);
+        let fit = |window: &[usize], r: fn(&Row) -> f64| order(window.iter().map(|k| (rows[*k].t, r(&rows[*k]))));
+        let judged = windows(&clear).find_map(|window| {
+            let order1 = fit(window, |row| row.r1);
+            let verdict = match () {
+                () if order1 >= self.order && hidden <= Self::HIDDEN => Verdict::Right,
+                () if order1 >= self.order => Verdict::Undecided,
+                () if is_linear(window, &rows, order1) => Verdict::Wrong,
+                () => return None, // round-off, or between the two: ask steps that stand clearer of it
+            };
+            Some((window.to_vec(), verdict))
+        });
+        let first = windows(&clear).next().map(|window| (window.to_vec(), Verdict::Undecided));
+        let (window, verdict) = judged.or(first).unwrap_or((vec![], Verdict::Undecided));
+        let (order0, order1) = match window.len() {
+            0 => (f64::NAN, f64::NAN),
+            _ => (fit(&window, |row| row.r0), fit(&window, |row| row.r1)),
         };
+        window.iter().for_each(|k| rows[*k].used = true);
+        let verdict = if linear { Verdict::Linear } else { verdict };
         TaylorDirection { seed, direction, slope, observed, noise, rows, order0, order1, verdict }
     }
 }
@@ -221,6 +233,27 @@ fn fit(values: &[(f64, f64)]) -> (f64, f64) {
     let residual = |(t, y): &(f64, f64)| y - b * (t / longest) - c * (t / longest).powi(2);
     let squares: f64 = values.iter().map(|v| residual(v).powi(2)).sum();
     (3.0 * (squares / (values.len() - 2) as f64).sqrt(), b / longest)
+}
+
+/// Rows to fit orders to: the smallest clear ones first, then without the smallest of them, and so on.
+fn windows(clear: &[usize]) -> impl Iterator<Item = &[usize]> {
+    let ends = (Taylor::FEWEST..=clear.len()).rev();
+    ends.map(|end| &clear[end.saturating_sub(Taylor::MOST)..end])
+}
+
+/// Whether the remainders are those of a wrong derivative: proportional to t.
+fn is_linear(window: &[usize], rows: &[Row], order: f64) -> bool {
+    let ratios = window.iter().map(|k| rows[*k].r1 / rows[*k].t);
+    let (low, high) = ratios.fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
+    (order - 1.0).abs() < 0.2 && high < 2.0 * low
+}
+
+/// The largest error of the derivative, as a share of the slope, that the remainders leave room for: the least r1 / (t |slope|)
+/// that three neighbouring steps stay below. Noise makes remainders larger, hardly ever smaller three times in a row.
+fn hidden_error(rows: &[Row], slope: f64) -> f64 {
+    let share = |row: &Row| if row.r0 > 0.0 { row.r1 / (row.t * slope.abs()) } else { f64::INFINITY };
+    let largest = |rows: &[Row]| rows.iter().map(share).fold(0.0, f64::max);
+    rows.windows(3).map(largest).filter(|share| !share.is_nan()).fold(f64::INFINITY, f64::min)
 }
 
 /// Least-squares slope of log r over log t.

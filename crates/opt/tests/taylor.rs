@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use common::{Cost, rosenbrock};
 use nastic_opt::{
-    Ball, Base, Bounds, Certificate, Euclidean, Lbfgs, Product, Run, Sphere, Taylor, TaylorError, Verdict,
+    Ball, Base, Bounds, Certificate, Euclidean, Failed, Lbfgs, Objective, Product, Request, Run, Sphere, Taylor,
+    TaylorError, Verdict,
 };
 
 fn smooth(guard: impl nastic_opt::Admissible + 'static, error: f64, offset: f64) -> Cost {
@@ -199,4 +200,66 @@ fn certificates_of_runs_and_of_points() {
     let cost = smooth(Bounds::none(), 0.0, 1.0);
     let base = Base { m: &[0.0], point: &vec![0.0], derivative: &[1.0], stage: 0 };
     assert_eq!(Certificate::of(&cost, &Bounds::none(), &base, &mut (), None, 1), Err(TaylorError::NoDirection));
+}
+
+/// A smooth cost with rounding noise of some size, whose derivative may be wrong by a factor.
+struct Noisy {
+    /// Of the three terms: curvature and third derivative against the slope.
+    shape: [f64; 3],
+    noise: f64,
+    error: f64,
+}
+
+impl Objective for Noisy {
+    type Point = Vec<f64>;
+    type Workspace = ();
+
+    fn evaluate(&self, m: &[f64], _: &Request<'_, Vec<f64>>, (): &mut ()) -> Result<Vec<f64>, Failed> {
+        Ok(m.to_vec())
+    }
+
+    fn value(&self, m: &Vec<f64>) -> f64 {
+        let [slope, curvature, third] = self.shape;
+        let smooth = m.iter().map(|m| slope * m + curvature * m * m + third * m.powi(3)).sum::<f64>();
+        // Rounding as an iterative solver leaves it: anything between -noise and noise, the same for the same control.
+        let bits = m.iter().fold(0x9e37_79b9_7f4a_7c15_u64, |hash, m| {
+            (hash ^ m.to_bits()).wrapping_mul(0x2545_f491_4f6c_dd1d).rotate_left(31)
+        });
+        1.0 + smooth + self.noise * ((bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
+    }
+
+    fn derivative(&self, m: &mut Vec<f64>, (): &mut ()) -> Result<Vec<f64>, Failed> {
+        let [slope, curvature, third] = self.shape;
+        Ok(m.iter().map(|m| (1.0 + self.error) * (slope + 2.0 * curvature * m + 3.0 * third * m * m)).collect())
+    }
+
+    fn restage(&self, _: usize, m: &Vec<f64>) -> Result<Vec<f64>, Failed> {
+        Ok(m.clone())
+    }
+}
+
+/// The verdict on a right derivative is never "wrong", on one that is off by a thousandth never "right".
+#[test]
+fn verdicts_on_many_noisy_costs() {
+    let mut random = nastic_numeric::Random::new(11);
+    let set = Bounds::new(-2.0, 2.0).unwrap();
+    let (mut alarms, mut missed, mut undecided) = (0, 0, 0);
+    for case in 0..2000 {
+        let power = |random: &mut nastic_numeric::Random, low: f64, high: f64| {
+            10f64.powf(low + (high - low) * 0.5 * (1.0 + random.symmetric()))
+        };
+        let shape = [power(&mut random, -3.0, 0.0), power(&mut random, -4.0, 1.0), power(&mut random, -5.0, 1.0)];
+        let noise = power(&mut random, -16.0, -9.0);
+        let taylor = Taylor { directions: 1, seed: case, ..Taylor::default() };
+        let m = [0.3 * random.symmetric(), 0.5, -0.7];
+        let verdict = |error: f64| taylor.test(&Noisy { shape, noise, error }, &set, &m).unwrap().verdict();
+        match verdict(0.0) {
+            Verdict::Wrong => alarms += 1,
+            Verdict::Undecided => undecided += 1,
+            _ => {}
+        }
+        missed += usize::from(verdict(1e-2) == Verdict::Right);
+    }
+    assert_eq!((alarms, missed), (0, 0), "false alarms, errors missed; {undecided} undecided");
+    assert!(undecided < 200, "{undecided} undecided");
 }

@@ -81,7 +81,20 @@ fn check_scale(block: &MeshBlock, reader: &mut Reader<'_>) {
     }
 }
 
+/// Unknowns of a generated mesh, at most: beyond it no machine that the program was tried on has the memory.
+const MOST_UNKNOWNS: f64 = 4e6;
+
 fn check_box(block: &BoxMesh, reader: &mut Reader<'_>) {
+    let order = block.element.0.order() as f64;
+    // The lattice of nodes: an upper bound for serendipity kinds, exact for all others.
+    let nodes: f64 = block.cells.iter().map(|&cells| cells as f64 * order + 1.0).product();
+    let unknowns = nodes * block.cells.len() as f64;
+    if unknowns > MOST_UNKNOWNS {
+        let message = format!(
+            "this box would have some {unknowns:.1e} unknowns; at most {MOST_UNKNOWNS:.0e} are taken: use fewer cells"
+        );
+        reader.complain_at(&block.at.key("cells"), message);
+    }
     let wanted = block.element.0.dim();
     let given = [("size", block.size.entries().len()), ("cells", block.cells.len())];
     for (key, found) in given {
