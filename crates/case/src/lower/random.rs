@@ -11,6 +11,9 @@ use nastic_fem::Discretization;
 use nastic_uncertainty::{Beta, Gamma, Law, LogNormalField, Modes, Normal, Sample, StochasticError};
 use serde_json::{Map, json};
 
+/// Scenarios at most: a small body takes milliseconds to build, and kilobytes.
+const MOST_SCENARIOS: usize = 10_000;
+
 /// The nodes of the rule as scenarios; `None` after a complaint.
 pub(super) fn scenarios(
     block: &RandomScenarios,
@@ -25,6 +28,16 @@ pub(super) fn scenarios(
     let laws: Vec<&dyn Law> = variables.iter().flat_map(Variable::laws).collect();
     let sample = sample(&block.rule, &laws, block.seed);
     let sample = context.take(&block.at.key("rule"), sample)?;
+    let found = sample.nodes.len();
+    if found > MOST_SCENARIOS {
+        let message = format!(
+            "the rule has {found} nodes for {} random numbers, each a scenario with a body of its own; at most \
+             {MOST_SCENARIOS} are taken: use \"sparse\" or \"quasi_monte_carlo\"",
+            laws.len()
+        );
+        context.complain(&block.at.key("rule"), message);
+        return None;
+    }
     let nodes = sample.nodes.iter().zip(&sample.weights).enumerate();
     let nodes: Option<Vec<Scenario>> =
         nodes.map(|(k, (x, weight))| scenario(k, x, *weight, &variables, block, context)).collect();
