@@ -3,6 +3,7 @@
 pub(crate) mod expectation;
 pub(crate) mod files;
 pub(crate) mod fingerprint;
+pub(crate) mod lock;
 pub(crate) mod member_report;
 pub(crate) mod picture;
 pub(crate) mod snapshot;

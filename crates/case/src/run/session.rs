@@ -65,15 +65,13 @@ impl<'c> Session<'c> {
             problem,
             console,
             cancel: options.cancel.clone(),
-            out,
+            out: None,
             result: Map::new(),
             phases: vec![("read", began.elapsed().as_secs_f64())],
             began,
         };
         session.introduce(path);
-        if let Some(out) = &session.out {
-            out.create()?;
-        }
+        session.out = out.map(Directory::claim).transpose()?;
         Ok(session)
     }
 
@@ -265,14 +263,14 @@ impl<'c> Session<'c> {
 
 /// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where
 /// they are told to.
-fn directory(command: &Command, problem: &CaseProblem, path: &Path, options: &Options) -> Option<Directory> {
-    let named = options.out.clone().map(Directory::new);
+fn directory(command: &Command, problem: &CaseProblem, path: &Path, options: &Options) -> Option<PathBuf> {
+    let named = options.out.clone();
     if matches!(command, Command::Check | Command::Gradcheck) {
         return named;
     }
     let stem = path.file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy().into_owned());
     let own = problem.case.output.directory.clone().unwrap_or_else(|| format!("out/{stem}"));
-    Some(named.unwrap_or_else(|| Directory::new(problem.document.resolve(&own))))
+    Some(named.unwrap_or_else(|| problem.document.resolve(&own)))
 }
 
 impl From<Exit> for u8 {
