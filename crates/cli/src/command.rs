@@ -1,6 +1,7 @@
 //! From arguments to an exit code.
 
 use crate::arguments::{Arguments, Case, Command};
+use crate::signals::cancelled_by_signals;
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
 use nastic_case::run::{Exit, Options, RunError, run_with};
@@ -8,11 +9,6 @@ use nastic_case::schema;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Exit code of a program killed by Ctrl-C, by convention.
-const KILLED: i32 = 130;
 
 pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
     let on_case = |command, case: &Case| on_case(catalogue, command, case);
@@ -35,7 +31,7 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> Exit
         out: case.out.clone(),
         threads: case.threads.map(usize::from),
         set: case.settings.clone(),
-        cancel: cancelled_by_ctrl_c(),
+        cancel: cancelled_by_signals(),
     };
     let outcome = run_with(catalogue, command, &case.case, &options, &console(case));
     match outcome {
@@ -64,21 +60,6 @@ fn console(case: &Case) -> Console {
     }
     let console = if case.json { Console::silent() } else { Console::new(stdout()) };
     if stderr().is_terminal() { console.with_passing(stderr()) } else { console }
-}
-
-/// A flag that the first Ctrl-C raises; the second ends the program.
-fn cancelled_by_ctrl_c() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = flag.clone();
-    let handler = move || {
-        if raised.swap(true, Ordering::Relaxed) {
-            std::process::exit(KILLED);
-        }
-        complain("stopping after the step at hand; press Ctrl-C again to stop at once");
-    };
-    // Without a handler Ctrl-C ends the program, which is what it did before.
-    let _ = ctrlc::set_handler(handler);
-    flag
 }
 
 fn tell(error: &RunError) {
