@@ -1,5 +1,6 @@
 //! What commands leave behind: `result.json`, snapshots, pictures.
 
+pub(crate) mod checkpoint_file;
 pub(crate) mod expectation;
 pub(crate) mod files;
 pub(crate) mod fingerprint;
@@ -9,4 +10,5 @@ pub(crate) mod picture;
 pub(crate) mod snapshot;
 pub(crate) mod summary;
 
+pub use checkpoint_file::CheckpointError;
 pub use expectation::{Missed, find};

@@ -1,10 +1,10 @@
 //! From arguments to an exit code.
 
-use crate::arguments::{Arguments, Case, Command};
+use crate::arguments::{Arguments, Case, Command, Resume, Running};
 use crate::signals::cancelled_by_signals;
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{Exit, Options, RunError, run_with};
+use nastic_case::run::{Exit, Options, Outcome, RunError, resume, run_with};
 use nastic_case::schema;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
@@ -18,6 +18,7 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
         Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
         Command::Optimize(case) => on_case(schema::Command::Optimize, &case),
+        Command::Resume(interrupted) => on_directory(catalogue, &interrupted),
         Command::Schema => {
             print(&schema::json_schema(catalogue));
             ExitCode::SUCCESS
@@ -27,25 +28,36 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
 
 fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> ExitCode {
     let name = command.name();
+    let running = &case.running;
     let options = Options {
         out: case.out.clone(),
-        threads: case.threads.map(usize::from),
+        threads: running.threads.map(usize::from),
         set: case.settings.clone(),
         cancel: cancelled_by_signals(),
     };
-    let outcome = run_with(catalogue, command, &case.case, &options, &console(case));
+    answer(name, running, run_with(catalogue, command, &case.case, &options, &console(running)))
+}
+
+fn on_directory(catalogue: &Catalogue, Resume { directory, running }: &Resume) -> ExitCode {
+    let threads = running.threads.map(usize::from);
+    let outcome = resume(catalogue, directory, threads, cancelled_by_signals(), &console(running));
+    answer("resume", running, outcome)
+}
+
+/// Prints what is asked for and gives the exit code.
+fn answer(command: &str, running: &Running, outcome: Result<Outcome, RunError>) -> ExitCode {
     match outcome {
         Ok(outcome) => {
-            if case.json {
+            if running.json {
                 print(&outcome.result);
-            } else if case.quiet {
+            } else if running.quiet {
                 outcome.missed.iter().for_each(|missed| complain(&format!("expectation missed: {missed}")));
             }
             ExitCode::from(outcome.exit.code())
         }
         Err(error) => {
-            if case.json {
-                print(&as_json(name, &error));
+            if running.json {
+                print(&as_json(command, &error));
             }
             tell(&error);
             ExitCode::from(error.exit().code())
@@ -54,11 +66,11 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> Exit
 }
 
 /// Text for people goes to standard output, what passes to a terminal on standard error.
-fn console(case: &Case) -> Console {
-    if case.quiet {
+fn console(running: &Running) -> Console {
+    if running.quiet {
         return Console::silent();
     }
-    let console = if case.json { Console::silent() } else { Console::new(stdout()) };
+    let console = if running.json { Console::silent() } else { Console::new(stdout()) };
     if stderr().is_terminal() { console.with_passing(stderr()) } else { console }
 }
 

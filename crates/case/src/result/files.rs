@@ -54,6 +54,15 @@ impl Directory {
         }
     }
 
+    /// Removes a file, if it is there.
+    pub fn remove(&self, name: &str) -> Result<(), WriteError> {
+        let file = self.file(name);
+        match std::fs::remove_file(&file) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(WriteError::System { file, source }),
+            _ => Ok(()),
+        }
+    }
+
     pub fn write_json(&self, name: &str, value: &Value) -> Result<(), WriteError> {
         let text = format!("{value:#}\n");
         write_atomically(self.file(name), |out| out.write_all(text.as_bytes()))

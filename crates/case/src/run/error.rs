@@ -1,5 +1,6 @@
 //! How commands end.
 
+use crate::result::checkpoint_file::CheckpointError;
 use crate::result::lock::DirectoryError;
 use crate::syntax::Diagnostics;
 use nastic_control::ControlError;
@@ -82,6 +83,9 @@ pub enum RunError {
         /// The other program, where its number is known.
         process: Option<u32>,
     },
+    /// There is no checkpoint to go on from.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// An array that does not fit its mesh.
     #[error(transparent)]
     Snapshot(#[from] ControlError),
@@ -110,7 +114,7 @@ impl RunError {
     #[must_use]
     pub fn exit(&self) -> Exit {
         match self {
-            Self::Input(_) | Self::Threads(_) => Exit::BadInput,
+            Self::Input(_) | Self::Threads(_) | Self::Checkpoint(_) => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
             Self::Start(_) => Exit::BadInput,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,

@@ -23,9 +23,9 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
     session.console.clear();
     report(session, &point, &derivative)?;
-    let verdict = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
+    let certificate = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
     session.timed("write", |session| write(session, &point, &derivative))?;
-    Ok(if verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
+    Ok(if certificate.verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint, derivative: &[f64]) -> Result<(), RunError> {

@@ -6,6 +6,7 @@ use super::{Options, number};
 use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
+use crate::result::checkpoint_file::{self, CheckpointError};
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::snapshot;
@@ -31,6 +32,8 @@ pub(super) struct Session<'c> {
     pub cancel: Arc<AtomicBool>,
     /// Where results go; `None` for commands that leave nothing behind unless told where.
     pub out: Option<Directory>,
+    /// Overrides of the case, in order.
+    pub settings: Vec<String>,
     result: Map<String, Value>,
     phases: Vec<(&'static str, f64)>,
     began: Instant,
@@ -50,7 +53,34 @@ impl<'c> Session<'c> {
         for option in &options.set {
             document.set(option)?;
         }
-        let mut problem = CaseProblem::lower(document, options.cancel.clone())?;
+        let mut session = Self::of(command, document, options.set.clone(), options.cancel.clone(), console, began)?;
+        session.out = directory(&session.command, &session.problem, path, options).map(Directory::claim).transpose()?;
+        Ok(session)
+    }
+
+    /// Goes on with an optimisation whose case was read and whose directory is claimed.
+    pub fn resume(
+        document: Document,
+        settings: Vec<String>,
+        out: Directory,
+        cancel: Arc<AtomicBool>,
+        console: &'c Console,
+    ) -> Result<Self, RunError> {
+        let mut session = Self::of(Command::Optimize, document, settings, cancel, console, Instant::now())?;
+        session.out = Some(out);
+        Ok(session)
+    }
+
+    /// Lowers the case.
+    fn of(
+        command: Command,
+        document: Document,
+        settings: Vec<String>,
+        cancel: Arc<AtomicBool>,
+        console: &'c Console,
+        began: Instant,
+    ) -> Result<Self, RunError> {
+        let mut problem = CaseProblem::lower(document, cancel.clone())?;
         if problem.members().nth(1).is_some() {
             problem.ensemble.watch(EnsembleProgress::new(&problem, console).watcher());
         } else {
@@ -59,25 +89,25 @@ impl<'c> Session<'c> {
                 terminal.pass(format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}"));
             });
         }
-        let out = directory(&command, &problem, path, options);
         let mut session = Self {
             command,
             problem,
             console,
-            cancel: options.cancel.clone(),
+            cancel,
             out: None,
+            settings,
             result: Map::new(),
             phases: vec![("read", began.elapsed().as_secs_f64())],
             began,
         };
-        session.introduce(path);
-        session.out = out.map(Directory::claim).transpose()?;
+        session.introduce();
         Ok(session)
     }
 
     /// The head of every result, and of what is said.
-    fn introduce(&mut self, path: &Path) {
+    fn introduce(&mut self) {
         let problem = &self.problem;
+        let path = problem.document.name().to_owned();
         let case = &problem.case;
         let hash = Fingerprint::of(&problem.document.canonical(), &problem.files);
         let title = case.title.clone();
@@ -93,8 +123,8 @@ impl<'c> Session<'c> {
         let notes = problem.notes.clone();
         let command = self.command.name();
         self.console.say(match &title {
-            Some(title) => format!("case        {}: {title}", path.display()),
-            None => format!("case        {}", path.display()),
+            Some(title) => format!("case        {path}: {title}"),
+            None => format!("case        {path}"),
         });
         let (mesh, dofs) = (problem.mesh(), problem.solid().discretization().dofs());
         let body = format!("{}, {} unknowns", number::count(mesh.cells(), "cell"), number::grouped(dofs));
@@ -110,13 +140,21 @@ impl<'c> Session<'c> {
             self.console.say(format!("WARNING     {warning}"));
         }
         self.put("command", json!(command));
-        self.put("case", json!(path.display().to_string()));
+        self.put("case", json!(path));
         self.put("title", json!(title));
         self.put("case_hash", json!(hash));
         self.put("versions", versions);
         self.put("units", labels);
         self.put("warnings", json!(warnings));
         self.put("notes", json!(notes));
+    }
+
+    /// Adds a warning to what is said and to the result.
+    pub fn warn(&mut self, warning: &str) {
+        self.console.say(format!("WARNING     {warning}"));
+        if let Some(Value::Array(warnings)) = self.result.get_mut("warnings") {
+            warnings.push(json!(warning));
+        }
     }
 
     /// Adds an entry to the result.
@@ -208,6 +246,12 @@ impl<'c> Session<'c> {
                 RunError::Forward { member: String::new(), error, file: None }
             }
         }
+    }
+
+    /// The error of a checkpoint that is whole but not of this case.
+    pub fn unfit_checkpoint(&self, what: &str) -> RunError {
+        let file = self.out.as_ref().map(|out| out.file(checkpoint_file::NAME)).unwrap_or_default();
+        CheckpointError::Content { file, what: what.to_owned() }.into()
     }
 
     /// The same, of an evaluation.
