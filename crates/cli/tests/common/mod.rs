@@ -2,7 +2,7 @@
 
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)] // helpers of several tests
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
@@ -77,4 +77,53 @@ pub fn code(output: &Output) -> i32 {
 
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A file and what it holds.
+pub type NamedBytes = (String, Vec<u8>);
+
+/// What an optimisation leaves in a directory, but for times and the entry that says that it was resumed: `result.json`,
+/// `history.jsonl`, other files.
+pub fn content(directory: &Path) -> (String, Vec<serde_json::Value>, Vec<NamedBytes>) {
+    let read = |name: &str| {
+        let text = std::fs::read_to_string(directory.join(name));
+        text.unwrap_or_else(|error| panic!("{}/{name}: {error}", directory.display()))
+    };
+    let without = |text: &str, keys: [&str; 2]| {
+        let mut value: serde_json::Value = serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"));
+        value.as_object_mut().unwrap().retain(|key, _| !keys.contains(&key.as_str()));
+        value
+    };
+    let result = format!("{:#}", without(&read("result.json"), ["seconds", "resumed"]));
+    let history = read("history.jsonl").lines().map(|line| without(line, ["seconds", "seconds"])).collect();
+    let names = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().file_name());
+    let mut names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+    names.retain(|name| !["result.json", "history.jsonl", "checkpoint.bin", ".lock"].contains(&name.as_str()));
+    names.sort();
+    let files = names.into_iter().map(|name| (name.clone(), std::fs::read(directory.join(name)).unwrap()));
+    (result, history, files.collect())
+}
+
+/// Fails unless two directories hold the same.
+pub fn assert_same(a: &Path, b: &Path, what: &str) {
+    let ((result, history, files), (result_2, history_2, files_2)) = (content(a), content(b));
+    assert_eq!(result, result_2, "{what}");
+    assert_eq!(history, history_2, "{what}");
+    let names = |files: &[NamedBytes]| files.iter().map(|file| file.0.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&files), names(&files_2), "{what}");
+    for (file, file_2) in files.iter().zip(&files_2) {
+        assert!(file == file_2, "{what}: {} differs", file.0);
+    }
+}
+
+/// Random numbers in [0, 1) from a seed (splitmix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
 }
