@@ -8,7 +8,7 @@ use common::{BAR, Heard, Place, with};
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
 use nastic_case::result::CheckpointError;
-use nastic_case::run::{Exit, Options, Outcome, RunError, resume};
+use nastic_case::run::{Exit, Outcome, RunError, resume};
 use nastic_case::schema::Command;
 use serde_json::Value;
 use std::sync::Arc;
@@ -17,15 +17,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const MAGNET: &str = include_str!("cases/magnet_pair.json");
 const SHORT: [&str; 3] = ["optimizer/max_iterations=7", "optimizer/tolerance=1e-9", "output/checkpoint=3"];
 
-/// Raises a flag once so many lines were said.
+/// Raises a flag once so many lines were said that contain a word.
 struct Watch {
     cancel: Arc<AtomicBool>,
+    word: &'static str,
     left: usize,
 }
 
 impl std::io::Write for Watch {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let lines = bytes.iter().filter(|byte| **byte == b'\n').count();
+        // A line comes in pieces; its end is in the last.
+        let text = std::str::from_utf8(bytes).unwrap();
+        let lines = if self.word.is_empty() { text.matches('\n').count() } else { text.matches(self.word).count() };
         self.left = self.left.saturating_sub(lines);
         if self.left == 0 {
             self.cancel.store(true, Ordering::Relaxed);
@@ -40,8 +43,18 @@ impl std::io::Write for Watch {
 
 /// Optimises until so many lines were said.
 fn interrupt(place: &Place, case: &str, set: &[&str], lines: usize) -> Result<Outcome, RunError> {
-    let options = Options { cancel: Arc::default(), ..place.options(set) };
-    let watch = Watch { cancel: options.cancel.clone(), left: lines };
+    interrupt_at(place, case, set, ("", lines))
+}
+
+/// Optimises until a word was said so many times.
+fn interrupt_at(
+    place: &Place,
+    case: &str,
+    set: &[&str],
+    (word, left): (&'static str, usize),
+) -> Result<Outcome, RunError> {
+    let options = place.options(set);
+    let watch = Watch { cancel: options.cancel.clone(), word, left };
     place.run_with(Command::Optimize, case, &Console::new(watch), &options)
 }
 
@@ -126,7 +139,8 @@ fn a_distance_with_stages_goes_on_to_the_bit() {
         "phi": { "exponential": { "length": 0.1 } },
         "stages": [ { "alpha": 1, "beta": 4, "gamma": 4 }, { "alpha": 3, "beta": 16, "gamma": 8 } ] } ], "#;
     let case = format!("{}{costs}{}", &BAR[..from], &BAR[to..]);
-    goes_on_to_the_bit(&case, &SHORT, &[6, 8, 10, 12]);
+    let set: Vec<&str> = SHORT.iter().chain(&["optimizer/starts=2"]).copied().collect();
+    goes_on_to_the_bit(&case, &set, &[6, 10, 14, 24]);
 }
 
 #[test]
@@ -138,6 +152,32 @@ fn load_cases_and_several_starts_go_on_to_the_bit() {
     goes_on_to_the_bit(&with(MAGNET, "{\n", "{ \"title\": \"Magnet\",\n"), &set, &moments);
 }
 
+/// The best of the starts is one that had ended before.
+#[test]
+fn what_earlier_starts_found_is_kept() {
+    let set: Vec<&str> = SHORT.iter().chain(&["optimizer/starts=2", "optimizer/seed=2"]).copied().collect();
+    let whole = Place::new();
+    let result = whole.run(Command::Optimize, BAR, &set).unwrap().result;
+    assert_eq!(result["best_start"], 0, "the test needs a start as written that is the best");
+    // While the second start is evaluated, after its gradient was checked, and in the midst of its run.
+    for (moment, starts, from) in
+        [(("start 2 of 2", 1), 1, (0, 6)), (("gradient    right", 2), 1, (0, 6)), (("\n", 23), 2, (1, 3))]
+    {
+        let place = Place::new();
+        let outcome = interrupt_at(&place, BAR, &set, moment).unwrap();
+        assert_eq!(outcome.exit, Exit::NotConverged);
+        assert_eq!(outcome.result["cost"], result["cost"], "{moment:?}");
+        assert_eq!(outcome.result["starts"].as_array().map_or(1, Vec::len), starts, "{moment:?}");
+        let resumed = go_on(&place, 2, &Console::silent()).unwrap().result["resumed"].clone();
+        assert_eq!(
+            (resumed["start"].as_u64(), resumed["iteration"].as_u64()),
+            (Some(from.0), Some(from.1)),
+            "{moment:?}"
+        );
+        assert_same(&place, &whole, &format!("{moment:?}"));
+    }
+}
+
 /// The end of a run that was itself resumed, twice.
 #[test]
 fn what_was_resumed_can_be_resumed_again() {
@@ -146,7 +186,7 @@ fn what_was_resumed_can_be_resumed_again() {
     interrupt(&place, BAR, &SHORT, 6).unwrap();
     for lines in [5, 12] {
         let cancel = Arc::new(AtomicBool::new(false));
-        let console = Console::new(Watch { cancel: cancel.clone(), left: lines });
+        let console = Console::new(Watch { cancel: cancel.clone(), word: "", left: lines });
         let outcome = resume(&Catalogue::standard(), &place.path("out"), None, cancel, &console).unwrap();
         assert_eq!(outcome.result["stop"], "cancelled");
     }
