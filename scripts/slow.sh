@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every shipped case and every example program, in release, held to its expected numbers.
+# Every shipped case and every example program, in release, held to its expected numbers; optimisations killed at random moments.
 #
 #   scripts/slow.sh [--quick]        --quick: those that take less than 30 s each on two idle cores, as .ci/run does
 #
@@ -84,6 +84,11 @@ for file in examples/*.rs; do
   [ "$quick" = 1 ] && is_in "$name" "${slow_examples[@]}" && continue
   run "example $name" example_met "$name"
 done
+# Optimisations killed at random moments; the tests do it 20 times.
+if [ "$quick" = 0 ]; then
+  export NASTIC_KILLS=200
+  run "200 kills of each kind of case" cargo test --release --locked --quiet -p nastic-cli --test resume
+fi
 [ "${#failed[@]}" = 0 ] && echo "all as expected" && exit 0
 printf 'FAILED: %s\n' "${failed[@]}"
 exit 1

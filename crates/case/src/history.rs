@@ -1,46 +1,62 @@
 //! `history.jsonl`: one line per trial, readable while the run goes on.
 
-use nastic_io::WriteError;
+use nastic_io::{WriteError, write_atomically};
 use nastic_opt::{Summary, Trial};
 use serde_json::{Map, Value, json};
-use std::fs::File;
+use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The file, open for further lines.
+/// The file, open for further lines, and all that was to be written to it.
 #[derive(Debug)]
 pub struct History {
     file: File,
     path: PathBuf,
-    failed: Option<std::io::Error>,
+    text: Vec<u8>,
+    /// A line could not be written: the file lacks it, or has a part of it.
+    broken: bool,
 }
 
 impl History {
-    /// Begins an empty history.
+    /// Begins a history with these lines, in place of an older one.
     ///
     /// # Errors
     /// The file cannot be made.
-    pub fn create(path: &Path) -> Result<Self, WriteError> {
-        let file = File::create(path).map_err(|source| WriteError::System { file: path.to_owned(), source })?;
-        Ok(Self { file, path: path.to_owned(), failed: None })
+    pub fn create(path: &Path, text: Vec<u8>) -> Result<Self, WriteError> {
+        write_atomically(path, |out| out.write_all(&text))?;
+        let file = OpenOptions::new().append(true).open(path);
+        let file = file.map_err(|source| WriteError::System { file: path.to_owned(), source })?;
+        Ok(Self { file, path: path.to_owned(), text, broken: false })
     }
 
-    /// Adds a line in one piece. A failure is kept for [`Self::finish`]: an optimisation does not end for it.
-    pub fn add(&mut self, line: &Value) {
-        if self.failed.is_none() {
-            self.failed = self.file.write_all(format!("{line}\n").as_bytes()).err();
-        }
-    }
-
-    /// Ends the history.
+    /// Adds a line in one piece.
     ///
     /// # Errors
-    /// The first line that could not be written.
-    pub fn finish(self) -> Result<(), WriteError> {
-        match self.failed {
-            Some(source) => Err(WriteError::System { file: self.path, source }),
-            None => Ok(()),
+    /// The first line that cannot be written, once: an optimisation does not end for it, and [`Self::finish`] tries again.
+    pub fn add(&mut self, line: &Value) -> Result<(), WriteError> {
+        let line = format!("{line}\n");
+        self.text.extend(line.as_bytes());
+        if self.broken {
+            return Ok(());
         }
+        self.file.write_all(line.as_bytes()).map_err(|source| {
+            self.broken = true;
+            WriteError::System { file: self.path.clone(), source }
+        })
+    }
+
+    /// All lines so far.
+    #[must_use]
+    pub fn text(&self) -> &[u8] {
+        &self.text
+    }
+
+    /// Ends the history; if a line could not be written, all are written once more.
+    ///
+    /// # Errors
+    /// That failed too.
+    pub fn finish(self) -> Result<(), WriteError> {
+        if self.broken { write_atomically(&self.path, |out| out.write_all(&self.text)) } else { Ok(()) }
     }
 }
 

@@ -1,12 +1,15 @@
 //! What commands leave behind: `result.json`, snapshots, pictures.
 
+pub(crate) mod checkpoint_file;
 pub(crate) mod expectation;
 pub(crate) mod files;
 pub(crate) mod fingerprint;
 pub(crate) mod inspection;
+pub(crate) mod lock;
 pub(crate) mod member_report;
 pub(crate) mod picture;
 pub(crate) mod snapshot;
 pub(crate) mod summary;
 
+pub use checkpoint_file::CheckpointError;
 pub use expectation::{Missed, find};

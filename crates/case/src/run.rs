@@ -1,4 +1,4 @@
-//! The commands, as functions of a library: `check`, `solve`, `gradient`, `gradcheck`, `optimize`.
+//! The commands, as functions of a library: `check`, `solve`, `gradient`, `gradcheck`, `optimize`, `resume`.
 //!
 //! ```no_run
 //! use nastic_case::console::Console;
@@ -10,6 +10,7 @@
 //! # Ok::<(), nastic_case::run::RunError>(())
 //! ```
 
+mod case_record;
 mod check;
 mod check_gradient;
 mod describe;
@@ -19,6 +20,7 @@ mod gradcheck;
 mod gradient;
 mod number;
 mod optimize;
+mod resume;
 mod session;
 mod solve;
 mod table;
@@ -83,12 +85,7 @@ pub fn run_with(
     options: &Options,
     console: &Console,
 ) -> Result<Outcome, RunError> {
-    let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(threads) = options.threads {
-        pool = pool.num_threads(threads);
-    }
-    let pool = pool.build().map_err(|error| RunError::Threads(error.to_string()))?;
-    pool.install(|| {
+    pool(options.threads)?.install(|| {
         let mut session = Session::open(catalogue, command, case, options, console)?;
         let exit = match &session.command {
             Command::Check => check::run(&mut session),
@@ -97,15 +94,47 @@ pub fn run_with(
             Command::Gradcheck => gradcheck::run(&mut session),
             Command::Optimize => optimize::run(&mut session),
         };
-        console.clear();
-        match exit {
-            Ok(exit) => close(session, exit),
-            Err(error) => {
-                note_failure(session, &error);
-                Err(error)
-            }
-        }
+        conclude(session, exit)
     })
+}
+
+/// Goes on with an optimisation from the last checkpoint in its output directory. The result is that of [`run`] without
+/// interruption, to the bit but for times and the entry `resumed`. Directory and overrides are those of the checkpoint: `out` and `set` of
+/// the options are not looked at.
+///
+/// # Errors
+/// [`RunError::Checkpoint`]: there is no checkpoint, it is damaged, or the case has changed since; and as [`run`].
+pub fn resume(
+    catalogue: &Catalogue,
+    directory: &Path,
+    options: &Options,
+    console: &Console,
+) -> Result<Outcome, RunError> {
+    pool(options.threads)?.install(|| {
+        let (mut session, position) = resume::open(catalogue, directory, options.cancel.clone(), console)?;
+        session.strict = options.strict;
+        let exit = optimize::resume(&mut session, position);
+        conclude(session, exit)
+    })
+}
+
+fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, RunError> {
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(threads) = threads {
+        pool = pool.num_threads(threads);
+    }
+    pool.build().map_err(|error| RunError::Threads(error.to_string()))
+}
+
+fn conclude(session: Session<'_>, exit: Result<Exit, RunError>) -> Result<Outcome, RunError> {
+    session.console.clear();
+    match exit {
+        Ok(exit) => close(session, exit),
+        Err(error) => {
+            note_failure(session, &error);
+            Err(error)
+        }
+    }
 }
 
 /// What went wrong takes the place of a result, so that no older one is taken for it.

@@ -12,8 +12,8 @@ use std::path::PathBuf;
     name = "nastic",
     version,
     after_help = "Exit codes: 0 done, 2 bad input, 3 forward solve failed, 4 stopped before converging, \
-                  5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written, \
-                  8 a warning under --strict.",
+                  5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written or another program \
+                  writes to the output directory, 8 a warning under --strict.",
     max_term_width = 100
 )]
 pub struct Arguments {
@@ -44,12 +44,45 @@ pub enum Command {
     /// Find the best control: the main job
     ///
     /// Begins with a short gradient check, prints one row per trial, ends with a summary. Writes start.vtu, optimum.vtu,
-    /// target.vtu, iterations.pvd with its snapshots, history.jsonl, picture.png, picture.svg and result.json. Ctrl-C
-    /// stops after the trial at hand and keeps what was found. Load cases and scenarios have files of their own, and
-    /// scenarios.pvd collects the latter.
+    /// target.vtu, iterations.pvd with its snapshots, history.jsonl, checkpoint.bin, picture.png, picture.svg and
+    /// result.json. Ctrl-C or SIGTERM stops after the trial at hand and keeps what was found; nastic resume goes on. Load
+    /// cases and scenarios have files of their own, and scenarios.pvd collects the latter.
     Optimize(Case),
+    /// Go on with an interrupted optimisation from the last checkpoint in its output directory
+    ///
+    /// The result is that of an optimisation without interruption, to the bit, however the program ended: by Ctrl-C, SIGTERM
+    /// or kill -9, or for lack of space. The case file, its overrides (--set) and the files it names must be as they were.
+    Resume(Resume),
     /// Print the JSON Schema of case files, for editors
     Schema,
+}
+
+/// An optimisation that was interrupted.
+#[derive(Debug, Args)]
+pub struct Resume {
+    /// The output directory of the optimisation
+    #[arg(value_name = "DIR")]
+    pub directory: PathBuf,
+    /// How to run it.
+    #[command(flatten)]
+    pub running: Running,
+}
+
+/// How to run and what to print.
+#[derive(Debug, Args)]
+pub struct Running {
+    /// Number of threads; results do not depend on it [default: all processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Let warnings fail the command: exit code 8 where there would be 0
+    #[arg(long)]
+    pub strict: bool,
+    /// Print errors only
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print the result as JSON instead of text for people
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// A case and how to run it.
@@ -61,19 +94,10 @@ pub struct Case {
     /// Directory of all results [default: output/directory of the case, else out/NAME beside it]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Number of threads; results do not depend on it [default: all processors]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
     /// Put a value in the place of another: --set materials/0/mu1="90 kPa"; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub settings: Vec<String>,
-    /// Let warnings fail the command: exit code 8 where there would be 0
-    #[arg(long)]
-    pub strict: bool,
-    /// Print errors only
-    #[arg(long)]
-    pub quiet: bool,
-    /// Print the result as JSON instead of text for people
-    #[arg(long)]
-    pub json: bool,
+    /// How to run it.
+    #[command(flatten)]
+    pub running: Running,
 }

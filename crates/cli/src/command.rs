@@ -1,18 +1,14 @@
 //! From arguments to an exit code.
 
-use crate::arguments::{Arguments, Case, Command};
+use crate::arguments::{Arguments, Case, Command, Resume, Running};
+use crate::signals::cancelled_by_signals;
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{Exit, Options, RunError, run_with};
+use nastic_case::run::{Exit, Options, Outcome, RunError, resume, run_with};
 use nastic_case::schema;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Exit code of a program killed by Ctrl-C, by convention.
-const KILLED: i32 = 130;
 
 pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
     let on_case = |command, case: &Case| on_case(catalogue, command, case);
@@ -22,6 +18,7 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
         Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
         Command::Optimize(case) => on_case(schema::Command::Optimize, &case),
+        Command::Resume(interrupted) => on_directory(catalogue, &interrupted),
         Command::Schema => {
             print(&schema::json_schema(catalogue));
             ExitCode::SUCCESS
@@ -31,26 +28,42 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
 
 fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> ExitCode {
     let name = command.name();
+    let running = &case.running;
     let options = Options {
         out: case.out.clone(),
-        threads: case.threads.map(usize::from),
+        threads: running.threads.map(usize::from),
         set: case.settings.clone(),
-        strict: case.strict,
-        cancel: cancelled_by_ctrl_c(),
+        strict: running.strict,
+        cancel: cancelled_by_signals(),
     };
-    let outcome = run_with(catalogue, command, &case.case, &options, &console(case));
+    answer(name, running, run_with(catalogue, command, &case.case, &options, &console(running)))
+}
+
+fn on_directory(catalogue: &Catalogue, Resume { directory, running }: &Resume) -> ExitCode {
+    let options = Options {
+        threads: running.threads.map(usize::from),
+        strict: running.strict,
+        cancel: cancelled_by_signals(),
+        ..Options::default()
+    };
+    let outcome = resume(catalogue, directory, &options, &console(running));
+    answer("resume", running, outcome)
+}
+
+/// Prints what is asked for and gives the exit code.
+fn answer(command: &str, running: &Running, outcome: Result<Outcome, RunError>) -> ExitCode {
     match outcome {
         Ok(outcome) => {
-            if case.json {
+            if running.json {
                 print(&outcome.result);
-            } else if case.quiet {
+            } else if running.quiet {
                 outcome.missed.iter().for_each(|missed| complain(&format!("expectation missed: {missed}")));
             }
             ExitCode::from(outcome.exit.code())
         }
         Err(error) => {
-            if case.json {
-                print(&as_json(name, &error));
+            if running.json {
+                print(&as_json(command, &error));
             }
             tell(&error);
             ExitCode::from(error.exit().code())
@@ -59,27 +72,12 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> Exit
 }
 
 /// Text for people goes to standard output, what passes to a terminal on standard error.
-fn console(case: &Case) -> Console {
-    if case.quiet {
+fn console(running: &Running) -> Console {
+    if running.quiet {
         return Console::silent();
     }
-    let console = if case.json { Console::silent() } else { Console::new(stdout()) };
+    let console = if running.json { Console::silent() } else { Console::new(stdout()) };
     if stderr().is_terminal() { console.with_passing(stderr()) } else { console }
-}
-
-/// A flag that the first Ctrl-C raises; the second ends the program.
-fn cancelled_by_ctrl_c() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = flag.clone();
-    let handler = move || {
-        if raised.swap(true, Ordering::Relaxed) {
-            std::process::exit(KILLED);
-        }
-        complain("stopping after the step at hand; press Ctrl-C again to stop at once");
-    };
-    // Without a handler Ctrl-C ends the program, which is what it did before.
-    let _ = ctrlc::set_handler(handler);
-    flag
 }
 
 fn tell(error: &RunError) {

@@ -12,6 +12,7 @@
 
 mod arguments;
 mod command;
+mod signals;
 
 use arguments::Arguments;
 use clap::Parser;

@@ -2,37 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-use std::path::PathBuf;
-use std::process::{Command, Output};
+mod common;
 
-const BAR: &str = include_str!("../../case/tests/cases/bar.json");
-
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new(case: &str) -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        std::fs::write(place.path("case.json"), case).unwrap();
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn nastic(&self, arguments: &[&str]) -> Output {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_nastic"));
-        program.args(arguments).current_dir(self.0.path()).output().unwrap()
-    }
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
+use common::{BAR, Place, code, text};
 
 #[test]
 fn done_is_zero_and_results_lie_beside_the_case() {

@@ -130,7 +130,8 @@ fn read_state(input: &mut Reader<'_>, controls: Controls) -> Result<State, Saved
     })
 }
 
-fn write_report(report: &SolveReport, out: &mut Writer) {
+/// A report of work as bytes.
+pub fn write_report(report: &SolveReport, out: &mut Writer) {
     let SolveReport {
         solver,
         newton,
@@ -160,7 +161,11 @@ fn write_report(report: &SolveReport, out: &mut Writer) {
     [residual, min_j, energy].into_iter().for_each(|x| out.float(x));
 }
 
-fn read_report(input: &mut Reader<'_>) -> Result<SolveReport, SavedRunError> {
+/// The report that [`write_report`] wrote.
+///
+/// # Errors
+/// Bytes that end early, or an unknown linear solver.
+pub fn read_report(input: &mut Reader<'_>) -> Result<SolveReport, SavedRunError> {
     Ok(SolveReport {
         solver: match input.number()? {
             0 => Solver::Direct,

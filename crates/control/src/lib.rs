@@ -26,7 +26,7 @@ pub use ensemble::{
     Measured, Member,
 };
 pub use error::ControlError;
-pub use evaluated::{AdjointState, Evaluated};
+pub use evaluated::{AdjointState, Evaluated, read_report, write_report};
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::{ControlBlock, Layout};
 pub use map::{ControlMap, SPACES, Space, SpaceRow};

@@ -66,6 +66,7 @@ mod observer;
 mod optimizer;
 mod projected_gradient;
 mod run;
+mod saved_best;
 mod saved_run;
 mod search;
 mod spectral;

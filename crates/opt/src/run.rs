@@ -88,7 +88,9 @@ pub struct Best<P> {
     pub m: Vec<f64>,
     /// The evaluated point.
     pub point: P,
-    /// The cost, as the last stage values it.
+    /// The continuation stage that values it: the last one, unless the run ended before.
+    pub stage: usize,
+    /// The cost, as that stage values it.
     pub cost: f64,
     /// Its derivative (dual, tangential part).
     pub derivative: Vec<f64>,
@@ -204,8 +206,8 @@ impl<O: Objective> Run<O> {
     pub fn finish(mut self, stop: Stop) -> Best<O::Point> {
         self.settle(&stop);
         let Iterate { m, point, cost, derivative, gradient_norm, active } = self.current;
-        let Progress { counts, ends: stages, .. } = self.progress;
-        Best { m, point, cost, derivative, gradient_norm, active, stop, counts, stages, certificate: None }
+        let Progress { counts, ends: stages, stage, .. } = self.progress;
+        Best { m, point, stage, cost, derivative, gradient_norm, active, stop, counts, stages, certificate: None }
     }
 
     /// Where a stage ends: at the point that met the tolerance, else at the best one.

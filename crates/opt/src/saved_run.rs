@@ -50,16 +50,24 @@ fn write_point(p: &SavedPoint, out: &mut Writer) {
 }
 
 fn write_progress(p: &Progress, out: &mut Writer) {
-    let c = p.counts;
-    for n in [c.iterations, c.trials, c.failed, c.derivatives, usize::from(p.announced), p.stage, p.stage_began, p.flat]
-    {
+    write_counts(&p.counts, out);
+    for n in [usize::from(p.announced), p.stage, p.stage_began, p.flat] {
         out.count(n);
     }
     out.floats(&p.stage_start);
     out.floats(&p.costs);
     out.floats(&p.gradients);
-    out.count(p.ends.len());
-    for end in &p.ends {
+    write_ends(&p.ends, out);
+}
+
+pub(crate) fn write_counts(counts: &Counts, out: &mut Writer) {
+    let Counts { iterations, trials, failed, derivatives } = *counts;
+    [iterations, trials, failed, derivatives].into_iter().for_each(|n| out.count(n));
+}
+
+pub(crate) fn write_ends(ends: &[StageEnd], out: &mut Writer) {
+    out.count(ends.len());
+    for end in ends {
         out.count(end.stage);
         out.count(end.iterations);
         out.count(usize::from(end.converged));
@@ -79,19 +87,27 @@ fn read_point(input: &mut Reader<'_>) -> Result<SavedPoint, SavedRunError> {
 }
 
 fn read_progress(input: &mut Reader<'_>) -> Result<Progress, SavedRunError> {
-    let counts = Counts {
+    let counts = read_counts(input)?;
+    let announced = input.flag()?;
+    let (stage, stage_began, flat) = (input.number()?, input.number()?, input.number()?);
+    let (stage_start, costs, gradients) = (input.floats()?, input.floats()?, input.floats()?);
+    let ends = read_ends(input)?;
+    Ok(Progress { counts, announced, stage, stage_began, stage_start, costs, gradients, flat, ends })
+}
+
+pub(crate) fn read_counts(input: &mut Reader<'_>) -> Result<Counts, SavedRunError> {
+    Ok(Counts {
         iterations: input.number()?,
         trials: input.number()?,
         failed: input.number()?,
         derivatives: input.number()?,
-    };
-    let announced = input.flag()?;
-    let (stage, stage_began, flat) = (input.number()?, input.number()?, input.number()?);
-    let (stage_start, costs, gradients) = (input.floats()?, input.floats()?, input.floats()?);
+    })
+}
+
+pub(crate) fn read_ends(input: &mut Reader<'_>) -> Result<Vec<StageEnd>, SavedRunError> {
     let end = |input: &mut Reader<'_>| {
         let (stage, iterations) = (input.number()?, input.number()?);
         Ok(StageEnd { stage, iterations, converged: input.flag()?, why: input.text()? })
     };
-    let ends = (0..input.count(32)?).map(|_| end(input)).collect::<Result<_, _>>()?;
-    Ok(Progress { counts, announced, stage, stage_began, stage_start, costs, gradients, flat, ends })
+    (0..input.count(32)?).map(|_| end(input)).collect()
 }

@@ -1,40 +1,47 @@
 //! The output directory.
 
+use super::lock::{DirectoryError, DirectoryLock};
 use nastic_io::{WriteError, write_atomically};
 use nastic_mesh::Snapshot;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// Where the files of a command go.
+/// Where the files of a command go. While it or a clone of it exists, no other program writes there.
 #[derive(Clone, Debug)]
-pub(crate) struct Directory(PathBuf);
+pub(crate) struct Directory {
+    path: PathBuf,
+    _lock: Arc<DirectoryLock>,
+}
 
 impl Directory {
-    pub fn new(path: PathBuf) -> Self {
-        Self(path)
+    /// Makes the directory and locks it now, so that a place that cannot be written to, or that another program writes to,
+    /// is told before hours of work.
+    pub fn claim(path: PathBuf) -> Result<Self, DirectoryError> {
+        std::fs::create_dir_all(&path).map_err(|source| WriteError::System { file: path.clone(), source })?;
+        let lock = DirectoryLock::acquire(&path)?;
+        if lock.is_held() {
+            remove_parts(&path);
+        }
+        let probe = path.join(".nastic");
+        write_atomically(&probe, |_| Ok(())).map(|()| {
+            let _ = std::fs::remove_file(&probe);
+        })?;
+        Ok(Self { path, _lock: Arc::new(lock) })
     }
 
     pub fn path(&self) -> &Path {
-        &self.0
+        &self.path
     }
 
     /// A file in it.
     pub fn file(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    /// Makes the directory now, so that a place that cannot be written to is told before hours of work.
-    pub fn create(&self) -> Result<(), WriteError> {
-        std::fs::create_dir_all(&self.0).map_err(|source| WriteError::System { file: self.0.clone(), source })?;
-        let probe = self.file(".nastic");
-        write_atomically(&probe, |_| Ok(())).map(|()| {
-            let _ = std::fs::remove_file(&probe);
-        })
+        self.path.join(name)
     }
 
     /// Removes what an earlier run left that this one may not overwrite.
     pub fn remove_old_iterations(&self) {
-        let Ok(entries) = std::fs::read_dir(&self.0) else { return };
+        let Ok(entries) = std::fs::read_dir(&self.path) else { return };
         for entry in entries.flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
@@ -47,6 +54,15 @@ impl Directory {
         }
     }
 
+    /// Removes a file, if it is there.
+    pub fn remove(&self, name: &str) -> Result<(), WriteError> {
+        let file = self.file(name);
+        match std::fs::remove_file(&file) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(WriteError::System { file, source }),
+            _ => Ok(()),
+        }
+    }
+
     pub fn write_json(&self, name: &str, value: &Value) -> Result<(), WriteError> {
         let text = format!("{value:#}\n");
         write_atomically(self.file(name), |out| out.write_all(text.as_bytes()))
@@ -54,5 +70,19 @@ impl Directory {
 
     pub fn write_vtu(&self, name: &str, snapshot: &Snapshot) -> Result<(), WriteError> {
         nastic_io::write_vtu(self.file(name), snapshot)
+    }
+}
+
+/// Removes unfinished files that a killed program left: `.NAME.PROCESS.COUNT.part`, as [`write_atomically`] calls them.
+fn remove_parts(directory: &Path) {
+    let is_number = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit());
+    for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let mut parts = name.to_str().unwrap_or("").rsplit('.');
+        let is_part =
+            parts.next() == Some("part") && parts.by_ref().take(2).filter(|part| is_number(part)).count() == 2;
+        if is_part && name.to_string_lossy().starts_with('.') {
+            let _ = std::fs::remove_file(entry.path());
+        }
     }
 }

@@ -49,10 +49,10 @@ pub(super) fn of_start(
     start: &EnsemblePoint,
     derivative: &[f64],
     workspace: &mut EnsembleWorkspace,
-) -> Result<Verdict, RunError> {
+) -> Result<Certificate, RunError> {
     let certificate = session.timed("gradient_check", |session| check(session, start, derivative, workspace))?;
     session.put("gradient_check", json(&certificate));
-    Ok(certificate.verdict)
+    Ok(certificate)
 }
 
 /// The entry of a result.

@@ -1,5 +1,7 @@
 //! How commands end.
 
+use crate::result::checkpoint_file::CheckpointError;
+use crate::result::lock::DirectoryError;
 use crate::syntax::Diagnostics;
 use nastic_control::ControlError;
 use nastic_io::WriteError;
@@ -72,6 +74,21 @@ pub enum RunError {
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// Another program writes to the output directory.
+    #[error(
+        "{} is in use by another program{}: wait until it has ended, or choose another directory with --out",
+        directory.display(),
+        number(.process)
+    )]
+    InUse {
+        /// The directory.
+        directory: PathBuf,
+        /// The other program, where its number is known.
+        process: Option<u32>,
+    },
+    /// There is no checkpoint to go on from.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// An array that does not fit its mesh.
     #[error(transparent)]
     Snapshot(#[from] ControlError),
@@ -82,6 +99,10 @@ pub enum RunError {
 
 fn prefix(member: &str) -> String {
     if member.is_empty() { String::new() } else { format!("{member}: ") }
+}
+
+fn number(process: &Option<u32>) -> String {
+    process.map_or_else(String::new, |process| format!(" (process {process})"))
 }
 
 fn kept(file: &Option<PathBuf>) -> String {
@@ -96,13 +117,22 @@ impl RunError {
     #[must_use]
     pub fn exit(&self) -> Exit {
         match self {
-            Self::Input(_) | Self::Threads(_) => Exit::BadInput,
+            Self::Input(_) | Self::Threads(_) | Self::Checkpoint(_) => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
             Self::Start(_) => Exit::BadInput,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,
             Self::Taylor(_) => Exit::BadInput,
-            Self::Write(_) | Self::Snapshot(_) => Exit::NotWritten,
+            Self::Write(_) | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,
             Self::Cancelled => Exit::NotConverged,
+        }
+    }
+}
+
+impl From<DirectoryError> for RunError {
+    fn from(error: DirectoryError) -> Self {
+        match error {
+            DirectoryError::Write(error) => Self::Write(error),
+            DirectoryError::InUse { directory, process } => Self::InUse { directory, process },
         }
     }
 }

@@ -25,9 +25,9 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.console.clear();
     let found = session.inspect("equilibrium", &point);
     report(session, &point, &derivative, &found)?;
-    let verdict = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
+    let certificate = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
     session.timed("write", |session| write(session, &point, &derivative, &found))?;
-    Ok(if verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
+    Ok(if certificate.verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
 }
 
 fn report(

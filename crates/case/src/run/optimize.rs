@@ -1,37 +1,41 @@
-//! `nastic optimize`: the main job.
+//! `nastic optimize`: the main job; `nastic resume` goes on with it.
 
+mod checkpoint;
 mod doubts;
+mod finished_run;
+mod journal;
 mod outcome;
 mod recorder;
 mod starts;
+
+pub(super) use checkpoint::{Checkpoint, Position};
 
 use super::check_gradient;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
 use crate::lower::CaseProblem;
-use nastic_control::{EnsemblePoint, EnsembleWorkspace};
-use nastic_fem::SolveReport;
+use crate::warning::{INPUT, Warning};
+use finished_run::FinishedRun;
+use journal::{Journal, Written};
+use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{
-    Best, DEFAULT_ACCURACY, EvaluatedStart, Failed, Objective, Optimizer, Outcome, Problem as _, Run, Stop, Verdict,
+    DEFAULT_ACCURACY, EvaluatedStart, Failed, Objective, Optimizer, Outcome, Problem as _, Run, RunState, Stop, Verdict,
 };
 use recorder::Recorder;
+use serde_json::json;
+use starts::Starts;
+use std::path::PathBuf;
 use std::sync::Arc;
-
-/// A run from one start.
-pub(super) struct FinishedRun {
-    /// Where it began.
-    start: EnsemblePoint,
-    best: Best<EnsemblePoint>,
-    /// Work of all trials, by member.
-    work: Vec<SolveReport>,
-}
+use std::time::Instant;
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
     if let Some(out) = &session.out {
         out.remove_old_iterations();
     }
+    warn_of_own_files(session);
+    let mut journal = Journal::begin(session)?;
     let optimizer = session.problem.optimizer()?;
     let mut workspace = EnsembleWorkspace::default();
     let start = session.timed("solve", |session| evaluate(session, &session.problem.start, &mut workspace));
@@ -40,17 +44,66 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
     outcome::write_start(session, &point, &derivative)?;
-    let verdict = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
-    let begun = Begun { point, derivative, workspace };
-    if verdict == Verdict::Wrong {
+    let certificate = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
+    if certificate.verdict == Verdict::Wrong {
         return Ok(Exit::GradientWrong);
     }
-    let began = std::time::Instant::now();
-    let starts = starts::run(session, optimizer.as_ref(), begun)?;
+    let (begun, check) = (Begun { point, derivative, workspace }, check_gradient::json(&certificate));
+    let began = Instant::now();
+    let starts = starts::run(session, optimizer.as_ref(), begun, check, &mut journal)?;
+    conclude(session, &starts, journal, began)
+}
+
+/// A file of the output directory that the case reads is another one once the optimisation has written it.
+fn warn_of_own_files(session: &mut Session<'_>) {
+    let Some(Ok(out)) = session.out.as_ref().map(|out| out.path().canonicalize()) else { return };
+    let is_own = |file: &PathBuf| file.canonicalize().is_ok_and(|file| file.parent() == Some(&out));
+    let own: Vec<PathBuf> = session.problem.files.iter().filter(|file| is_own(file)).cloned().collect();
+    for file in own {
+        let file = file.display();
+        let message = format!(
+            "the case reads {file} of its own output directory: once it is written again nastic resume will refuse the case; \
+             choose another directory with --out"
+        );
+        session.warn(Warning::new(&INPUT, message));
+    }
+}
+
+/// Goes on from a checkpoint.
+pub(super) fn resume(session: &mut Session<'_>, position: Option<Position>) -> Result<Exit, RunError> {
+    let from = position.as_ref().map_or(Written { start: 0, iteration: 0 }, Position::place);
+    session.put("resumed", json!({ "start": from.start, "iteration": from.iteration }));
+    // Nothing was evaluated yet.
+    let Some(position) = position else { return run(session) };
+    warn_of_own_files(session);
+    session.put("gradient_check", position.fixed.gradient_check.clone());
+    let mut journal = Journal::resume(session, from);
+    let optimizer = session.problem.optimizer()?;
+    let began = Instant::now();
+    let starts = starts::resume(session, optimizer.as_ref(), position, &mut journal)?;
+    conclude(session, &starts, journal, began)
+}
+
+/// Reports what was found, then what could not be written on the way.
+fn conclude(session: &mut Session<'_>, starts: &Starts, journal: Journal, began: Instant) -> Result<Exit, RunError> {
     session.note_time("optimize", began.elapsed().as_secs_f64());
-    doubts::warn(session, starts.best());
-    outcome::report(session, &starts)?;
-    Ok(if starts.best().best.stop.is_converged() { Exit::Done } else { Exit::NotConverged })
+    let written = journal.written();
+    let unwritten = journal.finish();
+    let Some((index, ended)) = &starts.best else { return Err(RunError::Cancelled) };
+    let resumable = written.filter(|_| starts.interrupted);
+    session.note_states("start", &ended.start);
+    doubts::warn(session, ended);
+    let reported = outcome::report(session, (*index, ended), &starts.entries, resumable);
+    let unwritten = reported.and(unwritten);
+    if let (Err(error), Some(written)) = (&unwritten, written)
+        && error.exit() == Exit::NotWritten
+        && !starts.interrupted
+    {
+        outcome::say_how_to_resume(session, written);
+    }
+    unwritten?;
+    let done = ended.best.stop.is_converged() && !starts.interrupted;
+    Ok(if done { Exit::Done } else { Exit::NotConverged })
 }
 
 /// An evaluated start.
@@ -64,28 +117,54 @@ fn evaluate(session: &Session<'_>, m: &[f64], workspace: &mut EnsembleWorkspace)
     session.evaluate(m, DEFAULT_ACCURACY, workspace)
 }
 
-/// Runs the optimiser to its end, from an evaluated start.
-fn minimize(
-    session: &Session<'_>,
+/// A run from an evaluated start.
+fn begin_run<'s>(
+    session: &'s Session<'_>,
     optimizer: &dyn Optimizer,
     begun: Begun,
-    mut recorder: Recorder<'_>,
-) -> Result<FinishedRun, RunError> {
+) -> Result<Run<&'s Ensemble>, RunError> {
     let problem = &session.problem;
     let Begun { point, derivative, workspace } = begun;
-    let kept = point.clone();
     let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
     let start = EvaluatedStart { m: point.m.clone(), point, derivative: Some(derivative) };
     let run = Run::start(optimizer, &problem.ensemble, Arc::new(problem.set.clone()), metric, start)?;
-    let mut run = run.with_workspace(workspace).cancelled_by(session.cancel.clone());
+    Ok(run.with_workspace(workspace).cancelled_by(session.cancel.clone()))
+}
+
+/// A run from a checkpoint.
+fn resume_run<'s>(
+    session: &'s Session<'_>,
+    optimizer: &dyn Optimizer,
+    state: &RunState,
+) -> Result<Run<&'s Ensemble>, RunError> {
+    let problem = &session.problem;
+    let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
+    let run = Run::load(optimizer, &problem.ensemble, Arc::new(problem.set.clone()), metric, state)?;
+    Ok(run.cancelled_by(session.cancel.clone()))
+}
+
+/// Runs the optimiser to its end. `saved` is the iteration of the checkpoint that the run comes from.
+fn minimize(
+    session: &Session<'_>,
+    mut run: Run<&Ensemble>,
+    start: EnsemblePoint,
+    mut recorder: Recorder<'_>,
+    mut saved: Option<usize>,
+) -> FinishedRun {
+    let every = session.problem.case.output.checkpoint;
     let stop = loop {
+        let done = run.progress().counts.iterations;
+        if every > 0 && done.is_multiple_of(every) && saved != Some(done) {
+            // The workspace goes whether the file can be written or not: bits do not depend on disks.
+            recorder.save(&run.checkpoint());
+            saved = Some(done);
+        }
         match run.step(&mut |trial: &nastic_opt::Trial<'_, EnsemblePoint>| recorder.record(trial)) {
             Outcome::Stopped(stop) => break stop,
             Outcome::Iterated | Outcome::Staged(_) => {}
         }
     };
-    let work = recorder.finish()?;
-    Ok(FinishedRun { start: kept, best: run.finish(stop), work })
+    FinishedRun { start, best: run.finish(stop), work: recorder.finish() }
 }
 
 /// Why it ended, for people.

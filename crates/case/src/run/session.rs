@@ -6,6 +6,7 @@ use super::{Options, number};
 use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
+use crate::result::checkpoint_file::{self, CheckpointError};
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
@@ -37,6 +38,8 @@ pub(super) struct Session<'c> {
     pub out: Option<Directory>,
     /// What deserves attention, as far as it is known.
     pub warnings: Vec<Warning>,
+    /// Overrides of the case, in order.
+    pub settings: Vec<String>,
     result: Map<String, Value>,
     phases: Vec<(&'static str, f64)>,
     began: Instant,
@@ -56,7 +59,35 @@ impl<'c> Session<'c> {
         for option in &options.set {
             document.set(option)?;
         }
-        let mut problem = CaseProblem::lower(document, options.cancel.clone())?;
+        let mut session = Self::of(command, document, options.set.clone(), options.cancel.clone(), console, began)?;
+        session.strict = options.strict;
+        session.out = directory(&session.command, &session.problem, path, options).map(Directory::claim).transpose()?;
+        Ok(session)
+    }
+
+    /// Goes on with an optimisation whose case was read and whose directory is claimed.
+    pub fn resume(
+        document: Document,
+        settings: Vec<String>,
+        out: Directory,
+        cancel: Arc<AtomicBool>,
+        console: &'c Console,
+    ) -> Result<Self, RunError> {
+        let mut session = Self::of(Command::Optimize, document, settings, cancel, console, Instant::now())?;
+        session.out = Some(out);
+        Ok(session)
+    }
+
+    /// Lowers the case.
+    fn of(
+        command: Command,
+        document: Document,
+        settings: Vec<String>,
+        cancel: Arc<AtomicBool>,
+        console: &'c Console,
+        began: Instant,
+    ) -> Result<Self, RunError> {
+        let mut problem = CaseProblem::lower(document, cancel.clone())?;
         if problem.members().nth(1).is_some() {
             problem.ensemble.watch(EnsembleProgress::new(&problem, console).watcher());
         } else {
@@ -65,29 +96,27 @@ impl<'c> Session<'c> {
                 terminal.pass(format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}"));
             });
         }
-        let out = directory(&command, &problem, path, options);
         let mut session = Self {
             command,
             problem,
             console,
-            cancel: options.cancel.clone(),
-            strict: options.strict,
-            out,
+            cancel,
+            strict: false,
+            out: None,
             warnings: Vec::new(),
+            settings,
             result: Map::new(),
             phases: vec![("read", began.elapsed().as_secs_f64())],
             began,
         };
-        session.introduce(path);
-        if let Some(out) = &session.out {
-            out.create()?;
-        }
+        session.introduce();
         Ok(session)
     }
 
     /// The head of every result, and of what is said.
-    fn introduce(&mut self, path: &Path) {
+    fn introduce(&mut self) {
         let problem = &self.problem;
+        let path = problem.document.name().to_owned();
         let case = &problem.case;
         let hash = Fingerprint::of(&problem.document.canonical(), &problem.files);
         let title = case.title.clone();
@@ -102,8 +131,8 @@ impl<'c> Session<'c> {
         let notes = problem.notes.clone();
         let command = self.command.name();
         self.console.say(match &title {
-            Some(title) => format!("case        {}: {title}", path.display()),
-            None => format!("case        {}", path.display()),
+            Some(title) => format!("case        {path}: {title}"),
+            None => format!("case        {path}"),
         });
         let (mesh, dofs) = (problem.mesh(), problem.solid().discretization().dofs());
         let body = format!("{}, {} unknowns", number::count(mesh.cells(), "cell"), number::grouped(dofs));
@@ -116,7 +145,7 @@ impl<'c> Session<'c> {
             self.console.say(format!("note        {note}"));
         }
         self.put("command", json!(command));
-        self.put("case", json!(path.display().to_string()));
+        self.put("case", json!(path));
         self.put("title", json!(title));
         self.put("case_hash", json!(hash));
         self.put("versions", versions);
@@ -140,6 +169,13 @@ impl<'c> Session<'c> {
             self.problem.members().zip(&found).flat_map(|(member, found)| found.warnings(member, what)).collect();
         warnings.into_iter().for_each(|warning| self.warn(warning));
         found
+    }
+
+    /// As [`inspect`](Self::inspect), of states that were told of when they were found.
+    pub fn note_states(&mut self, what: &str, point: &EnsemblePoint) {
+        let found = Inspection::of_point(&self.problem, point);
+        let members = self.problem.members().zip(&found);
+        self.warnings.extend(members.flat_map(|(member, found)| found.warnings(member, what)));
     }
 
     /// Codes of the warnings so far, for a picture: empty without any.
@@ -240,6 +276,12 @@ impl<'c> Session<'c> {
         }
     }
 
+    /// The error of a checkpoint that is whole but not of this case.
+    pub fn unfit_checkpoint(&self, what: &str) -> RunError {
+        let file = self.out.as_ref().map(|out| out.file(checkpoint_file::NAME)).unwrap_or_default();
+        CheckpointError::Content { file, what: what.to_owned() }.into()
+    }
+
     /// The same, of an evaluation.
     pub fn evaluation_failed(&self, failed: &Failed) -> RunError {
         match failed.downcast_ref::<EnsembleError>() {
@@ -293,14 +335,14 @@ impl<'c> Session<'c> {
 
 /// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where
 /// they are told to.
-fn directory(command: &Command, problem: &CaseProblem, path: &Path, options: &Options) -> Option<Directory> {
-    let named = options.out.clone().map(Directory::new);
+fn directory(command: &Command, problem: &CaseProblem, path: &Path, options: &Options) -> Option<PathBuf> {
+    let named = options.out.clone();
     if matches!(command, Command::Check | Command::Gradcheck) {
         return named;
     }
     let stem = path.file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy().into_owned());
     let own = problem.case.output.directory.clone().unwrap_or_else(|| format!("out/{stem}"));
-    Some(named.unwrap_or_else(|| Directory::new(problem.document.resolve(&own))))
+    Some(named.unwrap_or_else(|| problem.document.resolve(&own)))
 }
 
 impl From<Exit> for u8 {

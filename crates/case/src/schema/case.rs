@@ -75,6 +75,8 @@ object! {
         pub directory: Option<String>,
         /// A snapshot is written every so many iterations; 0 for none.
         pub every: usize = 10,
+        /// A checkpoint is written every so many iterations; 0 for none. The optimiser forgets its factors there.
+        pub checkpoint: usize = 10,
     }
 }
 

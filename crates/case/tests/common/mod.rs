@@ -61,6 +61,15 @@ impl Place {
         heard.text()
     }
 
+    /// Names of the result files, in order; hidden ones are left out.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.path("out")).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = names.filter(|name| !name.starts_with('.')).collect();
+        names.sort();
+        names
+    }
+
     /// A result file as JSON.
     pub fn json(&self, name: &str) -> serde_json::Value {
         serde_json::from_str(&std::fs::read_to_string(self.path("out").join(name)).unwrap()).unwrap()

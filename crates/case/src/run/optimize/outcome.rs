@@ -5,8 +5,9 @@ use super::super::gradient::write_states;
 use super::super::number::{count, short};
 use super::super::session::Session;
 use super::super::solve::{say_files, say_members, say_probes, say_stability, title, write_collections, write_targets};
-use super::starts::{self, Starts};
-use super::{FinishedRun, fall, revalued, why};
+use super::finished_run::FinishedRun;
+use super::journal::Written;
+use super::{fall, revalued, starts, why};
 use crate::lower::file_name;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
@@ -25,15 +26,25 @@ pub(super) fn write_start(
     start: &EnsemblePoint,
     derivative: &[f64],
 ) -> Result<(), RunError> {
-    let found = session.inspect("start", start);
+    let found = session.timed("inspect", |session| Inspection::of_point(&session.problem, start));
+    for (member, found) in session.problem.members().zip(&found) {
+        for warning in found.warnings(member, "start") {
+            session.console.say(format!("WARNING     {warning}"));
+        }
+    }
     let Some(out) = &session.out else { return Ok(()) };
     write_targets(&session.problem, out)?;
     write_states(&session.problem, "start", (start, derivative, &found), out).map(|_| ())
 }
 
 /// Fills the result, writes files, says how it went.
-pub(super) fn report(session: &mut Session<'_>, starts: &Starts) -> Result<(), RunError> {
-    let FinishedRun { start, best, work } = starts.best();
+pub(super) fn report(
+    session: &mut Session<'_>,
+    (index, ended): (usize, &FinishedRun),
+    entries_of_starts: &[Value],
+    resumable: Option<Written>,
+) -> Result<(), RunError> {
+    let FinishedRun { start, best, work } = ended;
     let found = session.inspect("optimum", &best.point);
     let problem = &session.problem;
     let reports = member_report::of_inspected(problem, &best.point, &found);
@@ -65,20 +76,20 @@ pub(super) fn report(session: &mut Session<'_>, starts: &Starts) -> Result<(), R
         .map(|s| json!({ "stage": s.stage, "iterations": s.iterations, "converged": s.converged, "why": s.why }))
         .collect();
     session.put("stages", json!(stages));
-    if starts.entries.len() > 1 {
-        session.put("starts", json!(starts.entries));
-        session.put("best_start", json!(starts.index));
+    if entries_of_starts.len() > 1 {
+        session.put("starts", json!(entries_of_starts));
+        session.put("best_start", json!(index));
     }
     let mut total = SolveReport::default();
     work.iter().for_each(|work| total.add_work(work));
     session.put_all(summary::work(&total));
     session.console.say("");
-    starts::say(session, starts);
-    say(session, best);
-    session.timed("write", |session| write(session, starts.best(), &found, starts.entries.len()))
+    starts::say(session, entries_of_starts, index);
+    say(session, best, resumable);
+    session.timed("write", |session| write(session, ended, &found, entries_of_starts.len()))
 }
 
-fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
+fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Written>) {
     let (console, result) = (session.console, session.result_value());
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
     console.say(format!("end         {}", why(&best.stop)));
@@ -129,8 +140,10 @@ fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
         ));
     }
     say_probes(session, &result);
-    if !best.stop.is_converged() {
-        say_how_to_go_on(session, &best.stop);
+    match resumable {
+        Some(checkpoint) => say_how_to_resume(session, checkpoint),
+        None if !best.stop.is_converged() => say_how_to_go_on(session, &best.stop),
+        None => {}
     }
 }
 
@@ -154,6 +167,16 @@ fn say_how_to_go_on(session: &Session<'_>, stop: &Stop) {
         let start = json!({ "file": file.display().to_string(), "array": field.array });
         console.say(format!("            --set '{}/start={start}'", field.at));
     }
+}
+
+/// A run that was interrupted goes on from its last checkpoint.
+pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteration }: Written) {
+    let Some(out) = &session.out else { return };
+    let of = if session.problem.case.optimizer.starts > 1 { format!(" of start {}", start + 1) } else { String::new() };
+    session.console.say(format!("to go on    nastic resume {}", out.path().display()));
+    session
+        .console
+        .say(format!("            from iteration {iteration}{of}, with the result of a run without interruption"));
 }
 
 fn write(session: &mut Session<'_>, ended: &FinishedRun, found: &[Inspection], starts: usize) -> Result<(), RunError> {

@@ -3,15 +3,16 @@
 use super::super::error::RunError;
 use super::super::session::Session;
 use super::super::table::Table;
+use super::journal::Journal;
 use crate::console::Console;
-use crate::history::{self, History};
+use crate::history;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::result::files::Directory;
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, Evaluated, StateFields};
 use nastic_fem::{SolveOptions, SolveReport};
-use nastic_opt::{Reason, Trial};
+use nastic_opt::{Reason, RunState, Trial};
 use rayon::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
@@ -24,7 +25,7 @@ pub(super) struct Recorder<'s> {
     console: &'s Console,
     cancel: Arc<AtomicBool>,
     out: Option<Directory>,
-    history: &'s mut Option<History>,
+    journal: &'s mut Journal,
     /// Which start of how many.
     start: (usize, usize),
     table: Table,
@@ -32,22 +33,12 @@ pub(super) struct Recorder<'s> {
     work: Vec<SolveReport>,
     last: Instant,
     /// Iterations of which snapshots were written.
-    steps: Vec<usize>,
-    failed: Option<RunError>,
+    snapshots: Vec<usize>,
 }
 
 impl<'s> Recorder<'s> {
-    /// Begins `history.jsonl`.
-    pub fn history(session: &Session<'_>) -> Result<Option<History>, RunError> {
-        Ok(session.out.as_ref().map(|out| History::create(&out.file("history.jsonl"))).transpose()?)
-    }
-
-    /// Ends it.
-    pub fn close(history: Option<History>) -> Result<(), RunError> {
-        Ok(history.map_or(Ok(()), History::finish)?)
-    }
-
-    pub fn new(session: &'s Session<'_>, history: &'s mut Option<History>, start: (usize, usize)) -> Self {
+    /// For the start of this number.
+    pub fn new(session: &'s Session<'_>, journal: &'s mut Journal, index: usize) -> Self {
         let problem = &session.problem;
         let table = Table { distance: has_distance(problem), stages: problem.stages() > 1 };
         session.console.say(table.header());
@@ -56,14 +47,23 @@ impl<'s> Recorder<'s> {
             console: session.console,
             cancel: session.cancel.clone(),
             out: session.out.clone(),
-            history,
-            start,
+            journal,
+            start: (index, problem.case.optimizer.starts),
             table,
             work: problem.members().map(|_| SolveReport::default()).collect(),
             last: Instant::now(),
-            steps: vec![],
-            failed: None,
+            snapshots: vec![],
         }
+    }
+
+    /// Takes up what an earlier program told of the same start.
+    pub fn restore(&mut self, work: Vec<SolveReport>, snapshots: Vec<usize>) {
+        (self.work, self.snapshots) = (work, snapshots);
+    }
+
+    /// Writes a scheduled checkpoint.
+    pub fn save(&mut self, run: &RunState) {
+        self.journal.save(run, &self.work, &self.snapshots);
     }
 
     pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {
@@ -100,9 +100,7 @@ impl<'s> Recorder<'s> {
                 line.insert("start".into(), json!(self.start.0));
             }
         }
-        if let Some(history) = self.history.as_mut() {
-            history.add(&line);
-        }
+        self.journal.add_line(&line);
         self.snapshot(trial);
     }
 
@@ -131,8 +129,8 @@ impl<'s> Recorder<'s> {
         let due = trial.accepted && every > 0 && trial.iteration.is_multiple_of(every) && trial.reason != Reason::Stage;
         let (Some(point), true) = (trial.point, due) else { return };
         if let Err(error) = self.write(trial.iteration, point, trial.derivative) {
-            // An optimisation does not end for a snapshot; the end tells.
-            self.failed.get_or_insert(error);
+            self.snapshots.retain(|iteration| *iteration != trial.iteration);
+            self.journal.note(error);
         }
     }
 
@@ -143,7 +141,7 @@ impl<'s> Recorder<'s> {
         let file = |iteration: usize| format!("{stem}iteration_{iteration:04}.vtu");
         let gradient =
             derivative.zip(self.problem.inner_product()).map(|(derivative, product)| product.riesz(derivative));
-        self.steps.push(iteration);
+        self.snapshots.push(iteration);
         for (member, at) in self.problem.leads().zip(&point.members) {
             let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
             let fields = StateFields {
@@ -153,18 +151,15 @@ impl<'s> Recorder<'s> {
             };
             out.write_vtu(&member.case_file(&file(iteration)), &snapshot::snapshot(member, &fields)?)?;
             let steps: Vec<(f64, String)> =
-                self.steps.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
+                self.snapshots.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
             nastic_io::write_pvd(out.file(&member.case_file(&format!("{stem}iterations.pvd"))), &steps)?;
         }
         Ok(())
     }
 
     /// The work of all trials, by member.
-    pub fn finish(self) -> Result<Vec<SolveReport>, RunError> {
-        match self.failed {
-            Some(error) => Err(error),
-            None => Ok(self.work),
-        }
+    pub fn finish(self) -> Vec<SolveReport> {
+        self.work
     }
 }
 

@@ -1,76 +1,188 @@
 //! One run after the other from several starts, of which the best is kept.
 
+use super::checkpoint::{Fixed, Position, read_json};
+use super::finished_run::{FinishedRun, read_start, write_start};
+use super::journal::Journal;
 use super::recorder::Recorder;
-use super::{Begun, FinishedRun, Session, evaluate, minimize};
+use super::{Begun, Session, begin_run, evaluate, minimize, resume_run};
 use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::number::{scientific, short};
-use nastic_control::EnsembleWorkspace;
-use nastic_opt::{Certificate, Failed, Objective, Optimizer, Verdict};
+use nastic_control::{Ensemble, EnsembleWorkspace};
+use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::{Failed, Objective, Optimizer, Stop, Verdict};
 use serde_json::{Value, json};
 
-/// What became of all starts.
+const MAGIC: &str = "nastic-starts-1";
+
+/// What became of the starts so far.
+#[derive(Default)]
 pub(super) struct Starts {
-    best: FinishedRun,
-    /// Number of the best.
-    pub index: usize,
+    /// The run that came down deepest, and its number.
+    pub best: Option<(usize, FinishedRun)>,
     /// An entry for each, for the result.
     pub entries: Vec<Value>,
-}
-
-impl Starts {
-    /// The run that came down deepest.
-    pub fn best(&self) -> &FinishedRun {
-        &self.best
-    }
+    /// A stop was requested before all had ended.
+    pub interrupted: bool,
 }
 
 /// Runs from the start as written, which is evaluated already, then from random ones.
-pub(super) fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer, first: Begun) -> Result<Starts, RunError> {
-    let block = &session.problem.case.optimizer;
-    let (count, seed) = (block.starts, block.seed);
-    session.console.say(format!(
-        "optimizer   {}, at most {} iterations, until the projected gradient is {} of the first",
-        optimizer.name(),
-        block.max_iterations,
-        short(block.tolerance)
-    ));
-    let mut history = Recorder::history(session)?;
-    announce(session, 0, count, None);
-    let recorder = Recorder::new(session, &mut history, (0, count));
-    let ended = minimize(session, optimizer, first, recorder)?;
-    let entries = vec![entry(None, &ended, None)];
-    let mut starts = Starts { best: ended, index: 0, entries };
-    for k in 1..count {
-        if session.is_cancelled() {
-            break;
-        }
-        // Seeds of neighbouring cases shall not share their starts.
-        let seed = seed.wrapping_mul(1_000_003).wrapping_add(k as u64);
-        announce(session, k, count, Some(seed));
-        let mut begun = match begin(session, seed) {
-            Ok(begun) => begun,
-            Err(failed) => {
-                session.console.say(format!("failed      {failed}"));
-                starts.entries.push(json!({ "seed": seed, "failed": failed.to_string() }));
+pub(super) fn run(
+    session: &Session<'_>,
+    optimizer: &dyn Optimizer,
+    first: Begun,
+    gradient_check: Value,
+    journal: &mut Journal,
+) -> Result<Starts, RunError> {
+    say_optimizer(session, optimizer);
+    journal.open_history(vec![])?;
+    let mut starts = Starts::default();
+    announce(session, 0, None);
+    starts.run_from(session, optimizer, (0, first), (&gradient_check, Value::Null), journal)?;
+    starts.run_rest(session, optimizer, &gradient_check, journal)?;
+    Ok(starts)
+}
+
+/// Goes on from a checkpoint.
+pub(super) fn resume(
+    session: &Session<'_>,
+    optimizer: &dyn Optimizer,
+    position: Position,
+    journal: &mut Journal,
+) -> Result<Starts, RunError> {
+    let ensemble = &session.problem.ensemble;
+    let Position { fixed, trials, run } = position;
+    let (index, iteration) = (fixed.index, run.progress.counts.iterations);
+    let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
+    let mut starts = Starts::from_bytes(&fixed.finished, ensemble).map_err(unfit)?;
+    let start = Reader::new(&fixed.start, "").map_err(Failed::new);
+    let start = start.and_then(|mut input| read_start(&mut input, ensemble)).map_err(unfit)?;
+    let run = resume_run(session, optimizer, &run)?;
+
+    say_optimizer(session, optimizer);
+    announce(session, index, seed(session, index));
+    session.console.say(format!("resumed     at iteration {iteration}"));
+    journal.open_history(trials.history)?;
+    journal.begin_start(&fixed);
+    let mut recorder = Recorder::new(session, journal, index);
+    recorder.restore(trials.work, trials.snapshots);
+    let ended = minimize(session, run, start, recorder, Some(iteration));
+    starts.add(seed(session, index), ended, fixed.certificate);
+    starts.run_rest(session, optimizer, &fixed.gradient_check, journal)?;
+    Ok(starts)
+}
+
+impl Starts {
+    /// All random starts that are left.
+    fn run_rest(
+        &mut self,
+        session: &Session<'_>,
+        optimizer: &dyn Optimizer,
+        gradient_check: &Value,
+        journal: &mut Journal,
+    ) -> Result<(), RunError> {
+        for index in self.entries.len()..session.problem.case.optimizer.starts {
+            if session.is_cancelled() {
+                self.interrupted = true;
+                break;
+            }
+            let seed = seed(session, index);
+            announce(session, index, seed);
+            let checked = begin(session, seed.unwrap_or_default()).map(|mut begun| {
+                let Begun { point, derivative, workspace } = &mut begun;
+                (check_gradient::check(session, point, derivative, workspace), begun)
+            });
+            let (certificate, begun) = match checked {
+                // Broken off, not failed: what the starts before found is kept.
+                _ if session.is_cancelled() => {
+                    self.interrupted = true;
+                    break;
+                }
+                Ok((certificate, begun)) => (certificate?, begun),
+                Err(failed) => {
+                    session.console.say(format!("failed      {failed}"));
+                    self.entries.push(json!({ "seed": seed, "failed": failed.to_string() }));
+                    continue;
+                }
+            };
+            let check = check_gradient::json(&certificate);
+            if certificate.verdict == Verdict::Wrong {
+                self.entries.push(json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check }));
                 continue;
             }
-        };
-        let certificate = check_gradient::check(session, &begun.point, &begun.derivative, &mut begun.workspace)?;
-        if certificate.verdict == Verdict::Wrong {
-            let check = check_gradient::json(&certificate);
-            starts.entries.push(json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check }));
-            continue;
+            self.run_from(session, optimizer, (index, begun), (gradient_check, check), journal)?;
         }
-        let recorder = Recorder::new(session, &mut history, (k, count));
-        let ended = minimize(session, optimizer, begun, recorder)?;
-        starts.entries.push(entry(Some(seed), &ended, Some(&certificate)));
-        if ended.best.cost < starts.best.best.cost {
-            (starts.best, starts.index) = (ended, k);
+        Ok(())
+    }
+
+    /// The run from one start.
+    fn run_from(
+        &mut self,
+        session: &Session<'_>,
+        optimizer: &dyn Optimizer,
+        (index, begun): (usize, Begun),
+        (gradient_check, certificate): (&Value, Value),
+        journal: &mut Journal,
+    ) -> Result<(), RunError> {
+        let ensemble = &session.problem.ensemble;
+        let start = begun.point.clone();
+        let mut bytes = Writer::new("");
+        write_start(&start, ensemble, &mut bytes);
+        let fixed = Fixed {
+            gradient_check: gradient_check.clone(),
+            finished: self.to_bytes(ensemble),
+            index,
+            certificate,
+            start: bytes.finish(),
+        };
+        journal.begin_start(&fixed);
+        let run = begin_run(session, optimizer, begun)?;
+        let ended = minimize(session, run, start, Recorder::new(session, journal, index), None);
+        self.add(seed(session, index), ended, fixed.certificate);
+        Ok(())
+    }
+
+    fn add(&mut self, seed: Option<u64>, ended: FinishedRun, certificate: Value) {
+        let index = self.entries.len();
+        self.interrupted |= ended.best.stop == Stop::Cancelled;
+        self.entries.push(entry(seed, &ended, certificate));
+        if self.best.as_ref().is_none_or(|(_, best)| ended.best.cost < best.best.cost) {
+            self.best = Some((index, ended));
         }
     }
-    Recorder::close(history)?;
-    Ok(starts)
+
+    fn to_bytes(&self, ensemble: &Ensemble) -> Vec<u8> {
+        let mut out = Writer::new(MAGIC);
+        out.count(self.entries.len());
+        self.entries.iter().for_each(|entry| out.bytes(entry.to_string().as_bytes()));
+        out.count(usize::from(self.best.is_some()));
+        if let Some((index, best)) = &self.best {
+            out.count(*index);
+            out.bytes(&best.to_bytes(ensemble));
+        }
+        out.finish()
+    }
+
+    fn from_bytes(bytes: &[u8], ensemble: &Ensemble) -> Result<Self, Failed> {
+        let mut input = Reader::new(bytes, MAGIC).map_err(Failed::new)?;
+        let entries = input.count(8).and_then(|n| (0..n).map(|_| read_json(&mut input)).collect());
+        let entries = entries.map_err(Failed::new)?;
+        let best = if input.flag().map_err(Failed::new)? {
+            let index = input.number().map_err(Failed::new)?;
+            Some((index, FinishedRun::from_bytes(&input.list().map_err(Failed::new)?, ensemble)?))
+        } else {
+            None
+        };
+        input.finish().map_err(Failed::new)?;
+        Ok(Self { best, entries, interrupted: false })
+    }
+}
+
+/// The seed of a start; the first is as written.
+fn seed(session: &Session<'_>, index: usize) -> Option<u64> {
+    // Seeds of neighbouring cases shall not share their starts.
+    let of = |index: usize| session.problem.case.optimizer.seed.wrapping_mul(1_000_003).wrapping_add(index as u64);
+    (index > 0).then(|| of(index))
 }
 
 /// A random start, evaluated.
@@ -81,7 +193,18 @@ fn begin(session: &Session<'_>, seed: u64) -> Result<Begun, Failed> {
     Ok(Begun { point, derivative, workspace })
 }
 
-fn announce(session: &Session<'_>, index: usize, count: usize, seed: Option<u64>) {
+fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {
+    let block = &session.problem.case.optimizer;
+    session.console.say(format!(
+        "optimizer   {}, at most {} iterations, until the projected gradient is {} of the first",
+        optimizer.name(),
+        block.max_iterations,
+        short(block.tolerance)
+    ));
+}
+
+fn announce(session: &Session<'_>, index: usize, seed: Option<u64>) {
+    let count = session.problem.case.optimizer.starts;
     session.console.say("");
     if count > 1 {
         let from = seed.map_or_else(|| "as written".to_owned(), |seed| format!("random, seed {seed}"));
@@ -89,7 +212,7 @@ fn announce(session: &Session<'_>, index: usize, count: usize, seed: Option<u64>
     }
 }
 
-fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Option<&Certificate>) -> Value {
+fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Value) -> Value {
     let best = &ended.best;
     let mut out = json!({
         "seed": seed, "start_cost": ended.start.risk, "cost": best.cost, "gradient_norm": best.gradient_norm,
@@ -97,15 +220,15 @@ fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Option<&Certificat
         "stop": best.stop.to_string(),
     });
     // That of the start as written is the result's own.
-    if let Some(certificate) = certificate {
-        out["gradient_check"] = check_gradient::json(certificate);
+    if seed.is_some() {
+        out["gradient_check"] = certificate;
     }
     out
 }
 
 /// One line per start.
-pub(super) fn say(session: &Session<'_>, starts: &Starts) {
-    for (k, entry) in starts.entries.iter().enumerate().filter(|_| starts.entries.len() > 1) {
+pub(super) fn say(session: &Session<'_>, entries: &[Value], best: usize) {
+    for (k, entry) in entries.iter().enumerate().filter(|_| entries.len() > 1) {
         let head = if k == 0 { "starts" } else { "" };
         let seed = entry["seed"].as_u64().map_or_else(|| "as written".to_owned(), |seed| format!("seed {seed}"));
         let what = match (entry["cost"].as_f64(), entry["failed"].as_str()) {
@@ -114,7 +237,7 @@ pub(super) fn say(session: &Session<'_>, starts: &Starts) {
             }
             (None, why) => format!("failed: {}", why.unwrap_or_default()),
         };
-        let mark = if k == starts.index { ", the best" } else { "" };
+        let mark = if k == best { ", the best" } else { "" };
         session.console.say(format!("{head:<12}{} ({seed}): {what}{mark}", k + 1));
     }
 }

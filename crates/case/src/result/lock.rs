@@ -1,0 +1,62 @@
+//! The lock of an output directory: one program at a time writes there.
+
+use nastic_io::WriteError;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// The file that is locked. It stays behind: whoever removed it could remove the one that another program has just locked.
+const NAME: &str = ".lock";
+
+/// A held lock. The system releases it when it is dropped or the process ends, however that comes about.
+#[derive(Debug)]
+pub(crate) struct DirectoryLock {
+    _file: File,
+    held: bool,
+}
+
+/// Why a directory cannot be used.
+#[derive(Debug, Error)]
+pub(crate) enum DirectoryError {
+    /// It, or a file in it, cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Another program writes there.
+    #[error("{} is in use", directory.display())]
+    InUse { directory: PathBuf, process: Option<u32> },
+}
+
+impl DirectoryLock {
+    /// Locks a directory that exists.
+    pub fn acquire(directory: &Path) -> Result<Self, DirectoryError> {
+        let path = directory.join(NAME);
+        let fail = |source| DirectoryError::from(WriteError::System { file: path.clone(), source });
+        let mut file =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
+        let held = match file.try_lock() {
+            Ok(()) => true,
+            Err(TryLockError::WouldBlock) => {
+                return Err(DirectoryError::InUse { directory: directory.to_owned(), process: process(&mut file) });
+            }
+            // A file system without locks: two programs do not notice each other there.
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => false,
+            Err(TryLockError::Error(error)) => return Err(fail(error)),
+        };
+        // Who holds it is for the message to others alone.
+        let _ = file.set_len(0).and_then(|()| writeln!(file, "{}", std::process::id()));
+        Ok(Self { _file: file, held })
+    }
+
+    /// Whether no other program can write there; false on a file system without locks.
+    pub fn is_held(&self) -> bool {
+        self.held
+    }
+}
+
+/// The process that holds a lock, as it noted there.
+fn process(file: &mut File) -> Option<u32> {
+    let mut text = String::new();
+    file.read_to_string(&mut text).ok()?;
+    text.trim().parse().ok()
+}

@@ -1,0 +1,132 @@
+//! [`Checkpoint`]: everything that an optimisation needs to go on to the bit.
+
+use super::finished_run::{read_work, write_work};
+use super::journal::Written;
+use crate::run::case_record::CaseRecord;
+use nastic_fem::SolveReport;
+use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::{RunState, SavedRunError};
+use serde_json::Value;
+
+const MAGIC: &str = "nastic-optimisation-1";
+
+/// The content of `checkpoint.bin`.
+pub(in crate::run) struct Checkpoint {
+    pub case: CaseRecord,
+    /// Where the optimisation stood; `None` before its start was evaluated and its gradient checked.
+    pub position: Option<Position>,
+}
+
+/// Where an optimisation stood.
+pub(in crate::run) struct Position {
+    pub(super) fixed: Fixed,
+    pub(super) trials: Trials,
+    /// The run from the present start.
+    pub(super) run: RunState,
+}
+
+/// What stays the same from one start to the next.
+pub(super) struct Fixed {
+    /// The result's entry of the gradient check at the start as written.
+    pub gradient_check: Value,
+    /// [`Starts`](super::starts::Starts) as bytes: the runs that have finished.
+    pub finished: Vec<u8>,
+    /// Number of the present start.
+    pub index: usize,
+    /// Its gradient check, where it is a random one.
+    pub certificate: Value,
+    /// The present start as bytes.
+    pub start: Vec<u8>,
+}
+
+/// What was told of the trials so far.
+pub(super) struct Trials {
+    /// All of `history.jsonl`.
+    pub history: Vec<u8>,
+    /// Work of the trials of the present start, by member.
+    pub work: Vec<SolveReport>,
+    /// Its iterations of which snapshots were written.
+    pub snapshots: Vec<usize>,
+}
+
+impl Position {
+    /// The start and iteration it is of.
+    pub(super) fn place(&self) -> Written {
+        Written { start: self.fixed.index, iteration: self.run.progress.counts.iterations }
+    }
+}
+
+impl Checkpoint {
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SavedRunError> {
+        let mut input = Reader::new(bytes, MAGIC)?;
+        let case = CaseRecord::from_bytes(&input.list()?)?;
+        let position = if input.flag()? { Some(read_position(&mut input)?) } else { None };
+        input.finish()?;
+        Ok(Self { case, position })
+    }
+}
+
+impl Fixed {
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Writer::new("");
+        out.bytes(self.gradient_check.to_string().as_bytes());
+        out.bytes(&self.finished);
+        out.count(self.index);
+        out.bytes(self.certificate.to_string().as_bytes());
+        out.bytes(&self.start);
+        out.finish()
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Result<Self, SavedRunError> {
+        let mut input = Reader::new(bytes, "")?;
+        let fixed = Self {
+            gradient_check: read_json(&mut input)?,
+            finished: input.list()?,
+            index: input.number()?,
+            certificate: read_json(&mut input)?,
+            start: input.list()?,
+        };
+        input.finish()?;
+        Ok(fixed)
+    }
+}
+
+/// A checkpoint before the start was evaluated.
+pub(super) fn before_the_start(case: &CaseRecord) -> Vec<u8> {
+    let mut out = Writer::new(MAGIC);
+    out.bytes(&case.to_bytes());
+    out.count(0);
+    out.finish()
+}
+
+/// A checkpoint of a run; `fixed` is [`Fixed::to_bytes`], made once for all checkpoints of a start.
+pub(super) fn of_run(
+    case: &CaseRecord,
+    fixed: &[u8],
+    history: &[u8],
+    (work, snapshots): (&[SolveReport], &[usize]),
+    run: &RunState,
+) -> Vec<u8> {
+    let mut out = Writer::new(MAGIC);
+    out.bytes(&case.to_bytes());
+    out.count(1);
+    out.bytes(fixed);
+    out.bytes(history);
+    write_work(work, &mut out);
+    out.count(snapshots.len());
+    snapshots.iter().for_each(|iteration| out.count(*iteration));
+    out.bytes(&run.to_bytes());
+    out.finish()
+}
+
+fn read_position(input: &mut Reader<'_>) -> Result<Position, SavedRunError> {
+    let fixed = Fixed::from_bytes(&input.list()?)?;
+    let (history, work) = (input.list()?, read_work(input)?);
+    let snapshots = (0..input.count(8)?).map(|_| input.number()).collect::<Result<_, _>>()?;
+    let run = RunState::from_bytes(&input.list()?)?;
+    Ok(Position { fixed, trials: Trials { history, work, snapshots }, run })
+}
+
+pub(super) fn read_json(input: &mut Reader<'_>) -> Result<Value, SavedRunError> {
+    serde_json::from_str(&input.text()?).map_err(|_| input.damaged("text that is not JSON"))
+}

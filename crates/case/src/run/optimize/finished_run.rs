@@ -1,0 +1,57 @@
+//! [`FinishedRun`]: a run from one start, as a value and as bytes.
+
+use nastic_control::{Ensemble, EnsemblePoint, read_report, write_report};
+use nastic_fem::SolveReport;
+use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::{Best, Failed, Objective, Request, SavedRunError};
+
+const MAGIC: &str = "nastic-finished-run-1";
+
+/// A run from one start.
+pub(super) struct FinishedRun {
+    /// Where it began.
+    pub start: EnsemblePoint,
+    pub best: Best<EnsemblePoint>,
+    /// Work of all trials, by member.
+    pub work: Vec<SolveReport>,
+}
+
+impl FinishedRun {
+    pub fn to_bytes(&self, ensemble: &Ensemble) -> Vec<u8> {
+        let mut out = Writer::new(MAGIC);
+        write_start(&self.start, ensemble, &mut out);
+        out.bytes(&self.best.save(ensemble));
+        write_work(&self.work, &mut out);
+        out.finish()
+    }
+
+    pub fn from_bytes(bytes: &[u8], ensemble: &Ensemble) -> Result<Self, Failed> {
+        let mut input = Reader::new(bytes, MAGIC).map_err(Failed::new)?;
+        let start = read_start(&mut input, ensemble)?;
+        let best = Best::load(ensemble, &input.list().map_err(Failed::new)?)?;
+        let work = read_work(&mut input).map_err(Failed::new)?;
+        input.finish().map_err(Failed::new)?;
+        Ok(Self { start, best, work })
+    }
+}
+
+/// A start: evaluated, in the first stage.
+pub(super) fn write_start(start: &EnsemblePoint, ensemble: &Ensemble, out: &mut Writer) {
+    out.floats(&start.m);
+    out.bytes(&ensemble.save(start));
+}
+
+pub(super) fn read_start(input: &mut Reader<'_>, ensemble: &Ensemble) -> Result<EnsemblePoint, Failed> {
+    let m = input.floats().map_err(Failed::new)?;
+    let point = input.list().map_err(Failed::new)?;
+    ensemble.load(&m, &point, &Request::default())
+}
+
+pub(super) fn write_work(work: &[SolveReport], out: &mut Writer) {
+    out.count(work.len());
+    work.iter().for_each(|work| write_report(work, out));
+}
+
+pub(super) fn read_work(input: &mut Reader<'_>) -> Result<Vec<SolveReport>, SavedRunError> {
+    (0..input.count(8)?).map(|_| read_report(input)).collect()
+}

@@ -1,0 +1,36 @@
+//! `nastic resume`: an optimisation that was interrupted goes on from its last checkpoint.
+
+use super::error::RunError;
+use super::optimize::{Checkpoint, Position};
+use super::session::Session;
+use crate::catalogue::Catalogue;
+use crate::console::Console;
+use crate::result::checkpoint_file::{self, CheckpointError};
+use crate::result::files::Directory;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Reads the checkpoint of an output directory and the case it belongs to.
+pub(super) fn open<'c>(
+    catalogue: &Catalogue,
+    directory: &Path,
+    cancel: Arc<AtomicBool>,
+    console: &'c Console,
+) -> Result<(Session<'c>, Option<Position>), RunError> {
+    let file = directory.join(checkpoint_file::NAME);
+    if !file.is_file() {
+        // A name that was mistyped is not made a directory.
+        return Err(CheckpointError::Missing { directory: directory.to_owned() }.into());
+    }
+    let out = Directory::claim(directory.to_owned())?;
+    let content = checkpoint_file::read(directory)?;
+    let Checkpoint { case, position } = Checkpoint::from_bytes(&content)
+        .map_err(|error| CheckpointError::Content { file: file.clone(), what: error.to_string() })?;
+    if case.program != env!("CARGO_PKG_VERSION") {
+        return Err(CheckpointError::Program { file, found: case.program }.into());
+    }
+    let document = case.reopen(catalogue, directory)?;
+    let session = Session::resume(document, case.settings, out, cancel, console)?;
+    Ok((session, position))
+}

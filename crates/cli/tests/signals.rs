@@ -1,0 +1,51 @@
+//! Signals that ask the program to stop.
+
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may
+
+mod common;
+
+use common::{BAR, Place, code, signal, start, text};
+use std::os::unix::process::ExitStatusExt;
+
+/// Far more iterations than there is time for.
+const LONG: [&str; 8] = [
+    "optimize",
+    "case.json",
+    "--set",
+    "optimizer/max_iterations=100000",
+    "--set",
+    "optimizer/tolerance=1e-15",
+    "--set",
+    "optimizer/method=projected_gradient",
+];
+
+#[test]
+fn sigint_and_sigterm_keep_what_was_found() {
+    for name in ["INT", "TERM"] {
+        let place = Place::new(BAR);
+        let mut child = start(place.program(&LONG));
+        place.wait_for_lines("out/case/history.jsonl", 4, &mut child);
+        assert!(signal(&child, name));
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(code(&output), 4, "SIG{name}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("stopping after the step at hand"), "{}", text(&output.stderr));
+        let result = std::fs::read(place.path("out/case/result.json")).unwrap();
+        let result: serde_json::Value = serde_json::from_slice(&result).unwrap();
+        assert_eq!(result["stop"], "cancelled");
+        nastic_io::read_snapshot(place.path("out/case/optimum.vtu")).unwrap();
+    }
+}
+
+#[test]
+fn a_program_that_is_to_outlive_its_terminal_does() {
+    let place = Place::new(BAR);
+    // What nohup does before it starts a program.
+    let mut child = start(place.shell("trap '' HUP", &LONG));
+    place.wait_for_lines("out/case/history.jsonl", 4, &mut child);
+    assert!(signal(&child, "HUP"));
+    let lines = std::fs::read_to_string(place.path("out/case/history.jsonl")).unwrap().lines().count();
+    place.wait_for_lines("out/case/history.jsonl", lines + 4, &mut child);
+    assert!(signal(&child, "KILL"));
+    assert_eq!(child.wait_with_output().unwrap().status.signal(), Some(9));
+}
