@@ -18,13 +18,18 @@ use nastic_numeric::vector::{norm, sub};
 const WARM: usize = 3;
 /// Iterations after which a guess was a poor one.
 const GUESS: usize = 15;
+/// Newton iterations after which load steps from rest are given up at the first that fails.
+const MOST: usize = 10_000;
+/// Newton iterations of a descent at full load.
+const DESCENT: usize = 1_500;
 
 impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
     /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method fails,
     /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
-    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or needs more iterations than
+    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on; without such a reason the energy is descended
+    /// on from rest at full load, before a cold solve fails. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or needs more iterations than
     /// three load steps may take, the way from rest is tried.
     ///
     /// # Errors
@@ -80,14 +85,14 @@ impl Model {
             return found;
         }
         let Some(near) = how.near else {
-            return self.walk(&rest, controls, (how, time_step), usize::MAX, workspace, &mut spent);
+            return self.from_rest(&rest, controls, (how, time_step), workspace, &mut spent);
         };
         match self.walk(near, controls, (how, time_step), WARM * how.max_newton, workspace, &mut spent) {
             Err(StateError::Cancelled) => Err(StateError::Cancelled),
             Err(failed) => {
                 workspace.forget();
                 let how = (how, time_step);
-                let found = self.walk(&rest, controls, how, usize::MAX, workspace, &mut SolveReport::default());
+                let found = self.walk(&rest, controls, how, MOST, workspace, &mut SolveReport::default());
                 let mut state = found.map_err(|again| match again {
                     StateError::Cancelled => again,
                     _ => failed,
@@ -100,6 +105,44 @@ impl Model {
         }
     }
 
+    /// By load steps; where they end for no reason that is known, downhill on the energy at full load. (A nearly incompressible
+    /// body may turn back short of its load and yet have an equilibrium, which a long descent finds.)
+    fn from_rest(
+        &self,
+        rest: &State,
+        controls: &Controls,
+        (how, time_step): (&SolveOptions, Option<&TimeStep>),
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<State, StateError> {
+        let failed = match self.walk(rest, controls, (how, time_step), MOST, workspace, report) {
+            Err(failed @ StateError::NoConvergence { cause: Cause::Unknown, .. }) if self.has_potential() => failed,
+            done => return done,
+        };
+        workspace.forget();
+        let long = SolveOptions { max_newton: DESCENT, ..how.clone() };
+        let newton = Newton { patient: true, ..self.newton(controls, 1.0, time_step, 1.0, &long) };
+        match newton.solve(rest.u.to_vec(), self.linear_solver(how, workspace), report) {
+            Ok(u) => {
+                report.load_steps += 1;
+                Ok(State::equilibrium(u, controls.clone(), 1.0, *report))
+            }
+            Err(Stop::Cancelled) => Err(StateError::Cancelled),
+            Err(_) => Err(failed),
+        }
+    }
+
+    fn newton<'a>(
+        &'a self,
+        controls: &'a Controls,
+        load: f64,
+        time_step: Option<&'a TimeStep>,
+        path: f64,
+        options: &'a SolveOptions<'a>,
+    ) -> Newton<'a> {
+        Newton { model: self, controls, load, time_step, path, options, patient: false }
+    }
+
     /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.
     fn jump(
         &self,
@@ -110,7 +153,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
         let brief = SolveOptions { max_newton: how.max_newton.min(GUESS), ..how.clone() };
-        let newton = Newton { model: self, controls, load: 1.0, time_step, path: 1.0, options: &brief };
+        let newton = self.newton(controls, 1.0, time_step, 1.0, &brief);
         match newton.solve(guess.to_vec(), self.linear_solver(how, workspace), report) {
             Ok(u) => {
                 report.load_steps += 1;
@@ -175,7 +218,7 @@ impl Model {
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
-            let newton = Newton { model: self, controls: &controls, load, time_step, path, options: how };
+            let newton = self.newton(&controls, load, time_step, path, how);
             match newton.solve(here.u.to_vec(), self.linear_solver(how, workspace), report) {
                 Ok(u) => {
                     report.load_steps += 1;

@@ -23,6 +23,8 @@ pub(crate) struct Newton<'a> {
     /// For the report alone: where on the path this is.
     pub path: f64,
     pub options: &'a SolveOptions<'a>,
+    /// Whether to go on downhill far from any equilibrium.
+    pub patient: bool,
 }
 
 /// Why it stopped short.
@@ -92,7 +94,7 @@ impl Newton<'_> {
             if self.options.cancelled() {
                 return Err(Stop::Cancelled);
             }
-            if iteration >= LOST.0 && report.shifted - shifted >= LOST.1 {
+            if !self.patient && iteration >= LOST.0 && report.shifted - shifted >= LOST.1 {
                 break;
             }
             let (residual, relative) = self.residual(&now);
