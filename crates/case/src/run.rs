@@ -10,6 +10,7 @@
 //! # Ok::<(), nastic_case::run::RunError>(())
 //! ```
 
+mod analysis;
 mod check;
 mod check_gradient;
 mod describe;
@@ -23,6 +24,7 @@ mod session;
 mod solve;
 mod table;
 
+pub use analysis::Analysis;
 pub use error::{Exit, RunError};
 pub use gradcheck::{GradientTest, test_gradient};
 
@@ -45,6 +47,8 @@ pub struct Options {
     pub threads: Option<usize>,
     /// Overrides `path=value`, in order.
     pub set: Vec<String>,
+    /// What `solve` computes.
+    pub analysis: Analysis,
     /// Once raised, the command stops as soon as it can, keeping what it has.
     pub cancel: Arc<AtomicBool>,
 }
@@ -89,7 +93,7 @@ pub fn run_with(
         let mut session = Session::open(catalogue, command, case, options, console)?;
         let exit = match &session.command {
             Command::Check => check::run(&mut session),
-            Command::Solve => solve::run(&mut session),
+            Command::Solve => solve::run(&mut session, &options.analysis),
             Command::Gradient => gradient::run(&mut session),
             Command::Gradcheck => gradcheck::run(&mut session),
             Command::Optimize => optimize::run(&mut session),

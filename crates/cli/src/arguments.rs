@@ -29,7 +29,7 @@ pub enum Command {
     /// Find the equilibrium at the start controls
     ///
     /// Writes start.vtu (the equilibrium), target.vtu, picture.png, picture.svg and result.json.
-    Solve(Case),
+    Solve(Solve),
     /// Compute cost and derivative at the start controls, for outside optimisers
     ///
     /// Writes derivative.json: one array per control under its name, in file order; entries in the order of cells, corner
@@ -49,6 +49,24 @@ pub enum Command {
     Optimize(Case),
     /// Print the JSON Schema of case files, for editors
     Schema,
+}
+
+/// A case, and what to compute of it.
+#[derive(Debug, Args)]
+pub struct Solve {
+    #[command(flatten)]
+    pub case: Case,
+    #[command(flatten)]
+    pub analysis: Analysis,
+}
+
+/// What solve computes: the equilibrium at the start controls, unless one of these is given.
+#[derive(Debug, Args)]
+#[group(multiple = false)]
+pub struct Analysis {
+    /// Also the N smallest eigenvalues of the tangent, all negative ones in any case, and their modes (in start.vtu)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub modes: Option<u16>,
 }
 
 /// A case and how to run it.

@@ -1,9 +1,9 @@
 //! From arguments to an exit code.
 
-use crate::arguments::{Arguments, Case, Command};
+use crate::arguments::{self, Arguments, Case, Command};
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{Exit, Options, RunError, run_with};
+use nastic_case::run::{Analysis, Exit, Options, RunError, run_with};
 use nastic_case::schema;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
@@ -15,10 +15,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const KILLED: i32 = 130;
 
 pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
-    let on_case = |command, case: &Case| on_case(catalogue, command, case);
+    let on_case = |command, case: &Case| on_case(catalogue, command, case, Analysis::default());
     match arguments.command {
         Command::Check(case) => on_case(schema::Command::Check, &case),
-        Command::Solve(case) => on_case(schema::Command::Solve, &case),
+        Command::Solve(solve) => {
+            self::on_case(catalogue, schema::Command::Solve, &solve.case, analysis(&solve.analysis))
+        }
         Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
         Command::Optimize(case) => on_case(schema::Command::Optimize, &case),
@@ -29,12 +31,21 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
     }
 }
 
-fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> ExitCode {
+/// What solve is asked for.
+fn analysis(asked: &arguments::Analysis) -> Analysis {
+    match asked.modes {
+        Some(count) => Analysis::Modes(count.into()),
+        None => Analysis::Equilibrium,
+    }
+}
+
+fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, analysis: Analysis) -> ExitCode {
     let name = command.name();
     let options = Options {
         out: case.out.clone(),
         threads: case.threads.map(usize::from),
         set: case.settings.clone(),
+        analysis,
         cancel: cancelled_by_ctrl_c(),
     };
     let outcome = run_with(catalogue, command, &case.case, &options, &console(case));

@@ -1,5 +1,8 @@
 //! `nastic solve`: the equilibrium at the start controls.
 
+mod modes;
+
+use super::analysis::Analysis;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short, vector};
 use super::session::Session;
@@ -10,13 +13,26 @@ use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
-use nastic_fem::SolveReport;
+use nastic_fem::{Modes, SolveReport};
 use serde_json::{Map, Value, json};
 
-pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
+pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
+    match analysis {
+        Analysis::Equilibrium => equilibrium(session, 0),
+        Analysis::Modes(count) => equilibrium(session, *count),
+    }
+}
+
+/// The equilibrium at the start controls, with so many modes.
+fn equilibrium(session: &mut Session<'_>, modes: usize) -> Result<Exit, RunError> {
     let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
     report(session, &point)?;
-    session.timed("write", |session| write(session, &point))?;
+    let modes = match modes {
+        0 => Vec::new(),
+        count => session.timed("modes", |session| modes::find(session, &point, count))?,
+    };
+    modes::report(session, &modes);
+    session.timed("write", |session| write(session, &point, &modes))?;
     Ok(Exit::Done)
 }
 
@@ -197,12 +213,15 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
 }
 
-fn write(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
+fn write(session: &mut Session<'_>, point: &EnsemblePoint, modes: &[Modes]) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.members) {
-        let shot = snapshot::snapshot(member, &StateFields::new(&at.state, &at.m))?;
+        let mut shot = snapshot::snapshot(member, &StateFields::new(&at.state, &at.m))?;
+        if let Some(modes) = modes.get(member.index()) {
+            shot = modes::with_fields(shot, modes)?;
+        }
         files.push(member.file("start.vtu"));
         out.write_vtu(&member.file("start.vtu"), &shot)?;
         if member.part().scenario() == 0 {

@@ -1,6 +1,7 @@
 //! From controls to an equilibrium: load steps, Newton's method, tangent systems, time steps.
 
 mod continuation;
+pub(crate) mod modes;
 pub(crate) mod newton;
 pub(crate) mod nodal_rotations;
 pub(crate) mod options;

@@ -1,0 +1,11 @@
+//! [`Analysis`]: what `solve` computes.
+
+/// What `nastic solve` computes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Analysis {
+    /// The equilibrium at the start controls.
+    #[default]
+    Equilibrium,
+    /// The equilibrium and so many smallest eigenvalues of its tangent, with their modes: `--modes N`.
+    Modes(usize),
+}
