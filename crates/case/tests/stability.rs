@@ -67,3 +67,81 @@ fn more_modes_than_unknowns_are_refused() {
     let refused = place.run_with(Command::Solve, BAR, &Console::silent(), &options).unwrap_err();
     assert!(refused.to_string().contains("ask for 1 to 48"), "{refused}");
 }
+
+/// The strip with turgor buckles where `p = pi^2 E h^2 / (3 L^2)`, 1316 Pa.
+#[test]
+fn a_ramp_tells_every_point_and_the_critical_value() {
+    let place = Place::new();
+    let (result, exit, said) = analyse(&place, STRIP, Analysis::Ramp("swelling=0 Pa:2 kPa:5".to_owned()), &[]);
+    assert_eq!(exit, Exit::Done);
+    let ramp = &result["ramp"];
+    assert_eq!((ramp["control"].as_str(), ramp["unit"].as_str()), (Some("swelling"), Some("Pa")));
+    let points = ramp["points"].as_array().unwrap();
+    let of = |key: &str| points.iter().map(|point| point[key].as_f64().unwrap()).collect::<Vec<_>>();
+    assert_eq!(of("value"), [0.0, 500.0, 1000.0, 1500.0, 2000.0]);
+    assert_eq!(of("inertia"), [0.0, 0.0, 0.0, 1.0, 1.0]);
+    let critical = &ramp["critical"][0];
+    let value = critical["value"].as_f64().unwrap();
+    assert!((value / 1316.0 - 1.0).abs() < 0.02, "{value}");
+    assert!(critical["error"].as_f64().unwrap() <= 0.25);
+    assert_eq!((&critical["before"], &critical["after"]), (&0.into(), &1.into()));
+    assert_eq!(said.lines().filter(|line| line.starts_with("critical")).count(), 1, "{said}");
+    // the files say the same
+    let csv = std::fs::read_to_string(place.path("out/ramp.csv")).unwrap();
+    let rows: Vec<&str> = csv.lines().collect();
+    assert_eq!(rows[0], "swelling,middle.x,middle.y,min_J,negative_pivots,potential,newton_iterations");
+    assert_eq!(rows.len(), 6);
+    assert!(rows[4].starts_with("1500.0,") && rows[4].split(',').nth(4) == Some("1"), "{}", rows[4]);
+    let pvd = std::fs::read_to_string(place.path("out/ramp.pvd")).unwrap();
+    assert!(pvd.contains("timestep=\"1500.0\"") && pvd.contains("ramp_0003.vtu"), "{pvd}");
+    let shot = nastic_io::read_snapshot(place.path("out/ramp_0003.vtu")).unwrap();
+    assert!(shot.cell_array("swelling").unwrap().values.iter().all(|p| *p == 1500.0));
+    let svg = std::fs::read_to_string(place.path("out/ramp.svg")).unwrap();
+    assert!(svg.contains("swelling (Pa)") && svg.contains("0 &gt; 1"), "{svg}");
+    // a shorter one leaves no snapshot of the longer one behind
+    analyse(&place, STRIP, Analysis::Ramp("swelling=0:1000:2".to_owned()), &[]);
+    assert!(place.path("out/ramp_0001.vtu").exists() && !place.path("out/ramp_0003.vtu").exists());
+}
+
+/// A control by cell is set everywhere; its points are the equilibria of their values.
+#[test]
+fn a_control_of_another_space_goes_everywhere() {
+    let place = Place::new();
+    let (result, ..) = analyse(&place, BAR, Analysis::Ramp("tension=-20 kPa:10 kPa:2".to_owned()), &[]);
+    let last = result["ramp"]["points"][1]["probes"]["tip"]["displacement"][0].as_f64().unwrap();
+    let (alone, ..) = analyse(&place, BAR, Analysis::Equilibrium, &["controls/0/start=10 kPa"]);
+    let expected = alone["probes"]["tip"]["displacement"][0].as_f64().unwrap();
+    assert!(expected.abs() > 1e-3 && (last - expected).abs() < 1e-9, "{last} and {expected}");
+}
+
+#[test]
+fn a_ramp_that_fails_keeps_its_points_and_says_where() {
+    let place = Place::new();
+    let (result, exit, said) = analyse(&place, BAR, Analysis::Ramp("tension=0:50 MPa:4".to_owned()), &[]);
+    assert_eq!(exit, Exit::ForwardFailed);
+    assert_eq!(exit.code(), 3);
+    let points = result["ramp"]["points"].as_array().unwrap();
+    assert!((1..4).contains(&points.len()), "{result:#}");
+    assert!(result["ramp"]["failed"]["at"].as_str().unwrap().ends_with(" Pa"), "{result:#}");
+    assert!(result["error"].as_str().unwrap().contains("the ramp stops at"), "{result:#}");
+    assert!(said.contains("STOPPED"), "{said}");
+    assert_eq!(std::fs::read_to_string(place.path("out/ramp.csv")).unwrap().lines().count(), 1 + points.len());
+}
+
+#[test]
+fn a_ramp_that_cannot_be_is_bad_input() {
+    let place = Place::new();
+    for (text, told) in [
+        ("swelling", "is not CONTROL=FROM:TO:N"),
+        ("swelling=0:1", "is not CONTROL=FROM:TO:N"),
+        ("swelling=0:1:1", "N must be a whole number from 2 to 10000"),
+        ("swelling=0:1 m:3", "is a length, a pressure is wanted"),
+        ("swelling=0:X * 1 Pa:3", "varies over the body"),
+        ("air=0:1:3", "control \"air\" not found; there are: swelling"),
+    ] {
+        let options = Options { analysis: Analysis::Ramp(text.to_owned()), ..place.options(&[]) };
+        let refused = place.run_with(Command::Solve, STRIP, &Console::silent(), &options).unwrap_err();
+        assert_eq!(refused.exit(), Exit::BadInput);
+        assert!(refused.to_string().contains(told), "{refused}");
+    }
+}

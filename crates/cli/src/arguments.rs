@@ -67,6 +67,11 @@ pub struct Analysis {
     /// Also the N smallest eigenvalues of the tangent, all negative ones in any case, and their modes (in start.vtu)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub modes: Option<u16>,
+    /// Instead N equilibria with one control going from a value to another: --ramp "air=0 Pa:60 kPa:12"
+    ///
+    /// Writes ramp.csv, ramp.svg, ramp.pvd with its snapshots, and result.json with the critical values.
+    #[arg(long, value_name = "CONTROL=FROM:TO:N")]
+    pub ramp: Option<String>,
 }
 
 /// A case and how to run it.

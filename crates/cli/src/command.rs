@@ -33,9 +33,10 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
 
 /// What solve is asked for.
 fn analysis(asked: &arguments::Analysis) -> Analysis {
-    match asked.modes {
-        Some(count) => Analysis::Modes(count.into()),
-        None => Analysis::Equilibrium,
+    match asked {
+        arguments::Analysis { modes: Some(count), .. } => Analysis::Modes((*count).into()),
+        arguments::Analysis { ramp: Some(ramp), .. } => Analysis::Ramp(ramp.clone()),
+        _ => Analysis::Equilibrium,
     }
 }
 
@@ -55,6 +56,9 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, analysi
                 print(&outcome.result);
             } else if case.quiet {
                 outcome.missed.iter().for_each(|missed| complain(&format!("expectation missed: {missed}")));
+            }
+            if let (true, Some(error)) = (case.json || case.quiet, outcome.result["error"].as_str()) {
+                complain(error);
             }
             ExitCode::from(outcome.exit.code())
         }

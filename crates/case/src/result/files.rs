@@ -47,6 +47,19 @@ impl Directory {
         }
     }
 
+    /// Removes the snapshots `STEM0000.vtu` .. that an earlier run left.
+    pub fn remove_numbered(&self, stem: &str) {
+        let Ok(entries) = std::fs::read_dir(&self.0) else { return };
+        for entry in entries.flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            let number = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".vtu"));
+            if number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit())) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+
     pub fn write_json(&self, name: &str, value: &Value) -> Result<(), WriteError> {
         let text = format!("{value:#}\n");
         write_atomically(self.file(name), |out| out.write_all(text.as_bytes()))

@@ -8,4 +8,6 @@ pub enum Analysis {
     Equilibrium,
     /// The equilibrium and so many smallest eigenvalues of its tangent, with their modes: `--modes N`.
     Modes(usize),
+    /// Equilibria with one control going from a value to another: `--ramp CONTROL=FROM:TO:N`.
+    Ramp(String),
 }

@@ -1,6 +1,8 @@
 //! `nastic solve`: the equilibrium at the start controls.
 
 mod modes;
+mod ramp;
+mod series;
 
 use super::analysis::Analysis;
 use super::error::{Exit, RunError};
@@ -20,6 +22,7 @@ pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit
     match analysis {
         Analysis::Equilibrium => equilibrium(session, 0),
         Analysis::Modes(count) => equilibrium(session, *count),
+        Analysis::Ramp(text) => ramp::run(session, text),
     }
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod modes;
 pub(crate) mod newton;
 pub(crate) mod nodal_rotations;
 pub(crate) mod options;
+pub(crate) mod ramp;
 pub(crate) mod rotation_corrected_step;
 pub(crate) mod state;
 pub(crate) mod tangent_systems;
