@@ -145,3 +145,33 @@ fn a_ramp_that_cannot_be_is_bad_input() {
         assert!(refused.to_string().contains(told), "{refused}");
     }
 }
+
+/// A cantilever under a dead axial load of one and a half times Euler's, `E' I pi^2 / (4 L^2)`.
+#[test]
+fn a_path_tells_its_points_and_where_the_body_buckles() {
+    let place = Place::new();
+    let load = r#""loads": [ { "surface": "x+", "traction": ["-123.37 Pa", "0 Pa"] } ], "probes""#;
+    let supports = r#", { "surface": "x+", "fix": ["x", "y"] }"#;
+    let case = common::with(&common::with(STRIP, r#""probes""#, load), supports, "").replace("2 kPa", "0 Pa");
+    let (result, exit, said) = analyse(&place, &case, Analysis::Path, &[]);
+    assert_eq!(exit, Exit::Done);
+    let path = &result["path"];
+    let points = path["points"].as_array().unwrap();
+    assert_eq!(points[0]["value"], 0.0);
+    assert_eq!(points[points.len() - 1]["value"], 1.0);
+    assert!(path["stopped"].is_null());
+    let events = path["events"].as_array().unwrap();
+    assert_eq!(events.len(), 1, "{path:#}");
+    assert_eq!(
+        (&events[0]["kind"], &events[0]["before"], &events[0]["after"]),
+        (&"bifurcation".into(), &0.into(), &1.into())
+    );
+    let value = events[0]["value"].as_f64().unwrap();
+    assert!((value / (2.0 / 3.0) - 1.0).abs() < 0.02, "{value}");
+    assert!(said.contains("critical    bifurcation at s = 0.6"), "{said}");
+    let csv = std::fs::read_to_string(place.path("out/path.csv")).unwrap();
+    assert!(csv.starts_with("s,middle.x,middle.y,min_J,"), "{csv}");
+    assert_eq!(csv.lines().count(), points.len() + 1);
+    assert!(std::fs::read_to_string(place.path("out/path.pvd")).unwrap().contains("path_0001.vtu"));
+    assert!(std::fs::read_to_string(place.path("out/path.svg")).unwrap().contains("displacement (m)"));
+}

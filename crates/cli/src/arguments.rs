@@ -72,6 +72,12 @@ pub struct Analysis {
     /// Writes ramp.csv, ramp.svg, ramp.pvd with its snapshots, and result.json with the critical values.
     #[arg(long, value_name = "CONTROL=FROM:TO:N")]
     pub ramp: Option<String>,
+    /// Instead the path of equilibria from rest to the start controls and full loads, through limit points
+    ///
+    /// Arc-length continuation. Writes path.csv, path.svg (the load-displacement curve), path.pvd with its snapshots, and
+    /// result.json with limit points and bifurcations.
+    #[arg(long)]
+    pub path: bool,
 }
 
 /// A case and how to run it.

@@ -36,6 +36,7 @@ fn analysis(asked: &arguments::Analysis) -> Analysis {
     match asked {
         arguments::Analysis { modes: Some(count), .. } => Analysis::Modes((*count).into()),
         arguments::Analysis { ramp: Some(ramp), .. } => Analysis::Ramp(ramp.clone()),
+        arguments::Analysis { path: true, .. } => Analysis::Path,
         _ => Analysis::Equilibrium,
     }
 }

@@ -29,6 +29,7 @@ pub use nastic_linear::Solver;
 pub use solid::Solid;
 pub use solution::modes::Modes;
 pub use solution::options::{Progress, SolveOptions};
+pub use solution::path::{EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint};
 pub use solution::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use solution::state::{SolveReport, State};
 pub use solution::trajectory::{Begin, StepTo, Trajectory};

@@ -10,4 +10,6 @@ pub enum Analysis {
     Modes(usize),
     /// Equilibria with one control going from a value to another: `--ramp CONTROL=FROM:TO:N`.
     Ramp(String),
+    /// The path of equilibria from rest to the start controls, through limit points: `--path`.
+    Path,
 }

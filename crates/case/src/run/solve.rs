@@ -1,6 +1,7 @@
 //! `nastic solve`: the equilibrium at the start controls.
 
 mod modes;
+mod path;
 mod ramp;
 mod series;
 
@@ -23,6 +24,7 @@ pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit
         Analysis::Equilibrium => equilibrium(session, 0),
         Analysis::Modes(count) => equilibrium(session, *count),
         Analysis::Ramp(text) => ramp::run(session, text),
+        Analysis::Path => path::run(session),
     }
 }
 

@@ -34,6 +34,13 @@ pub(super) struct Row {
     pub newton: usize,
 }
 
+/// A number of every state that is drawn.
+struct Drawn {
+    name: String,
+    /// Its column; the largest displacement if none.
+    column: Option<usize>,
+}
+
 /// Columns of values that the terminal shows.
 const SHOWN: usize = 6;
 /// A component that moves less than this share of the one that moves most is not drawn.
@@ -139,25 +146,39 @@ impl<'p> Series<'p> {
         text
     }
 
-    /// What is drawn of every row: components of probes that move, or else the largest displacement; with names.
-    fn drawn(&self) -> Vec<(String, Vec<f64>)> {
-        let dim = self.member.mesh().dim();
-        let probes = self.member.problem().probes.len() * dim;
-        let all: Vec<Vec<f64>> = self.rows.iter().map(|row| self.values(&row.state)).collect();
-        let column = |c: usize| -> Vec<f64> { all.iter().map(|values| values[c]).collect() };
-        let range = |values: &[f64]| {
-            let (low, high) =
-                values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    /// What is drawn of every row: the columns of components of probes that move; none of them: the largest displacement.
+    fn drawn(&self) -> Vec<Drawn> {
+        let probes = self.member.problem().probes.len() * self.member.mesh().dim();
+        let columns = self.columns().into_iter().take(probes).enumerate();
+        let columns: Vec<Drawn> = columns.map(|(column, name)| Drawn { name, column: Some(column) }).collect();
+        let range = |drawn: &Drawn| {
+            let values = self.rows.iter().map(|row| self.value(&row.state, drawn));
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             high - low
         };
-        let columns: Vec<(String, Vec<f64>)> =
-            self.columns().into_iter().take(probes).enumerate().map(|(c, name)| (name, column(c))).collect();
-        let most = columns.iter().map(|(_, values)| range(values)).fold(0.0, f64::max);
+        let ranges: Vec<f64> = columns.iter().map(range).collect();
+        let most = ranges.iter().fold(0.0, |most: f64, range| most.max(*range));
         if most > 0.0 {
-            return columns.into_iter().filter(|(_, values)| range(values) > MOVES * most).collect();
+            return columns
+                .into_iter()
+                .zip(ranges)
+                .filter(|(_, r)| *r > MOVES * most)
+                .map(|(drawn, _)| drawn)
+                .collect();
         }
-        let largest = |row: &Row| row.state.u.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-        vec![("largest |u|".to_owned(), self.rows.iter().map(largest).collect())]
+        vec![Drawn { name: "largest |u|".to_owned(), column: None }]
+    }
+
+    fn value(&self, state: &State, drawn: &Drawn) -> f64 {
+        match drawn.column {
+            Some(column) => self.values(state)[column],
+            None => state.u.iter().fold(0.0, |most: f64, u| most.max(u.abs())),
+        }
+    }
+
+    /// The first value that is drawn, of another state.
+    pub fn first_value(&self, state: &State) -> f64 {
+        self.drawn().first().map_or(f64::NAN, |drawn| self.value(state, drawn))
     }
 
     /// The chart of displacements: over the parameter, or the parameter over them. Unstable equilibria are dashed.
@@ -171,12 +192,12 @@ impl<'p> Series<'p> {
             true => Chart::new(&heading, &displacement, &parameter),
             false => Chart::new(&heading, &parameter, &displacement),
         };
-        for (name, values) in self.drawn() {
-            let point = |(row, u): (&Row, f64)| match parameter_upwards {
-                true => (u, row.parameter, row.negative == Some(0)),
-                false => (row.parameter, u, row.negative == Some(0)),
+        for drawn in self.drawn() {
+            let point = |row: &Row| match (self.value(&row.state, &drawn), row.negative == Some(0)) {
+                (u, stable) if parameter_upwards => (u, row.parameter, stable),
+                (u, stable) => (row.parameter, u, stable),
             };
-            chart = chart.curve(Curve::new(&name, self.rows.iter().zip(values).map(point)));
+            chart = chart.curve(Curve::new(&drawn.name, self.rows.iter().map(point)));
         }
         chart
     }
