@@ -20,10 +20,10 @@ fn law() -> Outcome<NeoHooke> {
     Ok(NeoHooke::new(E / (2.0 * (1.0 + NU)), E * NU / ((1.0 + NU) * (1.0 - 2.0 * NU)))?)
 }
 
-/// A clamped arch of span 1, rise 0.04 and thickness 0.02 under a dead weight.
-fn arch(kind: CellKind, weight: f64) -> Outcome<Solid> {
-    let flat = regular(kind, [1.0, 0.02, 0.0], [16, 1, 1])?;
-    let raised = flat.points().iter().map(|x| [x[0], x[1] + 0.02 * (1.0 - (2.0 * PI * x[0]).cos()), 0.0]).collect();
+/// A clamped arch of span 1, thickness h and rise 2 h under a dead weight.
+fn arch(kind: CellKind, h: f64, weight: f64) -> Outcome<Solid> {
+    let flat = regular(kind, [1.0, h, 0.0], [(0.32 / h) as usize, 1, 1])?;
+    let raised = flat.points().iter().map(|x| [x[0], x[1] + h * (1.0 - (2.0 * PI * x[0]).cos()), 0.0]).collect();
     Ok(Solid::new(flat.with_points(raised)?)?
         .material("body", law()?)?
         .clamp("x-")?
@@ -50,12 +50,12 @@ fn told(path: &EquilibriumPath) -> Vec<(EventKind, f64, usize, usize)> {
 #[test]
 fn an_arch_snaps_through_two_limit_points() -> Outcome {
     use EventKind::{Bifurcation, LimitPoint};
-    for kind in [CellKind::Quad8, CellKind::Quad9] {
-        let solid = arch(kind, 1600.0)?;
-        let middle = 2 * node_at(solid.mesh(), [0.5, 0.06, 0.0]).ok_or("no node in the middle")? + 1;
+    for (kind, h, weight) in [(CellKind::Quad8, 0.02, 1600.0), (CellKind::Quad9, 0.005, 30.0)] {
+        let solid = arch(kind, h, weight)?;
+        let middle = 2 * node_at(solid.mesh(), [0.5, 3.0 * h, 0.0]).ok_or("no node in the middle")? + 1;
         let path = follow(&solid, &PathOptions::default())?;
-        let fine = follow(&solid, &PathOptions { step: 0.01, points: 2000, ..PathOptions::default() })?;
-        assert!(fine.points.len() > 2 * path.points.len());
+        let fine = follow(&solid, &PathOptions { step: 0.02, points: 2000, ..PathOptions::default() })?;
+        assert!(fine.points.len() as f64 > 1.5 * path.points.len() as f64);
         let expected = [(LimitPoint, 0, 1), (Bifurcation, 1, 2), (LimitPoint, 2, 1), (Bifurcation, 1, 0)];
         for found in [&path, &fine] {
             assert!(matches!(found.end, PathEnd::Left), "{:?}", found.end);
@@ -78,7 +78,7 @@ fn an_arch_snaps_through_two_limit_points() -> Outcome {
         // snapped through at the end, and stable
         let end = &path.points[path.points.len() - 1];
         assert_eq!((end.s, end.negative, end.state.load), (1.0, Some(0), 1.0));
-        assert!(end.state.u[middle] < -0.08, "{}", end.state.u[middle]);
+        assert!(end.state.u[middle] < -4.0 * h, "{}", end.state.u[middle]);
         let again = solid.solve(&solid.controls(), &SolveOptions { near: Some(&end.state), ..STRICT })?;
         assert!(common::distance(&again.u, &end.state.u) < 1e-9);
         // every point is an equilibrium of its load
@@ -143,7 +143,7 @@ fn supports_and_controls_go_along() -> Outcome {
 
 #[test]
 fn what_cannot_be_followed_is_told() -> Outcome {
-    let solid = arch(CellKind::Quad8, 1600.0)?;
+    let solid = arch(CellKind::Quad8, 0.02, 1600.0)?;
     let few = follow(&solid, &PathOptions { points: 4, ..PathOptions::default() })?;
     assert!(matches!(few.end, PathEnd::Points) && few.points.len() == 4);
     let to = (&solid.controls(), 1.0);

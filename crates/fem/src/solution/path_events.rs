@@ -71,6 +71,18 @@ fn limit_point(equations: &mut Equations, here: &Point, there: &Point) -> Result
     Ok(best)
 }
 
+/// A point between two step lengths; `None` where the matrix is singular wherever it is tried, so near is the bifurcation.
+fn divide(equations: &mut Equations, here: &Point, low: f64, high: f64) -> Result<Option<(f64, Point)>, Failure> {
+    for share in [0.5, 0.3, 0.7, 0.1, 0.9] {
+        let middle = low + share * (high - low);
+        match equations.step(here, middle) {
+            Err(Failure::Linear(_)) => (),
+            done => return Ok(Some((middle, done?))),
+        }
+    }
+    Ok(None)
+}
+
 /// Where the number of negative pivots changes, by bisection; several changes one after the other.
 fn bifurcations(
     equations: &mut Equations,
@@ -85,12 +97,7 @@ fn bifurcations(
     while before != last {
         let (mut high, mut after, mut at) = (end, last, there.clone());
         while high - low > BISECTED * end {
-            let middle = 0.5 * (low + high);
-            let point = match equations.step(here, middle) {
-                // So near to it that the matrix is singular.
-                Err(Failure::Linear(_)) => break,
-                done => done?,
-            };
+            let Some((middle, point)) = divide(equations, here, low, high)? else { break };
             // A singular tangent is where it is looked for: its other side counts.
             match equations.told(&point).negative {
                 Some(count) if count == before => low = middle,

@@ -10,8 +10,8 @@ use std::sync::{Arc, OnceLock};
 /// Of a solution that counts as exact: strains, and with them a gradient, are known to `1e-8`, with a margin of ten.
 pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
 
-/// Of steps of Newton's method with a bordered tangent, which may stand near a bifurcation.
-const BORDERED: Accuracy = Accuracy { error: 1e-9, residual: 1e-6 };
+/// Of steps of Newton's method with a bordered tangent.
+const BORDERED: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
 /// Systems with the tangent of a model, by the solver of a workspace.
 pub(crate) struct TangentSystems<'a> {
