@@ -1,4 +1,4 @@
-//! `nastic solve` with `--modes`: what is computed of the stability of equilibria, and what is written about it.
+//! `nastic solve` with `--modes`, `--ramp`, `--path` and `--equilibria`: what is computed of the stability of equilibria, and what is written about it.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -174,4 +174,29 @@ fn a_path_tells_its_points_and_where_the_body_buckles() {
     assert_eq!(csv.lines().count(), points.len() + 1);
     assert!(std::fs::read_to_string(place.path("out/path.pvd")).unwrap().contains("path_0001.vtu"));
     assert!(std::fs::read_to_string(place.path("out/path.svg")).unwrap().contains("displacement (m)"));
+}
+
+#[test]
+fn other_equilibria_stand_beside_the_first() {
+    let place = Place::new();
+    let (result, exit, said) = analyse(&place, STRIP, Analysis::Equilibria(3), &[]);
+    assert_eq!(exit, Exit::Done);
+    assert_eq!(result["inertia"], 1);
+    let found = result["equilibria"]["found"].as_array().unwrap();
+    let of = |path: &str| found.iter().map(|one| one.pointer(path).unwrap().as_f64().unwrap()).collect::<Vec<_>>();
+    assert_eq!(of("/inertia"), [1.0, 0.0, 0.0]);
+    let heights = of("/probes/middle/displacement/1");
+    assert!(
+        heights[0].abs() < 1e-9 && heights[1].abs() > 0.01 && (heights[1] + heights[2]).abs() < 1e-6,
+        "{heights:?}"
+    );
+    let potentials = of("/potential");
+    assert!(potentials[1] < potentials[0], "{potentials:?}");
+    assert!(said.contains("equilibria  up to 3 under the same controls"), "{said}");
+    let shot = nastic_io::read_snapshot(place.path("out/equilibrium_003.vtu")).unwrap();
+    let middle = shot.mesh.points().iter().position(|x| *x == [0.5, 0.01, 0.0]).unwrap();
+    assert_eq!(shot.point_array("displacement").unwrap().at(middle)[1], heights[2]);
+    assert!(place.path("out/start.vtu").exists());
+    let files = result["files"].as_array().unwrap();
+    assert!(files.contains(&"start.vtu".into()) && files.contains(&"equilibrium_001.vtu".into()), "{files:?}");
 }

@@ -78,6 +78,9 @@ pub struct Analysis {
     /// result.json with limit points and bifurcations.
     #[arg(long)]
     pub path: bool,
+    /// Also other equilibria under the same controls, up to N in all, by deflation (equilibrium_001.vtu ..)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub equilibria: Option<u16>,
 }
 
 /// A case and how to run it.

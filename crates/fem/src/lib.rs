@@ -27,6 +27,7 @@ pub use error::{FemError, InvertedAt, StateError};
 pub use model::{Controllable, Model, Unknowns};
 pub use nastic_linear::Solver;
 pub use solid::Solid;
+pub use solution::deflation::{Equilibria, Equilibrium};
 pub use solution::modes::Modes;
 pub use solution::options::{Progress, SolveOptions};
 pub use solution::path::{EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint};

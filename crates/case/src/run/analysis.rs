@@ -12,4 +12,6 @@ pub enum Analysis {
     Ramp(String),
     /// The path of equilibria from rest to the start controls, through limit points: `--path`.
     Path,
+    /// The equilibrium and up to so many in all under the same controls, by deflation: `--equilibria N`.
+    Equilibria(usize),
 }

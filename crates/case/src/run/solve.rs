@@ -1,5 +1,6 @@
 //! `nastic solve`: the equilibrium at the start controls.
 
+mod equilibria;
 mod modes;
 mod path;
 mod ramp;
@@ -21,23 +22,25 @@ use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
     match analysis {
-        Analysis::Equilibrium => equilibrium(session, 0),
-        Analysis::Modes(count) => equilibrium(session, *count),
+        Analysis::Equilibrium | Analysis::Modes(_) | Analysis::Equilibria(_) => equilibrium(session, analysis),
         Analysis::Ramp(text) => ramp::run(session, text),
         Analysis::Path => path::run(session),
     }
 }
 
-/// The equilibrium at the start controls, with so many modes.
-fn equilibrium(session: &mut Session<'_>, modes: usize) -> Result<Exit, RunError> {
+/// The equilibrium at the start controls, with its modes or others beside it.
+fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
     let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
     report(session, &point)?;
-    let modes = match modes {
-        0 => Vec::new(),
-        count => session.timed("modes", |session| modes::find(session, &point, count))?,
+    let modes = match analysis {
+        Analysis::Modes(count) => session.timed("modes", |session| modes::find(session, &point, *count))?,
+        _ => Vec::new(),
     };
     modes::report(session, &modes);
     session.timed("write", |session| write(session, &point, &modes))?;
+    if let Analysis::Equilibria(count) = analysis {
+        equilibria::run(session, &point, *count)?;
+    }
     Ok(Exit::Done)
 }
 
@@ -252,6 +255,8 @@ pub(super) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
     let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
     let said: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
     session.console.say(format!("files       result.json, {}{more}", said.join(", ")));
+    let known = session.result_value()["files"].as_array().cloned().unwrap_or_default();
+    let files: Vec<Value> = known.into_iter().chain(files.into_iter().map(Value::from)).collect();
     session.put("files", json!(files));
 }
 

@@ -79,7 +79,7 @@ impl<'p> Series<'p> {
     pub fn header(&self) -> String {
         let names = self.columns().into_iter().take(SHOWN).map(|name| format!(" {name:>13}"));
         let values = names.collect::<String>();
-        format!("{:>14}{values} {:>8} {:>8} {:>6}", self.parameter.0, "min J", "negative", "newton")
+        format!("{:>14}{values} {:>13} {:>8} {:>8} {:>6}", self.parameter.0, "potential", "min J", "negative", "newton")
     }
 
     /// One line of the table.
@@ -87,8 +87,9 @@ impl<'p> Series<'p> {
         let values = self.values(&row.state).into_iter().take(SHOWN).map(|x| format!(" {:>13}", short(x)));
         let values = values.collect::<String>();
         let negative = row.negative.map_or_else(|| "-".to_owned(), |n| n.to_string());
-        let min_j = format!("{:.4}", row.state.report.min_j);
-        format!("{:>14}{values} {min_j:>8} {negative:>8} {:>6}", short(row.parameter), row.newton)
+        let (potential, min_j) = (short(row.state.report.energy), format!("{:.4}", row.state.report.min_j));
+        let rest = format!("{potential:>13} {min_j:>8} {negative:>8} {:>6}", row.newton);
+        format!("{:>14}{values} {rest}", short(row.parameter))
     }
 
     /// Every row with all its numbers.
