@@ -100,7 +100,7 @@ pub fn run_with(
         };
         console.clear();
         match exit {
-            Ok(exit) => close(session, exit),
+            Ok(exit) => close(session, exit, options.analysis.has_one_state()),
             Err(error) => {
                 note_failure(session, &error);
                 Err(error)
@@ -121,11 +121,11 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
 }
 
 /// Judges expectations and writes the result.
-fn close(mut session: Session<'_>, exit: Exit) -> Result<Outcome, RunError> {
+fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<Outcome, RunError> {
     let mut exit = exit;
     session.finish_clock();
     let expect = &session.problem.case.expect;
-    let (checked, missed) = expectation::judge(expect, &session.command, &session.result_value());
+    let (checked, missed) = expectation::judge(expect, &session.command, usual, &session.result_value());
     for miss in &missed {
         session.console.say(format!("MISSED      {miss}"));
     }

@@ -35,7 +35,7 @@ fn modes_are_told_and_written() {
     assert!(lambda[0] < 0.0 && 0.0 < lambda[1] && lambda[1] < lambda[2], "{lambda:?}");
     assert_eq!(result["modes"]["negative"], result["inertia"]);
     assert_eq!(result["modes"]["unit"], "N/m^4");
-    assert_eq!(said.lines().filter(|line| line.contains("N/m^4")).count(), 3, "{said}");
+    assert_eq!(said.lines().filter(|line| line.contains(" N/m^4")).count(), 3, "{said}");
     assert_eq!(said.lines().filter(|line| line.ends_with("unstable")).count(), 1, "{said}");
     let snapshot = nastic_io::read_snapshot(place.path("out/start.vtu")).unwrap();
     let middle = snapshot.mesh.points().iter().position(|x| *x == [0.5, 0.01, 0.0]).unwrap();
@@ -199,4 +199,25 @@ fn other_equilibria_stand_beside_the_first() {
     assert!(place.path("out/start.vtu").exists());
     let files = result["files"].as_array().unwrap();
     assert!(files.contains(&"start.vtu".into()) && files.contains(&"equilibrium_001.vtu".into()), "{files:?}");
+}
+
+/// The shipped arch: its expectations hold along the path, and those of a single state do not count there.
+#[test]
+fn the_arch_has_the_limit_points_it_expects() {
+    let place = Place::new();
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/cases/arch.json");
+    let options = Options { analysis: Analysis::Path, ..place.options(&[]) };
+    let run =
+        |options: &Options| nastic_case::run::run(Command::Solve, case.as_ref(), options, &Console::silent()).unwrap();
+    let outcome = run(&options);
+    assert_eq!((outcome.exit, outcome.missed.len()), (Exit::Done, 0), "{:?}", outcome.missed);
+    assert_eq!(outcome.result["expect"]["checked"], 2);
+    let kinds: Vec<_> =
+        outcome.result["path"]["events"].as_array().unwrap().iter().map(|e| e["kind"].clone()).collect();
+    assert_eq!(kinds, ["limit point", "bifurcation", "limit point", "bifurcation"]);
+    let plain = run(&place.options(&[]));
+    assert_eq!((plain.exit, &plain.result["expect"]["checked"]), (Exit::Done, &1.into()), "{:?}", plain.missed);
+    // another material has other limit points
+    let softer = Options { set: vec!["materials/0/young=0.9 MPa".to_owned()], ..options };
+    assert_eq!(run(&softer).exit, Exit::ExpectMissed);
 }

@@ -15,3 +15,10 @@ pub enum Analysis {
     /// The equilibrium and up to so many in all under the same controls, by deflation: `--equilibria N`.
     Equilibria(usize),
 }
+
+impl Analysis {
+    /// Whether the result has the entries of a single state.
+    pub(super) fn has_one_state(&self) -> bool {
+        !matches!(self, Self::Ramp(_) | Self::Path)
+    }
+}

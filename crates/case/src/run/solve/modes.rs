@@ -8,7 +8,7 @@ use crate::run::session::Session;
 use nastic_control::{ControlError, EnsemblePoint};
 use nastic_fem::{Modes, SolveOptions};
 use nastic_mesh::Snapshot;
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Unit of eigenvalues: a stiffness per volume.
 const STIFFNESS: Dimension = Dimension::of(-4, 1, 0, 0);
@@ -39,8 +39,8 @@ pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
     }
 }
 
-fn unit(problem: &CaseProblem) -> Value {
-    json!(problem.units().label(STIFFNESS))
+fn unit(problem: &CaseProblem) -> String {
+    problem.units().label(STIFFNESS)
 }
 
 /// The modes as fields `mode_1` .. at the nodes.

@@ -77,15 +77,15 @@ impl<'p> Series<'p> {
 
     /// The head of the table.
     pub fn header(&self) -> String {
-        let names = self.columns().into_iter().take(SHOWN).map(|name| format!(" {name:>13}"));
-        let values = names.collect::<String>();
+        let values = self.columns().iter().take(SHOWN).map(|name| format!(" {name:>13}")).collect::<String>();
         format!("{:>14}{values} {:>13} {:>8} {:>8} {:>6}", self.parameter.0, "potential", "min J", "negative", "newton")
     }
 
     /// One line of the table.
     pub fn line(&self, row: &Row) -> String {
-        let values = self.values(&row.state).into_iter().take(SHOWN).map(|x| format!(" {:>13}", short(x)));
-        let values = values.collect::<String>();
+        let columns = self.values(&row.state).into_iter().zip(self.columns()).take(SHOWN);
+        let value = |(x, name): (f64, String)| format!(" {:>1$}", short(x), name.chars().count().max(13));
+        let values = columns.map(value).collect::<String>();
         let negative = row.negative.map_or_else(|| "-".to_owned(), |n| n.to_string());
         let (potential, min_j) = (short(row.state.report.energy), format!("{:.4}", row.state.report.min_j));
         let rest = format!("{potential:>13} {min_j:>8} {negative:>8} {:>6}", row.newton);
