@@ -1,4 +1,4 @@
-//! `nastic solve` with `--modes`, `--ramp`, `--path` and `--equilibria`: what is computed of the stability of equilibria, and what is written about it.
+//! `nastic solve` with `--modes`, `--ramp`, `--path`, `--equilibria` and `--minimum`: what is computed of the stability of equilibria, and what is written about it.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -220,4 +220,30 @@ fn the_arch_has_the_limit_points_it_expects() {
     // another material has other limit points
     let softer = Options { set: vec!["materials/0/young=0.9 MPa".to_owned()], ..options };
     assert_eq!(run(&softer).exit, Exit::ExpectMissed);
+}
+
+/// The result is that of the stable state: its inertia, probes, costs and files.
+#[test]
+fn an_unstable_equilibrium_goes_on_to_a_minimum() {
+    let place = Place::new();
+    let cost = r#""costs": [ { "kind": "tracking", "region": "body", "target": ["X", "Y"] } ], "probes""#;
+    let case = common::with(STRIP, r#""probes""#, cost);
+    let (straight, ..) = analyse(&place, &case, Analysis::Equilibrium, &[]);
+    let (bent, exit, said) = analyse(&place, &case, Analysis::Minimum, &[]);
+    assert_eq!((exit, &straight["inertia"], &bent["inertia"]), (Exit::Done, &1.into(), &0.into()));
+    assert!(said.contains("descent     potential from"), "{said}");
+    let number = |result: &Value, at: &str| result.pointer(at).unwrap().as_f64().unwrap();
+    assert!(number(&bent, "/potential") < number(&straight, "/potential"));
+    let height = number(&bent, "/probes/middle/displacement/1");
+    assert!(height.abs() > 0.01, "{height}");
+    assert!(number(&bent, "/newton_iterations") > number(&straight, "/newton_iterations"));
+    // half the integral of the squared displacement, a sine-like bow
+    let (low, high) = (number(&straight, "/cost/total"), number(&bent, "/cost/total"));
+    assert!(
+        high > 1e3 * low && (high / (0.5 * 0.02 * 0.375 * height * height) - 1.0).abs() < 0.05,
+        "{low:e}, {high:e}"
+    );
+    let shot = nastic_io::read_snapshot(place.path("out/start.vtu")).unwrap();
+    let middle = shot.mesh.points().iter().position(|x| *x == [0.5, 0.01, 0.0]).unwrap();
+    assert_eq!(shot.point_array("displacement").unwrap().at(middle)[1], height);
 }

@@ -67,6 +67,9 @@ pub struct Analysis {
     /// Also the N smallest eigenvalues of the tangent, all negative ones in any case, and their modes (in start.vtu)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub modes: Option<u16>,
+    /// Go on from an unstable equilibrium to a stable one, downhill along its most negative mode
+    #[arg(long)]
+    pub minimum: bool,
     /// Instead N equilibria with one control going from a value to another: --ramp "air=0 Pa:60 kPa:12"
     ///
     /// Writes ramp.csv, ramp.svg, ramp.pvd with its snapshots, and result.json with the critical values.

@@ -37,6 +37,7 @@ fn analysis(asked: &arguments::Analysis) -> Analysis {
         arguments::Analysis { modes: Some(count), .. } => Analysis::Modes((*count).into()),
         arguments::Analysis { ramp: Some(ramp), .. } => Analysis::Ramp(ramp.clone()),
         arguments::Analysis { path: true, .. } => Analysis::Path,
+        arguments::Analysis { minimum: true, .. } => Analysis::Minimum,
         arguments::Analysis { equilibria: Some(count), .. } => Analysis::Equilibria((*count).into()),
         _ => Analysis::Equilibrium,
     }

@@ -28,6 +28,7 @@ pub use model::{Controllable, Model, Unknowns};
 pub use nastic_linear::Solver;
 pub use solid::Solid;
 pub use solution::deflation::{Equilibria, Equilibrium};
+pub use solution::descent::Descent;
 pub use solution::modes::Modes;
 pub use solution::options::{Progress, SolveOptions};
 pub use solution::path::{EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint};

@@ -6,6 +6,8 @@ pub enum Analysis {
     /// The equilibrium at the start controls.
     #[default]
     Equilibrium,
+    /// The equilibrium, and where it is unstable a stable one below it: `--minimum`.
+    Minimum,
     /// The equilibrium and so many smallest eigenvalues of its tangent, with their modes: `--modes N`.
     Modes(usize),
     /// Equilibria with one control going from a value to another: `--ramp CONTROL=FROM:TO:N`.

@@ -1,6 +1,7 @@
 //! `nastic solve`: the equilibrium at the start controls.
 
 mod equilibria;
+mod minimum;
 mod modes;
 mod path;
 mod ramp;
@@ -22,7 +23,9 @@ use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
     match analysis {
-        Analysis::Equilibrium | Analysis::Modes(_) | Analysis::Equilibria(_) => equilibrium(session, analysis),
+        Analysis::Equilibrium | Analysis::Minimum | Analysis::Modes(_) | Analysis::Equilibria(_) => {
+            equilibrium(session, analysis)
+        }
         Analysis::Ramp(text) => ramp::run(session, text),
         Analysis::Path => path::run(session),
     }
@@ -30,7 +33,10 @@ pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit
 
 /// The equilibrium at the start controls, with its modes or others beside it.
 fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
-    let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
+    let mut point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
+    if *analysis == Analysis::Minimum {
+        point = session.timed("descent", |session| minimum::descend(session, point))?;
+    }
     report(session, &point)?;
     let modes = match analysis {
         Analysis::Modes(count) => session.timed("modes", |session| modes::find(session, &point, *count))?,

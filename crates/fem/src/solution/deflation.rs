@@ -71,7 +71,7 @@ impl Model {
     /// `watch` is called with every equilibrium, the known one first.
     ///
     /// # Errors
-    /// A count of zero; a state of another body; [`StateError::Cancelled`]; modes that cannot be had, see [`modes`](Self::modes).
+    /// A count of zero; a state of another body; [`StateError::Cancelled`] (`watch` has seen what was found before); modes that cannot be had, see [`modes`](Self::modes).
     pub fn equilibria(
         &self,
         known: &State,

@@ -3,6 +3,7 @@
 mod arc_length;
 mod continuation;
 pub(crate) mod deflation;
+pub(crate) mod descent;
 pub(crate) mod modes;
 pub(crate) mod newton;
 pub(crate) mod nodal_rotations;
