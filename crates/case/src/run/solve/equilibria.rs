@@ -6,7 +6,7 @@ use crate::result::snapshot;
 use crate::run::error::RunError;
 use crate::run::session::Session;
 use nastic_control::{ControlError, EnsemblePoint, StateFields};
-use nastic_fem::{Equilibrium, Progress, SolveOptions, Workspace};
+use nastic_fem::{Equilibrium, Progress, SolveOptions, StateError, Workspace};
 use serde_json::json;
 
 /// Finds, says and writes the equilibria of every member, beginning with that of the point.
@@ -45,12 +45,16 @@ fn of_member(
     };
     let model = member.solid().model();
     let all = model.equilibria(&at.state, count, &how, &mut Workspace::default(), &mut found);
-    let all = all.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
-    if all.found.len() < count {
-        let (many, starts) = (all.found.len(), all.starts);
-        session
-            .console
-            .say(format!("            {many} of {count} were found, from {starts} starts; others may exist"));
+    let (starts, newton) = match all {
+        Ok(all) => (Some(all.starts), Some(all.newton)),
+        // What was found before Ctrl-C is kept.
+        Err(StateError::Cancelled) => (None, None),
+        Err(error) => return Err(session.member_failed((index, ControlError::from(error)))),
+    };
+    let many = series.rows.len();
+    if many < count {
+        let from = starts.map_or_else(|| "before it was stopped".to_owned(), |starts| format!("from {starts} starts"));
+        session.console.say(format!("            {many} of {count} were found, {from}; others may exist"));
     }
     let mut files = Vec::new();
     if let Some(out) = &session.out {
@@ -64,7 +68,7 @@ fn of_member(
         }
     }
     let entry = json!({
-        "asked": count, "found": series.points(), "starts": all.starts, "newton_iterations": all.newton,
+        "asked": count, "found": series.points(), "starts": starts, "newton_iterations": newton,
     });
     session.put_of_member(index, "equilibria", entry);
     Ok(files)
