@@ -41,7 +41,8 @@ case_met() { # NAME
   grep -q '"expect"' "$file" || { echo "$file has no \"expect\""; return 1; }
   grep -q '"command": "solve"' "$file" && command=solve
   target/release/nastic "$command" "$file" --quiet --out "$out/case_$1" || status=$?
-  [ "$status" = 0 ] || { [ "$status" = 4 ] && [ "$1" = petal ]; }
+  [ "$status" = 0 ] || { [ "$status" = 4 ] && [ "$1" = petal ]; } || return
+  [ "$1" != arch ] || target/release/nastic solve "$file" --path --quiet --out "$out/case_arch_path"
 }
 
 # The number that stands after the last occurrence of a text, held between two bounds.

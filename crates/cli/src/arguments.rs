@@ -30,7 +30,7 @@ pub enum Command {
     /// Find the equilibrium at the start controls
     ///
     /// Writes start.vtu (the equilibrium), target.vtu, picture.png, picture.svg and result.json.
-    Solve(Case),
+    Solve(Solve),
     /// Compute cost and derivative at the start controls, for outside optimisers
     ///
     /// Writes derivative.json: one array per control under its name, in file order; entries in the order of cells, corner
@@ -83,6 +83,41 @@ pub struct Running {
     /// Print the result as JSON instead of text for people
     #[arg(long)]
     pub json: bool,
+}
+
+/// A case, and what to compute of it.
+#[derive(Debug, Args)]
+pub struct Solve {
+    #[command(flatten)]
+    pub case: Case,
+    #[command(flatten)]
+    pub analysis: Analysis,
+}
+
+/// What solve computes: the equilibrium at the start controls, unless one of these is given.
+#[derive(Debug, Args)]
+#[group(multiple = false)]
+pub struct Analysis {
+    /// Also the N smallest eigenvalues of the tangent, all negative ones in any case, and their modes (in start.vtu)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub modes: Option<u16>,
+    /// Go on from an unstable equilibrium to a stable one, downhill along its most negative mode
+    #[arg(long)]
+    pub minimum: bool,
+    /// Instead N equilibria with one control going from a value to another: --ramp "air=0 Pa:60 kPa:12"
+    ///
+    /// Writes ramp.csv, ramp.svg, ramp.pvd with its snapshots, and result.json with the critical values.
+    #[arg(long, value_name = "CONTROL=FROM:TO:N")]
+    pub ramp: Option<String>,
+    /// Instead the path of equilibria from rest to the start controls and full loads, through limit points
+    ///
+    /// Arc-length continuation. Writes path.csv, path.svg (the load-displacement curve), path.pvd with its snapshots, and
+    /// result.json with limit points and bifurcations.
+    #[arg(long)]
+    pub path: bool,
+    /// Also other equilibria under the same controls, up to N in all, by deflation (equilibrium_001.vtu ..)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub equilibria: Option<u16>,
 }
 
 /// A case and how to run it.

@@ -1,20 +1,22 @@
 //! From arguments to an exit code.
 
-use crate::arguments::{Arguments, Case, Command, Resume, Running};
+use crate::arguments::{self, Arguments, Case, Command, Resume, Running};
 use crate::signals::cancelled_by_signals;
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{Exit, Options, Outcome, RunError, resume, run_with};
+use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, resume, run_with};
 use nastic_case::schema;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
 
 pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
-    let on_case = |command, case: &Case| on_case(catalogue, command, case);
+    let on_case = |command, case: &Case| on_case(catalogue, command, case, Analysis::default());
     match arguments.command {
         Command::Check(case) => on_case(schema::Command::Check, &case),
-        Command::Solve(case) => on_case(schema::Command::Solve, &case),
+        Command::Solve(solve) => {
+            self::on_case(catalogue, schema::Command::Solve, &solve.case, analysis(&solve.analysis))
+        }
         Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
         Command::Optimize(case) => on_case(schema::Command::Optimize, &case),
@@ -26,7 +28,19 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
     }
 }
 
-fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> ExitCode {
+/// What solve is asked for.
+fn analysis(asked: &arguments::Analysis) -> Analysis {
+    match asked {
+        arguments::Analysis { modes: Some(count), .. } => Analysis::Modes((*count).into()),
+        arguments::Analysis { ramp: Some(ramp), .. } => Analysis::Ramp(ramp.clone()),
+        arguments::Analysis { path: true, .. } => Analysis::Path,
+        arguments::Analysis { minimum: true, .. } => Analysis::Minimum,
+        arguments::Analysis { equilibria: Some(count), .. } => Analysis::Equilibria((*count).into()),
+        _ => Analysis::Equilibrium,
+    }
+}
+
+fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, analysis: Analysis) -> ExitCode {
     let name = command.name();
     let running = &case.running;
     let options = Options {
@@ -34,6 +48,7 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case) -> Exit
         threads: running.threads.map(usize::from),
         set: case.settings.clone(),
         strict: running.strict,
+        analysis,
         cancel: cancelled_by_signals(),
     };
     answer(name, running, run_with(catalogue, command, &case.case, &options, &console(running)))
@@ -58,6 +73,9 @@ fn answer(command: &str, running: &Running, outcome: Result<Outcome, RunError>) 
                 print(&outcome.result);
             } else if running.quiet {
                 outcome.missed.iter().for_each(|missed| complain(&format!("expectation missed: {missed}")));
+            }
+            if let (true, Some(error)) = (running.json || running.quiet, outcome.result["error"].as_str()) {
+                complain(error);
             }
             ExitCode::from(outcome.exit.code())
         }

@@ -109,3 +109,26 @@ fn the_schema_is_json_and_help_names_every_command() {
     let output = place.nastic(&["optimise", "case.json"]);
     assert_eq!(code(&output), 2, "clap refuses with the same code");
 }
+
+#[test]
+fn analyses_of_solve_go_one_at_a_time_and_a_failed_ramp_is_three() {
+    let place = Place::new(BAR);
+    let both = place.nastic(&["solve", "case.json", "--modes", "2", "--path"]);
+    assert_eq!(code(&both), 2);
+    assert!(text(&both.stderr).contains("cannot be used with"), "{}", text(&both.stderr));
+    for (options, key) in [
+        (vec!["--modes", "2"], "modes"),
+        (vec!["--ramp", "tension=0 Pa:20 kPa:3"], "ramp"),
+        (vec!["--path"], "path"),
+        (vec!["--equilibria", "1"], "equilibria"),
+        (vec!["--minimum"], "inertia"),
+    ] {
+        let output = place.nastic(&[vec!["solve", "case.json", "--json"], options].concat());
+        assert_eq!(code(&output), 0, "{key}: {}", text(&output.stderr));
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(!result[key].is_null(), "{key}: {result:#}");
+    }
+    let failed = place.nastic(&["solve", "case.json", "--quiet", "--ramp", "tension=0:50 MPa:3"]);
+    assert_eq!(code(&failed), 3);
+    assert!(failed.stdout.is_empty() && text(&failed.stderr).contains("the ramp stops at"), "{}", text(&failed.stderr));
+}

@@ -10,6 +10,7 @@ use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, StateError};
 use crate::model::Model;
+use crate::solution::modes::Modes;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
 use crate::solution::workspace::Workspace;
@@ -303,6 +304,14 @@ impl Solid {
     /// As there.
     pub fn negative_pivots_by(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
         self.model.negative_pivots_by(state, how)
+    }
+
+    /// [`Model::modes`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
+        self.model.modes(state, count, how)
     }
 
     /// [`Model::rest`].

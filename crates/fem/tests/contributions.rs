@@ -10,10 +10,10 @@ use common::{Outcome, largest, noise, regular};
 use nastic_energy::{FiberTension, NeoHooke, Slot};
 use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_fem::{
-    Contribution, Demand, Instant, InvertedAt, Sensitivities, Solid, SolveOptions, StatePartials, StepTo, Sums,
-    Trajectory, Workspace, check_contribution,
+    Contribution, Demand, Instant, InvertedAt, PathEnd, PathOptions, Sensitivities, Solid, SolveOptions, StateError,
+    StatePartials, StepTo, Sums, Trajectory, Workspace, check_contribution,
 };
-use nastic_linear::{SparseMatrix, Symmetry};
+use nastic_linear::{LinearError, SparseMatrix, Symmetry};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 
@@ -251,6 +251,28 @@ fn a_force_without_a_potential_is_solved_and_differentiated() -> Outcome {
     let expected = (45.0 * difference(1.0)? - 9.0 * difference(2.0)? + difference(3.0)?) / (60.0 * 0.05);
     let found = swept.controls[0].values(block)[0];
     assert!((found / expected - 1.0).abs() < 1e-8, "{found} where differences give {expected}");
+    Ok(())
+}
+
+/// A path goes on without an inertia; what needs a symmetric tangent or a potential says so.
+#[test]
+fn a_force_without_a_potential_has_a_path_and_no_modes() -> Outcome {
+    let solid = swirling()?;
+    let mut controls = solid.controls();
+    let block = controls.len() - 1;
+    controls.values_mut(block)[0] = 6.0;
+    controls.values_mut(0).fill(-100.0);
+    let (model, workspace) = (solid.model(), &mut Workspace::default());
+    let path = model.path(&solid.rest(), (&controls, 1.0), &PathOptions::default(), &STRICT, workspace, &mut |_| ())?;
+    assert!(matches!(path.end, PathEnd::Left) && path.events.is_empty());
+    assert!(path.points.iter().all(|point| point.negative.is_none()));
+    let (end, state) = (&path.points[path.points.len() - 1].state, solid.solve(&controls, &STRICT)?);
+    assert!(common::distance(&end.u, &state.u) < 1e-8);
+    let modes = solid.modes(&state, 1, &STRICT);
+    assert!(matches!(modes, Err(StateError::Linear(LinearError::NotSymmetric))), "{modes:?}");
+    let several = model.equilibria(&state, 2, &STRICT, workspace, &mut |_| ());
+    assert!(matches!(several, Err(StateError::Linear(LinearError::NotSymmetric))), "{several:?}");
+    assert!(matches!(model.descend(&state, &STRICT, workspace), Err(StateError::Problem(_))));
     Ok(())
 }
 

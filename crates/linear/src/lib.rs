@@ -32,6 +32,7 @@ mod bunch_kaufman;
 mod columns;
 mod dense;
 mod dissection;
+mod eigenpairs;
 mod elimination;
 mod error;
 mod factor;
@@ -54,6 +55,7 @@ mod solve;
 pub mod solver;
 mod symbolic;
 
+pub use eigenpairs::{Eigenpairs, Eigenproblem, smallest_eigenpairs};
 pub use error::{FactorError, StructureError};
 pub use factor::{Factor, Pivots, Precision};
 pub use gmres::{GmresReport, gmres};

@@ -266,6 +266,17 @@ impl SparseMatrix {
         }
     }
 
+    /// Adds a diagonal matrix, entries by dof.
+    pub fn add_diagonal(&mut self, entries: &[f64]) {
+        let dim = self.pattern.dim();
+        for (j, &node) in self.pattern.ordering().new_to_old().iter().enumerate() {
+            let (first, _) = self.pattern.column(j);
+            for c in 0..dim {
+                self.values[dim * dim * first + (dim + 1) * c] += entries[dim * node as usize + c];
+            }
+        }
+    }
+
     /// The largest row sum of absolute values of the symmetric part, `|S|_inf = |S|_1`.
     pub fn norm(&self) -> f64 {
         let mut sums = vec![0.0; self.pattern.dofs()];

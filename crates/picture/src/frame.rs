@@ -68,7 +68,8 @@ struct Layout {
     size: [f64; 2],
 }
 
-const MUTED: Colour = Colour([92, 100, 112]);
+/// Of what stands back behind the rest.
+pub(super) const MUTED: Colour = Colour([92, 100, 112]);
 
 impl Layout {
     fn text(&mut self, at: [f64; 2], anchor: Anchor, height: f64, bold: bool, colour: Colour, text: &str) {
@@ -208,7 +209,7 @@ fn round_down(length: f64) -> Option<f64> {
 }
 
 /// Round numbers within a range, four to eight of them; one if the range is a point.
-fn ticks(low: f64, high: f64) -> Vec<f64> {
+pub(super) fn ticks(low: f64, high: f64) -> Vec<f64> {
     let Some(step) = round_down((high - low) / 3.0) else { return vec![low] };
     let step = if (high - low) / step > 8.0 { 2.0 * step } else { step };
     let first = (low / step - 1e-9).ceil() as i64;
@@ -241,7 +242,7 @@ fn prefix(bar: &Bar) -> (&'static str, f64) {
 }
 
 /// A number for people: up to four digits, no trailing zeros.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     const DIGITS: i32 = 3;
     if value == 0.0 {
         return "0".to_owned();

@@ -1,10 +1,11 @@
 //! Pictures of deformed bodies, for those who do not have ParaView open: PNG (z-buffer, antialiased) and SVG (painter's
-//! algorithm), with legend, colour bar, axes and a scale of lengths.
+//! algorithm), with legend, colour bar, axes and a scale of lengths; and charts of curves.
 //!
 //! Colours are mixed in linear light; orthographic projection; the same picture gives the same bytes.
 
 mod arrows;
 mod camera;
+mod chart;
 mod colour;
 mod frame;
 mod png;
@@ -21,6 +22,7 @@ use std::sync::Arc;
 
 use nastic_mesh::{Mesh, Snapshot};
 
+pub use chart::{Chart, Curve};
 pub use colour::Colour;
 use nastic_io::WriteError;
 use nastic_io::write_atomically;

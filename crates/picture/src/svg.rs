@@ -10,7 +10,19 @@ use super::shade;
 use super::vector::{V3, add, scale, sub};
 
 pub(super) fn draw(picture: &Picture, scene: &Scene, marks: &[Mark]) -> String {
-    let (width, height) = (picture.width, picture.height);
+    let mut out = head(&picture.title, (picture.width, picture.height));
+    for item in items(scene) {
+        let _ = writeln!(out, "{}", item.text);
+    }
+    finish(out, marks)
+}
+
+/// Marks alone, on the same ground.
+pub(super) fn flat(title: &str, size: (u32, u32), marks: &[Mark]) -> String {
+    finish(head(title, size), marks)
+}
+
+fn head(title: &str, (width, height): (u32, u32)) -> String {
     let mut out = String::new();
     let (top, bottom) = (Colour(shade::background(0.0)).hex(), Colour(shade::background(1.0)).hex());
     // Writing to a string cannot fail.
@@ -21,12 +33,13 @@ pub(super) fn draw(picture: &Picture, scene: &Scene, marks: &[Mark]) -> String {
 <defs><linearGradient id="paper" x2="0" y2="1"><stop stop-color="{top}"/><stop offset="1" stop-color="{bottom}"/></linearGradient></defs>
 <rect width="{width}" height="{height}" fill="url(#paper)"/>
 <g stroke-linejoin="round" stroke-linecap="round" fill="none">"#,
-        nastic_io::escape(&picture.title)
+        nastic_io::escape(title)
     );
-    for item in items(scene) {
-        let _ = writeln!(out, "{}", item.text);
-    }
-    let _ = writeln!(out, "</g>\n<g font-family=\"Noto Sans Mono, DejaVu Sans Mono, monospace\">");
+    out
+}
+
+fn finish(mut out: String, marks: &[Mark]) -> String {
+    out.push_str("</g>\n<g font-family=\"Noto Sans Mono, DejaVu Sans Mono, monospace\">\n");
     for mark in marks {
         self::mark(&mut out, mark);
     }

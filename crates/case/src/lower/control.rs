@@ -167,7 +167,8 @@ impl Lowering<'_> {
         let unit = crate::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
         let unit = context.units.label(unit);
         let (at, array) = (self.control.at.clone(), self.control.name().to_owned());
-        if RESERVED.contains(&array.as_str()) || array.starts_with("gradient_") || array.starts_with("direction_") {
+        let prefixes = ["gradient_", "direction_", "mode_"];
+        if RESERVED.contains(&array.as_str()) || prefixes.iter().any(|prefix| array.starts_with(prefix)) {
             context
                 .complain(&at, format!("results have an array \"{array}\" already: give the control another \"name\""));
         }

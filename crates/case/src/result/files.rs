@@ -54,6 +54,19 @@ impl Directory {
         }
     }
 
+    /// Removes the snapshots `STEM0000.vtu` .. that an earlier run left.
+    pub fn remove_numbered(&self, stem: &str) {
+        let Ok(entries) = std::fs::read_dir(&self.path) else { return };
+        for entry in entries.flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            let number = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".vtu"));
+            if number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit())) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+
     /// Removes a file, if it is there.
     pub fn remove(&self, name: &str) -> Result<(), WriteError> {
         let file = self.file(name);

@@ -121,17 +121,23 @@ fn contributions(member: CaseMember<'_>, state: &State) -> Result<Map<String, Va
     Ok(out)
 }
 
-/// What a state says of itself: `min_J`, `potential`, reactions, probes, what contributions report.
-pub(crate) fn state(member: CaseMember<'_>, state: &State) -> Map<String, Value> {
+/// `min_J`, `potential`, probes, what contributions report: what a state says without another factor.
+pub(crate) fn shape(member: CaseMember<'_>, state: &State) -> Map<String, Value> {
     let mut out = Map::new();
     out.insert("min_J".into(), json!(state.report.min_j));
     out.insert("residual".into(), json!(state.report.residual));
     out.insert("potential".into(), json!(state.report.energy));
     out.insert("probes".into(), probes(member, state));
-    out.insert("reactions".into(), reactions(member, state).unwrap_or(Value::Null));
     if let Ok(found) = contributions(member, state).map(|found| (!found.is_empty()).then_some(found)) {
         out.extend(found.map(|found| ("contributions".to_owned(), Value::Object(found))));
     }
+    out
+}
+
+/// What a state says of itself: `min_J`, `potential`, reactions, probes, what contributions report.
+pub(crate) fn state(member: CaseMember<'_>, state: &State) -> Map<String, Value> {
+    let mut out = shape(member, state);
+    out.insert("reactions".into(), reactions(member, state).unwrap_or(Value::Null));
     out
 }
 

@@ -190,6 +190,20 @@ impl<'c> Session<'c> {
         self.result.insert(key.to_owned(), value);
     }
 
+    /// Adds an entry to those of a member; of a plain case to the result itself.
+    pub fn put_of_member(&mut self, index: usize, key: &str, value: Value) {
+        let member = self.problem.member(index);
+        let groups = [("scenarios", member.scenario()), ("load_cases", member.load_case())];
+        let mut entries = &mut self.result;
+        for (group, name) in groups.into_iter().filter_map(|(group, name)| Some((group, name?))) {
+            for key in [group, name] {
+                let Value::Object(next) = entries.entry(key).or_insert_with(|| json!({})) else { return };
+                entries = next;
+            }
+        }
+        entries.insert(key.to_owned(), value);
+    }
+
     /// Adds entries to the result.
     pub fn put_all(&mut self, entries: Map<String, Value>) {
         self.result.extend(entries);

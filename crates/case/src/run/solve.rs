@@ -1,5 +1,13 @@
 //! `nastic solve`: the equilibrium at the start controls.
 
+mod equilibria;
+mod minimum;
+mod modes;
+mod path;
+mod ramp;
+mod series;
+
+use super::analysis::Analysis;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short, vector};
 use super::session::Session;
@@ -11,14 +19,36 @@ use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
-use nastic_fem::SolveReport;
+use nastic_fem::{Modes, SolveReport};
 use serde_json::{Map, Value, json};
 
-pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
-    let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
+pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
+    match analysis {
+        Analysis::Equilibrium | Analysis::Minimum | Analysis::Modes(_) | Analysis::Equilibria(_) => {
+            equilibrium(session, analysis)
+        }
+        Analysis::Ramp(text) => ramp::run(session, text),
+        Analysis::Path => path::run(session),
+    }
+}
+
+/// The equilibrium at the start controls, with its modes or others beside it.
+fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
+    let mut point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
+    if *analysis == Analysis::Minimum {
+        point = session.timed("descent", |session| minimum::descend(session, point))?;
+    }
     let found = session.inspect("equilibrium", &point);
     report(session, &point, &found)?;
-    session.timed("write", |session| write(session, &point, &found))?;
+    let modes = match analysis {
+        Analysis::Modes(count) => session.timed("modes", |session| modes::find(session, &point, *count))?,
+        _ => Vec::new(),
+    };
+    modes::report(session, &modes);
+    session.timed("write", |session| write(session, &point, &found, &modes))?;
+    if let Analysis::Equilibria(count) = analysis {
+        equilibria::run(session, &point, *count)?;
+    }
     Ok(Exit::Done)
 }
 
@@ -200,13 +230,21 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
 }
 
-fn write(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
+fn write(
+    session: &mut Session<'_>,
+    point: &EnsemblePoint,
+    found: &[Inspection],
+    modes: &[Modes],
+) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.members) {
         let found = found.get(member.index());
-        let shot = snapshot::inspected(member, &StateFields::new(&at.state, &at.m), found)?;
+        let mut shot = snapshot::inspected(member, &StateFields::new(&at.state, &at.m), found)?;
+        if let Some(modes) = modes.get(member.index()) {
+            shot = modes::with_fields(shot, modes)?;
+        }
         files.push(member.file("start.vtu"));
         out.write_vtu(&member.file("start.vtu"), &shot)?;
         if member.part().scenario() == 0 {
@@ -236,6 +274,8 @@ pub(super) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
     let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
     let said: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
     session.console.say(format!("files       result.json, {}{more}", said.join(", ")));
+    let known = session.result_value()["files"].as_array().cloned().unwrap_or_default();
+    let files: Vec<Value> = known.into_iter().chain(files.into_iter().map(Value::from)).collect();
     session.put("files", json!(files));
 }
 

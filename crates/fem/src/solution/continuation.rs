@@ -132,7 +132,8 @@ impl Model {
         }
     }
 
-    fn newton<'a>(
+    /// Newton's method at a load.
+    pub(super) fn newton<'a>(
         &'a self,
         controls: &'a Controls,
         load: f64,

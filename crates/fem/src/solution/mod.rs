@@ -1,11 +1,18 @@
 //! From controls to an equilibrium: load steps, Newton's method, tangent systems, time steps.
 
+mod arc_length;
 mod continuation;
+pub(crate) mod deflation;
+pub(crate) mod descent;
 mod limit_point;
 mod load_steps;
+pub(crate) mod modes;
 pub(crate) mod newton;
 pub(crate) mod nodal_rotations;
 pub(crate) mod options;
+pub(crate) mod path;
+mod path_events;
+pub(crate) mod ramp;
 pub(crate) mod rotation_corrected_step;
 pub(crate) mod state;
 pub(crate) mod tangent_systems;

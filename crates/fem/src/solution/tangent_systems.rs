@@ -3,12 +3,15 @@
 use crate::model::Model;
 use crate::solution::nodal_rotations::nodal_rotations;
 use crate::solution::state::SolveReport;
-use nastic_linear::solver::{Accuracy, Configuration, Curvature, Shift, System};
+use nastic_linear::solver::{Accuracy, Border, Configuration, Curvature, Shift, System, solve_bordered};
 use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, SparseMatrix};
 use std::sync::{Arc, OnceLock};
 
 /// Of a solution that counts as exact: strains, and with them a gradient, are known to `1e-8`, with a margin of ten.
 pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
+
+/// Of full steps of Newton's method with an indefinite or bordered tangent.
+const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
 /// Systems with the tangent of a model, by the solver of a workspace.
 pub(crate) struct TangentSystems<'a> {
@@ -64,6 +67,21 @@ impl<'a> TangentSystems<'a> {
         step
     }
 
+    /// `K x = b` with a tangent at u whose supports are eliminated; it may be indefinite.
+    pub fn solve(
+        &mut self,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        b: &[f64],
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let mut work = LinearWork::default();
+        let x = self.solver.solve(&configuration.system(matrix), b, FULL_STEP, &mut work);
+        report.add_linear(&work);
+        x
+    }
+
     /// `K^T x = b` for several right-hand sides, with the tangent as it stands at u; it may be indefinite.
     pub fn solve_transposed(
         &mut self,
@@ -80,6 +98,23 @@ impl<'a> TangentSystems<'a> {
         let solutions = rhs.iter().map(solve).collect();
         report.add_linear(&work);
         solutions
+    }
+
+    /// `[K B; C^T D] [x; y] = [f; g]`, K a tangent at u whose supports are eliminated; it may be indefinite and nearly singular.
+    pub fn solve_bordered(
+        &mut self,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        border: &Border,
+        rhs: (&[f64], &[f64]),
+        report: &mut SolveReport,
+    ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let system = configuration.system(matrix);
+        let mut work = LinearWork::default();
+        let found = solve_bordered(self.solver, &system, border, rhs, false, FULL_STEP, &mut work);
+        report.add_linear(&work);
+        found
     }
 
     /// `K x = b` with the symmetric tangent at u as a product, zero on the supports, and what is kept as preconditioner, if

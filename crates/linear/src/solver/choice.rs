@@ -40,7 +40,7 @@ impl Solver {
 }
 
 /// Whether a factor may be made unasked.
-pub(super) fn fits(symbolic: &Symbolic) -> bool {
+pub(crate) fn fits(symbolic: &Symbolic) -> bool {
     symbolic.factor_bytes() <= FACTOR_BYTES
 }
 

@@ -92,6 +92,22 @@ impl Direct {
         }
     }
 
+    /// With the factor of an indefinite matrix, if that matrix is this one or one very near.
+    fn solve_by_any_sign(
+        &self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Option<Vec<f64>> {
+        let factor = self.factor.as_ref().filter(|f| f.is_usable() && f.pivots() == Pivots::AnySign)?;
+        let mut x = self.back_substitute(b, work);
+        let multiply = |v: &[f64], out: &mut [f64]| system.matrix.multiply(v, out);
+        let refined = refine(&multiply, factor, b, &mut x, accuracy.residual, 3);
+        work.back_substitutions += refined.iterations;
+        refined.converged().then_some(x)
+    }
+
     fn back_substitute(&self, b: &[f64], work: &mut LinearWork) -> Vec<f64> {
         let mut x = b.to_vec();
         if let Some(factor) = &self.factor {
@@ -218,6 +234,9 @@ impl LinearSolver for Direct {
         symmetric(system)?;
         work.solver = Solver::Direct;
         let test = StoppingTest::Error(accuracy.error);
+        if let Some(x) = self.solve_by_any_sign(system, b, accuracy, work) {
+            return Ok(x);
+        }
         if let Some(kept) = self.kept() {
             let most = FactorReuse::worth(&self.symbolic);
             let (x, cg) = precondition(&product(system), kept, system, b, test, most);

@@ -79,4 +79,26 @@ pub enum LinearError {
         /// Memory of a factor.
         gib: f64,
     },
+    /// More or fewer eigenvalues are wanted than there are.
+    #[error("{count} eigenvalues are wanted; ask for 1 to {unknowns}, the number of free unknowns")]
+    EigenpairCount {
+        /// How many are wanted.
+        count: usize,
+        /// Unknowns that are not fixed.
+        unknowns: usize,
+    },
+    /// Lanczos's method does not find all eigenvalues.
+    #[error("only {found} of {wanted} eigenvalues were found; ask for fewer")]
+    Eigenpairs {
+        /// How many were found.
+        found: usize,
+        /// How many are wanted.
+        wanted: usize,
+    },
+    /// A factor is needed and would be too large.
+    #[error("a factor of the tangent is needed and takes {gib:.0} GiB; try a coarser mesh")]
+    FactorTooLarge {
+        /// Memory of a factor.
+        gib: f64,
+    },
 }

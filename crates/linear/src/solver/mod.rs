@@ -12,6 +12,7 @@ mod shift;
 
 pub use bordered::{Border, solve_bordered};
 pub use choice::Solver;
+pub(super) use choice::fits;
 pub use direct::Direct;
 pub use error::LinearError;
 pub use fallback::MultigridOrDirect;

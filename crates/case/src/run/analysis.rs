@@ -1,0 +1,26 @@
+//! [`Analysis`]: what `solve` computes.
+
+/// What `nastic solve` computes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Analysis {
+    /// The equilibrium at the start controls.
+    #[default]
+    Equilibrium,
+    /// The equilibrium, and where it is unstable a stable one below it: `--minimum`.
+    Minimum,
+    /// The equilibrium and so many smallest eigenvalues of its tangent, with their modes: `--modes N`.
+    Modes(usize),
+    /// Equilibria with one control going from a value to another: `--ramp CONTROL=FROM:TO:N`.
+    Ramp(String),
+    /// The path of equilibria from rest to the start controls, through limit points: `--path`.
+    Path,
+    /// The equilibrium and up to so many in all under the same controls, by deflation: `--equilibria N`.
+    Equilibria(usize),
+}
+
+impl Analysis {
+    /// Whether the result has the entries of a single state.
+    pub(super) fn has_one_state(&self) -> bool {
+        !matches!(self, Self::Ramp(_) | Self::Path)
+    }
+}

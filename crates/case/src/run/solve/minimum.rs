@@ -1,0 +1,38 @@
+//! `nastic solve --minimum`: on from an unstable equilibrium to a stable one.
+
+use crate::run::error::RunError;
+use crate::run::number::{scientific, short};
+use crate::run::session::Session;
+use nastic_control::{ControlError, EnsemblePoint};
+use nastic_fem::{SolveOptions, Workspace};
+use nastic_opt::Objective;
+
+/// The point with every member's state taken down to a minimum of its potential, costs valued there.
+pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Result<EnsemblePoint, RunError> {
+    let mut work = Vec::new();
+    for index in 0..point.members.len() {
+        let (member, at) = (session.problem.member(index), &point.members[index]);
+        let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+        let found = member.solid().model().descend(&at.state, &how, &mut Workspace::default());
+        let found = found.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
+        if found.saddles > 0 {
+            let (from, to) = (at.state.report.energy, found.state.report.energy);
+            let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+            let fall = scientific(from - to, 3);
+            session.console.say(format!(
+                "descent     potential from {} to {}, by {fall}{inside}",
+                short(from),
+                short(to)
+            ));
+        }
+        let mut report = found.state.report;
+        report.add_work(&at.work);
+        work.push(report);
+        point.members[index].state = found.state;
+    }
+    let restaged = session.problem.ensemble.restage(0, &point);
+    let mut point = restaged.map_err(|failed| session.evaluation_failed(&failed))?;
+    // Valuing again is no work of a solve.
+    point.members.iter_mut().zip(work).for_each(|(at, work)| at.work = work);
+    Ok(point)
+}

@@ -1,0 +1,134 @@
+//! [`Descent`]: from an unstable equilibrium to a minimum of the potential.
+
+use crate::contributions::Demand;
+use crate::contributions::instant::Instant;
+use crate::error::{Cause, FemError, StateError};
+use crate::model::Model;
+use crate::solution::newton::Stop;
+use crate::solution::options::SolveOptions;
+use crate::solution::state::{SolveReport, State};
+use crate::solution::workspace::Workspace;
+use nastic_numeric::vector::axpy;
+
+/// A stable equilibrium below one that was not.
+#[derive(Debug, Clone)]
+pub struct Descent {
+    /// The equilibrium; its report counts the work of the whole descent.
+    pub state: State,
+    /// How often it left a saddle: 0 where the first state was stable.
+    pub saddles: usize,
+}
+
+/// Saddles that are left before it is given up.
+const SADDLES: usize = 10;
+/// Displacements along a mode at which the potential is looked at: the least and the largest as shares of the body's diagonal, and
+/// from one to the next.
+const LEAST: f64 = 1e-6;
+const LARGEST: f64 = 0.5;
+const GROWTH: f64 = 1.5;
+/// Starts, as multiples of the displacement at which the potential is least: on the straight line slender bodies stretch, which keeps
+/// that nearer to the saddle than the equilibrium below it is.
+const MULTIPLES: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
+/// Falls of the potential that differ by less than this share are alike.
+const ALIKE: f64 = 1e-6;
+
+impl Model {
+    /// A stable equilibrium under the controls of one that is not, at full loads, downhill from it.
+    ///
+    /// Along the mode of the most negative eigenvalue (see [`modes`](Self::modes)) the potential falls to both sides. From where it is least on
+    /// this line, and beyond, Newton's method lowers it to an equilibrium below the first; the lower side comes first (the one of the mode's
+    /// sign, where they are alike). Where that is another saddle, it goes on from there.
+    ///
+    /// # Errors
+    /// A state at another load than the full one, a model without a potential; [`StateError::NoConvergence`] with the last saddle where
+    /// no lower equilibrium is found.
+    pub fn descend(&self, state: &State, how: &SolveOptions, workspace: &mut Workspace) -> Result<Descent, StateError> {
+        self.check()?;
+        self.check_state(state)?;
+        if state.load != 1.0 || !self.has_potential() {
+            let what = "a descent needs a potential, and a state at full loads".to_owned();
+            return Err(FemError::Meaningless { what }.into());
+        }
+        let mut work = SolveReport::default();
+        let mut here = state.clone();
+        for saddles in 0..=SADDLES {
+            let modes = self.modes(&here, 1, how)?;
+            if modes.negative == 0 {
+                here.report.add_work(&work);
+                return Ok(Descent { state: here, saddles });
+            }
+            let below = self.below(&here, &modes.shapes[0], how, workspace, &mut work)?;
+            here = match below {
+                Some(next) => next,
+                None => break,
+            };
+        }
+        let (newton, residual) = (work.newton, here.report.residual);
+        let (load, cuts, reached, cause, last) = (1.0, 0, 1.0, Cause::Unknown, Box::new(here));
+        Err(StateError::NoConvergence { load, cuts, newton, residual, reached, cause, last })
+    }
+
+    /// An equilibrium of less potential, on either side of a saddle along a mode.
+    fn below(
+        &self,
+        saddle: &State,
+        mode: &[f64],
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+        work: &mut SolveReport,
+    ) -> Result<Option<State>, StateError> {
+        let mut sides = [1.0, -1.0].map(|side| self.lowest_along(saddle, mode, side, how));
+        if sides[1].0 < sides[0].0 - ALIKE * (saddle.report.energy - sides[0].0).abs() {
+            sides.swap(0, 1);
+        }
+        for multiple in MULTIPLES {
+            for (_, amplitude) in sides {
+                let mut start = saddle.u.to_vec();
+                axpy(multiple * amplitude, mode, &mut start);
+                let (controls, mut report) = (&*saddle.controls, SolveReport::default());
+                let newton = self.newton(controls, 1.0, None, 1.0, how);
+                let found = newton.solve(start, self.linear_solver(how, workspace), &mut report);
+                work.add_work(&report);
+                match found {
+                    Ok(u) if report.energy < saddle.report.energy && differs(&u, saddle, amplitude) => {
+                        // The work is counted once, at the end.
+                        let SolveReport { solver, residual, min_j, energy, .. } = report;
+                        let kept =
+                            SolveReport { solver, residual, min_j, energy, load_steps: 1, ..SolveReport::default() };
+                        return Ok(Some(State::equilibrium(u, controls.clone(), 1.0, kept)));
+                    }
+                    Err(Stop::Cancelled) => return Err(StateError::Cancelled),
+                    // Back at the saddle, or nowhere: another start may lead down.
+                    _ => workspace.forget(),
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// The least value of the potential along one side of a mode before a cell inverts, and at which multiple of the mode. Not the first
+    /// minimum: near the saddle rounding makes many.
+    fn lowest_along(&self, state: &State, mode: &[f64], side: f64, how: &SolveOptions) -> (f64, f64) {
+        let size = self.discretization().mesh().diagonal();
+        let mut best = (f64::INFINITY, side * LEAST * size);
+        let mut share = LEAST;
+        while share <= LARGEST {
+            let mut u = state.u.to_vec();
+            axpy(side * share * size, mode, &mut u);
+            let at = Instant { parallel: how.parallel, ..Instant::new(&u, &state.controls, state.load) };
+            let sums = self.evaluate(&at, Demand { energy: true, force: false });
+            match sums {
+                Ok(sums) if sums.energy < best.0 => best = (sums.energy, side * share * size),
+                Ok(_) => (),
+                Err(_) => break,
+            }
+            share *= GROWTH;
+        }
+        best
+    }
+}
+
+/// Whether a displacement is another one than that of a saddle: by more than a hundredth of the amplitude that left it.
+fn differs(u: &[f64], saddle: &State, amplitude: f64) -> bool {
+    u.iter().zip(saddle.u.iter()).any(|(u, v)| (u - v).abs() > 1e-2 * amplitude.abs())
+}

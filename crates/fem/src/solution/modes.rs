@@ -1,0 +1,60 @@
+//! [`Modes`]: the smallest eigenvalues of the tangent at an equilibrium, and their modes.
+
+use crate::error::StateError;
+use crate::model::Model;
+use crate::solution::options::SolveOptions;
+use crate::solution::state::State;
+use crate::solution::tangent_systems::eliminate;
+use nastic_linear::{Eigenproblem, smallest_eigenpairs};
+
+/// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes' reference volumes
+/// ([`Discretization::nodal_volumes`](crate::Discretization::nodal_volumes)).
+///
+/// lambda is a force per length^4 (N/m^4: a stiffness per volume), in plane strain too, and converges as the mesh is refined. A
+/// negative one is a direction in which the potential falls: `1/2 lambda phi . M phi` per square of the amplitude. A homogeneous body
+/// of density rho vibrates about a stable state with angular frequencies `sqrt(lambda / rho)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modes {
+    /// Eigenvalues, ascending.
+    pub eigenvalues: Vec<f64>,
+    /// Their modes, flat like displacements, zero on the supports, with a largest component of exactly 1.
+    pub shapes: Vec<Vec<f64>>,
+    /// Negative eigenvalues of the tangent, counted by the pivots of a factor; all of them are among the eigenvalues.
+    pub negative: usize,
+}
+
+impl Model {
+    /// The `count` algebraically smallest eigenvalues of the tangent at a state, all negative ones in any case, with their modes.
+    ///
+    /// Shift-invert Lanczos ([`smallest_eigenpairs`]) with a factor, whatever solves other systems. Multiple eigenvalues are found with
+    /// all their modes; which basis of their span is returned has no meaning.
+    ///
+    /// # Errors
+    /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a factor that would
+    /// be too large; [`StateError::Problem`] for a state of another body.
+    pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
+        self.check_state(state)?;
+        let mut matrix = self.tangent_at(&self.instant(state, None, how.parallel), state)?;
+        eliminate(self, &mut matrix);
+        let disc = self.discretization();
+        let problem = Eigenproblem {
+            matrix: &matrix,
+            mass: &disc.volumes_by_unknown(),
+            fixed: self.supports.fixed(),
+            symbolic: disc.symbolic(),
+            parallel: how.parallel,
+        };
+        let found = smallest_eigenpairs(&problem, count)?;
+        let shapes = found.vectors.into_iter().map(normalized).collect();
+        Ok(Modes { eigenvalues: found.values, shapes, negative: found.negative })
+    }
+}
+
+/// Scaled to a largest component of 1; of components that differ by rounding the first.
+fn normalized(mut shape: Vec<f64>) -> Vec<f64> {
+    let largest = shape.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let at = shape.iter().position(|x| x.abs() >= (1.0 - 1e-6) * largest);
+    let scale = at.map_or(1.0, |at| largest * shape[at].signum());
+    shape.iter_mut().for_each(|x| *x /= scale);
+    shape
+}

@@ -1,0 +1,60 @@
+//! From saddles down to minima of the potential.
+
+mod common;
+
+use common::block::STRICT;
+use common::{Outcome, largest, regular};
+use nastic_energy::NeoHooke;
+use nastic_fem::{Solid, SolveOptions, State, StateError, Workspace};
+use nastic_mesh::CellKind;
+use nastic_tensor::Vec3;
+use std::f64::consts::PI;
+
+/// A unit cantilever of height h, E = 1 and nu = 0, pressed by a multiple of Euler's load; straight.
+fn column(kind: CellKind, h: f64, multiple: f64) -> Outcome<(Solid, State)> {
+    let solid = Solid::new(regular(kind, [1.0, h, h], [10, 1, 1])?)?
+        .material("body", NeoHooke::new(0.5, 0.0)?)?
+        .clamp("x-")?
+        .traction("x+", Vec3::x() * -multiple * PI.powi(2) * h * h / 48.0)?;
+    let state = solid.solve(&solid.controls(), &STRICT)?;
+    Ok((solid, state))
+}
+
+/// Once or twice unstable, plane and in space, where it may fall to any side; slender ones too.
+#[test]
+fn a_straight_column_falls_to_its_bent_state() -> Outcome {
+    for (kind, h, multiple) in [
+        (CellKind::Quad9, 0.05, 1.2),
+        (CellKind::Quad9, 0.01, 1.5),
+        (CellKind::Quad8, 0.05, 12.0),
+        (CellKind::Hex20, 0.05, 1.2),
+    ] {
+        let (solid, straight) = column(kind, h, multiple)?;
+        assert!(solid.negative_pivots(&straight)? > 0 && largest(&straight.u) < 0.05);
+        let found = solid.model().descend(&straight, &STRICT, &mut Workspace::default())?;
+        assert!(found.saddles > 0);
+        assert_eq!(solid.negative_pivots(&found.state)?, 0, "{kind}, {multiple} times the load");
+        assert!(found.state.report.energy < straight.report.energy);
+        assert!(found.state.report.newton > 0 && found.state.report.residual < 1e-10);
+        // between the first load and the second there is one bent branch and its mirror image
+        if kind == CellKind::Quad9 {
+            let push = solid.clone().traction("x+", Vec3::y() * 1e-3 * h * h)?;
+            let pushed = push.solve(&push.controls(), &STRICT)?;
+            let bent = solid.solve(&solid.controls(), &SolveOptions { near: Some(&pushed), ..STRICT })?;
+            let (a, b) = (bent.report.energy, found.state.report.energy);
+            assert!((a - b).abs() < 1e-9 * a.abs(), "{kind}, {multiple} times the load: {a:e} and {b:e}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_stable_state_stays_and_what_cannot_be_is_refused() -> Outcome {
+    let (solid, state) = column(CellKind::Quad8, 0.05, 0.5)?;
+    let found = solid.model().descend(&state, &STRICT, &mut Workspace::default())?;
+    assert_eq!((found.saddles, &found.state.u), (0, &state.u));
+    let half = State { load: 0.5, ..state };
+    let refused = solid.model().descend(&half, &STRICT, &mut Workspace::default());
+    assert!(matches!(refused, Err(StateError::Problem(_))), "{refused:?}");
+    Ok(())
+}

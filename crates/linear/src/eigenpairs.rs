@@ -1,0 +1,259 @@
+//! [`smallest_eigenpairs`]: `A x = lambda M x` with a diagonal M, by shift-invert Lanczos.
+
+use super::error::FactorError;
+use super::factor::{Factor, Pivots};
+use super::matrix::SparseMatrix;
+use super::solver::{LinearError, fits};
+use super::symbolic::Symbolic;
+use nalgebra::{DMatrix, SymmetricEigen};
+use nastic_numeric::Random;
+use nastic_numeric::vector::{axpy, dot, scale};
+use std::sync::Arc;
+
+/// A Ritz pair counts when `|B x - theta x|_M` is this share of theta.
+const TOLERANCE: f64 = 1e-11;
+/// Steps between two looks at the Ritz pairs.
+const PACE: usize = 4;
+/// Least shift tried below an indefinite matrix, as a share of the largest `|A_ii| / M_ii`, and from one shift to the next.
+const LEAST_SHIFT: f64 = 1e-14;
+const SHIFT_GROWTH: f64 = 16.0;
+/// How far above an eigenvalue the others are counted, as a share of its distance from the shift.
+const ABOVE: f64 = 1e-6;
+/// A vector that orthogonalisation leaves this share of lies in the span of the others.
+const SPANNED: f64 = 1e-12;
+
+/// `A x = lambda M x` on the unknowns that are not fixed.
+#[derive(Clone, Copy)]
+pub struct Eigenproblem<'a> {
+    /// A, symmetric, with rows and columns of fixed unknowns replaced by positive multiples of those of the identity.
+    pub matrix: &'a SparseMatrix,
+    /// The diagonal of M, positive, by unknown.
+    pub mass: &'a [f64],
+    /// By unknown: whether it is fixed.
+    pub fixed: &'a [bool],
+    /// The symbolic factorisation of A.
+    pub symbolic: &'a Arc<Symbolic>,
+    /// Whether to use all threads; the bits are the same.
+    pub parallel: bool,
+}
+
+/// Eigenvalues in ascending order, with their vectors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Eigenpairs {
+    /// Eigenvalues, ascending.
+    pub values: Vec<f64>,
+    /// Their vectors, `x_i . M x_k = delta_ik`, zero where fixed.
+    pub vectors: Vec<Vec<f64>>,
+    /// Negative eigenvalues of the matrix, counted by the pivots of `A = L D L^T`.
+    pub negative: usize,
+}
+
+/// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones where these are more.
+///
+/// Lanczos with full reorthogonalisation for `B = (A - sigma M)^-1 M` in the inner product of M, from a seeded start vector, with
+/// sigma = 0 for a positive definite A and else a shift below the spectrum, which the Cholesky factor of `A - sigma M` proves.
+/// No eigenvalue is missed: those below the largest one returned are counted by the pivots of `A - mu M` (Sylvester's law of
+/// inertia), and as long as there are more than were found (of multiple eigenvalues a Krylov space has one vector) the
+/// iteration begins again orthogonal to all found. Ericsson, Ruhe, "The spectral transformation Lanczos method for the numerical
+/// solution of large sparse generalized symmetric eigenvalue problems", Math. Comp. 35 (1980).
+///
+/// # Errors
+/// A matrix that is not symmetric or not finite; more eigenvalues wanted than there are unknowns; a factor beyond 8 GiB;
+/// [`LinearError::Eigenpairs`] where the iteration does not find them.
+pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigenpairs, LinearError> {
+    let unknowns = problem.fixed.iter().filter(|&&fixed| !fixed).count();
+    problem.check(count, unknowns)?;
+    let (sigma, factor) = problem.below_spectrum()?;
+    let negative = if sigma == 0.0 { 0 } else { problem.count_below(0.0)? };
+    let wanted = count.max(negative);
+    let mut found = Found::default();
+    let mut missing = wanted;
+    for run in 0..=wanted {
+        let steps = unknowns.min(10 * missing + 200);
+        found.add(lanczos(problem, &factor, &found.vectors, missing, steps, run as u64), problem);
+        let Some(&last) = found.values.get(wanted - 1) else {
+            missing = wanted - found.values.len();
+            continue;
+        };
+        let mu = last + ABOVE * (last - sigma);
+        let known = found.values.iter().filter(|&&value| value < mu).count();
+        missing = problem.count_below(mu)?.saturating_sub(known);
+        if missing == 0 {
+            found.values.truncate(wanted);
+            found.vectors.truncate(wanted);
+            return Ok(Eigenpairs { values: found.values, vectors: found.vectors, negative });
+        }
+    }
+    Err(LinearError::Eigenpairs { found: wanted.saturating_sub(missing), wanted })
+}
+
+impl Eigenproblem<'_> {
+    fn check(&self, count: usize, unknowns: usize) -> Result<(), LinearError> {
+        if !self.matrix.is_symmetric() {
+            return Err(LinearError::NotSymmetric);
+        }
+        if count == 0 || count > unknowns {
+            return Err(LinearError::EigenpairCount { count, unknowns });
+        }
+        if !fits(self.symbolic) {
+            return Err(LinearError::FactorTooLarge { gib: self.symbolic.factor_bytes() as f64 / f64::from(1 << 30) });
+        }
+        Ok(())
+    }
+
+    /// `A - sigma M`, fixed unknowns left alone.
+    fn shifted(&self, sigma: f64) -> SparseMatrix {
+        let mut matrix = self.matrix.clone();
+        let entry = |(m, &fixed): (&f64, &bool)| if fixed { 0.0 } else { -sigma * m };
+        let diagonal: Vec<f64> = self.mass.iter().zip(self.fixed).map(entry).collect();
+        matrix.add_diagonal(&diagonal);
+        matrix
+    }
+
+    /// Zero, or a shift below all eigenvalues, with the Cholesky factor of the shifted matrix.
+    fn below_spectrum(&self) -> Result<(f64, Factor), LinearError> {
+        match self.symbolic.factorize(self.matrix, Pivots::Positive, self.parallel) {
+            Err(FactorError::NotPositive { .. }) => (),
+            done => return Ok((0.0, done?)),
+        }
+        let diagonal = self.matrix.diagonal();
+        let free = diagonal.iter().zip(self.mass).zip(self.fixed).filter(|(_, fixed)| !**fixed);
+        let most = free.fold(0.0, |most: f64, ((a, m), _)| most.max(a.abs() / m));
+        let mut share = LEAST_SHIFT;
+        while share < 1e3 {
+            let sigma = -share * most;
+            match self.symbolic.factorize(&self.shifted(sigma), Pivots::Positive, self.parallel) {
+                Err(FactorError::NotPositive { .. }) => share *= SHIFT_GROWTH,
+                done => return Ok((sigma, done?)),
+            }
+        }
+        Err(LinearError::Shift)
+    }
+
+    /// Number of eigenvalues below mu.
+    fn count_below(&self, mu: f64) -> Result<usize, LinearError> {
+        let matrix = self.shifted(mu);
+        Ok(self.symbolic.factorize(&matrix, Pivots::AnySign, self.parallel)?.negative_pivots())
+    }
+
+    fn times_mass(&self, x: &[f64]) -> Vec<f64> {
+        let entry = |((x, m), &fixed): ((&f64, &f64), &bool)| if fixed { 0.0 } else { x * m };
+        x.iter().zip(self.mass).zip(self.fixed).map(entry).collect()
+    }
+
+    /// Makes x orthogonal to these (twice is enough: Kahan, Parlett) and returns its coefficients by them and what is left
+    /// of its norm.
+    fn orthogonalize<'v>(&self, x: &mut [f64], basis: impl Iterator<Item = &'v Vec<f64>> + Clone) -> (Vec<f64>, f64) {
+        let mut sums = Vec::new();
+        for _ in 0..2 {
+            let mx = self.times_mass(x);
+            let own: Vec<f64> = basis.clone().map(|q| dot(q, &mx)).collect();
+            basis.clone().zip(&own).for_each(|(q, h)| axpy(-h, q, x));
+            sums.resize(own.len(), 0.0);
+            sums.iter_mut().zip(&own).for_each(|(sum, h)| *sum += h);
+        }
+        (sums, dot(x, &self.times_mass(x)).sqrt())
+    }
+
+    /// `x . A x / x . M x`: twice as many digits as the vector has.
+    fn rayleigh(&self, x: &[f64]) -> f64 {
+        let mut ax = vec![0.0; x.len()];
+        self.matrix.multiply_on(x, &mut ax, self.parallel);
+        dot(x, &ax) / dot(x, &self.times_mass(x))
+    }
+}
+
+/// Eigenpairs found so far, ascending.
+#[derive(Default)]
+struct Found {
+    values: Vec<f64>,
+    vectors: Vec<Vec<f64>>,
+}
+
+impl Found {
+    fn add(&mut self, vectors: Vec<Vec<f64>>, problem: &Eigenproblem) {
+        for x in vectors {
+            let value = problem.rayleigh(&x);
+            let at = self.values.partition_point(|known| *known <= value);
+            self.values.insert(at, value);
+            self.vectors.insert(at, x);
+        }
+    }
+}
+
+/// Up to `wanted` eigenvectors of the largest eigenvalues of B, orthogonal to those that are known; fewer where the steps do not
+/// suffice or the space is exhausted.
+fn lanczos(
+    problem: &Eigenproblem,
+    factor: &Factor,
+    known: &[Vec<f64>],
+    wanted: usize,
+    steps: usize,
+    seed: u64,
+) -> Vec<Vec<f64>> {
+    let mut random = Random::new(seed);
+    let mut q: Vec<f64> = problem.fixed.iter().map(|&fixed| if fixed { 0.0 } else { random.symmetric() }).collect();
+    let size = dot(&q, &problem.times_mass(&q)).sqrt();
+    let (_, left) = problem.orthogonalize(&mut q, known.iter());
+    if left <= SPANNED * size {
+        return Vec::new();
+    }
+    scale(1.0 / left, &mut q);
+    let mut basis = vec![q];
+    let (mut alpha, mut beta): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+    loop {
+        let j = basis.len() - 1;
+        let mut w = problem.times_mass(&basis[j]);
+        factor.solve(&mut w, 1);
+        let (h, left) = problem.orthogonalize(&mut w, known.iter().chain(&basis));
+        alpha.push(h[known.len() + j]);
+        let largest = alpha.iter().chain(&beta).fold(0.0, |most: f64, t| most.max(t.abs()));
+        let exhausted = left <= SPANNED * largest;
+        if exhausted || j + 1 == steps || (j + 1) % PACE == 0 {
+            let pairs = Ritz::of(&alpha, &beta);
+            let done = pairs.converged(if exhausted { 0.0 } else { left }).min(wanted);
+            if exhausted || j + 1 == steps || done == wanted {
+                return (0..done).map(|k| pairs.vector(k, &basis)).collect();
+            }
+        }
+        beta.push(left);
+        scale(1.0 / left, &mut w);
+        basis.push(w);
+    }
+}
+
+/// Eigenpairs of the tridiagonal matrix, the largest first.
+struct Ritz {
+    values: Vec<f64>,
+    vectors: DMatrix<f64>,
+    order: Vec<usize>,
+}
+
+impl Ritz {
+    fn of(alpha: &[f64], beta: &[f64]) -> Self {
+        let n = alpha.len();
+        let tridiagonal = DMatrix::from_fn(n, n, |i, k| match i.abs_diff(k) {
+            0 => alpha[i],
+            1 => beta[i.min(k)],
+            _ => 0.0,
+        });
+        let SymmetricEigen { eigenvalues, eigenvectors } = tridiagonal.symmetric_eigen();
+        let values: Vec<f64> = eigenvalues.iter().copied().collect();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&a, &b| values[b].total_cmp(&values[a]));
+        Ritz { values, vectors: eigenvectors, order }
+    }
+
+    /// How many of the largest, without a gap, are eigenvalues of B; `left` is the norm of the next basis vector.
+    fn converged(&self, left: f64) -> usize {
+        let last = self.values.len() - 1;
+        let holds = |&k: &usize| (left * self.vectors[(last, k)]).abs() <= TOLERANCE * self.values[k];
+        self.order.iter().take_while(|k| holds(k)).count()
+    }
+
+    fn vector(&self, k: usize, basis: &[Vec<f64>]) -> Vec<f64> {
+        let mut x = vec![0.0; basis[0].len()];
+        basis.iter().zip(self.vectors.column(self.order[k]).iter()).for_each(|(q, c)| axpy(*c, q, &mut x));
+        x
+    }
+}

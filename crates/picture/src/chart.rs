@@ -1,0 +1,271 @@
+//! [`Chart`]: curves over two axes.
+
+use std::path::Path;
+
+use nastic_io::{WriteError, write_atomically};
+
+use super::colour::Colour;
+use super::frame::{Anchor, MUTED, Mark, number, ticks};
+use super::raster::Image;
+use super::{png, shade, svg, text};
+
+/// Curves over two axes with linear scales, as PNG or SVG; the same chart gives the same bytes.
+///
+/// ```
+/// use nastic_picture::{Chart, Curve};
+///
+/// # let out = tempfile::tempdir()?;
+/// let points = (0..20).map(|k| (f64::from(k), f64::from(k * k), k < 15));
+/// Chart::new("Tip over pressure", "pressure (Pa)", "displacement (m)")
+///     .curve(Curve::new("tip y", points))
+///     .mark(14.5, "critical")
+///     .write(out.path().join("chart.svg"))?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Chart {
+    title: String,
+    axes: [String; 2],
+    curves: Vec<Curve>,
+    lines: Vec<(f64, String)>,
+    dots: Vec<([f64; 2], String)>,
+}
+
+/// Points joined in their order.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    label: String,
+    /// x, y, and whether the curve is solid there: both ends of a dashed piece or one of them are not.
+    points: Vec<(f64, f64, bool)>,
+}
+
+impl Curve {
+    /// `(x, y, solid)`: what is not solid is dashed, with hollow dots. Points that are not finite interrupt the curve.
+    pub fn new(label: &str, points: impl IntoIterator<Item = (f64, f64, bool)>) -> Self {
+        Self { label: label.to_owned(), points: points.into_iter().collect() }
+    }
+}
+
+const SIZE: [f64; 2] = [1600.0, 1000.0];
+/// The rectangle of the axes: left, right, top, bottom.
+const FIELD: [f64; 4] = [210.0, 1550.0, 150.0, 850.0];
+const COLOURS: [Colour; 6] =
+    [Colour::BLUE, Colour::ORANGE, Colour::GREEN, Colour::RED, Colour([122, 92, 174]), Colour([120, 126, 134])];
+/// Curves named in the legend.
+const NAMED: usize = 6;
+
+impl Chart {
+    /// An empty chart with the names of its axes.
+    pub fn new(title: &str, x: &str, y: &str) -> Self {
+        let axes = [x, y].map(str::to_owned);
+        Self { title: title.to_owned(), axes, curves: Vec::new(), lines: Vec::new(), dots: Vec::new() }
+    }
+
+    /// Adds a curve; after six the colours repeat.
+    pub fn curve(mut self, curve: Curve) -> Self {
+        self.curves.push(curve);
+        self
+    }
+
+    /// Adds a vertical line with a name.
+    pub fn mark(mut self, x: f64, label: &str) -> Self {
+        self.lines.push((x, label.to_owned()));
+        self
+    }
+
+    /// Adds a point with a name.
+    pub fn dot(mut self, x: f64, y: f64, label: &str) -> Self {
+        self.dots.push(([x, y], label.to_owned()));
+        self
+    }
+
+    /// Writes a PNG or an SVG, by the ending of the name.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::System`]; [`WriteError::Content`] for another ending, or without a finite point.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
+        let path = path.as_ref();
+        let bad = |what: &str, advice: &str| WriteError::Content {
+            file: path.to_owned(),
+            what: what.to_owned(),
+            advice: advice.to_owned(),
+        };
+        let marks = self.marks().ok_or_else(|| bad("the chart has no finite point", "add a curve"))?;
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some("svg") => {
+                let [width, height] = SIZE.map(|size| size as u32);
+                let text = svg::flat(&self.title, (width, height), &marks);
+                write_atomically(path, |out| out.write_all(text.as_bytes()))
+            }
+            Some("png") => {
+                let [width, height] = SIZE.map(|size| size as usize);
+                let row = |y: usize| vec![Colour(shade::background(y as f64 / SIZE[1])).linear(); width];
+                let mut image = Image { width, height, pixels: (0..height).flat_map(row).collect() };
+                text::draw(&mut image, &marks);
+                let bytes = png::encode(&image).map_err(|error| bad(&error.to_string(), "use .svg"))?;
+                write_atomically(path, |out| out.write_all(&bytes))
+            }
+            _ => Err(bad("the ending of the name is not known", "use .png or .svg")),
+        }
+    }
+
+    fn marks(&self) -> Option<Vec<Mark>> {
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let finite = |values: &mut dyn Iterator<Item = f64>| {
+            let range = |(low, high): (f64, f64), x: f64| (low.min(x), high.max(x));
+            let (low, high) = values.filter(|x| x.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), range);
+            (low <= high).then(|| Axis::around(low, high))
+        };
+        let x = finite(&mut points().map(|p| p.0).chain(self.lines.iter().map(|line| line.0)))?;
+        let y = finite(&mut points().map(|p| p.1))?;
+        let mut drawing = Drawing { x, y, marks: Vec::new() };
+        drawing.frame(self);
+        for (x, name) in &self.lines {
+            drawing.vertical(*x, name);
+        }
+        for (k, curve) in self.curves.iter().enumerate() {
+            drawing.curve(curve, COLOURS[k % COLOURS.len()]);
+        }
+        for (at, name) in &self.dots {
+            drawing.named_dot(*at, name);
+        }
+        drawing.legend(&self.curves);
+        Some(drawing.marks)
+    }
+}
+
+/// The range of an axis.
+#[derive(Clone, Copy)]
+struct Axis {
+    low: f64,
+    high: f64,
+}
+
+impl Axis {
+    /// With a margin; a range of one value gets a length.
+    fn around(low: f64, high: f64) -> Self {
+        let wide = high - low;
+        let size = low.abs().max(high.abs());
+        let margin = match () {
+            () if wide > 1e-12 * size => 0.04 * wide,
+            () if size > 0.0 => 0.5 * size,
+            () => 1.0,
+        };
+        Axis { low: low - margin, high: high + margin }
+    }
+
+    /// Where a value stands: 0 at the low end, 1 at the high one.
+    fn share(self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+}
+
+struct Drawing {
+    x: Axis,
+    y: Axis,
+    marks: Vec<Mark>,
+}
+
+impl Drawing {
+    fn place(&self, x: f64, y: f64) -> [f64; 2] {
+        let [left, right, top, bottom] = FIELD;
+        [left + (right - left) * self.x.share(x), bottom + (top - bottom) * self.y.share(y)]
+    }
+
+    fn line(&mut self, from: [f64; 2], to: [f64; 2], width: f64, colour: Colour) {
+        self.marks.push(Mark::Line { from, to, width, colour });
+    }
+
+    fn text(&mut self, at: [f64; 2], anchor: Anchor, bold: bool, colour: Colour, text: &str) {
+        let height = if bold { 32.0 } else { 24.0 };
+        self.marks.push(Mark::Text { at, anchor, height, bold, colour, text: text.to_owned() });
+    }
+
+    fn frame(&mut self, chart: &Chart) {
+        let [left, right, top, bottom] = FIELD;
+        let grid = Colour([214, 218, 224]);
+        self.text([48.0, 56.0], Anchor::Start, true, Colour::INK, &chart.title);
+        for x in ticks(self.x.low, self.x.high) {
+            let [at, _] = self.place(x, self.y.low);
+            self.line([at, top], [at, bottom], 1.0, grid);
+            self.text([at, bottom + 28.0], Anchor::Middle, false, Colour::INK, &number(x));
+        }
+        for y in ticks(self.y.low, self.y.high) {
+            let [_, at] = self.place(self.x.low, y);
+            self.line([left, at], [right, at], 1.0, grid);
+            self.text([left - 14.0, at], Anchor::End, false, Colour::INK, &number(y));
+        }
+        self.line([left, bottom], [right, bottom], 2.0, Colour::INK);
+        self.line([left, top], [left, bottom], 2.0, Colour::INK);
+        self.text([right, bottom + 66.0], Anchor::End, false, Colour::INK, &chart.axes[0]);
+        self.text([48.0, top - 38.0], Anchor::Start, false, Colour::INK, &chart.axes[1]);
+    }
+
+    fn vertical(&mut self, x: f64, name: &str) {
+        let [at, _] = self.place(x, self.y.low);
+        self.dashed([at, FIELD[2]], [at, FIELD[3]], 2.0, MUTED);
+        let anchor = if self.x.share(x) > 0.85 { Anchor::End } else { Anchor::Start };
+        let aside = if anchor == Anchor::End { -8.0 } else { 8.0 };
+        self.text([at + aside, FIELD[2] + 14.0], anchor, false, MUTED, name);
+    }
+
+    fn curve(&mut self, curve: &Curve, colour: Colour) {
+        let finite = |p: &(f64, f64, bool)| p.0.is_finite() && p.1.is_finite();
+        for pair in curve.points.windows(2).filter(|pair| pair.iter().all(finite)) {
+            let [from, to] = [pair[0], pair[1]].map(|p| self.place(p.0, p.1));
+            if pair[0].2 && pair[1].2 {
+                self.line(from, to, 3.5, colour);
+            } else {
+                self.dashed(from, to, 2.0, colour);
+            }
+        }
+        for point in curve.points.iter().filter(|point| finite(point)) {
+            let at = self.place(point.0, point.1);
+            self.disc(at, 5.5, colour);
+            if !point.2 {
+                self.disc(at, 3.5, Colour([250, 251, 252]));
+            }
+        }
+    }
+
+    fn dashed(&mut self, from: [f64; 2], to: [f64; 2], width: f64, colour: Colour) {
+        const DASH: f64 = 10.0;
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let pieces = (length / DASH).ceil().max(1.0) as usize;
+        let at = |k: usize| {
+            let share = (k as f64 * DASH / length.max(1e-9)).min(1.0);
+            [0, 1].map(|c| from[c] + share * (to[c] - from[c]))
+        };
+        (0..pieces).step_by(2).for_each(|k| self.line(at(k), at(k + 1), width, colour));
+    }
+
+    fn disc(&mut self, at: [f64; 2], radius: f64, colour: Colour) {
+        let corner = |k: usize| {
+            let (sin, cos) = (std::f64::consts::TAU * k as f64 / 12.0).sin_cos();
+            [at[0] + radius * cos, at[1] + radius * sin]
+        };
+        self.marks.push(Mark::Polygon { points: (0..12).map(corner).collect(), colour, opacity: 1.0 });
+    }
+
+    fn named_dot(&mut self, [x, y]: [f64; 2], name: &str) {
+        if !(x.is_finite() && y.is_finite()) {
+            return;
+        }
+        let at = self.place(x, y);
+        self.disc(at, 9.0, Colour::INK);
+        let anchor = if self.x.share(x) > 0.8 { Anchor::End } else { Anchor::Start };
+        let aside = if anchor == Anchor::End { -16.0 } else { 16.0 };
+        self.text([at[0] + aside, at[1] - 18.0], anchor, false, Colour::INK, name);
+    }
+
+    fn legend(&mut self, curves: &[Curve]) {
+        let mut x = FIELD[0];
+        for (curve, &colour) in curves.iter().zip(&COLOURS).take(NAMED) {
+            let y = SIZE[1] - 40.0;
+            self.line([x, y], [x + 34.0, y], 5.0, colour);
+            self.text([x + 44.0, y], Anchor::Start, false, Colour::INK, &curve.label);
+            x += 44.0 + text::width(&curve.label, 24.0) + 36.0;
+        }
+    }
+}
