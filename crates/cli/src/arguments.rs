@@ -99,7 +99,7 @@ pub struct Solve {
 #[group(multiple = false)]
 pub struct Analysis {
     /// Also the N smallest eigenvalues of the tangent, all negative ones in any case, and their modes (in start.vtu)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
     pub modes: Option<u16>,
     /// Go on from an unstable equilibrium to a stable one, downhill along its most negative mode
     #[arg(long)]
@@ -116,7 +116,7 @@ pub struct Analysis {
     #[arg(long)]
     pub path: bool,
     /// Also other equilibria under the same controls, up to N in all, by deflation (equilibrium_001.vtu ..)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=100))]
     pub equilibria: Option<u16>,
 }
 

@@ -12,8 +12,11 @@ use std::sync::Arc;
 
 /// A Ritz pair counts when `|B x - theta x|_M` is this share of theta.
 const TOLERANCE: f64 = 1e-11;
-/// Steps between two looks at the Ritz pairs.
+/// Least number of steps between two looks at the Ritz pairs, and as a share of the steps made, for a look costs their cube.
 const PACE: usize = 4;
+const PACE_SHARE: usize = 10;
+/// Most memory of the basis: 8 GiB.
+const BASIS_BYTES: usize = 8 << 30;
 /// Least shift tried below an indefinite matrix, as a share of the largest `|A_ii| / M_ii`, and from one shift to the next.
 const LEAST_SHIFT: f64 = 1e-14;
 const SHIFT_GROWTH: f64 = 16.0;
@@ -69,7 +72,7 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
     let mut found = Found::default();
     let mut missing = wanted;
     for run in 0..=wanted {
-        let steps = unknowns.min(10 * missing + 200);
+        let steps = steps(missing, unknowns);
         found.add(lanczos(problem, &factor, &found.vectors, missing, steps, run as u64), problem);
         let Some(&last) = found.values.get(wanted - 1) else {
             missing = wanted - found.values.len();
@@ -87,6 +90,11 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
     Err(LinearError::Eigenpairs { found: wanted.saturating_sub(missing), wanted })
 }
 
+/// Most steps of one iteration for so many eigenvalues.
+fn steps(wanted: usize, unknowns: usize) -> usize {
+    unknowns.min(wanted.saturating_mul(10).saturating_add(200))
+}
+
 impl Eigenproblem<'_> {
     fn check(&self, count: usize, unknowns: usize) -> Result<(), LinearError> {
         if !self.matrix.is_symmetric() {
@@ -94,6 +102,12 @@ impl Eigenproblem<'_> {
         }
         if count == 0 || count > unknowns {
             return Err(LinearError::EigenpairCount { count, unknowns });
+        }
+        let vectors = steps(count, unknowns) + count;
+        let bytes = vectors.saturating_mul(size_of_val(self.mass));
+        if bytes > BASIS_BYTES {
+            let gib = bytes as f64 / f64::from(1 << 30);
+            return Err(LinearError::EigenpairsTooLarge { count, unknowns, gib });
         }
         if !fits(self.symbolic) {
             return Err(LinearError::FactorTooLarge { gib: self.symbolic.factor_bytes() as f64 / f64::from(1 << 30) });
@@ -201,6 +215,7 @@ fn lanczos(
     scale(1.0 / left, &mut q);
     let mut basis = vec![q];
     let (mut alpha, mut beta): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+    let mut look = PACE;
     loop {
         let j = basis.len() - 1;
         let mut w = problem.times_mass(&basis[j]);
@@ -209,7 +224,8 @@ fn lanczos(
         alpha.push(h[known.len() + j]);
         let largest = alpha.iter().chain(&beta).fold(0.0, |most: f64, t| most.max(t.abs()));
         let exhausted = left <= SPANNED * largest;
-        if exhausted || j + 1 == steps || (j + 1) % PACE == 0 {
+        if exhausted || j + 1 == steps || j + 1 == look {
+            look += PACE.max(look / PACE_SHARE);
             let pairs = Ritz::of(&alpha, &beta);
             let done = pairs.converged(if exhausted { 0.0 } else { left }).min(wanted);
             if exhausted || j + 1 == steps || done == wanted {

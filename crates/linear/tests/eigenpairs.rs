@@ -97,3 +97,13 @@ fn all_of_a_small_matrix_can_be_asked_for_and_not_more() {
         assert_eq!(refused, Err(LinearError::EigenpairCount { count, unknowns: 16 }));
     }
 }
+
+/// What would not fit into memory is refused before anything is allocated.
+#[test]
+fn a_basis_beyond_all_memory_is_refused() {
+    let grid = Grid::hexahedra([40, 40, 12], 1);
+    let pattern = grid.pattern(3);
+    let (matrix, n) = (grid.laplacian(&pattern, 1.0), pattern.dofs());
+    let refused = find(&matrix, &vec![1.0; n], &vec![false; n], n / 2);
+    assert!(matches!(refused, Err(LinearError::EigenpairsTooLarge { .. })), "{refused:?}");
+}

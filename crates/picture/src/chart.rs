@@ -253,10 +253,12 @@ impl Drawing {
             return;
         }
         let at = self.place(x, y);
-        self.disc(at, 9.0, Colour::INK);
+        self.disc(at, if name.is_empty() { 6.5 } else { 9.0 }, Colour::INK);
         let anchor = if self.x.share(x) > 0.8 { Anchor::End } else { Anchor::Start };
         let aside = if anchor == Anchor::End { -16.0 } else { 16.0 };
-        self.text([at[0] + aside, at[1] - 18.0], anchor, false, Colour::INK, name);
+        // Away from the middle of the chart, where curves come from.
+        let aloft = if self.y.share(y) < 0.5 { 22.0 } else { -18.0 };
+        self.text([at[0] + aside, at[1] + aloft], anchor, false, Colour::INK, name);
     }
 
     fn legend(&mut self, curves: &[Curve]) {

@@ -87,6 +87,16 @@ pub enum LinearError {
         /// Unknowns that are not fixed.
         unknowns: usize,
     },
+    /// The eigenvectors and their Krylov space would be too large.
+    #[error("{count} eigenvalues of {unknowns} unknowns take {gib:.0} GiB; ask for fewer")]
+    EigenpairsTooLarge {
+        /// How many are wanted.
+        count: usize,
+        /// Unknowns that are not fixed.
+        unknowns: usize,
+        /// Memory of the basis.
+        gib: f64,
+    },
     /// Lanczos's method does not find all eigenvalues.
     #[error("only {found} of {wanted} eigenvalues were found; ask for fewer")]
     Eigenpairs {

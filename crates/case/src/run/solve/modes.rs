@@ -16,6 +16,13 @@ const STIFFNESS: Dimension = Dimension::of(-4, 1, 0, 0);
 /// The modes of every member, in their order.
 pub(super) fn find(session: &Session<'_>, point: &EnsemblePoint, count: usize) -> Result<Vec<Modes>, RunError> {
     let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+    for member in session.problem.members() {
+        let free = member.solid().supports().fixed().iter().filter(|&&fixed| !fixed).count();
+        if count > free {
+            let what = format!("--modes {count}: the body has {free} free unknowns; ask for 1 to {free} modes");
+            return Err(session.problem.complain("mesh", what).into());
+        }
+    }
     let of = |(member, at): (CaseMember<'_>, &nastic_control::Evaluated)| {
         let modes = member.solid().modes(&at.state, count, &how);
         modes.map_err(|error| session.member_failed((member.index(), ControlError::from(error))))
