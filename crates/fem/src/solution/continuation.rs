@@ -85,7 +85,7 @@ impl Model {
             return found;
         }
         let Some(near) = how.near else {
-            return self.from_rest(&rest, controls, (how, time_step), workspace, &mut spent);
+            return self.cold_solve(&rest, controls, (how, time_step), workspace, &mut spent);
         };
         match self.walk(near, controls, (how, time_step), WARM * how.max_newton, workspace, &mut spent) {
             Err(StateError::Cancelled) => Err(StateError::Cancelled),
@@ -107,7 +107,7 @@ impl Model {
 
     /// By load steps; where they end for no reason that is known, downhill on the energy at full load. (A nearly incompressible
     /// body may turn back short of its load and yet have an equilibrium, which a long descent finds.)
-    fn from_rest(
+    fn cold_solve(
         &self,
         rest: &State,
         controls: &Controls,
