@@ -3,7 +3,7 @@
 #
 #   scripts/slow.sh [--quick]        --quick: those that take less than 30 s each on two idle cores, as .ci/run does
 #
-# Cases carry their numbers themselves (`expect`); what the programs must say stands below. About ten minutes for all.
+# Cases carry their numbers themselves (`expect`); what the programs must say stands below. About fifteen minutes for all.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -32,7 +32,8 @@ impl History {
     /// Adds a line in one piece.
     ///
     /// # Errors
-    /// The first line that cannot be written, once: an optimisation does not end for it, and [`Self::finish`] tries again.
+    /// The first line that cannot be written, once: an optimisation does not end for it, and [`Self::finish`] tries
+    /// again.
     pub fn add(&mut self, line: &Value) -> Result<(), WriteError> {
         let line = format!("{line}\n");
         self.text.extend(line.as_bytes());

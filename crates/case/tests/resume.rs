@@ -1,4 +1,4 @@
-//! Checkpoints: an optimisation that was interrupted ends with the bits of one that was not, and nothing else is resumed.
+//! Checkpoints: an optimisation that was interrupted ends with the bits of one that was not; nothing else is resumed.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 

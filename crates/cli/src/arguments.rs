@@ -12,8 +12,8 @@ use std::path::PathBuf;
     name = "nastic",
     version,
     after_help = "Exit codes: 0 done, 2 bad input, 3 forward solve failed, 4 stopped before converging, \
-                  5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written or another program \
-                  writes to the output directory, 8 a warning under --strict.",
+                  5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written or another \
+                  program writes to the output directory, 8 a warning under --strict.",
     max_term_width = 100
 )]
 pub struct Arguments {
@@ -45,13 +45,14 @@ pub enum Command {
     ///
     /// Begins with a short gradient check, prints one row per trial, ends with a summary. Writes start.vtu, optimum.vtu,
     /// target.vtu, iterations.pvd with its snapshots, history.jsonl, checkpoint.bin, picture.png, picture.svg and
-    /// result.json. Ctrl-C or SIGTERM stops after the trial at hand and keeps what was found; nastic resume goes on. Load
-    /// cases and scenarios have files of their own, and scenarios.pvd collects the latter.
+    /// result.json. Ctrl-C or SIGTERM stops after the trial at hand and keeps what was found; nastic resume goes on.
+    /// Load cases and scenarios have files of their own, and scenarios.pvd collects the latter.
     Optimize(Case),
     /// Go on with an interrupted optimisation from the last checkpoint in its output directory
     ///
-    /// The result is that of an optimisation without interruption, to the bit, however the program ended: by Ctrl-C, SIGTERM
-    /// or kill -9, or for lack of space. The case file, its overrides (--set) and the files it names must be as they were.
+    /// The result is that of an optimisation without interruption, to the bit, however the program ended: by Ctrl-C,
+    /// SIGTERM or kill -9, or for lack of space. The case file and the files it names must be as they were; overrides
+    /// (--set) are those of the optimisation.
     Resume(Resume),
     /// Print the JSON Schema of case files, for editors
     Schema,

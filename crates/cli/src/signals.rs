@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// What a signal adds to its number to make the exit code of a program that it ended, by convention.
 const ENDED_BY_SIGNAL: i32 = 128;
 
-/// A flag that the first Ctrl-C (SIGINT) or SIGTERM raises; the second ends the program. SIGHUP is left as it is, so that
-/// `nohup` does what it promises.
+/// A flag that the first Ctrl-C (SIGINT) or SIGTERM raises; the second ends the program. SIGHUP is left as it is, so
+/// that `nohup` does what it promises.
 pub(crate) fn cancelled_by_signals() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = flag.clone();

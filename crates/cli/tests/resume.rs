@@ -1,7 +1,8 @@
-//! The program killed, stopped and starved of space at random moments of an optimisation, then resumed: the result is that of a
-//! program that was left alone, to the bit.
+//! The program killed, stopped and starved of space at random moments of an optimisation, then resumed: the result is
+//! that of a program that was left alone, to the bit.
 //!
-//! Moments are drawn from a printed seed. `NASTIC_KILLS` sets how many kills there are of each case (20 by default; `scripts/slow.sh`).
+//! Moments are drawn from a printed seed. `NASTIC_KILLS` sets how many kills there are of each case (20 by default;
+//! `scripts/slow.sh` has more).
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)] // a test may
@@ -17,7 +18,8 @@ const HEAD: &str = r#"{ "nastic": 1, "title": "Bar",
   "materials": [ { "region": "body", "law": "mooney_rivlin", "mu1": "100 kPa", "mu2": "20 kPa", "mu3": "300 kPa" } ],
   "supports": [ { "surface": "x-", "fix": ["x", "y", "z"] } ],
   "actuation": [ { "name": "tension", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0] } ],
-  "controls": [ { "of": "tension", "space": "cell", "start": "-50 kPa * Z / 0.25 m", "lower": "-200 kPa", "upper": "100 kPa" } ],
+  "controls": [ { "of": "tension", "space": "cell", "start": "-50 kPa * Z / 0.25 m",
+                  "lower": "-200 kPa", "upper": "100 kPa" } ],
   "probes": [ { "name": "tip", "point": [1.0, 0.25, 0.25] } ],
   "output": { "directory": "out", "every": 4, "checkpoint": 3 },"#;
 

@@ -202,6 +202,7 @@ fn the_committed_meshes_are_what_their_scripts_say() {
         ("t_tet.msh", CellKind::Tet10, (0.8 * 0.2 + 0.2) * 0.05),
         ("stem.msh", CellKind::Hex20, stem),
         ("finger.msh", CellKind::Hex20, 1e-9 * (47.0 * 7.0 * 14.5 - 4.0 * 2.0 * 7.0 * 6.5 - 1300.0)),
+        ("arch.msh", CellKind::Quad9, 0.02),
         ("petal.msh", CellKind::Hex27, (4.0 * 0.13 * 0.06 + 0.06 * 0.06) * 1e-3),
     ];
     let committed =

@@ -1,7 +1,7 @@
 //! `checkpoint.bin`: bytes that are complete and of this program, or refused.
 //!
-//! Layout, integers little-endian with 64 bits: the magic word, the version of the format, the length n of the content, its
-//! checksum (FNV-1a), n bytes of content.
+//! Layout, integers little-endian with 64 bits: the magic word, the version of the format, the length n of the content,
+//! its checksum (FNV-1a), n bytes of content.
 
 use super::files::Directory;
 use super::fingerprint::Fingerprint;
@@ -21,7 +21,8 @@ const HEADER: usize = MAGIC.len() + 3 * 8;
 pub enum CheckpointError {
     /// There is no checkpoint.
     #[error(
-        "{} has no checkpoint.bin: resume takes the output directory of an optimisation whose case does not set output/checkpoint to 0",
+        "{} has no checkpoint.bin: resume takes the output directory of an optimisation whose case does not \
+         set output/checkpoint to 0",
         directory.display()
     )]
     Missing {

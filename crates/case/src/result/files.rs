@@ -15,8 +15,8 @@ pub(crate) struct Directory {
 }
 
 impl Directory {
-    /// Makes the directory and locks it now, so that a place that cannot be written to, or that another program writes to,
-    /// is told before hours of work.
+    /// Makes the directory and locks it now, so that a place that cannot be written to, or that another program writes
+    /// to, is told before hours of work.
     pub fn claim(path: PathBuf) -> Result<Self, DirectoryError> {
         std::fs::create_dir_all(&path).map_err(|source| WriteError::System { file: path.clone(), source })?;
         let lock = DirectoryLock::acquire(&path)?;

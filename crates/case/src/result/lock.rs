@@ -6,7 +6,8 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// The file that is locked. It stays behind: whoever removed it could remove the one that another program has just locked.
+/// The file that is locked. It stays behind: whoever removed it could remove the one that another program has just
+/// locked.
 const NAME: &str = ".lock";
 
 /// A held lock. The system releases it when it is dropped or the process ends, however that comes about.

@@ -68,7 +68,8 @@ impl CaseRecord {
         Err(CheckpointError::Changed { directory: directory.to_owned(), what }.into())
     }
 
-    /// The case file as it was named, where that name still means it, so that messages are the same; else its absolute path.
+    /// The case file as it was named, where that name still means it, so that messages are the same; else its absolute
+    /// path.
     fn file(&self) -> PathBuf {
         let (name, path) = (Path::new(&self.name), Path::new(&self.path));
         match (name.canonicalize(), path.canonicalize()) {

@@ -62,8 +62,8 @@ fn warn_of_own_files(session: &mut Session<'_>) {
     for file in own {
         let file = file.display();
         let message = format!(
-            "the case reads {file} of its own output directory: once it is written again nastic resume will refuse the case; \
-             choose another directory with --out"
+            "the case reads {file} of its own output directory: once it is written again nastic resume will refuse the \
+             case; choose another directory with --out"
         );
         session.warn(Warning::new(&INPUT, message));
     }

@@ -82,8 +82,8 @@ pub fn text(bytes: &[u8]) -> String {
 /// A file and what it holds.
 pub type NamedBytes = (String, Vec<u8>);
 
-/// What an optimisation leaves in a directory, but for times and the entry that says that it was resumed: `result.json`,
-/// `history.jsonl`, other files.
+/// What an optimisation leaves in a directory, but for times and the entry that says that it was resumed:
+/// `result.json`, `history.jsonl`, other files.
 pub fn content(directory: &Path) -> (String, Vec<serde_json::Value>, Vec<NamedBytes>) {
     let read = |name: &str| {
         let text = std::fs::read_to_string(directory.join(name));

@@ -12,8 +12,8 @@ use nastic_fem::SolveReport;
 use nastic_opt::RunState;
 use serde_json::Value;
 
-/// `history.jsonl` and `checkpoint.bin`. An optimisation does not end for a file that cannot be written: that is said at once,
-/// and once more by the error at its end.
+/// `history.jsonl` and `checkpoint.bin`. An optimisation does not end for a file that cannot be written: that is said at
+/// once, and once more by the error at its end.
 pub(super) struct Journal {
     out: Option<Directory>,
     console: Console,
