@@ -1,4 +1,5 @@
-//! `nastic solve` with `--modes`, `--ramp`, `--path`, `--equilibria` and `--minimum`: what is computed of the stability of equilibria, and what is written about it.
+//! `nastic solve` with `--modes`, `--ramp`, `--path`, `--equilibria` and `--minimum`: what is computed of the stability
+//! of equilibria, and what is written about it.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -52,7 +53,8 @@ fn modes_are_told_and_written() {
 #[test]
 fn every_member_has_its_modes() {
     let place = Place::new();
-    let cases = r#""load_cases": [ { "name": "calm", "set": { "materials/0/young": "2 MPa" } }, { "name": "pressed" } ], "probes""#;
+    let cases = r#""load_cases": [
+        { "name": "calm", "set": { "materials/0/young": "2 MPa" } }, { "name": "pressed" } ], "probes""#;
     let case = common::with(STRIP, r#""probes""#, cases);
     let (result, ..) = analyse(&place, &case, Analysis::Modes(1), &[]);
     let first = |name: &str| result["load_cases"][name]["modes"]["eigenvalues"][0].as_f64().unwrap();

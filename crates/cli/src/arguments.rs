@@ -112,8 +112,8 @@ pub struct Analysis {
     pub ramp: Option<String>,
     /// Instead the path of equilibria from rest to the start controls and full loads, through limit points
     ///
-    /// Arc-length continuation. Writes path.csv, path.svg (the load-displacement curve), path.pvd with its snapshots, and
-    /// result.json with limit points and bifurcations.
+    /// Arc-length continuation. Writes path.csv, path.svg (the load-displacement curve), path.pvd with its snapshots,
+    /// and result.json with limit points and bifurcations.
     #[arg(long)]
     pub path: bool,
     /// Also other equilibria under the same controls, up to N in all, by deflation (equilibrium_001.vtu ..)

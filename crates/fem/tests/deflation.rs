@@ -90,8 +90,8 @@ fn branches_of_the_second_mode_are_found_too() -> Outcome {
     Ok(())
 }
 
-/// Between its limit points the symmetric path of an arch passes three states under one weight: deflation finds all of them, from the
-/// first alone, and two antisymmetric saddles that the path does not see.
+/// Between its limit points the symmetric path of an arch passes three states under one weight: deflation finds all of
+/// them, from the first alone, and two antisymmetric saddles that the path does not see.
 #[test]
 fn the_three_states_of_an_arch_are_found() -> Outcome {
     let (h, e, nu, s) = (0.02, 1e6, 0.3, 0.3);

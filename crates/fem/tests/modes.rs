@@ -89,7 +89,8 @@ fn eigenvalues_agree_with_a_dense_solver() -> Outcome {
     Ok(())
 }
 
-/// Residuals and M-orthogonality where no dense solver is affordable; the bending modes of a square column come in pairs.
+/// Residuals and M-orthogonality where no dense solver is affordable; the bending modes of a square column come in
+/// pairs.
 #[test]
 fn a_larger_body_has_small_residuals() -> Outcome {
     let (solid, state) = column(CellKind::Hex20, 0.1, [16, 2, 2], 2.0)?;

@@ -46,7 +46,8 @@ fn told(path: &EquilibriumPath) -> Vec<(EventKind, f64, usize, usize)> {
     path.events.iter().map(|event| (event.kind, event.s, count(event.before), count(event.after))).collect()
 }
 
-/// Up to the first limit point, down to the second, up again on the snapped side; between them antisymmetric branches cross twice.
+/// Up to the first limit point, down to the second, up again on the snapped side; between them antisymmetric branches
+/// cross twice.
 #[test]
 fn an_arch_snaps_through_two_limit_points() -> Outcome {
     use EventKind::{Bifurcation, LimitPoint};
@@ -93,7 +94,8 @@ fn an_arch_snaps_through_two_limit_points() -> Outcome {
     Ok(())
 }
 
-/// `P = pi^2 E' I / (4 L^2)`, `E' = E / (1 - nu^2)`, of a cantilever in plane strain; nine times that for its second mode.
+/// `P = pi^2 E' I / (4 L^2)`, `E' = E / (1 - nu^2)`, of a cantilever in plane strain; nine times that for its second
+/// mode.
 #[test]
 fn a_compressed_cantilever_bifurcates_at_eulers_load() -> Outcome {
     let h = 0.02_f64;

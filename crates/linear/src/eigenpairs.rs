@@ -12,12 +12,14 @@ use std::sync::Arc;
 
 /// A Ritz pair counts when `|B x - theta x|_M` is this share of theta.
 const TOLERANCE: f64 = 1e-11;
-/// Least number of steps between two looks at the Ritz pairs, and as a share of the steps made, for a look costs their cube.
+/// Least number of steps between two looks at the Ritz pairs, and as a share of the steps made, for a look costs their
+/// cube.
 const PACE: usize = 4;
 const PACE_SHARE: usize = 10;
 /// Most memory of the basis: 8 GiB.
 const BASIS_BYTES: usize = 8 << 30;
-/// Least shift tried below an indefinite matrix, as a share of the largest `|A_ii| / M_ii`, and from one shift to the next.
+/// Least shift tried below an indefinite matrix, as a share of the largest `|A_ii| / M_ii`, and from one shift to the
+/// next.
 const LEAST_SHIFT: f64 = 1e-14;
 const SHIFT_GROWTH: f64 = 16.0;
 /// How far above an eigenvalue the others are counted, as a share of its distance from the shift.
@@ -53,16 +55,17 @@ pub struct Eigenpairs {
 
 /// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones where these are more.
 ///
-/// Lanczos with full reorthogonalisation for `B = (A - sigma M)^-1 M` in the inner product of M, from a seeded start vector, with
-/// sigma = 0 for a positive definite A and else a shift below the spectrum, which the Cholesky factor of `A - sigma M` proves.
-/// No eigenvalue is missed: those below the largest one returned are counted by the pivots of `A - mu M` (Sylvester's law of
-/// inertia), and as long as there are more than were found (of multiple eigenvalues a Krylov space has one vector) the
-/// iteration begins again orthogonal to all found. Ericsson, Ruhe, "The spectral transformation Lanczos method for the numerical
-/// solution of large sparse generalized symmetric eigenvalue problems", Math. Comp. 35 (1980).
+/// Lanczos with full reorthogonalisation for `B = (A - sigma M)^-1 M` in the inner product of M, from a seeded start
+/// vector, with sigma = 0 for a positive definite A and else a shift below the spectrum, which the Cholesky factor of
+/// `A - sigma M` proves. No eigenvalue is missed: those below the largest one returned are counted by the pivots of
+/// `A - mu M` (Sylvester's law of inertia), and as long as there are more than were found (of multiple eigenvalues a
+/// Krylov space has one vector) the iteration begins again orthogonal to all found. Ericsson, Ruhe, "The spectral
+/// transformation Lanczos method for the numerical solution of large sparse generalized symmetric eigenvalue problems",
+/// Math. Comp. 35 (1980).
 ///
 /// # Errors
-/// A matrix that is not symmetric or not finite; more eigenvalues wanted than there are unknowns; a factor beyond 8 GiB;
-/// [`LinearError::Eigenpairs`] where the iteration does not find them.
+/// A matrix that is not symmetric or not finite; more eigenvalues wanted than there are unknowns; a factor beyond 8
+/// GiB; [`LinearError::Eigenpairs`] where the iteration does not find them.
 pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigenpairs, LinearError> {
     let unknowns = problem.fixed.iter().filter(|&&fixed| !fixed).count();
     problem.check(count, unknowns)?;
@@ -155,8 +158,8 @@ impl Eigenproblem<'_> {
         x.iter().zip(self.mass).zip(self.fixed).map(entry).collect()
     }
 
-    /// Makes x orthogonal to these (twice is enough: Kahan, Parlett) and returns its coefficients by them and what is left
-    /// of its norm.
+    /// Makes x orthogonal to these (twice is enough: Kahan, Parlett) and returns its coefficients by them and what is
+    /// left of its norm.
     fn orthogonalize<'v>(&self, x: &mut [f64], basis: impl Iterator<Item = &'v Vec<f64>> + Clone) -> (Vec<f64>, f64) {
         let mut sums = Vec::new();
         for _ in 0..2 {
@@ -195,8 +198,8 @@ impl Found {
     }
 }
 
-/// Up to `wanted` eigenvectors of the largest eigenvalues of B, orthogonal to those that are known; fewer where the steps do not
-/// suffice or the space is exhausted.
+/// Up to `wanted` eigenvectors of the largest eigenvalues of B, orthogonal to those that are known; fewer where the
+/// steps do not suffice or the space is exhausted.
 fn lanczos(
     problem: &Eigenproblem,
     factor: &Factor,

@@ -3,11 +3,13 @@
 use crate::discretization::Discretization;
 
 impl Discretization {
-    /// Reference volume (area in two dimensions) of every node, positive for all kinds of cells, the sum that of the body:
-    /// of each cell `V_a = V int N_a^2 dX / sum_b int N_b^2 dX`, the diagonal of the consistent mass matrix scaled to the volume V.
+    /// Reference volume (area in two dimensions) of every node, positive for all kinds of cells, the sum that of the
+    /// body: of each cell `V_a = V int N_a^2 dX / sum_b int N_b^2 dX`, the diagonal of the consistent mass matrix
+    /// scaled to the volume V.
     ///
-    /// Row sums `int N_a dX` are negative at corners of serendipity cells and zero at those of quadratic triangles. Hinton, Rock,
-    /// Zienkiewicz, "A note on mass lumping and related processes in the finite element method", Earthquake Eng. Struct. Dyn. 4 (1976).
+    /// Row sums `int N_a dX` are negative at corners of serendipity cells and zero at those of quadratic triangles.
+    /// Hinton, Rock, Zienkiewicz, "A note on mass lumping and related processes in the finite element method",
+    /// Earthquake Eng. Struct. Dyn. 4 (1976).
     pub fn nodal_volumes(&self) -> Vec<f64> {
         let mut volumes = vec![0.0; self.mesh().points().len()];
         for part in &self.points().parts {

@@ -126,7 +126,8 @@ impl<'a> Equations<'a> {
         Equations { model, from, to, how, workspace, weights, scale: 1.0 }
     }
 
-    /// The start at s = 0, its direction towards larger s; scales the inner product such that u' and s' are of one size there.
+    /// The start at s = 0, its direction towards larger s; scales the inner product such that u' and s' are of one size
+    /// there.
     pub fn start(&mut self) -> Result<Point, Failure> {
         let at_rest = Tangent { u: vec![0.0; self.weights.len()], s: 1.0 };
         let begin = Point {
@@ -236,14 +237,15 @@ impl<'a> Equations<'a> {
 
     /// `K x + r_s y = f`, `<t_u, x> + t_s y = g`: x with the supports' motion, and y.
     ///
-    /// K is singular at limit points, where block elimination would lose all digits. With `k = K_jj > 0` and q = k x_j, j the component
-    /// that moves most along the row, the same system is
+    /// K is singular at limit points, where block elimination would lose all digits. With `k = K_jj > 0` and q = k x_j,
+    /// j the component that moves most along the row, the same system is
     ///
     /// ```text
     /// (K + k e_j e_j^T) x + r_s y - e_j q = f,    <t_u, x> + t_s y = g,    k x_j - q = 0
     /// ```
     ///
-    /// whose first block, the tangent of the body held at j by a spring, is regular there, and positive definite around the first limit point.
+    /// whose first block, the tangent of the body held at j by a spring, is regular there, and positive definite around
+    /// the first limit point.
     fn solve(
         &mut self,
         (u, s): (&[f64], f64),
@@ -359,7 +361,8 @@ struct Spring {
     stiffness: f64,
 }
 
-/// Adds to a matrix a spring at the component where a row is largest, as stiff as the matrix is there; none for a row of zeros.
+/// Adds to a matrix a spring at the component where a row is largest, as stiff as the matrix is there; none for a row
+/// of zeros.
 fn spring(matrix: &mut SparseMatrix, row: &[f64]) -> Spring {
     let largest = |at: usize, k: usize| if row[k].abs() > row[at].abs() { k } else { at };
     let at = (0..row.len()).fold(0, largest);

@@ -33,8 +33,8 @@ pub struct Equilibrium {
 
 /// Modes of a known equilibrium along which starts are displaced, to both sides.
 const MODES: usize = 3;
-/// Displacements along a mode at which the potential is looked at: the largest as a share of the body's diagonal, from one to the next,
-/// and how many.
+/// Displacements along a mode at which the potential is looked at: the largest as a share of the body's diagonal, from
+/// one to the next, and how many.
 const LARGEST: f64 = 0.5;
 const GROWTH: f64 = 1.25;
 const SAMPLES: usize = 48;
@@ -62,16 +62,18 @@ impl Model {
     /// m(u) r(u) = 0,    m(u) = prod_i (1 / |u - u_i|^2 + 1),    |v|^2 = sum_a V_a v_a . v_a / (V l^2)
     /// ```
     ///
-    /// (V_a the volumes of the nodes, l a tenth of the body's diagonal). Its step is Newton's, `K d = -r`, times `1 / (1 - (grad log m) . d)`.
-    /// Farrell, Birkisson, Funke, "Deflation techniques for finding distinct solutions of nonlinear partial differential equations",
-    /// SIAM J. Sci. Comput. 37 (2015). It starts on the straight lines from the known equilibria along their three softest modes: where the
-    /// potential is stationary on them, then 1, 3, 10 and 30 hundredths of the diagonal away. Every equilibrium found adds its own starts. What
-    /// is not found may exist all the same; what is found is an equilibrium of the discrete body, and a coarse mesh has some of its own.
+    /// (V_a the volumes of the nodes, l a tenth of the body's diagonal). Its step is Newton's, `K d = -r`, times `1 /
+    /// (1 - (grad log m) . d)`. Farrell, Birkisson, Funke, "Deflation techniques for finding distinct solutions of
+    /// nonlinear partial differential equations", SIAM J. Sci. Comput. 37 (2015). It starts on the straight lines from
+    /// the known equilibria along their three softest modes: where the potential is stationary on them, then 1, 3, 10
+    /// and 30 hundredths of the diagonal away. Every equilibrium found adds its own starts. What is not found may exist
+    /// all the same; what is found is an equilibrium of the discrete body, and a coarse mesh has some of its own.
     ///
     /// `watch` is called with every equilibrium, the known one first.
     ///
     /// # Errors
-    /// A count of zero; a state of another body; [`StateError::Cancelled`] (`watch` has seen what was found before); modes that cannot be had, see [`modes`](Self::modes).
+    /// A count of zero; a state of another body; [`StateError::Cancelled`] (`watch` has seen what was found before);
+    /// modes that cannot be had, see [`modes`](Self::modes).
     pub fn equilibria(
         &self,
         known: &State,
@@ -120,8 +122,8 @@ impl Model {
         Equilibrium { state, negative }
     }
 
-    /// Displacements `u + a phi` along the soft modes phi of an equilibrium to start from: first those where the potential is stationary
-    /// along the mode, then some of fixed amplitudes, of either those of lower potential first.
+    /// Displacements `u + a phi` along the soft modes phi of an equilibrium to start from: first those where the
+    /// potential is stationary along the mode, then some of fixed amplitudes, of either those of lower potential first.
     fn starts(&self, state: &State, how: &SolveOptions) -> Result<Vec<Vec<f64>>, StateError> {
         let free = self.supports.fixed().iter().filter(|&&fixed| !fixed).count();
         let modes = self.modes(state, MODES.min(free), how)?;

@@ -21,13 +21,13 @@ pub struct Descent {
 
 /// Saddles that are left before it is given up.
 const SADDLES: usize = 10;
-/// Displacements along a mode at which the potential is looked at: the least and the largest as shares of the body's diagonal, and
-/// from one to the next.
+/// Displacements along a mode at which the potential is looked at: the least and the largest as shares of the body's
+/// diagonal, and from one to the next.
 const LEAST: f64 = 1e-6;
 const LARGEST: f64 = 0.5;
 const GROWTH: f64 = 1.5;
-/// Starts, as multiples of the displacement at which the potential is least: on the straight line slender bodies stretch, which keeps
-/// that nearer to the saddle than the equilibrium below it is.
+/// Starts, as multiples of the displacement at which the potential is least: on the straight line slender bodies
+/// stretch, which keeps that nearer to the saddle than the equilibrium below it is.
 const MULTIPLES: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 /// Falls of the potential that differ by less than this share are alike.
 const ALIKE: f64 = 1e-6;
@@ -35,13 +35,14 @@ const ALIKE: f64 = 1e-6;
 impl Model {
     /// A stable equilibrium under the controls of one that is not, at full loads, downhill from it.
     ///
-    /// Along the mode of the most negative eigenvalue (see [`modes`](Self::modes)) the potential falls to both sides. From where it is least on
-    /// this line, and beyond, Newton's method lowers it to an equilibrium below the first; the lower side comes first (the one of the mode's
-    /// sign, where they are alike). Where that is another saddle, it goes on from there.
+    /// Along the mode of the most negative eigenvalue (see [`modes`](Self::modes)) the potential falls to both sides.
+    /// From where it is least on this line, and beyond, Newton's method lowers it to an equilibrium below the first;
+    /// the lower side comes first (the one of the mode's sign, where they are alike). Where that is another saddle, it
+    /// goes on from there.
     ///
     /// # Errors
-    /// A state at another load than the full one, a model without a potential; [`StateError::NoConvergence`] with the last saddle where
-    /// no lower equilibrium is found.
+    /// A state at another load than the full one, a model without a potential; [`StateError::NoConvergence`] with the
+    /// last saddle where no lower equilibrium is found.
     pub fn descend(&self, state: &State, how: &SolveOptions, workspace: &mut Workspace) -> Result<Descent, StateError> {
         self.check()?;
         self.check_state(state)?;
@@ -106,8 +107,8 @@ impl Model {
         Ok(None)
     }
 
-    /// The least value of the potential along one side of a mode before a cell inverts, and at which multiple of the mode. Not the first
-    /// minimum: near the saddle rounding makes many.
+    /// The least value of the potential along one side of a mode before a cell inverts, and at which multiple of the
+    /// mode. Not the first minimum: near the saddle rounding makes many.
     fn lowest_along(&self, state: &State, mode: &[f64], side: f64, how: &SolveOptions) -> (f64, f64) {
         let size = self.discretization().mesh().diagonal();
         let mut best = (f64::INFINITY, side * LEAST * size);

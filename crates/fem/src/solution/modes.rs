@@ -7,12 +7,13 @@ use crate::solution::state::State;
 use crate::solution::tangent_systems::eliminate;
 use nastic_linear::{Eigenproblem, smallest_eigenpairs};
 
-/// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes' reference volumes
-/// ([`Discretization::nodal_volumes`](crate::Discretization::nodal_volumes)).
+/// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes'
+/// reference volumes ([`Discretization::nodal_volumes`](crate::Discretization::nodal_volumes)).
 ///
-/// lambda is a force per length^4 (N/m^4: a stiffness per volume), in plane strain too, and converges as the mesh is refined. A
-/// negative one is a direction in which the potential falls: `1/2 lambda phi . M phi` per square of the amplitude. A homogeneous body
-/// of density rho vibrates about a stable state with angular frequencies `sqrt(lambda / rho)`.
+/// lambda is a force per length^4 (N/m^4: a stiffness per volume), in plane strain too, and converges as the mesh is
+/// refined. A negative one is a direction in which the potential falls: `1/2 lambda phi . M phi` per square of the
+/// amplitude. A homogeneous body of density rho vibrates about a stable state with angular frequencies `sqrt(lambda /
+/// rho)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modes {
     /// Eigenvalues, ascending.
@@ -24,14 +25,15 @@ pub struct Modes {
 }
 
 impl Model {
-    /// The `count` algebraically smallest eigenvalues of the tangent at a state, all negative ones in any case, with their modes.
+    /// The `count` algebraically smallest eigenvalues of the tangent at a state, all negative ones in any case, with
+    /// their modes.
     ///
-    /// Shift-invert Lanczos ([`smallest_eigenpairs`]) with a factor, whatever solves other systems. Multiple eigenvalues are found with
-    /// all their modes; which basis of their span is returned has no meaning.
+    /// Shift-invert Lanczos ([`smallest_eigenpairs`]) with a factor, whatever solves other systems. Multiple
+    /// eigenvalues are found with all their modes; which basis of their span is returned has no meaning.
     ///
     /// # Errors
-    /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a factor that would
-    /// be too large; [`StateError::Problem`] for a state of another body.
+    /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a
+    /// factor that would be too large; [`StateError::Problem`] for a state of another body.
     pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
         self.check_state(state)?;
         let mut matrix = self.tangent_at(&self.instant(state, None, how.parallel), state)?;

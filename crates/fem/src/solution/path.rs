@@ -12,7 +12,8 @@ use crate::solution::workspace::Workspace;
 /// How to follow a path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathOptions {
-    /// Longest step: `|ds| <= step`, and a root mean square of the displacement's change of at most `step / 10` of the body's diagonal.
+    /// Longest step: `|ds| <= step`, and a root mean square of the displacement's change of at most `step / 10` of the
+    /// body's diagonal.
     pub step: f64,
     /// Most points, the start included.
     pub points: usize,
@@ -26,8 +27,8 @@ impl Default for PathOptions {
     }
 }
 
-/// Equilibria `(u, s)` at controls `(1 - s) c_0 + s c_1` and load `(1 - s) l_0 + s l_1`, in the order of the path, along which s may
-/// rise and fall.
+/// Equilibria `(u, s)` at controls `(1 - s) c_0 + s c_1` and load `(1 - s) l_0 + s l_1`, in the order of the path,
+/// along which s may rise and fall.
 #[derive(Debug, Clone)]
 pub struct EquilibriumPath {
     /// The equilibria, the start first.
@@ -105,24 +106,28 @@ const STRETCHES: i32 = 3;
 const WANTED: f64 = 4.0;
 
 impl Model {
-    /// Follows the path of equilibria from a state towards other controls and another load (1: the loads and prescribed displacements
-    /// as given), past limit points, where a load or a control cannot rise any further.
+    /// Follows the path of equilibria from a state towards other controls and another load (1: the loads and prescribed
+    /// displacements as given), past limit points, where a load or a control cannot rise any further.
     ///
-    /// Predictor along the tangent of the path, corrector by Newton's method for `r(u, s) = 0` with the pseudo-arc-length constraint
+    /// Predictor along the tangent of the path, corrector by Newton's method for `r(u, s) = 0` with the
+    /// pseudo-arc-length constraint
     ///
     /// ```text
     /// <u', u - u_0> + s' (s - s_0) = step,    <v, w> = sum_a V_a v_a . w_a / (V U^2)
     /// ```
     ///
-    /// (V_a the volumes of the nodes, U the root mean square of du/ds at the start), whose matrix `[K r_s; <u', .> s']` is regular at limit
-    /// points; block elimination, K may be indefinite. H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems"
-    /// (1977). `r_s` is a central difference, exact for controls that enter linearly or in products of two. The step halves on failure
-    /// and where the path turns sharply, and grows with the square root of four over the iterations it took.
+    /// (V_a the volumes of the nodes, U the root mean square of du/ds at the start), whose matrix `[K r_s; <u', .> s']`
+    /// is regular at limit points; block elimination, K may be indefinite. H. B. Keller, "Numerical solution of
+    /// bifurcation and nonlinear eigenvalue problems" (1977). `r_s` is a central difference, exact for controls that
+    /// enter linearly or in products of two. The step halves on failure and where the path turns sharply, and grows
+    /// with the square root of four over the iterations it took.
     ///
-    /// Limit points are located by the sign of s', bifurcations by the number of negative pivots of K. `watch` is called with every point.
+    /// Limit points are located by the sign of s', bifurcations by the number of negative pivots of K. `watch` is
+    /// called with every point.
     ///
     /// # Errors
-    /// A start that is no equilibrium ([`StateError`]); controls of another body; a step that is not positive, a range without 0 inside.
+    /// A start that is no equilibrium ([`StateError`]); controls of another body; a step that is not positive, a range
+    /// without 0 inside.
     pub fn path(
         &self,
         from: &State,

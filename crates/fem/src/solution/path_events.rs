@@ -5,7 +5,8 @@ use crate::solution::path::{EventKind, PathEvent};
 
 /// Bifurcations are known to this share of the step.
 const BISECTED: f64 = 1e-3;
-/// At a located limit point |s'| is below this, as a share of its values at both ends, or the iterations below are used up.
+/// At a located limit point |s'| is below this, as a share of its values at both ends, or the iterations below are used
+/// up.
 const LEVEL: f64 = 1e-6;
 const ITERATIONS: usize = 30;
 
@@ -21,8 +22,8 @@ pub(super) struct Between<'a> {
     pub index: usize,
 }
 
-/// What happens between two neighbours, in order; [`Failure::TooLong`] where a limit point and a bifurcation would have to be told
-/// apart and shorter steps can.
+/// What happens between two neighbours, in order; [`Failure::TooLong`] where a limit point and a bifurcation would have
+/// to be told apart and shorter steps can.
 pub(super) fn events(equations: &mut Equations, between: &Between, separable: bool) -> Result<Vec<PathEvent>, Failure> {
     let &Between { here, there, before, after, index } = between;
     let turns = here.tangent.s * there.tangent.s < 0.0;
@@ -71,7 +72,8 @@ fn limit_point(equations: &mut Equations, here: &Point, there: &Point) -> Result
     Ok(best)
 }
 
-/// A point between two step lengths; `None` where the matrix is singular wherever it is tried, so near is the bifurcation.
+/// A point between two step lengths; `None` where the matrix is singular wherever it is tried, so near is the
+/// bifurcation.
 fn divide(equations: &mut Equations, here: &Point, low: f64, high: f64) -> Result<Option<(f64, Point)>, Failure> {
     for share in [0.5, 0.3, 0.7, 0.1, 0.9] {
         let middle = low + share * (high - low);

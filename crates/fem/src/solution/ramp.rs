@@ -48,12 +48,13 @@ pub struct CriticalPoint {
 }
 
 impl Model {
-    /// `count` equilibria from one set of controls to another, the first as [`solve_with`](Self::solve_with) finds it with these
-    /// options, the others each from the one before. Where the numbers of negative pivots of two neighbours differ, the values between at
-    /// which it changes are bisected to a thousandth of the step (less far where a solve between fails): critical points of the branch
-    /// that warm starts follow.
+    /// `count` equilibria from one set of controls to another, the first as [`solve_with`](Self::solve_with) finds it
+    /// with these options, the others each from the one before. Where the numbers of negative pivots of two neighbours
+    /// differ, the values between at which it changes are bisected to a thousandth of the step (less far where a solve
+    /// between fails): critical points of the branch that warm starts follow.
     ///
-    /// A ramp that meets an equilibrium it cannot find keeps those before. `watch` is called with every point as it is found.
+    /// A ramp that meets an equilibrium it cannot find keeps those before. `watch` is called with every point as it is
+    /// found.
     ///
     /// # Errors
     /// Fewer than two points; a problem or controls that [`solve_with`](Self::solve_with) refuses.

@@ -100,7 +100,8 @@ impl<'a> TangentSystems<'a> {
         solutions
     }
 
-    /// `[K B; C^T D] [x; y] = [f; g]`, K a tangent at u whose supports are eliminated; it may be indefinite and nearly singular.
+    /// `[K B; C^T D] [x; y] = [f; g]`, K a tangent at u whose supports are eliminated; it may be indefinite and nearly
+    /// singular.
     pub fn solve_bordered(
         &mut self,
         matrix: &SparseMatrix,

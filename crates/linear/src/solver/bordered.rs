@@ -23,8 +23,8 @@ impl Border {
     }
 }
 
-/// Relative change of x by a correction that rounding alone may cause: in slender bodies residuals stay far above what is wanted,
-/// because large terms cancel in A x, and what a correction leaves alone is a solution all the same.
+/// Relative change of x by a correction that rounding alone may cause: in slender bodies residuals stay far above what
+/// is wanted, because large terms cancel in A x, and what a correction leaves alone is a solution all the same.
 const SETTLED: f64 = 1e-7;
 /// Corrections of the solution by its residual: elimination loses digits where A is nearly singular.
 const CORRECTIONS: usize = 3;

@@ -147,7 +147,8 @@ impl<'p> Series<'p> {
         text
     }
 
-    /// What is drawn of every row: the columns of components of probes that move; none of them: the largest displacement.
+    /// What is drawn of every row: the columns of components of probes that move; none of them: the largest
+    /// displacement.
     fn drawn(&self) -> Vec<Drawn> {
         let probes = self.member.problem().probes.len() * self.member.mesh().dim();
         let columns = self.columns().into_iter().take(probes).enumerate();
