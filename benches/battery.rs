@@ -1,10 +1,10 @@
-//! Seeded random equilibrium problems, solved with default options: how many are solved, at what work, and why the others fail.
+//! Seeded random equilibrium problems with default options: how many are solved, at what work, why the others fail.
 //!
-//! `cargo bench --bench battery -- count=300 seed=1`: problem k of a seed is always the same; `only=K` solves one of them alone.
-//! Bodies from stout to slender (1:1 to 1:60), six elements, three laws, Poisson's ratio 0.2 to 0.4999; fibre tension up to
-//! 90 % of the convexity bound (uniform, by cell or linear across the body), turgor, magnets up to beta = |B_r| |B_a| / (mu0 E) = 20 on a
-//! slender body's terms, dead loads: all obey the conditions under which an equilibrium exists. Prints a line for every problem that failed, took
-//! more than 1,000 Newton iterations or is unstable, and a summary.
+//! `cargo bench --bench battery -- count=400 seed=1`: problem k of a seed is always the same; `only=K` solves one alone.
+//! Bodies from stout to slender (1:1 to 1:60), six elements, three laws, Poisson's ratio 0.2 to 0.4999; fibre tension up
+//! to 90 % of the convexity bound (uniform, by cell or linear across the body), turgor, magnets with
+//! beta = |B_r| |B_a| / (mu0 E) up to 20 (h/L)^2, dead loads. Prints every problem that failed, took more than 1,000
+//! Newton iterations or is unstable, and a summary.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
