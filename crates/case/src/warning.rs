@@ -67,7 +67,8 @@ pub const UNITS: WarningKind =
 pub const LOCKING: WarningKind = WarningKind {
     code: "locking",
     about: "the elements are too stiff for this material: displacements come out too small",
-    advice: "use second-order elements (tet10, hex20, hex27, tri6, quad9; in Gmsh: Mesh.ElementOrder = 2)",
+    advice: "use second-order elements: tet10, hex20 or hex27, in plane strain tri6 or quad9 (\"element\" of a box; in Gmsh \
+             Mesh.ElementOrder = 2)",
 };
 
 /// Poor cells.
@@ -102,8 +103,8 @@ pub const NEGLIGIBLE_TERM: WarningKind = WarningKind {
 pub const UNSTABLE: WarningKind = WarningKind {
     code: "unstable",
     about: "the equilibrium is a saddle of the potential energy: a real body would leave it",
-    advice: "go there in steps (start from a nearby result), lower the control, or let the optimiser reject such trials: \
-             \"optimizer\": { \"unstable\": \"refuse\" }",
+    advice: "find a stable state (nastic solve --minimum, --equilibria 3) or the load at which it turns unstable (--path, \
+             --ramp); an optimiser rejects such trials with \"optimizer\": { \"unstable\": \"refuse\" }",
 };
 
 /// A singular tangent.

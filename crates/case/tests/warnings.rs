@@ -6,7 +6,7 @@ mod common;
 
 use common::{BAR, Heard, Place, warnings, with};
 use nastic_case::console::Console;
-use nastic_case::run::{Exit, Options, Outcome};
+use nastic_case::run::{Analysis, Exit, Options, Outcome};
 use nastic_case::schema::Command;
 use nastic_case::warning::WARNINGS;
 
@@ -93,10 +93,34 @@ fn an_unstable_equilibrium() {
     let outcome = place.run_with(Command::Solve, &column("-80 Pa"), &Console::new(heard.clone()), &strict).unwrap();
     assert_eq!((outcome.exit, outcome.exit.code()), (Exit::Warned, 8));
     assert!(heard.text().contains("WARNING     [unstable] equilibrium: 1 negative pivot"), "{}", heard.text());
-    let refused = with(&column("-80 Pa"), r#""nastic": 1,"#, r#""nastic": 1, "optimizer": { "unstable": "refuse" },"#);
-    let error = place.run(Command::Solve, &refused, &[]).unwrap_err();
+    // Optimisations alone refuse them.
+    let optimised = r#""nastic": 1, "optimizer": { "unstable": "refuse" },
+        "actuation": [ { "name": "tension", "kind": "fiber_tension", "region": "body", "direction": [1, 0] } ],
+        "controls": [ { "of": "tension", "space": "uniform", "start": 0, "lower": -10, "upper": 10 } ],
+        "costs": [ { "kind": "tracking", "surface": "x+", "target": ["X", "Y + 0.01"] } ],"#;
+    let refused = with(&column("-80 Pa"), r#""nastic": 1,"#, optimised);
+    assert_eq!(codes(&place.run(Command::Solve, &refused, &[]).unwrap()), ["unstable"]);
+    let error = place.run(Command::Optimize, &refused, &[]).unwrap_err();
     assert!(error.to_string().contains("unstable: 1 negative pivots"), "{error}");
     assert_eq!(error.exit(), Exit::ForwardFailed);
+}
+
+/// Ramps and paths are looked into as single states are.
+#[test]
+fn a_path_into_unstable_states() {
+    let along = |analysis: Analysis| {
+        let place = Place::new();
+        let options = Options { analysis, ..place.options(&[]) };
+        place.run_with(Command::Solve, &column("-80 Pa"), &Console::silent(), &options).unwrap()
+    };
+    let path = along(Analysis::Path);
+    assert_eq!(codes(&path), ["unstable"], "{}", path.result["warnings"]);
+    let told = message(&path, "unstable");
+    assert!(
+        told.starts_with("path at ") && told.contains("1 negative pivot") && told.contains(" such states among "),
+        "{told}"
+    );
+    assert_eq!(codes(&along(Analysis::Minimum)), [""; 0]);
 }
 
 /// A strip whose fibres shorten above and lengthen below rolls up.
@@ -142,7 +166,7 @@ fn bounds_that_decide() {
     let outcome = run(Command::Optimize, &narrow);
     assert_eq!(codes(&outcome)[0], "all_on_bounds", "{}", outcome.result["warnings"]);
     let outcome = run(Command::Optimize, &with(&shorter, "-200 kPa", "0 Pa"));
-    assert_eq!(codes(&outcome), ["no_movement", "other_sign"], "{}", outcome.result["warnings"]);
+    assert_eq!(codes(&outcome), ["other_sign"], "{}", outcome.result["warnings"]);
     assert!(message(&outcome, "other_sign").contains("the lower bound, and the cost falls below it"));
 }
 

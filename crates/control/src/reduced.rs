@@ -152,11 +152,15 @@ impl Reduced {
         self
     }
 
-    /// Whether an equilibrium whose tangent has negative pivots, or none, fails with [`ControlError::Unstable`], so that
-    /// optimisers reject such trials (default: accepted). It takes one factorisation more per evaluation.
+    /// Whether an equilibrium whose tangent has negative pivots fails with [`ControlError::Unstable`] (one whose tangent is
+    /// singular fails with the error of the factor), so that optimisers reject such trials (default: accepted). It takes one factorisation more per evaluation.
     pub fn refuse_unstable(mut self, refuse: bool) -> Self {
         self.refuse_unstable = refuse;
         self
+    }
+
+    pub(crate) fn set_refuse_unstable(&mut self, refuse: bool) {
+        self.refuse_unstable = refuse;
     }
 
     /// Whether all is there to be optimised: a complete body, controls, and an inner product of theirs. A run checks the

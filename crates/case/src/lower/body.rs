@@ -3,7 +3,6 @@
 use super::context::Context;
 use super::variant::Variant;
 use super::{actuation, control, load, material, optimizer, support};
-use crate::schema::Unstable;
 use crate::syntax::At;
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid};
@@ -20,8 +19,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     if context.is_sound() {
         check_complete(&solid, context);
     }
-    let refuse = case.optimizer.unstable == Unstable::Refuse;
-    let reduced = Reduced::new(solid).metric(optimizer::metric(case)).refuse_unstable(refuse);
+    let reduced = Reduced::new(solid).metric(optimizer::metric(case));
     let reduced = actuation::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
     context.is_sound().then_some(reduced)

@@ -86,7 +86,7 @@ fn locking(solid: &Solid, region: &str, cells: &[u32], context: &Context<'_>) ->
         None => String::new(),
     };
     let why = if kind(worst).is_simplex() {
-        "first-order simplices have constant strain: too stiff in bending, and the more so the less compressible"
+        "first-order simplices have constant strain: bent, they move too little, nearly incompressible tenfold and more"
     } else {
         "first-order elements cannot bend at nearly constant volume"
     };

@@ -14,8 +14,10 @@ const POOR: f64 = 0.05;
 /// What was found in the state of one member.
 #[derive(Debug, Clone)]
 pub(crate) struct Inspection {
-    /// Negative pivots of the tangent; `None` where it is singular.
+    /// Negative pivots of the tangent; `None` where they could not be counted.
     pub inertia: Option<usize>,
+    /// Why they could not.
+    uncounted: Option<String>,
     /// Where the deformed body intersects itself.
     pub intersection: SelfIntersection,
     /// Deformed volume of the cells whose centres lie in other cells.
@@ -33,6 +35,13 @@ impl Inspection {
 
     /// Of one state.
     pub fn of(member: CaseMember<'_>, state: &State) -> Self {
+        let counted = member.solid().negative_pivots(state);
+        let uncounted = counted.as_ref().err().map(ToString::to_string);
+        Self { uncounted, ..Self::with_inertia(member, state, counted.ok()) }
+    }
+
+    /// Of a state whose negative pivots are known.
+    pub fn with_inertia(member: CaseMember<'_>, state: &State, inertia: Option<usize>) -> Self {
         let mesh = member.mesh();
         let positions = positions(mesh.points(), &state.u, mesh.dim());
         let shape = Shape::new(mesh, &positions, None);
@@ -45,7 +54,8 @@ impl Inspection {
             .collect();
         let lowest = distorted.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
         Self {
-            inertia: member.solid().negative_pivots(state).ok(),
+            inertia,
+            uncounted: None,
             overlap: overlap(member, state, &intersection),
             intersection,
             distorted: (distorted.len(), lowest),
@@ -65,27 +75,31 @@ impl Inspection {
         (!found.is_empty()).then_some(marks)
     }
 
-    /// What deserves attention in the state that `what` names.
+    /// What deserves attention in the state; the place of the warnings is `what`, behind the member's name.
     pub fn warnings(&self, member: CaseMember<'_>, what: &str) -> Vec<Warning> {
         let mut out = Vec::new();
         match self.inertia {
             Some(0) => {}
             Some(n) => {
                 let pivots = if n == 1 { "1 negative pivot".to_owned() } else { format!("{n} negative pivots") };
-                out.push(Warning::new(&UNSTABLE, format!("{what}: {pivots} of the tangent stiffness")));
+                out.push(Warning::new(&UNSTABLE, format!("{pivots} of the tangent stiffness")));
             }
-            None => out.push(Warning::new(&NEARLY_SINGULAR, format!("{what}: the tangent stiffness has no factor"))),
+            None => {
+                let why = self.uncounted.as_deref().unwrap_or("the tangent stiffness has no factor");
+                out.push(Warning::new(&NEARLY_SINGULAR, format!("negative pivots could not be counted: {why}")));
+            }
         }
         if !self.intersection.is_empty() {
-            out.push(Warning::new(&SELF_INTERSECTION, format!("{what}: {}", self.describe_intersection(member))));
+            out.push(Warning::new(&SELF_INTERSECTION, self.describe_intersection(member)));
         }
         if let (count, Some((cell, lowest))) = self.distorted {
-            let message = format!(
-                "{what}: {count} cells have a scaled Jacobian below {POOR}, the lowest is {lowest:.3} (cell {cell})"
-            );
+            let message =
+                format!("{count} cells have a scaled Jacobian below {POOR}, the lowest is {lowest:.3} (cell {cell})");
             out.push(Warning::new(&CELL_SHAPE, message));
         }
-        out.into_iter().map(|warning| warning.of(member.name())).collect()
+        let name = member.name();
+        let place = if name.is_empty() { what.to_owned() } else { format!("{name}: {what}") };
+        out.into_iter().map(|warning| warning.of(place.clone())).collect()
     }
 
     fn describe_intersection(&self, member: CaseMember<'_>) -> String {
@@ -95,7 +109,7 @@ impl Inspection {
         match overlapped.len() {
             0 => format!("the surfaces of {} cells cross (cells {} ..)", crossed.len(), named(crossed)),
             n => format!(
-                "{n} of {cells} cells lie in others (cells {} ..), {:.3e} {unit}^{} of overlap",
+                "the centres of {n} of {cells} cells lie in other cells (cells {} ..), whose deformed size is {:.3e} {unit}^{}",
                 named(overlapped),
                 self.overlap,
                 member.mesh().dim()

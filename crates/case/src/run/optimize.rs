@@ -92,7 +92,7 @@ fn conclude(session: &mut Session<'_>, starts: &Starts, journal: Journal, began:
     let Some((index, ended)) = &starts.best else { return Err(RunError::Cancelled) };
     let resumable = written.filter(|_| starts.interrupted);
     session.note_states("start", &ended.start);
-    doubts::warn(session, ended);
+    doubts::warn(session, ended, starts.interrupted);
     let reported = outcome::report(session, (*index, ended), &starts.entries, resumable);
     let unwritten = reported.and(unwritten);
     if let (Err(error), Some(written)) = (&unwritten, written)

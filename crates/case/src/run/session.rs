@@ -11,7 +11,7 @@ use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
 use crate::result::snapshot;
-use crate::schema::Command;
+use crate::schema::{Command, Unstable};
 use crate::syntax::Document;
 use crate::warning::Warning;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
@@ -88,6 +88,9 @@ impl<'c> Session<'c> {
         began: Instant,
     ) -> Result<Self, RunError> {
         let mut problem = CaseProblem::lower(document, cancel.clone())?;
+        if command == Command::Optimize && problem.case.optimizer.unstable == Unstable::Refuse {
+            problem.ensemble.refuse_unstable(true);
+        }
         if problem.members().nth(1).is_some() {
             problem.ensemble.watch(EnsembleProgress::new(&problem, console).watcher());
         } else {
@@ -181,6 +184,7 @@ impl<'c> Session<'c> {
     /// Codes of the warnings so far, for a picture: empty without any.
     pub fn warned(&self) -> String {
         let mut codes: Vec<&str> = self.warnings.iter().map(|warning| warning.kind.code).collect();
+        codes.sort_unstable();
         codes.dedup();
         if codes.is_empty() { String::new() } else { format!("; WARNING: {}", codes.join(", ")) }
     }

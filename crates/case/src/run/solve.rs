@@ -47,7 +47,7 @@ fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, R
     modes::report(session, &modes);
     session.timed("write", |session| write(session, &point, &found, &modes))?;
     if let Analysis::Equilibria(count) = analysis {
-        equilibria::run(session, &point, *count)?;
+        return equilibria::run(session, &point, *count);
     }
     Ok(Exit::Done)
 }

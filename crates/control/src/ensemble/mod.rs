@@ -121,6 +121,11 @@ impl Ensemble {
         &self.members
     }
 
+    /// Whether unstable equilibria of members fail: see [`Reduced::refuse_unstable`](crate::Reduced::refuse_unstable).
+    pub fn refuse_unstable(&mut self, refuse: bool) {
+        self.members.iter_mut().for_each(|member| member.problem.set_refuse_unstable(refuse));
+    }
+
     /// Names of the scenarios.
     pub fn scenarios(&self) -> &[String] {
         &self.names

@@ -6,7 +6,7 @@ use crate::error::FemError;
 use crate::error::{Cause, StateError};
 use crate::model::Model;
 use crate::solution::load_steps::LoadSteps;
-use crate::solution::newton::{Newton, Stop};
+use crate::solution::newton::{Newton, Search, Stop};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
@@ -18,6 +18,10 @@ use nastic_numeric::vector::{norm, sub};
 const WARM: usize = 3;
 /// Iterations after which a guess was a poor one.
 const GUESS: usize = 15;
+/// A tangent that had to be shifted no more often along a load step that failed is worth an attempt by full steps.
+const CREEPS: usize = 3;
+/// Newton iterations of an attempt by full steps.
+const FULL: usize = 40;
 /// Newton iterations after which load steps from rest are given up at the first that fails.
 const MOST: usize = 10_000;
 /// Newton iterations of a descent at full load.
@@ -121,7 +125,7 @@ impl Model {
         };
         workspace.forget();
         let long = SolveOptions { max_newton: DESCENT, ..how.clone() };
-        let newton = Newton { patient: true, ..self.newton(controls, 1.0, time_step, 1.0, &long) };
+        let newton = Newton { search: Search::Patient, ..self.newton(controls, 1.0, time_step, 1.0, &long) };
         match newton.solve(rest.u.to_vec(), self.linear_solver(how, workspace), report) {
             Ok(u) => {
                 report.load_steps += 1;
@@ -141,7 +145,31 @@ impl Model {
         path: f64,
         options: &'a SolveOptions<'a>,
     ) -> Newton<'a> {
-        Newton { model: self, controls, load, time_step, path, options, patient: false }
+        Newton { model: self, controls, load, time_step, path, options, search: Search::Downhill }
+    }
+
+    /// One load step: downhill, and where that leads nowhere although the tangent was hardly ever indefinite, by full steps.
+    fn attempt(
+        &self,
+        newton: &Newton,
+        from: &[f64],
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, Stop> {
+        let shifted = report.shifted;
+        let downhill = newton.solve(from.to_vec(), self.linear_solver(newton.options, workspace), report);
+        let creeps = matches!(downhill, Err(Stop::Slow { .. })) && report.shifted - shifted <= CREEPS;
+        if !creeps || !self.has_potential() {
+            return downhill;
+        }
+        workspace.forget();
+        let brief = SolveOptions { max_newton: newton.options.max_newton.min(FULL), ..newton.options.clone() };
+        let full = Newton { search: Search::Full, options: &brief, ..*newton };
+        match full.solve(from.to_vec(), self.linear_solver(&brief, workspace), report) {
+            Ok(u) => Ok(u),
+            Err(Stop::Cancelled) => Err(Stop::Cancelled),
+            Err(_) => downhill,
+        }
     }
 
     /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.
@@ -220,7 +248,7 @@ impl Model {
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
             let newton = self.newton(&controls, load, time_step, path, how);
-            match newton.solve(here.u.to_vec(), self.linear_solver(how, workspace), report) {
+            match self.attempt(&newton, &here.u, workspace, report) {
                 Ok(u) => {
                     report.load_steps += 1;
                     steps.succeeded(path, norm(&sub(&u, &here.u)));

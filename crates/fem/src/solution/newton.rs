@@ -23,8 +23,20 @@ pub(crate) struct Newton<'a> {
     /// For the report alone: where on the path this is.
     pub path: f64,
     pub options: &'a SolveOptions<'a>,
-    /// Whether to go on downhill far from any equilibrium.
-    pub patient: bool,
+    pub search: Search,
+}
+
+/// How the length of a step is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Search {
+    /// Downhill on the potential; given up far from any equilibrium, see [`LOST`].
+    Downhill,
+    /// Downhill, without giving up.
+    Patient,
+    /// Full steps, cut only where a cell would invert, whatever the potential does on the way. Slender bodies bend at little
+    /// energy and stretch at much: downhill they creep along the bent shapes, while full steps, which stretch the body for an
+    /// iteration, arrive. Only an end that is stable and has less potential than the start counts.
+    Full,
 }
 
 /// Why it stopped short.
@@ -90,18 +102,19 @@ impl Newton<'_> {
         let mut before = f64::INFINITY;
         let mut fit = None;
         let shifted = report.shifted;
+        let (start, mut last) = (now.energy, Curvature::Positive);
         for iteration in 0..self.options.max_newton {
             if self.options.cancelled() {
                 return Err(Stop::Cancelled);
             }
-            if !self.patient && iteration >= LOST.0 && report.shifted - shifted >= LOST.1 {
+            if self.search == Search::Downhill && iteration >= LOST.0 && report.shifted - shifted >= LOST.1 {
                 break;
             }
             let (residual, relative) = self.residual(&now);
             self.record(&now, relative, report);
             let stagnates = relative <= ROUNDING && relative > 0.5 * before;
             if jump.is_none() && (relative <= self.options.accuracy || stagnates) {
-                return Ok(u);
+                return self.sound_end(u, (start, &now, last));
             }
             before = relative;
             let matrix = self.tangent(&u, &mut matrix)?;
@@ -126,16 +139,25 @@ impl Newton<'_> {
                 self.downhill(&here, &step, &mut fit)?
             };
             let resolution = RESOLUTION * self.model.discretization().mesh().diagonal();
+            last = curvature;
             let tiny = curvature == Curvature::Positive && max_abs(&step) <= resolution;
             (u, now) = next;
             self.tell(length, &now, report);
             if tiny && length == 1.0 {
                 let (_, relative) = self.residual(&now);
                 self.record(&now, relative, report);
-                return Ok(u);
+                return self.sound_end(u, (start, &now, last));
             }
         }
         Err(Stop::Slow { residual: self.residual(&now).1 })
+    }
+
+    /// The equilibrium found; of full steps only one that is stable, with less potential than the start.
+    fn sound_end(&self, u: Vec<f64>, (start, now, last): (f64, &Sums, Curvature)) -> Result<Vec<f64>, Stop> {
+        if self.search == Search::Full && (last == Curvature::Negative || now.energy > start) {
+            return Err(Stop::Slow { residual: self.residual(now).1 });
+        }
+        Ok(u)
     }
 
     fn at<'u>(&'u self, u: &'u [f64]) -> Instant<'u> {
@@ -241,7 +263,7 @@ impl Newton<'_> {
     }
 
     /// The longest of a few step lengths along a path that starts in the direction of `step` which lowers the potential
-    /// enough and inverts nothing.
+    /// enough (full steps need not) and inverts nothing.
     fn energy_search(
         &self,
         here: &Iterate,
@@ -261,7 +283,7 @@ impl Newton<'_> {
                 continue;
             };
             let change = next.energy - start;
-            if change <= ARMIJO * length * slope + noise {
+            if self.search == Search::Full || change <= ARMIJO * length * slope + noise {
                 return Ok((length, (trial, next)));
             }
             // the vertex of the parabola through the start, its slope and this value

@@ -130,6 +130,8 @@ impl Search<'_, '_> {
             let mut high = b.clone();
             while high.s - low.s > width {
                 match self.point(0.5 * (low.s + high.s), Some(&low.state)) {
+                    // From rest, so perhaps of another branch: no bisection goes on with it.
+                    Ok(middle) if middle.state.report.restarts > 0 => break,
                     Ok(middle) if middle.negative == Some(before) => low = middle,
                     Ok(middle) => high = middle,
                     Err(StateError::Cancelled) => return Err(StateError::Cancelled),

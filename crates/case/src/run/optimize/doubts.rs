@@ -17,16 +17,19 @@ const SAME: f64 = 1e-5;
 /// A term this many times smaller than the largest does not count.
 const NEGLIGIBLE: f64 = 1e-6;
 
-pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun) {
+/// Of a run that was interrupted only what does not hang on its end.
+pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, interrupted: bool) {
     let mut found = Vec::new();
-    found.extend(movement(run));
     let problem = &session.problem;
-    for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls) {
+    for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls).filter(|_| !interrupted) {
         found.extend(bounds(run, block, field, session));
+    }
+    if !interrupted && found.iter().all(|warning| warning.kind != &OTHER_SIGN) {
+        found.extend(movement(run));
     }
     found.extend(terms(session, run));
     found.extend(branches(run));
-    if problem.case.optimizer.verify {
+    if problem.case.optimizer.verify && !interrupted {
         found.extend(cold(session, run));
     }
     found.into_iter().for_each(|warning| session.warn(warning));
@@ -64,6 +67,13 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, sessio
             let (bound, side) = if falls_below { ("lower", "below") } else { ("upper", "above") };
             let message = format!("{}: all values are 0, the {bound} bound, and the cost falls {side} it", field.name);
             return Some(Warning::new(&OTHER_SIGN, message));
+        }
+        let outward = |i: usize| {
+            let (lower, upper) = limits.at(i);
+            (m[i] <= lower && derivative[i] > 0.0) || (m[i] >= upper && derivative[i] < 0.0)
+        };
+        if !(0..m.len()).all(outward) {
+            return None; // the cost has its minimum there
         }
         let range = format!("from {} to {} {}", short(low), short(high), field.unit);
         let message = format!("{}: all {} values lie on a bound ({range})", field.name, m.len());

@@ -2,23 +2,25 @@
 
 use super::say_files;
 use super::series::{Row, Series};
-use crate::result::snapshot;
-use crate::run::error::RunError;
+use crate::run::error::{Exit, RunError};
 use crate::run::session::Session;
-use nastic_control::{ControlError, EnsemblePoint, StateFields};
+use nastic_control::{ControlError, EnsemblePoint};
 use nastic_fem::{Equilibrium, Progress, SolveOptions, StateError, Workspace};
 use serde_json::json;
 
 /// Finds, says and writes the equilibria of every member, beginning with that of the point.
-pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint, count: usize) -> Result<(), RunError> {
+pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint, count: usize) -> Result<Exit, RunError> {
     let mut files = Vec::new();
     for index in 0..point.members.len() {
+        if session.is_cancelled() {
+            break;
+        }
         files.extend(session.timed("deflation", |session| of_member(session, point, index, count))?);
     }
     if session.out.is_some() {
         say_files(session, files);
     }
-    Ok(())
+    Ok(if session.is_cancelled() { Exit::NotConverged } else { Exit::Done })
 }
 
 fn of_member(
@@ -56,12 +58,13 @@ fn of_member(
         let from = starts.map_or_else(|| "before it was stopped".to_owned(), |starts| format!("from {starts} starts"));
         session.console.say(format!("            {many} of {count} were found, {from}; others may exist"));
     }
+    let warnings = series.inspect();
     let mut files = Vec::new();
     if let Some(out) = &session.out {
         let stem = member.file("equilibrium_");
         out.remove_numbered(&stem);
-        for (k, row) in series.rows.iter().enumerate() {
-            let shot = snapshot::snapshot(member, &StateFields::new(&row.state, &row.m))?;
+        for k in 0..series.rows.len() {
+            let shot = series.snapshot(k)?;
             let name = format!("{stem}{:03}.vtu", k + 1);
             out.write_vtu(&name, &shot)?;
             files.push(name);
@@ -71,5 +74,6 @@ fn of_member(
         "asked": count, "found": series.points(), "starts": starts, "newton_iterations": newton,
     });
     session.put_of_member(index, "equilibria", entry);
+    warnings.into_iter().for_each(|warning| session.warn(warning));
     Ok(files)
 }

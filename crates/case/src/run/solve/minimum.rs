@@ -26,7 +26,12 @@ pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Re
             ));
         }
         let mut report = found.state.report;
-        report.add_work(&at.work);
+        // A state that was a minimum already brings its own work.
+        if found.saddles > 0 {
+            report.add_work(&at.work);
+        } else {
+            session.console.say("descent     the equilibrium is stable already");
+        }
         work.push(report);
         point.members[index].state = found.state;
     }

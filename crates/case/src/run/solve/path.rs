@@ -7,6 +7,7 @@ use crate::result::summary;
 use crate::run::error::{Exit, RunError};
 use crate::run::number::short;
 use crate::run::session::Session;
+use crate::warning::Warning;
 use nastic_control::ControlError;
 use nastic_fem::{
     EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint, Progress, SolveOptions, Workspace,
@@ -18,13 +19,18 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let mut files = Vec::new();
     let mut exit = Exit::Done;
     for index in 0..session.problem.members().count() {
-        let Told { entry, files: own, stopped } = session.timed("solve", |session| of_member(session, index))?;
+        let told = session.timed("solve", |session| of_member(session, index))?;
+        let Told { entry, files: own, stopped, warnings } = told;
+        warnings.into_iter().for_each(|warning| session.warn(warning));
         session.put_of_member(index, "path", entry);
         files.extend(own);
         if let Some((how, why)) = stopped {
             session.console.say(format!("STOPPED     {why}"));
             session.put("error", json!(why));
-            exit = how;
+            exit = if exit == Exit::ForwardFailed { exit } else { how };
+            if session.is_cancelled() {
+                break;
+            }
         }
     }
     if session.out.is_some() {
@@ -39,6 +45,7 @@ struct Told {
     files: Vec<String>,
     /// Why its path stopped short of the end.
     stopped: Option<(Exit, String)>,
+    warnings: Vec<Warning>,
 }
 
 fn of_member(session: &Session<'_>, index: usize) -> Result<Told, RunError> {
@@ -68,6 +75,7 @@ fn of_member(session: &Session<'_>, index: usize) -> Result<Told, RunError> {
     let path = model.path(&rest, (&controls, 1.0), &options, &how, &mut Workspace::default(), &mut found);
     let path = path.map_err(|error| failed(error.into()))?;
     path.events.iter().for_each(|event| session.console.say(line(event)));
+    let warnings = series.inspect();
 
     let files = match &session.out {
         Some(out) => series.write(&chart(&series, &path), out)?,
@@ -79,7 +87,7 @@ fn of_member(session: &Session<'_>, index: usize) -> Result<Told, RunError> {
         "events": path.events.iter().map(|event| event_entry(member, event)).collect::<Vec<_>>(),
         "stopped": stopped.as_ref().map(|(_, why)| why),
     });
-    Ok(Told { entry, files, stopped })
+    Ok(Told { entry, files, stopped, warnings })
 }
 
 fn name(kind: EventKind) -> &'static str {

@@ -8,6 +8,7 @@ use crate::quantity::{Dimension, Units};
 use crate::run::error::{Exit, RunError};
 use crate::run::number::short;
 use crate::run::session::Session;
+use crate::warning::Warning;
 use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{Progress, Ramp, RampPoint, SolveOptions, StateError, Workspace};
 use serde_json::{Value, json};
@@ -37,7 +38,8 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
     let mut files = Vec::new();
     let mut exit = Exit::Done;
     for index in owners {
-        let (entry, own, failure) = session.timed("solve", |session| asked.of_member(session, index))?;
+        let (entry, own, failure, warnings) = session.timed("solve", |session| asked.of_member(session, index))?;
+        warnings.into_iter().for_each(|warning| session.warn(warning));
         session.put_of_member(index, "ramp", entry);
         files.extend(own);
         if let Some((at, why)) = failure {
@@ -46,7 +48,11 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
             let what = format!("{member}the ramp stops at {at}: {why}");
             session.console.say(format!("STOPPED     {what}"));
             session.put("error", json!(what));
-            exit = if matches!(why, StateError::Cancelled) { Exit::NotConverged } else { Exit::ForwardFailed };
+            if matches!(why, StateError::Cancelled) {
+                exit = if exit == Exit::Done { Exit::NotConverged } else { exit };
+                break;
+            }
+            exit = Exit::ForwardFailed;
         }
     }
     if session.out.is_some() {
@@ -89,7 +95,7 @@ impl Asked {
         Ok([&self.from, &self.to].map(|end| end.constant().unwrap_or(f64::NAN)))
     }
 
-    /// The result's entry, the files, and where it failed.
+    /// The result's entry, the files, where it failed, and what deserves attention.
     fn of_member(&self, session: &Session<'_>, index: usize) -> Result<Told, RunError> {
         let problem = &session.problem;
         let member = problem.member(index);
@@ -126,6 +132,7 @@ impl Asked {
         let ramp = model.ramp((&first, &last), self.count, &how, &mut Workspace::default(), &mut found);
         let ramp = ramp.map_err(|error| failed(error.into()))?;
         let critical = critical(session, &ramp, from, to, &field.unit);
+        let warnings = series.inspect();
 
         let mut chart = series.chart(false);
         for point in &ramp.critical {
@@ -141,11 +148,11 @@ impl Asked {
             "control": field.name, "unit": field.unit, "from": from, "to": to, "points": series.points(),
             "critical": critical, "failed": told,
         });
-        Ok((entry, files, failure))
+        Ok((entry, files, failure, warnings))
     }
 }
 
-type Told = (Value, Vec<String>, Option<(String, StateError)>);
+type Told = (Value, Vec<String>, Option<(String, StateError)>, Vec<Warning>);
 
 /// Critical values, said and as a list.
 fn critical(session: &Session<'_>, ramp: &Ramp, from: f64, to: f64, unit: &str) -> Value {

@@ -2,14 +2,18 @@
 
 use crate::lower::CaseMember;
 use crate::result::files::Directory;
+use crate::result::inspection::Inspection;
 use crate::result::{snapshot, summary};
 use crate::run::error::RunError;
 use crate::run::number::short;
 use crate::run::solve::title;
-use nastic_control::StateFields;
+use crate::warning::{BRANCH_CHANGE, Warning};
+use nastic_control::{ControlError, StateFields};
 use nastic_fem::{Instant, State};
 use nastic_io::write_atomically;
+use nastic_mesh::Snapshot;
 use nastic_picture::{Chart, Curve};
+use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 /// Equilibria one after the other.
@@ -20,6 +24,8 @@ pub(super) struct Series<'p> {
     /// Name of the parameter, and its unit (empty where it has none).
     pub parameter: (String, String),
     pub rows: Vec<Row>,
+    /// What was found in each row, once they were inspected.
+    found: Vec<Inspection>,
 }
 
 /// One equilibrium.
@@ -48,7 +54,41 @@ const MOVES: f64 = 0.02;
 
 impl<'p> Series<'p> {
     pub fn new(member: CaseMember<'p>, name: &'static str, parameter: (String, String)) -> Self {
-        Self { member, name, parameter, rows: Vec::new() }
+        Self { member, name, parameter, rows: Vec::new(), found: Vec::new() }
+    }
+
+    /// Looks into the rows. What deserves attention is told once for each kind, with the first row that has it.
+    pub fn inspect(&mut self) -> Vec<Warning> {
+        let member = self.member;
+        let look = |row: &Row| Inspection::with_inertia(member, &row.state, row.negative);
+        self.found = self.rows.par_iter().with_max_len(1).map(look).collect();
+        let mut told: Vec<(Warning, usize)> = Vec::new();
+        for (row, found) in self.rows.iter().zip(&self.found) {
+            let at = format!("{} at {}", self.name, short(row.parameter));
+            let mut own = found.warnings(member, &at);
+            if row.state.report.restarts > 0 {
+                let message = "found from rest, as the way from the row before led nowhere";
+                own.push(Warning::new(&BRANCH_CHANGE, message).of(at));
+            }
+            for warning in own {
+                match told.iter_mut().find(|(known, _)| known.kind == warning.kind) {
+                    Some((_, count)) => *count += 1,
+                    None => told.push((warning, 1)),
+                }
+            }
+        }
+        let rows = self.rows.len();
+        let tell = |(mut warning, count): (Warning, usize)| {
+            warning.message += &format!(" (the first of {count} such states among {rows})");
+            warning
+        };
+        told.into_iter().map(tell).collect()
+    }
+
+    /// A row as it is written, with the cells marked where the body intersects itself.
+    pub fn snapshot(&self, index: usize) -> Result<Snapshot, ControlError> {
+        let row = &self.rows[index];
+        snapshot::inspected(self.member, &StateFields::new(&row.state, &row.m), self.found.get(index))
     }
 
     /// Names of what every equilibrium has: components of probes, then what contributions report.
@@ -99,6 +139,7 @@ impl<'p> Series<'p> {
             entry.insert("value".into(), json!(row.parameter));
             entry.insert("inertia".into(), json!(row.negative));
             entry.insert("newton_iterations".into(), json!(row.newton));
+            entry.insert("restarts".into(), json!(row.state.report.restarts));
             entry.extend(summary::shape(self.member, &row.state));
             Value::Object(entry)
         };
@@ -112,7 +153,7 @@ impl<'p> Series<'p> {
         out.remove_numbered(&stem);
         let mut shots = Vec::new();
         for (k, row) in self.rows.iter().enumerate() {
-            let shot = snapshot::snapshot(self.member, &StateFields::new(&row.state, &row.m))?;
+            let shot = self.snapshot(k)?;
             let name = format!("{stem}{k:04}.vtu");
             out.write_vtu(&name, &shot)?;
             shots.push((row.parameter, name));
