@@ -104,7 +104,7 @@ pub(crate) struct Expected {
     pub dofs: usize,
 }
 
-const MAGIC: &str = "nastic-point-1";
+const MAGIC: &str = "nastic-point-2";
 
 /// All but the controls, which follow from the control vector.
 fn write_state(state: &State, out: &mut Writer) {

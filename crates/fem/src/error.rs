@@ -152,8 +152,9 @@ impl fmt::Display for Cause {
         match self {
             Cause::LimitPoint { load } => write!(
                 f,
-                "the path of equilibria seems to turn back at a limit point near load {load:.4}: beyond it the body jumps to \
-                 another equilibrium or has none; try a smaller control or load"
+                "the path of equilibria seems to turn back at a limit point near {load:.4} of the way from the starting state to \
+                 the controls and loads asked for: beyond it the body jumps to another equilibrium or has none; try a smaller \
+                 control or load"
             ),
             Cause::Convexity { actuation, tension, limit } => write!(
                 f,
@@ -186,7 +187,7 @@ pub enum StateError {
     },
     /// Newton's method did not converge at this load, however small the step.
     #[error(
-        "no equilibrium found at load {load:.4}, the last one at load {reached:.4}, after {cuts} cuts of the load step and \
+        "no equilibrium found at load {load:.4} of the way, the last one at {reached:.4}, after {cuts} cuts of the load step and \
          {newton} Newton iterations (relative residual {residual:.2e}); {cause}"
     )]
     NoConvergence {

@@ -74,9 +74,13 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
     let wanted = count.max(negative);
     let mut found = Found::default();
     let mut missing = wanted;
-    for run in 0..=wanted {
-        let steps = steps(missing, unknowns);
+    // A run that adds no eigenpair adds none the next time either; one that does may have found a copy of a multiple value alone.
+    for run in 0..=unknowns {
+        let (steps, before) = (steps(missing, unknowns), found.values.len());
         found.add(lanczos(problem, &factor, &found.vectors, missing, steps, run as u64), problem);
+        if found.values.len() == before {
+            break;
+        }
         let Some(&last) = found.values.get(wanted - 1) else {
             missing = wanted - found.values.len();
             continue;

@@ -214,7 +214,9 @@ fn advance(
     [low, high]: [f64; 2],
 ) -> Result<Advance, Failure> {
     let mut point = equations.step(here, length)?;
-    let end = [low, high].into_iter().find(|end| (point.s - end) * (here.s - end) < 0.0);
+    // A point that stands on an end has not left it.
+    let crosses = |end: &f64| here.s != *end && (point.s - end) * (here.s - end) <= 0.0;
+    let end = [low, high].into_iter().find(crosses);
     if let Some(end) = end {
         point = equations.land(here, &point, end)?;
     }

@@ -98,7 +98,12 @@ impl Starts {
                     self.interrupted = true;
                     break;
                 }
-                Ok((certificate, begun)) => (certificate?, begun),
+                Ok((Ok(certificate), begun)) => (certificate, begun),
+                Ok((Err(error), _)) => {
+                    session.console.say(format!("failed      {error}"));
+                    self.entries.push(json!({ "seed": seed, "failed": error.to_string() }));
+                    continue;
+                }
                 Err(failed) => {
                     session.console.say(format!("failed      {failed}"));
                     self.entries.push(json!({ "seed": seed, "failed": failed.to_string() }));

@@ -32,7 +32,10 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
     let owners: Vec<usize> = members.filter(|&k| asked.field(session.problem.member(k)).is_some()).collect();
     if owners.is_empty() {
         let known: Vec<&str> = session.problem.controls.iter().map(|field| field.name.as_str()).collect();
-        let what = format!("control \"{}\" not found; there are: {}", asked.control, known.join(", "));
+        let what = match known.is_empty() {
+            true => "the case has no controls to ramp; --path raises loads and displacements".to_owned(),
+            false => format!("control \"{}\" not found; there are: {}", asked.control, known.join(", ")),
+        };
         return Err(complain(session, what).into());
     }
     let mut files = Vec::new();
