@@ -316,6 +316,8 @@ fn a_cancelled_run_keeps_what_it_has() {
         "optimizer/max_iterations=100000",
         "optimizer/tolerance=1e-15",
         "optimizer/method=projected_gradient",
+        "optimizer/verify=true",
+        "expect={\"cost/total\": {\"value\": 7, \"absolute\": 1e-9}}",
     ]);
     let cancel = options.cancel.clone();
     let table = Watch { cancel, rows: 0 };
@@ -323,6 +325,8 @@ fn a_cancelled_run_keeps_what_it_has() {
     assert_eq!(outcome.exit, Exit::NotConverged);
     assert_eq!(outcome.result["stop"], "cancelled");
     assert!(number(&outcome.result, "iterations") >= 1.0);
+    // Neither verified, as that would be cancelled too, nor held to what it might have reached.
+    assert_eq!((&outcome.result["warnings"], outcome.missed.len()), (&serde_json::json!([]), 0));
     nastic_io::read_snapshot(place.path("out/optimum.vtu")).unwrap();
 }
 

@@ -1,11 +1,11 @@
 //! `nastic optimize`: the main job; `nastic resume` goes on with it.
 
 mod checkpoint;
-mod doubts;
 mod finished_run;
 mod journal;
 mod outcome;
 mod recorder;
+mod run_warnings;
 mod starts;
 
 pub(super) use checkpoint::{Checkpoint, Position};
@@ -92,7 +92,7 @@ fn conclude(session: &mut Session<'_>, starts: &Starts, journal: Journal, began:
     let Some((index, ended)) = &starts.best else { return Err(RunError::Cancelled) };
     let resumable = written.filter(|_| starts.interrupted);
     session.note_states("start", &ended.start);
-    doubts::warn(session, ended, starts.interrupted);
+    run_warnings::warn(session, ended, starts.interrupted);
     let reported = outcome::report(session, (*index, ended), &starts.entries, resumable);
     let unwritten = reported.and(unwritten);
     if let (Err(error), Some(written)) = (&unwritten, written)
