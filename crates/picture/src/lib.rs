@@ -7,6 +7,7 @@ mod arrows;
 mod camera;
 mod chart;
 mod colour;
+mod face;
 mod frame;
 mod png;
 mod raster;
@@ -24,6 +25,7 @@ use nastic_mesh::{Mesh, Snapshot};
 
 pub use chart::{Chart, Curve};
 pub use colour::Colour;
+pub use face::{Face, FacePattern};
 use nastic_io::WriteError;
 use nastic_io::write_atomically;
 

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nastic_mesh::{CellKind, Mesh};
-
+use super::face::{Face, FacePattern};
 use super::vector::{V3, unit};
 use super::{Appearance, Body, Values};
 
@@ -37,34 +36,14 @@ impl Surface {
     pub fn of(body: &Body, fineness: usize) -> Self {
         let mut surface = Surface::default();
         let mut edges = BTreeMap::new();
-        for face in faces(&body.mesh) {
-            let cuts = if face.kind.order() > 1 { fineness } else { face.kind.corners() - 2 };
-            Piece::new(body, &face).cut(cuts, &mut surface, &mut edges);
+        let mut patterns: BTreeMap<&'static str, FacePattern> = BTreeMap::new();
+        for face in Face::all(&body.mesh) {
+            let pattern = patterns.entry(face.kind.name()).or_insert_with(|| FacePattern::of(face.kind, fineness));
+            Piece::new(body, &face).cut(pattern, &mut surface, &mut edges);
         }
         surface.edges = edges.into_values().collect();
         surface
     }
-}
-
-/// A face that is seen: a boundary facet, or a cell of a plane mesh.
-struct Face {
-    kind: CellKind,
-    nodes: Vec<u32>,
-    cell: usize,
-}
-
-fn faces(mesh: &Mesh) -> Vec<Face> {
-    if mesh.dim() == 2 {
-        let of = |cell: usize| Face { kind: mesh.cell(cell).kind, nodes: mesh.cell(cell).nodes.to_vec(), cell };
-        return (0..mesh.cells()).map(of).collect();
-    }
-    let boundary = mesh.boundary().iter();
-    boundary
-        .map(|facet| {
-            let (kind, nodes) = mesh.facet_nodes(*facet);
-            Face { kind, nodes, cell: facet.cell as usize }
-        })
-        .collect()
 }
 
 /// A face with what lies on it.
@@ -97,45 +76,28 @@ impl<'a> Piece<'a> {
         SurfacePoint { at: kind.map(&self.positions, &xi), normal, value }
     }
 
-    fn cut(&self, cuts: usize, surface: &mut Surface, edges: &mut BTreeMap<[u32; 2], SurfaceEdge>) {
-        let kind = self.face.kind;
-        let n = cuts;
-        let share = |k: usize| k as f64 / n as f64;
-        if kind.corners() == 3 {
-            let point = |i: usize, j: usize| self.point([share(i), share(j), 0.0]);
-            for i in 0..n {
-                for j in 0..n - i {
-                    surface.pieces.push(vec![point(i, j), point(i + 1, j), point(i, j + 1)]);
-                    if i + j + 2 <= n {
-                        surface.pieces.push(vec![point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)]);
-                    }
-                }
-            }
-        } else {
-            let point = |i: usize, j: usize| self.point([2.0 * share(i) - 1.0, 2.0 * share(j) - 1.0, 0.0]);
-            for i in 0..n {
-                for j in 0..n {
-                    surface.pieces.push(vec![point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)]);
-                }
-            }
+    fn cut(&self, pattern: &FacePattern, surface: &mut Surface, edges: &mut BTreeMap<[u32; 2], SurfaceEdge>) {
+        let points: Vec<SurfacePoint> = pattern.points.iter().map(|xi| self.point(*xi)).collect();
+        for piece in &pattern.pieces {
+            surface.pieces.push(piece.iter().map(|k| points[*k]).collect());
         }
-        self.edges(n, edges);
+        self.edges(pattern, &points, edges);
     }
 
     /// The sides of the face, shared with its neighbours by their corner nodes.
-    fn edges(&self, cuts: usize, edges: &mut BTreeMap<[u32; 2], SurfaceEdge>) {
+    fn edges(&self, pattern: &FacePattern, points: &[SurfacePoint], edges: &mut BTreeMap<[u32; 2], SurfaceEdge>) {
         let kind = self.face.kind;
         let corners = kind.corners();
         let reference = kind.reference_nodes();
-        for k in 0..corners {
+        for (k, side) in pattern.sides.iter().enumerate() {
             let (a, b) = (k, (k + 1) % corners);
             let mut key = [self.face.nodes[a], self.face.nodes[b]];
             key.sort_unstable();
-            let along = |s: f64| std::array::from_fn(|i| reference[a][i] * (1.0 - s) + reference[b][i] * s);
-            let normal = self.point(along(0.5)).normal;
-            let edge = edges.entry(key).or_insert_with(|| {
-                let points = (0..=cuts).map(|k| self.point(along(k as f64 / cuts as f64)).at).collect();
-                SurfaceEdge { points, normals: Vec::new() }
+            let middle = std::array::from_fn(|i| 0.5 * (reference[a][i] + reference[b][i]));
+            let normal = self.point(middle).normal;
+            let edge = edges.entry(key).or_insert_with(|| SurfaceEdge {
+                points: side.iter().map(|k| points[*k].at).collect(),
+                normals: Vec::new(),
             });
             edge.normals.push(normal);
         }
