@@ -35,6 +35,7 @@
 //! | [`mesh`] | elements, meshes, quality, exact distances |
 //! | [`io`] | Gmsh and VTU in; VTU and PVD out |
 //! | [`picture`] | pictures of bodies, PNG and SVG |
+//! | [`report`] | a result folder as one HTML page |
 //! | [`numeric`], [`linear`] | vectors, sparse matrices, factorisation, iterative solvers, multigrid |
 //! | [`fem`] | bodies, equilibria, adjoints |
 //! | [`hausdorff`] | the smoothed Hausdorff distance of point clouds |
@@ -54,6 +55,7 @@ pub use nastic_mesh as mesh;
 pub use nastic_numeric as numeric;
 pub use nastic_opt as opt;
 pub use nastic_picture as picture;
+pub use nastic_report as report;
 pub use nastic_tensor as tensor;
 pub use nastic_uncertainty as uncertainty;
 

@@ -21,6 +21,7 @@ mod gradcheck;
 mod gradient;
 mod number;
 mod optimize;
+mod report;
 mod resume;
 mod session;
 mod solve;
@@ -29,6 +30,7 @@ mod table;
 pub use analysis::Analysis;
 pub use error::{Exit, RunError};
 pub use gradcheck::{GradientTest, test_gradient};
+pub use report::report;
 
 use crate::catalogue::Catalogue;
 use crate::console::Console;
@@ -52,6 +54,8 @@ pub struct Options {
     pub set: Vec<String>,
     /// Whether warnings make a command fail, with [`Exit::Warned`].
     pub strict: bool,
+    /// Whether the page of results, `report.html`, is left out.
+    pub no_report: bool,
     /// What `solve` computes.
     pub analysis: Analysis,
     /// Once raised, the command stops as soon as it can, keeping what it has.
@@ -117,6 +121,7 @@ pub fn resume(
     pool(options.threads)?.install(|| {
         let (mut session, position) = resume::open(catalogue, directory, options.cancel.clone(), console)?;
         session.strict = options.strict;
+        session.report = !options.no_report;
         let exit = optimize::resume(&mut session, position);
         conclude(session, exit, true)
     })
@@ -148,10 +153,11 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.put("warnings", json!(warnings));
     session.put("error", json!(error.to_string()));
     session.put("exit", json!(error.exit().code()));
-    if let Some(out) = &session.out {
-        // The error itself is what the caller hears of.
-        let _ = out.write_json("result.json", &session.result_value());
+    if let RunError::Forward { file: Some(_), .. } = error {
+        session.put("files", json!(["failure.vtu"]));
     }
+    // The error itself is what the caller hears of.
+    let _ = report::write_result(&mut session);
 }
 
 /// Judges expectations and writes the result.
@@ -183,10 +189,9 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<Outcome, R
     }
     session.put("warnings", json!(warnings));
     session.put("exit", json!(exit.code()));
-    let result = session.result_value();
+    report::write_result(&mut session)?;
     if let Some(out) = &session.out {
-        out.write_json("result.json", &result)?;
         session.console.say(format!("results     {}", out.path().display()));
     }
-    Ok(Outcome { exit, result, missed })
+    Ok(Outcome { exit, result: session.result_value(), missed })
 }

@@ -81,14 +81,15 @@ type NamedBytes = (String, Vec<u8>);
 /// What must be the same: all but times and the entry that says that it was resumed.
 fn content(place: &Place) -> (Value, Vec<Value>, Vec<NamedBytes>) {
     let mut result = place.json("result.json");
-    result.as_object_mut().unwrap().retain(|key, _| !["seconds", "resumed"].contains(&key.as_str()));
+    result.as_object_mut().unwrap().retain(|key, _| !["seconds", "threads", "resumed"].contains(&key.as_str()));
     let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let line = |line: &str| {
         let mut line: Value = serde_json::from_str(line).unwrap();
         line.as_object_mut().unwrap().remove("seconds");
         line
     };
-    let own = ["result.json", "history.jsonl", "checkpoint.bin"];
+    // The page shows times too.
+    let own = ["result.json", "history.jsonl", "checkpoint.bin", "report.html"];
     let files = place.files().into_iter().filter(|name| !own.contains(&name.as_str()));
     let files = files.map(|name| (name.clone(), std::fs::read(place.path("out").join(name)).unwrap()));
     (result, history.lines().map(line).collect(), files.collect())

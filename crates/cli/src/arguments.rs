@@ -45,7 +45,7 @@ pub enum Command {
     ///
     /// Begins with a short gradient check, prints one row per trial, ends with a summary. Writes start.vtu, optimum.vtu,
     /// target.vtu, iterations.pvd with its snapshots, history.jsonl, checkpoint.bin, picture.png, picture.svg and
-    /// result.json. Ctrl-C or SIGTERM stops after the trial at hand and keeps what was found; nastic resume goes on.
+    /// result.json, report.html. Ctrl-C or SIGTERM stops after the trial at hand and keeps what was found; nastic resume goes on.
     /// Load cases and scenarios have files of their own, and scenarios.pvd collects the latter.
     Optimize(Case),
     /// Go on with an interrupted optimisation from the last checkpoint in its output directory
@@ -54,6 +54,10 @@ pub enum Command {
     /// SIGTERM or kill -9, or for lack of space. The case file and the files it names must be as they were; overrides
     /// (--set) are those of the optimisation.
     Resume(Resume),
+    /// Make report.html from the files of a result directory: shapes in 3D, plots, figures, in one page that works offline
+    ///
+    /// solve and optimize write the same page at their end, unless --no-report is given.
+    Report(Report),
     /// Print the JSON Schema of case files, for editors
     Schema,
 }
@@ -69,6 +73,17 @@ pub struct Resume {
     pub running: Running,
 }
 
+/// A result directory.
+#[derive(Debug, Args)]
+pub struct Report {
+    /// The output directory of solve, optimize or resume
+    #[arg(value_name = "DIR")]
+    pub directory: PathBuf,
+    /// Where to put the page [default: report.html in DIR]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
 /// How to run and what to print.
 #[derive(Debug, Args)]
 pub struct Running {
@@ -78,6 +93,9 @@ pub struct Running {
     /// Let warnings fail the command: exit code 8 where there would be 0
     #[arg(long)]
     pub strict: bool,
+    /// Leave out report.html, the page that solve and optimize write at their end
+    #[arg(long)]
+    pub no_report: bool,
     /// Print errors only
     #[arg(long)]
     pub quiet: bool,

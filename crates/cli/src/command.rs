@@ -1,10 +1,10 @@
 //! From arguments to an exit code.
 
-use crate::arguments::{self, Arguments, Case, Command, Resume, Running};
+use crate::arguments::{self, Arguments, Case, Command, Report, Resume, Running};
 use crate::signals::cancelled_by_signals;
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, resume, run_with};
+use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, report, resume, run_with};
 use nastic_case::schema;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
@@ -21,6 +21,7 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
         Command::Optimize(case) => on_case(schema::Command::Optimize, &case),
         Command::Resume(interrupted) => on_directory(catalogue, &interrupted),
+        Command::Report(folder) => on_results(&folder),
         Command::Schema => {
             print(&schema::json_schema(catalogue));
             ExitCode::SUCCESS
@@ -48,6 +49,7 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, analysi
         threads: running.threads.map(usize::from),
         set: case.settings.clone(),
         strict: running.strict,
+        no_report: running.no_report,
         analysis,
         cancel: cancelled_by_signals(),
     };
@@ -58,11 +60,26 @@ fn on_directory(catalogue: &Catalogue, Resume { directory, running }: &Resume) -
     let options = Options {
         threads: running.threads.map(usize::from),
         strict: running.strict,
+        no_report: running.no_report,
         cancel: cancelled_by_signals(),
         ..Options::default()
     };
     let outcome = resume(catalogue, directory, &options, &console(running));
     answer("resume", running, outcome)
+}
+
+/// Makes the page of a result directory and says where it is.
+fn on_results(Report { directory, out }: &Report) -> ExitCode {
+    match report(directory, out.as_deref()) {
+        Ok(file) => {
+            let _ = writeln!(stdout().lock(), "{}", file.display());
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            tell(&error);
+            ExitCode::from(error.exit().code())
+        }
+    }
 }
 
 /// Prints what is asked for and gives the exit code.

@@ -84,6 +84,23 @@ impl Reduced {
         Ok(self.with_state(shot, fields.state)?)
     }
 
+    /// The part of [`snapshot_of`](Self::snapshot_of) that follows a body and its controls from iteration to iteration:
+    /// `displacement` and the control fields.
+    ///
+    /// # Errors
+    /// Vectors of the wrong length.
+    pub fn moved_controls(&self, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+        self.layout().check(fields.m)?;
+        let mesh = self.solid().mesh();
+        let mut shot =
+            Snapshot::new(mesh.clone()).with_points("displacement", 3, vectors(&fields.state.u, mesh.dim()))?;
+        for (k, block) in self.layout().blocks().iter().enumerate() {
+            let name = fields.names.get(k).copied().unwrap_or(&block.name);
+            shot = self.with_field(shot, block, name, fields.m)?;
+        }
+        Ok(shot)
+    }
+
     /// A field of the control space, by node or by cell; the number of a contribution as a whole is no field.
     fn with_field(&self, shot: Snapshot, block: &ControlBlock, name: &str, m: &[f64]) -> Result<Snapshot, MeshError> {
         let (n, values) = (block.components, block.of(m));

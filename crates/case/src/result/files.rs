@@ -48,7 +48,8 @@ impl Directory {
             let number = name.rsplit_once("iteration_").and_then(|(_, rest)| rest.strip_suffix(".vtu"));
             let ours = number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
             let collection = name == "iterations.pvd" || name.ends_with("_iterations.pvd");
-            if ours || collection || name == "failure.vtu" {
+            let iterates = name == "iterates.bin" || name.ends_with("_iterates.bin");
+            if ours || collection || iterates || name == "failure.vtu" {
                 let _ = std::fs::remove_file(entry.path());
             }
         }

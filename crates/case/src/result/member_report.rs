@@ -112,6 +112,10 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<Map<String, Value>, M
         if !figures.is_null() {
             out.insert("hausdorff".into(), figures);
         }
+        let distances = summary::tracking(one.member, &one.costs).map_err(|error| (one.member.index(), error))?;
+        if !distances.is_null() {
+            out.insert("tracking".into(), distances);
+        }
     }
     if detail == Detail::Full {
         out.extend(summary::state(one.member, one.state));

@@ -1,7 +1,8 @@
 //! States as snapshots, under the names the case gives its controls.
 
-use crate::lower::{CaseMember, TargetShape};
-use nastic_control::{ControlError, StateFields};
+use super::summary;
+use crate::lower::{CaseMember, ControlField, TargetShape};
+use nastic_control::{ControlBlock, ControlError, StateFields};
 use nastic_mesh::Snapshot;
 
 use super::inspection::Inspection;
@@ -16,7 +17,21 @@ pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Resu
     member.reduced().snapshot_of(&StateFields { names: &names, ..*fields })
 }
 
-/// The same, with the cells marked where the body intersects itself: cell data `intersecting`, left out where it does not.
+/// Displacement and control fields alone, for the record of an optimisation's iterations.
+pub(crate) fn iterate(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+    let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
+    member.reduced().moved_controls(&StateFields { names: &names, ..*fields })
+}
+
+/// Names of the control fields that are vectors of the material, and turn with it.
+pub(crate) fn material_vectors(member: CaseMember<'_>) -> Vec<String> {
+    let of = |(block, field): (&ControlBlock, &ControlField)| {
+        (summary::slot(member, block) == Some("remanence")).then(|| field.array.clone())
+    };
+    member.fields().filter_map(of).collect()
+}
+
+/// The same as [`snapshot`], with the cells marked where the body intersects itself: cell data `intersecting`, left out where it does not.
 pub(crate) fn inspected(
     member: CaseMember<'_>,
     fields: &StateFields<'_>,

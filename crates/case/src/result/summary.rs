@@ -3,6 +3,7 @@
 use super::member_report::MemberReport;
 use crate::lower::{Admitted, CaseMember, CaseProblem, ControlField};
 use nastic_control::{ControlBlock, ControlError, CostPoint, EnsembleBlock, FigureKind};
+use nastic_energy::SlotGroup;
 use nastic_fem::{Demand, Instant, InvertedAt, SolveReport, State};
 use nastic_numeric::vector::norm;
 use serde_json::{Map, Value, json};
@@ -21,7 +22,7 @@ pub(crate) fn cost(report: &MemberReport<'_>) -> Value {
 pub(crate) fn hausdorff(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> Result<Value, ControlError> {
     let mut all = Vec::new();
     for (name, cost) in member.reduced().term_names().into_iter().zip(costs) {
-        let distances = cost.figures()?.into_iter().filter(|figure| figure.kind.is_distance());
+        let distances = cost.figures()?.into_iter().filter(|figure| figure.kind.is_hausdorff());
         let own: Map<String, Value> =
             distances.map(|figure| (figure.kind.name().to_owned(), json!(figure.value))).collect();
         if !own.is_empty() {
@@ -34,6 +35,31 @@ pub(crate) fn hausdorff(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) ->
         out.extend(all.into_iter().map(|(name, own)| (name, Value::Object(own))));
     }
     Ok(Value::Object(out))
+}
+
+/// `{ TERM: { "root_mean_square": ..., "largest": ... } }`: distances of tracked points from their targets; null without
+/// such a cost.
+pub(crate) fn tracking(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> Result<Value, ControlError> {
+    let mut out = Map::new();
+    for (name, cost) in member.reduced().term_names().into_iter().zip(costs) {
+        let distances = cost.figures()?.into_iter().filter(|figure| figure.kind.is_tracking());
+        let own: Map<String, Value> =
+            distances.map(|figure| (figure.kind.name().to_owned(), json!(figure.value))).collect();
+        if !own.is_empty() {
+            out.insert(name, Value::Object(own));
+        }
+    }
+    Ok(if out.is_empty() { Value::Null } else { Value::Object(out) })
+}
+
+/// The largest figure of a kind among these costs; `None` without one.
+pub(crate) fn largest(kind: FigureKind, costs: &[Arc<dyn CostPoint>]) -> Result<Option<f64>, ControlError> {
+    let mut out: Option<f64> = None;
+    for cost in costs {
+        let found = cost.figures()?.into_iter().filter(|figure| figure.kind == kind).map(|figure| figure.value);
+        out = found.chain(out).reduce(f64::max);
+    }
+    Ok(out)
 }
 
 /// The true Hausdorff distance that the first cost with one reports.
@@ -63,7 +89,8 @@ fn probes(member: CaseMember<'_>, state: &State) -> Value {
     Value::Object(member.problem().probes.iter().map(of).collect())
 }
 
-/// `{ NAME: { "unknowns", "min", "max", "active", "active_share" } }`; lengths of vectors where the control is one.
+/// `{ NAME: { "array", "slot", "space", "unit", "unknowns", "min", "max", "lower", "upper", "active", "active_share" } }`;
+/// lengths of vectors where the control is one.
 pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
     let of = |(block, field): (&EnsembleBlock, &ControlField)| {
         let n = owner(problem, block).components;
@@ -72,10 +99,32 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
         let (min, max) = sizes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let active = active(block.of(m), n, field);
         let share = active as f64 / sizes.len().max(1) as f64;
-        let entry = json!({ "unknowns": block.len, "min": min, "max": max, "active": active, "active_share": share });
+        let own = owner(problem, block);
+        let slot = slot(problem.member(block.owner), own);
+        let (lower, upper) = match field.admitted {
+            Admitted::Between { lower, upper } => (finite(lower), finite(upper)),
+            Admitted::Norm(length) => (Some(length), Some(length)),
+            Admitted::MaxNorm(most) => (None, Some(most)),
+            Admitted::Any => (None, None),
+        };
+        let entry = json!({
+            "array": field.array, "slot": slot, "space": own.map.space().name(), "unit": field.unit,
+            "unknowns": block.len, "min": min, "max": max, "lower": lower, "upper": upper,
+            "active": active, "active_share": share,
+        });
         (field.name.clone(), entry)
     };
     Value::Object(problem.ensemble.blocks().iter().zip(&problem.controls).map(of).collect())
+}
+
+/// The name of the slots that a control drives; `None` for a contribution that is no field.
+pub(crate) fn slot(member: CaseMember<'_>, block: &ControlBlock) -> Option<&'static str> {
+    let attached = member.solid().body().actuations().get(block.actuation)?;
+    SlotGroup::of(attached.law.slots()).into_iter().find(|group| group.first == block.slot).map(|group| group.name)
+}
+
+fn finite(bound: f64) -> Option<f64> {
+    bound.is_finite().then_some(bound)
 }
 
 /// How many values of a control field lie on a bound; vectors count once.

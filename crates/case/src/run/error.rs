@@ -89,6 +89,9 @@ pub enum RunError {
     /// There is no checkpoint to go on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// A result folder gives no page.
+    #[error(transparent)]
+    Report(#[from] nastic_report::ReportError),
     /// An array that does not fit its mesh.
     #[error(transparent)]
     Snapshot(#[from] ControlError),
@@ -117,7 +120,7 @@ impl RunError {
     #[must_use]
     pub fn exit(&self) -> Exit {
         match self {
-            Self::Input(_) | Self::Threads(_) | Self::Checkpoint(_) => Exit::BadInput,
+            Self::Input(_) | Self::Threads(_) | Self::Checkpoint(_) | Self::Report(_) => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
             Self::Start(_) => Exit::BadInput,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,

@@ -6,6 +6,7 @@ use super::{Options, number};
 use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
+use crate::quantity::Dimension;
 use crate::result::checkpoint_file::{self, CheckpointError};
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
@@ -40,6 +41,8 @@ pub(super) struct Session<'c> {
     pub warnings: Vec<Warning>,
     /// Overrides of the case, in order.
     pub settings: Vec<String>,
+    /// Whether the page of results is written at the end.
+    pub report: bool,
     result: Map<String, Value>,
     phases: Vec<(&'static str, f64)>,
     began: Instant,
@@ -61,6 +64,7 @@ impl<'c> Session<'c> {
         }
         let mut session = Self::of(command, document, options.set.clone(), options.cancel.clone(), console, began)?;
         session.strict = options.strict;
+        session.report = !options.no_report;
         session.out = directory(&session.command, &session.problem, path, options).map(Directory::claim).transpose()?;
         Ok(session)
     }
@@ -108,6 +112,7 @@ impl<'c> Session<'c> {
             out: None,
             warnings: Vec::new(),
             settings,
+            report: true,
             result: Map::new(),
             phases: vec![("read", began.elapsed().as_secs_f64())],
             began,
@@ -130,6 +135,7 @@ impl<'c> Session<'c> {
             "force": units.force().symbol,
             "time": units.time().symbol,
             "field": units.field().symbol,
+            "pressure": units.label(Dimension::PRESSURE),
         });
         let notes = problem.notes.clone();
         let command = self.command.name();
@@ -153,6 +159,7 @@ impl<'c> Session<'c> {
         self.put("case_hash", json!(hash));
         self.put("versions", versions);
         self.put("units", labels);
+        self.put("threads", json!(rayon::current_num_threads()));
         self.put("notes", json!(notes));
         for warning in self.problem.warnings.clone() {
             self.warn(warning);

@@ -294,9 +294,26 @@ pub(super) fn target_files(problem: &CaseProblem) -> Vec<String> {
     named_targets(problem).into_iter().map(|(name, _)| name).collect()
 }
 
+/// The names of every member's own targets.
+pub(super) fn target_names(problem: &CaseProblem) -> Vec<Vec<String>> {
+    let named = named_targets_by_member(problem);
+    named.into_iter().map(|own| own.into_iter().map(|(name, _)| name).collect()).collect()
+}
+
 fn named_targets(problem: &CaseProblem) -> Vec<(String, &TargetShape)> {
     let mut out: Vec<(String, &TargetShape)> = Vec::new();
+    for (name, shape) in named_targets_by_member(problem).into_iter().flatten() {
+        if !out.iter().any(|(known, _)| *known == name) {
+            out.push((name, shape));
+        }
+    }
+    out
+}
+
+fn named_targets_by_member(problem: &CaseProblem) -> Vec<Vec<(String, &TargetShape)>> {
+    let mut out = Vec::new();
     for member in problem.members() {
+        let mut own = Vec::new();
         let same = |other: &CaseMember<'_>| {
             other.targets().len() == member.targets().len()
                 && other.targets().iter().zip(member.targets()).all(|(a, b)| a.is_same(b))
@@ -309,10 +326,9 @@ fn named_targets(problem: &CaseProblem) -> Vec<(String, &TargetShape)> {
                 () if of_case.all(|other| same(&other)) => member.case_file(&name),
                 () => member.file(&name),
             };
-            if !out.iter().any(|(known, _)| *known == name) {
-                out.push((name, shape));
-            }
+            own.push((name, shape));
         }
+        out.push(own);
     }
     out
 }

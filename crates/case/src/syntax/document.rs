@@ -128,7 +128,13 @@ impl Document {
     /// The case without comments and layout, with all overrides: equal texts are equal cases.
     #[must_use]
     pub fn canonical(&self) -> String {
-        self.root.to_json().to_string()
+        self.json().to_string()
+    }
+
+    /// The case with its overrides, without comments.
+    #[must_use]
+    pub fn json(&self) -> serde_json::Value {
+        self.root.to_json()
     }
 
     /// The problem `message` at a place.

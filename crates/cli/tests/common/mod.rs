@@ -2,6 +2,8 @@
 
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)] // helpers of several tests
 
+pub mod browser;
+
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -98,7 +100,9 @@ pub fn content(directory: &Path) -> (String, Vec<serde_json::Value>, Vec<NamedBy
     let history = read("history.jsonl").lines().map(|line| without(line, ["seconds", "seconds"])).collect();
     let names = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().file_name());
     let mut names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
-    names.retain(|name| !["result.json", "history.jsonl", "checkpoint.bin", ".lock"].contains(&name.as_str()));
+    names.retain(|name| {
+        !["result.json", "history.jsonl", "checkpoint.bin", "report.html", ".lock"].contains(&name.as_str())
+    });
     names.sort();
     let files = names.into_iter().map(|name| (name.clone(), std::fs::read(directory.join(name)).unwrap()));
     (result, history, files.collect())

@@ -9,6 +9,10 @@ pub enum FigureKind {
     TrueDistance,
     /// rho(T, T): the smoothed distance of the target from itself.
     SelfDistance,
+    /// Root of the mean squared distance of tracked points from their targets.
+    RootMeanSquareDistance,
+    /// Largest distance of a tracked point from its target.
+    LargestDistance,
     /// A figure of a cost from outside the workspace.
     Other(&'static str),
 }
@@ -20,13 +24,20 @@ impl FigureKind {
             FigureKind::SmoothedDistance => "smoothed",
             FigureKind::TrueDistance => "true",
             FigureKind::SelfDistance => "self",
+            FigureKind::RootMeanSquareDistance => "root_mean_square",
+            FigureKind::LargestDistance => "largest",
             FigureKind::Other(name) => name,
         }
     }
 
     /// Whether it is one of the three Hausdorff distances.
-    pub fn is_distance(self) -> bool {
-        !matches!(self, FigureKind::Other(_))
+    pub fn is_hausdorff(self) -> bool {
+        matches!(self, FigureKind::SmoothedDistance | FigureKind::TrueDistance | FigureKind::SelfDistance)
+    }
+
+    /// Whether it is a distance of tracked points from their targets.
+    pub fn is_tracking(self) -> bool {
+        matches!(self, FigureKind::RootMeanSquareDistance | FigureKind::LargestDistance)
     }
 }
 

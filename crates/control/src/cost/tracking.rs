@@ -1,6 +1,6 @@
 //! [`Tracking`]: the mean squared distance of a surface, region or node set from target positions.
 
-use super::{Cost, CostContext, CostPoint, IntoCost, Partials, check_weight};
+use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
 use nastic_mesh::Mesh;
@@ -212,13 +212,18 @@ impl Cost for BoundTracking {
         let dim = at.solid.discretization().dim();
         let x = self.points.positions(at.solid, Some(at.u));
         let (mut squares, mut forces) = (0.0, Vec::with_capacity(dim * x.len()));
+        let (mut measure, mut largest) = (0.0, 0.0f64);
         for (q, (x, target)) in x.iter().zip(&self.target).enumerate() {
             let gap: [f64; 3] = std::array::from_fn(|i| x[i] - target[i]);
             let weight = self.points.weight(q);
-            squares += weight * gap.iter().map(|g| g * g).sum::<f64>();
+            let square = gap.iter().map(|g| g * g).sum::<f64>();
+            squares += weight * square;
+            (measure, largest) = (measure + weight, largest.max(square));
             forces.extend(gap[..dim].iter().map(|g| self.weight * weight * g));
         }
-        Ok(Arc::new(TrackingPoint { points: self.points.clone(), dim, value: 0.5 * self.weight * squares, forces }))
+        let value = 0.5 * self.weight * squares;
+        let distances = [(squares / measure).sqrt(), largest.sqrt()];
+        Ok(Arc::new(TrackingPoint { points: self.points.clone(), dim, value, forces, distances }))
     }
 }
 
@@ -230,6 +235,8 @@ struct TrackingPoint {
     value: f64,
     /// `weight w_q (x - x_target)` at every point, `dim` numbers each.
     forces: Vec<f64>,
+    /// `(int |x - x_target|^2 dA / int dA)^(1/2)`, and the largest distance of a quadrature point or node.
+    distances: [f64; 2],
 }
 
 impl CostPoint for TrackingPoint {
@@ -240,5 +247,13 @@ impl CostPoint for TrackingPoint {
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
         self.points.spread(&self.forces, self.dim, &mut out.u);
         Ok(())
+    }
+
+    fn figures(&self) -> Result<Vec<Figure>, ControlError> {
+        let [mean, largest] = self.distances;
+        Ok(vec![
+            Figure::length(FigureKind::RootMeanSquareDistance, mean),
+            Figure::length(FigureKind::LargestDistance, largest),
+        ])
     }
 }

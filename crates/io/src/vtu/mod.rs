@@ -13,3 +13,10 @@ mod xml;
 pub use read::{Entity, FileArray, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled};
 pub use write::write_vtu;
 pub use xml::escape;
+
+/// Bytes as base64, padded.
+pub fn base64(bytes: &[u8]) -> String {
+    let mut out = Vec::new();
+    base64::encode(bytes, &mut out);
+    out.into_iter().map(char::from).collect()
+}

@@ -6,9 +6,10 @@ use crate::run::case_record::CaseRecord;
 use nastic_fem::SolveReport;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{RunState, SavedRunError};
+use nastic_report::Iterates;
 use serde_json::Value;
 
-const MAGIC: &str = "nastic-optimisation-1";
+const MAGIC: &str = "nastic-optimisation-2";
 
 /// The content of `checkpoint.bin`.
 pub(in crate::run) struct Checkpoint {
@@ -43,11 +44,22 @@ pub(super) struct Fixed {
 pub(super) struct Trials {
     /// All of `history.jsonl`.
     pub history: Vec<u8>,
-    /// Work of the trials of the present start, by member.
-    pub work: Vec<SolveReport>,
-    /// Its iterations of which snapshots were written.
-    pub snapshots: Vec<usize>,
+    /// What was kept of the trials of the present start.
+    pub run: RunTrials,
 }
+
+/// What is kept of the trials of one start.
+pub(super) struct RunTrials {
+    /// Their work, by member.
+    pub work: Vec<SolveReport>,
+    /// Iterations of which snapshots were written.
+    pub snapshots: Vec<usize>,
+    /// Shapes and controls of accepted iterations, load case by load case.
+    pub iterates: Vec<Iterates>,
+}
+
+/// The parts of [`RunTrials`], to be written.
+pub(super) type TrialsOfRun<'a> = (&'a [SolveReport], &'a [usize], &'a [Iterates]);
 
 impl Position {
     /// The start and iteration it is of.
@@ -104,7 +116,7 @@ pub(super) fn of_run(
     case: &CaseRecord,
     fixed: &[u8],
     history: &[u8],
-    (work, snapshots): (&[SolveReport], &[usize]),
+    (work, snapshots, iterates): TrialsOfRun<'_>,
     run: &RunState,
 ) -> Vec<u8> {
     let mut out = Writer::new(MAGIC);
@@ -115,6 +127,8 @@ pub(super) fn of_run(
     write_work(work, &mut out);
     out.count(snapshots.len());
     snapshots.iter().for_each(|iteration| out.count(*iteration));
+    out.count(iterates.len());
+    iterates.iter().for_each(|kept| out.bytes(&kept.to_bytes()));
     out.bytes(&run.to_bytes());
     out.finish()
 }
@@ -123,8 +137,13 @@ fn read_position(input: &mut Reader<'_>) -> Result<Position, SavedRunError> {
     let fixed = Fixed::from_bytes(&input.list()?)?;
     let (history, work) = (input.list()?, read_work(input)?);
     let snapshots = (0..input.count(8)?).map(|_| input.number()).collect::<Result<_, _>>()?;
+    let iterates = (0..input.count(8)?).map(|_| read_iterates(input)).collect::<Result<_, _>>()?;
     let run = RunState::from_bytes(&input.list()?)?;
-    Ok(Position { fixed, trials: Trials { history, work, snapshots }, run })
+    Ok(Position { fixed, trials: Trials { history, run: RunTrials { work, snapshots, iterates } }, run })
+}
+
+fn read_iterates(input: &mut Reader<'_>) -> Result<Iterates, SavedRunError> {
+    Iterates::from_bytes(&input.list()?).map_err(|_| input.damaged("iterates of another form"))
 }
 
 pub(super) fn read_json(input: &mut Reader<'_>) -> Result<Value, SavedRunError> {

@@ -1,6 +1,6 @@
 //! [`Journal`]: what an optimisation writes while it runs, and what of that could not be written.
 
-use super::checkpoint::{self, Fixed};
+use super::checkpoint::{self, Fixed, TrialsOfRun};
 use crate::console::Console;
 use crate::history::History;
 use crate::result::checkpoint_file;
@@ -8,7 +8,6 @@ use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
 use crate::run::session::Session;
-use nastic_fem::SolveReport;
 use nastic_opt::RunState;
 use serde_json::Value;
 
@@ -98,10 +97,10 @@ impl Journal {
     }
 
     /// Writes a scheduled checkpoint; if that fails the last good one stays.
-    pub fn save(&mut self, run: &RunState, work: &[SolveReport], snapshots: &[usize]) {
+    pub fn save(&mut self, run: &RunState, trials: TrialsOfRun<'_>) {
         let Some(out) = &self.out else { return };
         let history = self.history.as_ref().map_or(&[] as &[u8], History::text);
-        let content = checkpoint::of_run(&self.case, &self.fixed, history, (work, snapshots), run);
+        let content = checkpoint::of_run(&self.case, &self.fixed, history, trials, run);
         match checkpoint_file::write(out, &content) {
             Ok(()) => {
                 self.written = Some(Written { start: self.index, iteration: run.progress.counts.iterations });

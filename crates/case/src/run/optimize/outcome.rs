@@ -86,7 +86,7 @@ pub(super) fn report(
     session.console.say("");
     starts::say(session, entries_of_starts, index);
     say(session, best, resumable);
-    session.timed("write", |session| write(session, ended, &found, entries_of_starts.len()))
+    session.timed("write", |session| write(session, ended, &found, (index, entries_of_starts.len())))
 }
 
 fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Written>) {
@@ -179,7 +179,12 @@ pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteratio
         .say(format!("            from iteration {iteration}{of}, with the result of a run without interruption"));
 }
 
-fn write(session: &mut Session<'_>, ended: &FinishedRun, found: &[Inspection], starts: usize) -> Result<(), RunError> {
+fn write(
+    session: &mut Session<'_>,
+    ended: &FinishedRun,
+    found: &[Inspection],
+    (best_start, starts): (usize, usize),
+) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
     let mut files = vec!["history.jsonl".to_owned()];
@@ -205,6 +210,8 @@ fn write(session: &mut Session<'_>, ended: &FinishedRun, found: &[Inspection], s
     files.extend(write_collections(problem, "optimum", &out)?);
     files.extend(problem.members().map(|member| member.file("start.vtu")));
     files.extend(super::super::solve::target_files(problem));
+    let number = if problem.case.optimizer.starts > 1 { format!("start_{best_start}_") } else { String::new() };
+    files.extend(problem.leads().map(|lead| lead.case_file(&format!("{number}iterates.bin"))));
     if problem.case.output.every > 0 && starts == 1 {
         files.extend(problem.leads().map(|lead| lead.case_file("iterations.pvd")));
     }

@@ -1,8 +1,9 @@
-//! Trial by trial: the table, `history.jsonl`, snapshots of iterations.
+//! Trial by trial: the table, `history.jsonl`, snapshots of iterations, `iterates.bin`.
 
 use super::super::error::RunError;
 use super::super::session::Session;
 use super::super::table::Table;
+use super::checkpoint::RunTrials;
 use super::journal::Journal;
 use crate::console::Console;
 use crate::history;
@@ -10,9 +11,11 @@ use crate::lower::{CaseMember, CaseProblem};
 use crate::result::files::Directory;
 use crate::result::snapshot;
 use crate::result::summary;
-use nastic_control::{EnsemblePoint, Evaluated, StateFields};
+use nastic_control::{EnsemblePoint, Evaluated, FigureKind, StateFields};
 use nastic_fem::{SolveOptions, SolveReport};
+use nastic_io::write_atomically;
 use nastic_opt::{Reason, RunState, Trial};
+use nastic_report::Iterates;
 use rayon::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
@@ -34,6 +37,8 @@ pub(super) struct Recorder<'s> {
     last: Instant,
     /// Iterations of which snapshots were written.
     snapshots: Vec<usize>,
+    /// Shapes and controls of accepted iterations, load case by load case.
+    iterates: Vec<Iterates>,
 }
 
 impl<'s> Recorder<'s> {
@@ -53,17 +58,18 @@ impl<'s> Recorder<'s> {
             work: problem.members().map(|_| SolveReport::default()).collect(),
             last: Instant::now(),
             snapshots: vec![],
+            iterates: problem.leads().map(|_| Iterates::default()).collect(),
         }
     }
 
     /// Takes up what an earlier program told of the same start.
-    pub fn restore(&mut self, work: Vec<SolveReport>, snapshots: Vec<usize>) {
-        (self.work, self.snapshots) = (work, snapshots);
+    pub fn restore(&mut self, trials: RunTrials) {
+        (self.work, self.snapshots, self.iterates) = (trials.work, trials.snapshots, trials.iterates);
     }
 
     /// Writes a scheduled checkpoint.
     pub fn save(&mut self, run: &RunState) {
-        self.journal.save(run, &self.work, &self.snapshots);
+        self.journal.save(run, (&self.work, &self.snapshots, &self.iterates));
     }
 
     pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {
@@ -92,6 +98,10 @@ impl<'s> Recorder<'s> {
             }
             if let Some(point) = trial.point.filter(|_| trial.accepted) {
                 line.insert("inertia".into(), json!(self.inertia(point)));
+                for kind in [FigureKind::RootMeanSquareDistance, FigureKind::LargestDistance] {
+                    let distance = self.tracked(point, kind);
+                    line.extend(distance.map(|x| (format!("tracking_{}", kind.name()), json!(x))));
+                }
             }
             if let (Some(point), true) = (trial.point, self.problem.has_scenarios()) {
                 line.insert("scenarios".into(), json!(point.costs));
@@ -102,6 +112,7 @@ impl<'s> Recorder<'s> {
         }
         self.journal.add_line(&line);
         self.snapshot(trial);
+        self.keep(trial);
     }
 
     /// The true distance of an accepted state: the largest of all members.
@@ -109,6 +120,16 @@ impl<'s> Recorder<'s> {
         let point = trial.point.filter(|_| trial.accepted && self.table.distance)?;
         let of = |(member, at): (CaseMember<'_>, &Evaluated)| {
             summary::true_distance(&member.reduced().costs_of(at).ok()?).ok()?
+        };
+        self.problem.members().zip(&point.members).filter_map(of).reduce(f64::max)
+    }
+
+    /// A distance of tracked points from their targets: the largest of all members; `None` without such a cost.
+    fn tracked(&self, point: &EnsemblePoint, kind: FigureKind) -> Option<f64> {
+        let is = |cost: &crate::schema::Cost| matches!(cost, crate::schema::Cost::Tracking(_));
+        let of = |(member, at): (CaseMember<'_>, &Evaluated)| {
+            member.case().costs.iter().any(is).then_some(())?;
+            summary::largest(kind, &member.reduced().costs_of(at).ok()?).ok()?
         };
         self.problem.members().zip(&point.members).filter_map(of).reduce(f64::max)
     }
@@ -134,10 +155,22 @@ impl<'s> Recorder<'s> {
         }
     }
 
+    /// Keeps shape and controls of an accepted iteration, load case by load case.
+    fn keep(&mut self, trial: &Trial<'_, EnsemblePoint>) {
+        let due = self.out.is_some() && trial.accepted && trial.reason != Reason::Stage;
+        let (Some(point), true) = (trial.point, due && Iterates::wants(trial.iteration)) else { return };
+        for ((member, at), kept) in self.problem.leads().zip(&point.members).zip(&mut self.iterates) {
+            match snapshot::iterate(member, &StateFields::new(&at.state, &at.m)) {
+                Ok(shot) => kept.add(trial.iteration, &shot, &snapshot::material_vectors(member)),
+                Err(error) => self.journal.note(error.into()),
+            }
+        }
+    }
+
     /// The states of the first scenario, load case by load case.
     fn write(&mut self, iteration: usize, point: &EnsemblePoint, derivative: Option<&[f64]>) -> Result<(), RunError> {
         let Some(out) = &self.out else { return Ok(()) };
-        let stem = if self.start.1 > 1 { format!("start_{}_", self.start.0) } else { String::new() };
+        let stem = self.stem();
         let file = |iteration: usize| format!("{stem}iteration_{iteration:04}.vtu");
         let gradient =
             derivative.zip(self.problem.inner_product()).map(|(derivative, product)| product.riesz(derivative));
@@ -157,8 +190,22 @@ impl<'s> Recorder<'s> {
         Ok(())
     }
 
-    /// The work of all trials, by member.
+    /// What the names of the files of one start begin with, behind the load case.
+    fn stem(&self) -> String {
+        if self.start.1 > 1 { format!("start_{}_", self.start.0) } else { String::new() }
+    }
+
+    /// Writes `iterates.bin`; the work of all trials, by member.
     pub fn finish(self) -> Vec<SolveReport> {
+        if let Some(out) = &self.out {
+            for (member, kept) in self.problem.leads().zip(&self.iterates) {
+                let file = out.file(&member.case_file(&format!("{}iterates.bin", self.stem())));
+                let written = write_atomically(file, |out| out.write_all(&kept.to_bytes()));
+                if let Err(error) = written {
+                    self.journal.note(error.into());
+                }
+            }
+        }
         self.work
     }
 }

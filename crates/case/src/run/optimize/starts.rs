@@ -65,7 +65,7 @@ pub(super) fn resume(
     journal.open_history(trials.history)?;
     journal.begin_start(&fixed);
     let mut recorder = Recorder::new(session, journal, index);
-    recorder.restore(trials.work, trials.snapshots);
+    recorder.restore(trials.run);
     let ended = minimize(session, run, start, recorder, Some(iteration));
     starts.add(seed(session, index), ended, fixed.certificate);
     starts.run_rest(session, optimizer, &fixed.gradient_check, journal)?;

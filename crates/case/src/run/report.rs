@@ -1,0 +1,60 @@
+//! `result.json`, and the page that shows it with the other files of a run: `nastic report DIR`, and the end of every run.
+
+use super::error::RunError;
+use super::session::Session;
+use super::solve::target_names;
+use crate::lower::CaseProblem;
+use crate::result::files::Directory;
+use crate::schema::Command;
+use nastic_io::write_atomically;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// The case with its overrides.
+const CASE: &str = "case.json";
+
+/// Writes the page of a result folder, to `report.html` in it unless another file is named; where it went.
+///
+/// # Errors
+/// [`RunError::Report`]: the directory holds no results, or damaged ones; [`RunError::Write`].
+pub fn report(directory: &Path, file: Option<&Path>) -> Result<PathBuf, RunError> {
+    let page = nastic_report::html(directory)?;
+    let file = file.map_or_else(|| directory.join(nastic_report::FILE), Path::to_owned);
+    write_atomically(&file, |out| out.write_all(page.as_bytes()))?;
+    Ok(file)
+}
+
+/// Writes `case.json` and `result.json`, and the page if there is one to be.
+pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
+    let Some(out) = session.out.clone() else { return Ok(()) };
+    let is_shown = matches!(session.command, Command::Solve | Command::Optimize | Command::Gradient);
+    let with_page = session.report && is_shown && session.command != Command::Gradient;
+    if is_shown {
+        session.put("members", members(&session.problem));
+        let mut files = session.result_value()["files"].as_array().cloned().unwrap_or_default();
+        files.push(json!(CASE));
+        files.extend(with_page.then(|| json!(nastic_report::FILE)));
+        session.put("files", Value::Array(files));
+        out.write_json(CASE, &session.problem.document.json())?;
+    }
+    out.write_json("result.json", &session.result_value())?;
+    if with_page { report(out.path(), None).map(|_| ()) } else { remove_old(&out) }
+}
+
+/// A page of an earlier run would show other results than those beside it.
+fn remove_old(out: &Directory) -> Result<(), RunError> {
+    Ok(out.remove(nastic_report::FILE)?)
+}
+
+/// Scenario and load case of every state, and what the names of its files begin with: `{ "name", "scenario", "load_case",
+/// "stem", "case_stem", "targets" }`.
+fn members(problem: &CaseProblem) -> Value {
+    let targets = target_names(problem);
+    let of = |member: crate::lower::CaseMember<'_>| {
+        json!({
+            "name": member.name(), "scenario": member.scenario(), "load_case": member.load_case(),
+            "stem": member.file(""), "case_stem": member.case_file(""), "targets": targets[member.index()],
+        })
+    };
+    problem.members().map(of).collect()
+}

@@ -1,0 +1,38 @@
+//! [`ReportError`]: why a folder gives no page.
+
+use nastic_io::ReadError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a result folder gives no page.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// Nothing was run there.
+    #[error(
+        "{} has no result.json: nastic report takes the output directory of nastic solve or nastic optimize",
+        directory.display()
+    )]
+    Missing {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// A file cannot be read.
+    #[error("cannot read {}: {source}", file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// The system's answer.
+        source: std::io::Error,
+    },
+    /// A file does not hold what it should.
+    #[error("{}: {what}; run the case again", file.display())]
+    Content {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// A VTU file cannot be understood.
+    #[error(transparent)]
+    Vtu(#[from] ReadError),
+}

@@ -1,0 +1,46 @@
+//! The folder of a run as one HTML page: the result in words, the body in three dimensions, plots, tables. The page holds
+//! everything it needs (three.js and uPlot among it, see `vendor/`) and opens without a network.
+//!
+//! ```no_run
+//! let page = nastic_report::html("out/cantilever".as_ref())?;
+//! std::fs::write("out/cantilever/report.html", page)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Shapes are those of the surface alone, positions and fields rounded to 65535 steps of their range
+//! (an error of at most 8e-6 of it); the VTU files beside the page have all digits.
+
+mod carried;
+mod encode;
+mod error;
+mod folder;
+mod frame;
+mod html;
+mod iterates;
+mod number;
+mod page;
+mod plots;
+mod scene;
+mod summary;
+mod surface;
+mod tables;
+
+pub use error::ReportError;
+pub use iterates::{Iterates, IteratesError};
+
+use folder::ResultFolder;
+use scene::Scene;
+use std::path::Path;
+
+/// The page's name in a result folder.
+pub const FILE: &str = "report.html";
+
+/// The page of a result folder.
+///
+/// # Errors
+/// [`ReportError`]: there is no `result.json`, or a file that the run wrote cannot be read.
+pub fn html(directory: &Path) -> Result<String, ReportError> {
+    let folder = ResultFolder::open(directory)?;
+    let scene = Scene::of(&folder)?;
+    Ok(page::page(&folder, &scene))
+}

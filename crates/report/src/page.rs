@@ -1,0 +1,153 @@
+//! The page: sections, data and programs in one file.
+
+use crate::folder::ResultFolder;
+use crate::html::{escape, paragraph, section};
+use crate::plots::plots;
+use crate::scene::Scene;
+use crate::{summary, tables};
+use serde_json::{Value, json};
+
+const THREE: &str = include_str!("../vendor/three.min.js");
+const UPLOT: &str = include_str!("../vendor/uPlot.min.js");
+const UPLOT_STYLE: &str = include_str!("../vendor/uPlot.min.css");
+/// The licences stay with the copies.
+const LICENCES: [&str; 2] = [include_str!("../vendor/three.LICENSE"), include_str!("../vendor/uPlot.LICENSE")];
+const STYLE: [&str; 2] = [include_str!("../assets/page.css"), include_str!("../assets/view.css")];
+const VIEW: &str = include_str!("../assets/view.html");
+/// In one scope, in this order.
+const PROGRAM: [&str; 9] = [
+    include_str!("../assets/arrays.js"),
+    include_str!("../assets/colours.js"),
+    include_str!("../assets/surface.js"),
+    include_str!("../assets/body.js"),
+    include_str!("../assets/arrows.js"),
+    include_str!("../assets/stage.js"),
+    include_str!("../assets/view.js"),
+    include_str!("../assets/plots.js"),
+    include_str!("../assets/main.js"),
+];
+
+/// The whole page.
+pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
+    let result = &folder.result;
+    let view = scene.json(&result["units"]);
+    let plots = plots(result, &folder.history);
+    let title = result["title"].as_str().or(result["case"].as_str()).unwrap_or("nastic");
+    let body = [
+        summary::warnings(result),
+        summary::summary(result),
+        section("shape", "Shape", &shape(&view, scene)),
+        section("convergence", "Plots", &plot_places(&plots)),
+        section("curves", "Equilibria along the path", &curves(folder)),
+        tables::events(result),
+        tables::states(result),
+        tables::members(result),
+        tables::controls(result),
+        tables::certificate(result),
+        tables::stabilities(result),
+        tables::mesh(scene.first.as_ref(), scene.last.as_ref()),
+        tables::run(result),
+        tables::case(folder.case.as_deref()),
+    ]
+    .concat();
+    // "</" would end the element.
+    let data = json!({ "view": view, "plots": plots, "fields": fields(result) }).to_string().replace("</", "<\\/");
+    let licences = LICENCES.join("\n").replace("-->", "-- >");
+    format!(
+        r#"<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<link rel="icon" href="data:,">
+<title>{title} – nastic report</title>
+<style>{UPLOT_STYLE}</style>
+<style>
+{style}</style>
+</head>
+<body>
+<header>
+<div><h1>{title}</h1><p>{subtitle}</p></div>
+<button id="theme" type="button" aria-label="Switch between light and dark">Dark</button>
+</header>
+<main>
+{body}</main>
+<script type="application/json" id="data">{data}</script>
+<!-- three.js and uPlot are part of this page under these licences:
+{licences}-->
+<script>{THREE}</script>
+<script>{UPLOT}</script>
+<script>
+"use strict";
+(() => {{
+{program}}})();
+</script>
+</body>
+</html>
+"#,
+        title = escape(title),
+        subtitle = escape(&subtitle(result)),
+        style = STYLE.concat(),
+        program = PROGRAM.concat(),
+    )
+}
+
+fn subtitle(result: &Value) -> String {
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    format!("nastic {} {}, {}", text(&result["versions"]["nastic"]), text(&result["command"]), text(&result["case"]))
+}
+
+/// The three-dimensional view, or in words why there is none; what is not shown.
+fn shape(view: &Value, scene: &Scene) -> String {
+    if view.is_null() {
+        return paragraph("The run wrote no state that could be shown.");
+    }
+    let left_out: String = scene.left_out.iter().map(|what| paragraph(what)).collect();
+    format!("{VIEW}{left_out}")
+}
+
+fn plot_places(plots: &[Value]) -> String {
+    if plots.is_empty() {
+        return String::new();
+    }
+    let place = |k: usize| format!("<figure class=\"plot\" id=\"plot-{k}\"></figure>\n");
+    format!("<div class=\"plots\">\n{}</div>\n", (0..plots.len()).map(place).collect::<String>())
+}
+
+/// The curves of ramps and paths, as the run drew them.
+fn curves(folder: &ResultFolder) -> String {
+    let files = folder.result["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    let drawn = files.filter(|file| file.ends_with("ramp.svg") || file.ends_with("path.svg"));
+    let figure = |file: &str| {
+        let text = folder.text(file).ok().flatten()?;
+        let start = text.find("<svg")?;
+        Some(format!("<figure class=\"drawing\">{}</figure>\n", &text[start..]))
+    };
+    drawn.filter_map(figure).collect()
+}
+
+/// Name, unit and explanation of the fields that bodies are coloured by.
+fn fields(result: &Value) -> Value {
+    let units = &result["units"];
+    let unit = |key: &str| units[key].as_str().unwrap_or_default();
+    let mut out = json!({
+        "|u|": { "label": "displacement |u|", "unit": unit("length") },
+        "J": { "label": "volume ratio J", "unit": "" },
+        "energy": { "label": "energy density", "unit": unit("pressure") },
+        "mises": { "label": "von Mises stress", "unit": unit("pressure") },
+        "distance": { "label": "distance from the target", "unit": unit("length") },
+        "deviation_norm": { "label": "standard deviation of positions", "unit": unit("length") },
+        "mode": { "label": "mode", "unit": "" },
+        "intersecting": { "label": "intersects itself", "unit": "" },
+        "B_r": { "label": "remanence B_r (carried with the body)", "unit": unit("field") },
+        "B_a": { "label": "applied field B_a", "unit": unit("field") },
+        "fiber": { "label": "fibre of the material", "unit": "" },
+    });
+    for control in result["controls"].as_object().into_iter().flatten().map(|(_, control)| control) {
+        if let Some(array) = control["array"].as_str() {
+            out[array] = json!({ "label": array, "unit": control["unit"], "control": true });
+        }
+    }
+    out
+}

@@ -1,0 +1,109 @@
+//! The plots of a run: columns of `history.jsonl` over trials, and the costs of scenarios.
+
+use serde_json::{Value, json};
+
+/// One curve.
+struct Curve {
+    label: String,
+    values: Vec<Option<f64>>,
+}
+
+/// All plots, as `{ "title", "x", "y", "log", "points", "columns": [x, ..], "labels": [..] }`; empty without a history.
+pub(crate) fn plots(result: &Value, history: &[Value]) -> Vec<Value> {
+    let mut out = convergence(result, &of_best_start(result, history));
+    out.extend(scenarios(result));
+    out
+}
+
+/// The trials of the start that everything else speaks of.
+fn of_best_start<'a>(result: &Value, history: &'a [Value]) -> Vec<&'a Value> {
+    let best = &result["best_start"];
+    history.iter().filter(|line| best.is_null() || line["start"] == *best).collect()
+}
+
+fn convergence(result: &Value, trials: &[&Value]) -> Vec<Value> {
+    if trials.len() < 2 {
+        return Vec::new();
+    }
+    let length = result["units"]["length"].as_str().unwrap_or_default();
+    let column = |path: &[&str], label: &str| {
+        let value = |line: &&Value| path.iter().fold(*line, |value, key| &value[*key]).as_f64();
+        Curve { label: label.to_owned(), values: trials.iter().map(value).collect() }
+    };
+    let mut costs = vec![column(&["cost"], "cost")];
+    let terms: Vec<&String> =
+        trials.iter().find_map(|line| line["terms"].as_object()).into_iter().flat_map(|terms| terms.keys()).collect();
+    if terms.len() > 1 {
+        costs.extend(terms.into_iter().take(6).map(|name| column(&["terms", name], name)));
+    }
+    let count = |name: &str, label: &str| column(&[name], label);
+    let x: Vec<Option<f64>> = (0..trials.len()).map(|k| trials[k]["trial"].as_f64().or(Some(k as f64))).collect();
+    let plot = |title: &str, y: &str, curves: Vec<Curve>| plot((title, "trial", y), &x, curves);
+    let all = [
+        plot("Cost", "cost", costs),
+        plot(
+            "Distance from the target",
+            length,
+            vec![
+                count("hausdorff_true", "true Hausdorff distance"),
+                count("tracking_largest", "largest tracked distance"),
+                count("tracking_root_mean_square", "root mean square"),
+            ],
+        ),
+        plot("Projected gradient", "norm in the control's product", vec![count("gradient_norm", "projected gradient")]),
+        plot("Step length", "step", vec![count("step", "step length")]),
+        plot(
+            "Work per trial",
+            "count",
+            vec![
+                count("newton", "Newton iterations"),
+                count("factorisations", "factorisations"),
+                count("back_substitutions", "linear solves and iterations"),
+            ],
+        ),
+        plot("Values on their bounds", "count", vec![count("active", "on a bound")]),
+        plot("Smallest volume ratio", "J", vec![count("min_J", "smallest J")]),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+/// A plot of the curves that have two values or more; none without one. Logarithmic where all values are positive (zeros
+/// are left out then) and span more than a decade, but for small whole numbers.
+fn plot((title, x_label, y_label): (&str, &str, &str), x: &[Option<f64>], curves: Vec<Curve>) -> Option<Value> {
+    let told = |curve: &Curve| curve.values.iter().flatten().count() > 1;
+    let mut curves: Vec<Curve> = curves.into_iter().filter(told).collect();
+    let values = || curves.iter().flat_map(|curve| curve.values.iter().flatten());
+    let (low, high) = values().filter(|y| **y > 0.0).fold((f64::INFINITY, 0.0f64), |(l, h), y| (l.min(*y), h.max(*y)));
+    let is_whole = values().all(|y| y.fract() == 0.0) && high < 1e3;
+    let log = values().all(|y| *y >= 0.0) && high > 10.0 * low && !is_whole;
+    if curves.is_empty() || values().all(|y| *y == 0.0) {
+        return None;
+    }
+    if log {
+        let positive = |y: &mut Option<f64>| *y = y.filter(|y| *y > 0.0);
+        curves.iter_mut().for_each(|curve| curve.values.iter_mut().for_each(positive));
+    }
+    let labels: Vec<&str> = curves.iter().map(|curve| curve.label.as_str()).collect();
+    let columns: Vec<&[Option<f64>]> =
+        [x].into_iter().chain(curves.iter().map(|curve| curve.values.as_slice())).collect();
+    Some(json!({
+        "title": title, "x": x_label, "y": y_label, "log": log, "points": false, "labels": labels, "columns": columns,
+    }))
+}
+
+/// The cost of every scenario at the optimum and at the start, in the order of the former.
+fn scenarios(result: &Value) -> Option<Value> {
+    let all = result["scenarios"].as_object().filter(|all| all.len() > 1)?;
+    let cost = |entry: &Value| entry["cost"]["total"].as_f64();
+    let mut costs: Vec<(Option<f64>, Option<f64>)> =
+        all.iter().map(|(name, entry)| (cost(entry), cost(&result["start"]["scenarios"][name]))).collect();
+    costs.sort_by(|a, b| a.0.unwrap_or(f64::NAN).total_cmp(&b.0.unwrap_or(f64::NAN)));
+    let (now, begin): (Vec<_>, Vec<_>) = costs.into_iter().unzip();
+    let ranks: Vec<Option<f64>> = (1..=now.len()).map(|k| Some(k as f64)).collect();
+    let what = if begin.iter().any(Option::is_some) { "at the optimum" } else { "cost" };
+    let curves =
+        vec![Curve { label: what.to_owned(), values: now }, Curve { label: "at the start".to_owned(), values: begin }];
+    let mut plot = plot(("Costs of the scenarios", "scenario, in the order of costs", "cost"), &ranks, curves)?;
+    plot["points"] = json!(true);
+    Some(plot)
+}
