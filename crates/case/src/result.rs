@@ -1,6 +1,7 @@
 //! What commands leave behind: `result.json`, snapshots, pictures.
 
 pub(crate) mod checkpoint_file;
+pub(crate) mod convergence;
 pub(crate) mod expectation;
 pub(crate) mod files;
 pub(crate) mod fingerprint;

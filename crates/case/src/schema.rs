@@ -35,7 +35,7 @@ pub use actuation::{Actuation, Fixed, Means};
 pub use added_cost::AddedCost;
 pub use case::{Case, Output, Probe};
 pub use catalogue::Input;
-pub use control::{Control, Space, Start};
+pub use control::{Control, ControlsFile, Space, Start};
 pub use cost::{
     ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Phi, SmoothedHausdorff, Stage, Target, Tracking,
 };

@@ -70,7 +70,7 @@ fn solve_writes_the_equilibrium_with_its_arrays() {
     let points: Vec<&str> = snapshot.point_data.iter().map(|a| a.name.as_str()).collect();
     assert_eq!(points, ["displacement", "tension"]);
     let cells: Vec<&str> = snapshot.cell_data.iter().map(|a| a.name.as_str()).collect();
-    assert_eq!(cells, ["J", "P", "cauchy_stress", "energy", "direction_tension"]);
+    assert_eq!(cells, ["J", "P", "cauchy_stress", "mises", "energy", "direction_tension"]);
     let tip = snapshot.mesh.points().iter().position(|x| *x == [1.0, 0.25, 0.25]).unwrap();
     assert_eq!(snapshot.point_array("displacement").unwrap().at(tip)[2], lifted);
     assert_eq!(snapshot.point_array("tension").unwrap().at(tip), [-5e4]);

@@ -175,6 +175,12 @@ impl ControlMap {
         &self.entities
     }
 
+    /// The name of the region of an unknown, in the region space; empty in others.
+    pub fn region(&self, unknown: usize) -> &str {
+        let entity = self.entities.get(unknown).filter(|_| self.space == Space::Region);
+        entity.and_then(|entity| self.regions.get(*entity as usize)).map_or("", String::as_str)
+    }
+
     /// In words: `cell 12`, `node 7`, `region "arm"`, `the whole region`.
     pub fn describe(&self, unknown: usize) -> String {
         let entity = self.entities[unknown];

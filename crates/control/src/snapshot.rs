@@ -58,7 +58,7 @@ impl Reduced {
     /// Point data: `displacement`, `adjoint`, nodal controls and `gradient_NAME`. Cell data: the other controls and
     /// gradients, one value per cell; averages over the reference volume of every scalar slot that nobody controls (under
     /// the actuation's name), of `B_r` and `B_a` (the sums over all magnets), `J`, `P` and `cauchy_stress` (row by row),
-    /// `energy` (stored by the passive material), `fiber` and `direction_NAME` of each actuation that has one. Vectors
+    /// `mises` (of that mean Cauchy stress), `energy` (stored by the passive material), `fiber` and `direction_NAME` of each actuation that has one. Vectors
     /// always have three components, tensors nine. What follows from `J` and `F` is left out where a cell is inverted.
     /// Writers of VTU files add `region`.
     ///
@@ -157,10 +157,12 @@ impl Reduced {
     /// What follows from the state alone; a state with an inverted cell has no such thing.
     fn with_state(&self, shot: Snapshot, state: &State) -> Result<Snapshot, MeshError> {
         let Ok(fields) = self.solid().cell_fields(state) else { return Ok(shot) };
+        let mises = fields.cauchy.chunks_exact(9).map(von_mises).collect();
         let mut shot = shot
             .with_cells("J", 1, fields.j)?
             .with_cells("P", 9, fields.piola)?
             .with_cells("cauchy_stress", 9, fields.cauchy)?
+            .with_cells("mises", 1, mises)?
             .with_cells("energy", 1, fields.energy)?;
         for (name, direction) in fields.directions {
             shot = shot.with_cells(&format!("direction_{name}"), 3, direction)?;
@@ -170,6 +172,13 @@ impl Reduced {
             None => Ok(shot),
         }
     }
+}
+
+/// `(3/2 s : s)^(1/2)` with the deviator s of a Cauchy stress, row by row.
+fn von_mises(stress: &[f64]) -> f64 {
+    let mean = (stress[0] + stress[4] + stress[8]) / 3.0;
+    let deviator = |k: usize| stress[k] - if k.is_multiple_of(4) { mean } else { 0.0 };
+    (1.5 * (0..9).map(|k| deviator(k).powi(2)).sum::<f64>()).sqrt()
 }
 
 /// A nodal field on all nodes of the mesh: on corners as it is, between them by the corner shape functions, zero where it

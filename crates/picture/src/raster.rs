@@ -4,6 +4,7 @@ use super::colour::{Colour, Linear, mix, tint};
 use super::scene::{Corner, Fill, Scene, Shape, Stroke};
 use super::shade;
 use super::vector::V3;
+use rayon::prelude::*;
 
 /// Pixels in linear light.
 pub(super) struct Image {
@@ -19,28 +20,31 @@ const BAND: usize = 32;
 
 pub(super) fn render(scene: &Scene, width: usize, height: usize) -> Image {
     let mut pixels = vec![[0.0; 3]; width * height];
-    for first in (0..height).step_by(BAND) {
-        let rows = BAND.min(height - first);
+    pixels.par_chunks_mut(BAND * width).enumerate().with_max_len(1).for_each(|(band, pixels)| {
+        let (first, rows) = (band * BAND, pixels.len() / width);
         let layers: Vec<Layer> = scene.shapes.iter().map(|shape| Layer::of(scene, shape, width, first, rows)).collect();
-        for row in 0..rows {
+        for (row, pixels) in pixels.chunks_mut(width).enumerate() {
             let behind = Colour(shade::background((first + row) as f64 / height as f64)).linear();
-            for column in 0..width {
-                pixels[(first + row) * width + column] = pixel(&layers, row, column, width, behind);
+            for (column, out) in pixels.iter_mut().enumerate() {
+                *out = pixel(&layers, row, column, width, behind);
             }
         }
-    }
+    });
     Image { width, height, pixels }
 }
 
 /// The mean of a pixel's samples.
 fn pixel(layers: &[Layer], row: usize, column: usize, width: usize, behind: Linear) -> Linear {
+    let places: [usize; SAMPLES * SAMPLES] =
+        std::array::from_fn(|k| (row * SAMPLES + k / SAMPLES) * width * SAMPLES + column * SAMPLES + k % SAMPLES);
+    // Most of a picture is background.
+    if layers.iter().all(|layer| places.iter().all(|at| layer.samples[*at].z == f32::NEG_INFINITY)) {
+        return behind;
+    }
     let mut sum = [0.0; 3];
-    for i in 0..SAMPLES {
-        for j in 0..SAMPLES {
-            let at = (row * SAMPLES + i) * width * SAMPLES + column * SAMPLES + j;
-            let sample = through(layers, at, behind);
-            sum = std::array::from_fn(|k| sum[k] + sample[k]);
-        }
+    for at in places {
+        let sample = through(layers, at, behind);
+        sum = std::array::from_fn(|k| sum[k] + sample[k]);
     }
     sum.map(|value| value / (SAMPLES * SAMPLES) as f32)
 }

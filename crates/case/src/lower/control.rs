@@ -295,6 +295,10 @@ impl Lowering<'_> {
                 context.take(&at, values).map(|values| values.concat())
             }
             Some(Start::Array(file)) => self.values_of_file(file, &at, context),
+            Some(Start::Controls(file)) => {
+                let name = self.case_name.map_or_else(String::new, |case| format!("{case}.")) + self.control.name();
+                start::of_file(file, &name, self.block.len(), &at, context)
+            }
             Some(Start::Random(seed)) => {
                 let Some(norm) = self.control.norm.or(self.control.max_norm) else {
                     context.complain(&at, "random directions need a length: give \"norm\" or \"max_norm\"");

@@ -1,10 +1,12 @@
-//! Random starts, uniform over what is admitted.
+//! Starts: random ones, uniform over what is admitted, and those of an earlier run.
 
 use super::context::Context;
 use super::{Admitted, CaseProblem, ControlField};
-use crate::schema::Case;
+use crate::schema::{Case, ControlsFile};
+use crate::syntax::{At, quoted};
 use nastic_numeric::Random;
 use nastic_opt::Bounds;
+use serde_json::{Map, Value};
 
 /// Complains about controls that have no random start where the case asks for some.
 pub(super) fn check(case: &Case, controls: &[ControlField], context: &mut Context<'_>) {
@@ -42,6 +44,39 @@ impl CaseProblem {
         }
         out
     }
+}
+
+/// The values of one control in an earlier `controls.json`, in the order that it has there: that of the same mesh.
+pub(super) fn of_file(
+    file: &ControlsFile,
+    name: &str,
+    length: usize,
+    at: &At,
+    context: &mut Context<'_>,
+) -> Option<Vec<f64>> {
+    let path = context.file(&file.file);
+    let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()));
+    let all = text.and_then(|text| serde_json::from_str(&text).map_err(|error| format!("{}: {error}", file.file)));
+    let all: Map<String, Value> = context.take(&at.key("file"), all)?;
+    let name = file.control.as_deref().unwrap_or(name);
+    let Some(values) = all.get(name).and_then(Value::as_array) else {
+        let known: Vec<&str> = all.keys().map(String::as_str).collect();
+        let message = format!("control {} not found in {}; it has: {}", quoted(name), file.file, known.join(", "));
+        context.complain(at, message);
+        return None;
+    };
+    let numbers: Vec<f64> = values.iter().filter_map(Value::as_f64).collect();
+    if numbers.len() != length || values.len() != length {
+        let message = format!(
+            "{} has {} numbers for {}, and {length} are needed: use it with the mesh and the space that it was made with",
+            file.file,
+            numbers.len(),
+            quoted(name)
+        );
+        context.complain(at, message);
+        return None;
+    }
+    Some(numbers)
 }
 
 fn between(random: &mut Random, bounds: &Bounds, count: usize) -> Vec<f64> {

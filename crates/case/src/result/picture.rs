@@ -32,8 +32,9 @@ pub(crate) fn write(member: CaseMember<'_>, drawing: &Drawing<'_>, to: &Director
     }
     let (label, body) = drawing.body;
     picture = picture.body(Body::of(label, body).appearance(appearance(member, body)));
-    picture.write(to.file(&member.case_file("picture.png")))?;
-    picture.write(to.file(&member.case_file("picture.svg")))
+    let write = |name: &str| picture.write(to.file(&member.case_file(name)));
+    let (png, svg) = rayon::join(|| write("picture.png"), || write("picture.svg"));
+    png.and(svg)
 }
 
 /// Coloured by the first scalar control, else by J.

@@ -2,7 +2,7 @@
 
 use super::member_report::MemberReport;
 use crate::lower::{Admitted, CaseMember, CaseProblem, ControlField};
-use nastic_control::{ControlBlock, ControlError, CostPoint, EnsembleBlock, FigureKind};
+use nastic_control::{ControlBlock, ControlError, ControlMap, CostPoint, EnsembleBlock, FigureKind, Space};
 use nastic_energy::SlotGroup;
 use nastic_fem::{Demand, Instant, InvertedAt, SolveReport, State};
 use nastic_numeric::vector::norm;
@@ -89,6 +89,25 @@ fn probes(member: CaseMember<'_>, state: &State) -> Value {
     Value::Object(member.problem().probes.iter().map(of).collect())
 }
 
+/// `{ NAME: [..] }`: the part of every control in a control vector or a derivative.
+pub(crate) fn control_values(problem: &CaseProblem, m: &[f64]) -> Value {
+    let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
+    blocks.map(|(block, field)| (field.name.clone(), json!(block.of(m)))).collect::<Map<_, _>>().into()
+}
+
+/// The values of a control that has few: of the space `uniform` a number (a vector: a list), of `region` one for each by
+/// name; null in other spaces.
+fn values(map: &ControlMap, values: &[f64], components: usize) -> Value {
+    let mut each = values.chunks_exact(components).map(|v| if components == 1 { json!(v[0]) } else { json!(v) });
+    match map.space() {
+        Space::Uniform => each.next().unwrap_or_default(),
+        Space::Region => {
+            each.enumerate().map(|(k, value)| (map.region(k).to_owned(), value)).collect::<Map<_, _>>().into()
+        }
+        Space::Cell | Space::Node => Value::Null,
+    }
+}
+
 /// `{ NAME: { "array", "slot", "space", "unit", "unknowns", "min", "max", "lower", "upper", "active", "active_share" } }`;
 /// lengths of vectors where the control is one.
 pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
@@ -107,11 +126,15 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
             Admitted::MaxNorm(most) => (None, Some(most)),
             Admitted::Any => (None, None),
         };
-        let entry = json!({
+        let mut entry = json!({
             "array": field.array, "slot": slot, "space": own.map.space().name(), "unit": field.unit,
             "unknowns": block.len, "min": min, "max": max, "lower": lower, "upper": upper,
             "active": active, "active_share": share,
         });
+        let few = values(&own.map, block.of(m), n);
+        if !few.is_null() {
+            entry["values"] = few;
+        }
         (field.name.clone(), entry)
     };
     Value::Object(problem.ensemble.blocks().iter().zip(&problem.controls).map(of).collect())

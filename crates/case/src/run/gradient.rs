@@ -13,7 +13,6 @@ use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_opt::{Objective, Verdict};
-use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
@@ -79,10 +78,7 @@ fn write(
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
-    let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
-    let arrays: Map<String, Value> =
-        blocks.map(|(block, field)| (field.name.clone(), json!(block.of(derivative)))).collect();
-    out.write_json("derivative.json", &Value::Object(arrays))?;
+    out.write_json("derivative.json", &summary::control_values(problem, derivative))?;
     let mut files = vec!["derivative.json".to_owned()];
     files.extend(write_states(problem, "start", (point, derivative, found), &out)?);
     files.extend(write_targets(problem, &out)?);

@@ -6,7 +6,7 @@ use crate::schema::field::{ArrayFile, Parameter};
 use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::read::{Read, Reader};
 use crate::schema::value::{Vector, entries};
-use crate::syntax::{At, Node, Value};
+use crate::syntax::{At, Node, Property, Value};
 use serde_json::Value as Json;
 
 object! {
@@ -56,8 +56,20 @@ pub enum Start {
     Vector(Vec<Formula>),
     /// An array of an earlier result.
     Array(ArrayFile),
+    /// The values of an earlier `controls.json`.
+    Controls(ControlsFile),
     /// Random directions of the control's norm, from this seed.
     Random(u64),
+}
+
+object! {
+    /// The optimal controls of an earlier run, `controls.json`.
+    pub struct ControlsFile {
+        /// The file, relative to the case.
+        pub file: String,
+        /// Name of the control there; its own if left out.
+        pub control: Option<String>,
+    }
 }
 
 object! {
@@ -66,6 +78,13 @@ object! {
         /// The seed.
         pub random: u64,
     }
+}
+
+/// Whether a start names a JSON file.
+fn is_controls_file(members: &[Property]) -> bool {
+    members.iter().any(|member| {
+        member.key == "file" && matches!(&member.node.value, Value::Text(file) if file.ends_with(".json"))
+    })
 }
 
 impl Control {
@@ -83,6 +102,9 @@ impl Read for Start {
             Value::Object(members) if members.iter().any(|member| member.key == "random") => {
                 RandomStart::read(node, at, want, reader).map(|start| Self::Random(start.random))
             }
+            Value::Object(members) if is_controls_file(members) => {
+                ControlsFile::read(node, at, want, reader).map(Self::Controls)
+            }
             Value::Object(_) => ArrayFile::read(node, at, want, reader).map(Self::Array),
             _ => Formula::read(node, at, want, reader).map(Self::Scalar),
         }
@@ -93,6 +115,7 @@ impl Read for Start {
             Formula::schema(want, definitions),
             vector::<Formula>(want, definitions),
             ArrayFile::schema(want, definitions),
+            ControlsFile::schema(want, definitions),
             RandomStart::schema(want, definitions),
         ])
     }

@@ -9,6 +9,7 @@ use super::finished_run::FinishedRun;
 use super::journal::Written;
 use super::{fall, revalued, starts, why};
 use crate::lower::file_name;
+use crate::result::convergence;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
@@ -188,6 +189,11 @@ fn write(
     let Some(out) = session.out.clone() else { return Ok(()) };
     let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
     let mut files = vec!["history.jsonl".to_owned()];
+    let lead = problem.leads().next().map_or_else(String::new, title);
+    let several = problem.case.optimizer.starts > 1;
+    files.extend(convergence::write(&out, &lead, several.then_some(best_start))?);
+    out.write_json("controls.json", &summary::control_values(problem, &best.m))?;
+    files.push("controls.json".to_owned());
     files.extend(write_states(problem, "optimum", (&best.point, &best.derivative, found), &out)?);
     for (k, member) in problem.leads().enumerate() {
         let shot = |point: &EnsemblePoint| {
@@ -210,7 +216,7 @@ fn write(
     files.extend(write_collections(problem, "optimum", &out)?);
     files.extend(problem.members().map(|member| member.file("start.vtu")));
     files.extend(super::super::solve::target_files(problem));
-    let number = if problem.case.optimizer.starts > 1 { format!("start_{best_start}_") } else { String::new() };
+    let number = if several { format!("start_{best_start}_") } else { String::new() };
     files.extend(problem.leads().map(|lead| lead.case_file(&format!("{number}iterates.bin"))));
     if problem.case.output.every > 0 && starts == 1 {
         files.extend(problem.leads().map(|lead| lead.case_file("iterations.pvd")));

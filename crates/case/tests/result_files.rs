@@ -1,0 +1,85 @@
+//! What an optimisation leaves behind beside its states: controls to start from, tables, charts, kept iterations, the page.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may
+
+mod common;
+
+use common::{BAR, Place};
+use nastic_case::schema::Command;
+use serde_json::Value;
+
+const SHORT: [&str; 1] = ["optimizer/max_iterations=4"];
+
+#[test]
+fn a_run_starts_from_the_controls_of_another() {
+    let place = Place::new();
+    let first = place.run(Command::Optimize, BAR, &SHORT).unwrap().result;
+    let file = place.path("out/controls.json");
+    std::fs::copy(&file, place.path("controls.json")).unwrap();
+    let start = r#"controls/0/start={"file": "controls.json"}"#;
+    let second = place.run(Command::Solve, BAR, &[start]).unwrap().result;
+    let (a, b) = (first["cost"]["total"].as_f64().unwrap(), second["cost"]["total"].as_f64().unwrap());
+    assert!((a - b).abs() <= 1e-7 * a, "{a} {b}");
+    let rms = |result: &Value| result["tracking"]["tracking"]["root_mean_square"].as_f64().unwrap();
+    assert!((rms(&first) - rms(&second)).abs() <= 1e-7 * rms(&first));
+    assert!(rms(&first) <= first["tracking"]["tracking"]["largest"].as_f64().unwrap());
+
+    for (start, told) in [
+        (
+            r#"{"file": "controls.json", "control": "air"}"#,
+            "control \"air\" not found in controls.json; it has: tension",
+        ),
+        (r#"{"file": "nowhere.json"}"#, "nowhere.json"),
+    ] {
+        let error = place.run(Command::Solve, BAR, &[&format!("controls/0/start={start}")]).unwrap_err().to_string();
+        assert!(error.contains(told) && error.contains("controls/0/start"), "{error}");
+    }
+    std::fs::write(place.path("controls.json"), r#"{ "tension": [1, "a"] }"#).unwrap();
+    let error = place.run(Command::Solve, BAR, &[start]).unwrap_err().to_string();
+    assert!(error.contains("has 1 numbers for \"tension\""), "{error}");
+}
+
+#[test]
+fn few_values_stand_in_the_result() {
+    let place = Place::new();
+    let result = place.run(Command::Optimize, BAR, &["controls/0/space=uniform", SHORT[0]]).unwrap().result;
+    let control = &result["controls"]["tension"];
+    assert_eq!(control["values"], control["min"]);
+    assert!(control["values"].is_number() && control["unit"] == "Pa" && control["slot"] == "tension", "{control}");
+    let result = place.run(Command::Optimize, BAR, &["controls/0/space=region", SHORT[0]]).unwrap().result;
+    let control = &result["controls"]["tension"];
+    assert_eq!(control["values"]["body"], control["min"]);
+}
+
+#[test]
+fn tables_charts_and_the_page_are_written() {
+    let place = Place::new();
+    let result = place.run(Command::Optimize, BAR, &SHORT).unwrap().result;
+    let table = std::fs::read_to_string(place.path("out/history.csv")).unwrap();
+    assert_eq!(table.lines().count() as u64, result["trials"].as_u64().unwrap() + 2, "a head, the start, the trials");
+    assert!(table.starts_with("trial,iteration,stage,accepted,reason,cost,terms/"), "{table}");
+    let chart = std::fs::read_to_string(place.path("out/convergence.svg")).unwrap();
+    assert!(chart.starts_with("<svg") && chart.contains("projected gradient"));
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    let cost = &result["cost"]["total"].as_f64().unwrap();
+    let digits = format!("{cost:.4e}");
+    assert!(page.contains(&digits[..5]) || page.contains(&format!("{cost}")[..5]), "{digits} is on the page");
+    assert!(page.contains("<dt>Distance from target, largest</dt>") && page.contains("mm<small>"));
+    for file in result["files"].as_array().unwrap() {
+        assert!(place.path("out").join(file.as_str().unwrap()).is_file(), "{file} was not written");
+    }
+}
+
+#[test]
+fn the_page_of_a_failed_run_says_so_and_shows_the_last_state() {
+    let place = Place::new();
+    let crushed = common::with(
+        BAR,
+        r#""fix": ["x", "y", "z"] }"#,
+        r#""fix": ["x", "y", "z"] }, { "surface": "x+", "displacement": { "x": -1.2 } }"#,
+    );
+    place.run(Command::Solve, &crushed, &[]).unwrap_err();
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(page.contains("<li class=\"error\"><b>failed</b>") && page.contains("last state before the failure"));
+    assert!(!page.contains("\"label\":\"start\""), "no state of another run is shown");
+}
