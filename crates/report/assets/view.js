@@ -47,6 +47,7 @@ class View {
       old.free();
     }
     this.body = new Body(this.surfaces[view.surface]);
+    this.body.ink.color.set(colourOf("--edge"));
     this.start = new Body(this.surfaces[view.surface], START_COLOUR);
     this.start.move(values(view.frames[0].x));
     this.targets = view.targets.map((target) => {
@@ -224,8 +225,7 @@ class View {
 
   // Colours of the page have changed.
   dress() {
-    const ink = colourOf("--edge");
-    this.body.ink.color.set(ink);
+    this.body.ink.color.set(colourOf("--edge"));
     this.show();
   }
 }
