@@ -28,7 +28,7 @@ class View {
     });
     this.part("play").addEventListener("click", () => (this.timer ? this.stop() : this.play()));
     this.part("home").addEventListener("click", () => this.stage.look(this.stage.home.box, this.stage.home.plane));
-    // The slider's keys work on the drawing too; its arrows with shift move the drawing.
+    // The slider's keys work on the drawing too; the arrow keys with shift turn the body.
     this.part("canvas").addEventListener("keydown", (event) => {
       const step = { ArrowLeft: -1, ArrowRight: 1, PageDown: 5, PageUp: -5, Home: -1e9, End: 1e9 }[event.key];
       if (step === undefined || event.shiftKey) return;
