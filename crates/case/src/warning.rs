@@ -186,6 +186,15 @@ impl Warning {
         Self { kind, place: diagnostic.place(), message: diagnostic.message.clone() }
     }
 
+    /// A warning from results; `None` where its code is of no known kind or a text is missing.
+    #[must_use]
+    pub fn from_json(value: &Value) -> Option<Self> {
+        let text = |key: &str| value[key].as_str().map(str::to_owned);
+        let (code, place, message) = (text("code")?, text("place")?, text("message")?);
+        let kind = WARNINGS.iter().find(|kind| kind.code == code)?;
+        Some(Self { kind, place, message })
+    }
+
     /// As it stands in results: `{ "code", "place", "message", "try" }`.
     #[must_use]
     pub fn json(&self) -> Value {

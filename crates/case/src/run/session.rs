@@ -161,24 +161,30 @@ impl<'c> Session<'c> {
 
     /// Says a warning, and keeps it for the result.
     pub fn warn(&mut self, warning: Warning) {
-        self.console.say(format!("WARNING     {warning}"));
+        self.say_warning(&warning);
         self.warnings.push(warning);
     }
 
-    /// Looks into the states of an evaluated control and says what deserves attention there; `what` names the states.
+    /// Looks into the states of an evaluated control, says what deserves attention there and keeps it for the result;
+    /// `what` names the states.
     pub fn inspect(&mut self, what: &str, point: &EnsemblePoint) -> Vec<Inspection> {
-        let found = self.timed("inspect", |session| Inspection::of_point(&session.problem, point));
-        let warnings: Vec<Warning> =
-            self.problem.members().zip(&found).flat_map(|(member, found)| found.warnings(member, what)).collect();
-        warnings.into_iter().for_each(|warning| self.warn(warning));
+        let (found, warnings) = self.timed("inspect", |session| session.look_into(what, point));
+        self.warnings.extend(warnings);
         found
     }
 
-    /// As [`inspect`](Self::inspect), of states that were told of when they were found.
-    pub fn note_states(&mut self, what: &str, point: &EnsemblePoint) {
+    /// Looks into the states and says what deserves attention there; whoever asks keeps the warnings.
+    pub fn look_into(&self, what: &str, point: &EnsemblePoint) -> (Vec<Inspection>, Vec<Warning>) {
         let found = Inspection::of_point(&self.problem, point);
         let members = self.problem.members().zip(&found);
-        self.warnings.extend(members.flat_map(|(member, found)| found.warnings(member, what)));
+        let warnings: Vec<Warning> = members.flat_map(|(member, found)| found.warnings(member, what)).collect();
+        warnings.iter().for_each(|warning| self.say_warning(warning));
+        (found, warnings)
+    }
+
+    /// Says a warning that is kept elsewhere.
+    pub fn say_warning(&self, warning: &Warning) {
+        self.console.say(format!("WARNING     {warning}"));
     }
 
     /// Codes of the warnings so far, for a picture: empty without any.
