@@ -120,12 +120,26 @@ fn a_control_of_another_space_goes_everywhere() {
 #[test]
 fn a_ramp_that_fails_keeps_its_points_and_says_where() {
     let place = Place::new();
-    let (result, exit, said) = analyse(&place, BAR, Analysis::Ramp("tension=0:50 MPa:4".to_owned()), &[]);
+    let (result, exit, said) = analyse(&place, BAR, Analysis::Ramp("tension=0:2 MPa:4".to_owned()), &[]);
     assert_eq!(exit, Exit::ForwardFailed);
     assert_eq!(exit.code(), 3);
     let points = result["ramp"]["points"].as_array().unwrap();
     assert!((1..4).contains(&points.len()), "{result:#}");
-    assert!(result["ramp"]["failed"]["at"].as_str().unwrap().ends_with(" Pa"), "{result:#}");
+    let failed = &result["ramp"]["failed"];
+    assert!(failed["at"].as_str().unwrap().ends_with(" Pa"), "{failed:#}");
+    // where it failed is a value of the control, between the last row and the one that was sought
+    let number = |key: &str| failed[key].as_f64().unwrap_or_else(|| panic!("no {key} in {failed:#}"));
+    let last = points[points.len() - 1]["value"].as_f64().unwrap();
+    let sought: f64 = failed["at"].as_str().unwrap().trim_end_matches(" Pa").parse().unwrap();
+    assert!(last < number("last_value") && number("last_value") < number("value"), "{failed:#}");
+    assert!(number("value") <= sought && sought - last > 1e5, "{failed:#}");
+    assert!(failed["load"].is_null() && failed["reached"].is_null(), "{failed:#}");
+    assert_eq!((&failed["kind"], &failed["cause"]), (&"no_convergence".into(), &"convexity_bound".into()));
+    assert!(failed["why"].as_str().unwrap().contains(" Pa, the last one at "), "{failed:#}");
+    assert_eq!(failed["worst_cells"].as_array().unwrap().len(), 4, "{failed:#}");
+    let shot = nastic_io::read_snapshot(place.path("out/failure.vtu")).unwrap();
+    let tension = shot.point_array("tension").unwrap().values.clone();
+    assert!(tension.iter().all(|t| (t - number("last_value")).abs() < 1e-6), "{tension:?}");
     assert!(result["error"].as_str().unwrap().contains("the ramp stops at"), "{result:#}");
     assert!(said.contains("STOPPED"), "{said}");
     assert_eq!(std::fs::read_to_string(place.path("out/ramp.csv")).unwrap().lines().count(), 1 + points.len());

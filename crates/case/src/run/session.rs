@@ -7,15 +7,15 @@ use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::result::checkpoint_file::{self, CheckpointError};
+use crate::result::failure;
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
-use crate::result::snapshot;
 use crate::schema::{Command, Unstable};
 use crate::syntax::Document;
 use crate::warning::Warning;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
-use nastic_fem::{Progress, State, StateError};
+use nastic_fem::{Progress, StateError};
 use nastic_opt::{Failed, Objective, Request};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -323,37 +323,30 @@ impl<'c> Session<'c> {
             return RunError::Cancelled;
         }
         let member = self.problem.member(index);
-        let last = match &error {
-            ControlError::State(StateError::Inverted { last, at, .. }) => Some((last, Some(at.cell))),
-            ControlError::State(StateError::NoConvergence { last, .. }) => Some((last, None)),
-            _ => None,
+        let file = match &error {
+            // The start control is what was asked for; the state shows how far the body came.
+            ControlError::State(state) => {
+                self.write_failure(member, ("failure.vtu", &member.local(&self.problem.start)), state)
+            }
+            _ => Ok(None),
         };
-        let file = match last.map(|(last, cell)| self.write_failure(member, last, cell)) {
-            Some(Err(error)) => return error,
-            Some(Ok(file)) => file,
-            None => None,
+        let file = match file {
+            Ok(file) => file,
+            Err(error) => return error,
         };
         RunError::Forward { member: member.name(), error: Box::new(error), file }
     }
 
-    fn write_failure(
+    /// Writes the last good state of a solve that failed, if there is one; the file it is in.
+    pub fn write_failure(
         &self,
         member: CaseMember<'_>,
-        last: &State,
-        cell: Option<usize>,
+        (name, m): (&str, &[f64]),
+        error: &StateError,
     ) -> Result<Option<PathBuf>, RunError> {
-        let Some(out) = &self.out else { return Ok(None) };
-        // The start control is what was asked for; the state shows how far the body came.
-        let m = member.local(&self.problem.start);
-        let fields = StateFields::new(last, &m);
-        let mut snapshot = snapshot::snapshot(member, &fields)?;
-        if let Some(cell) = cell {
-            let mut failed = vec![0.0; self.problem.mesh().cells()];
-            failed[cell] = 1.0;
-            snapshot = snapshot.with_cells("failed", 1, failed).map_err(ControlError::from)?;
-        }
-        out.write_vtu("failure.vtu", &snapshot)?;
-        Ok(Some(out.file("failure.vtu")))
+        let (Some(out), Some(last)) = (&self.out, failure::last_state(error)) else { return Ok(None) };
+        out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
+        Ok(Some(out.file(name)))
     }
 }
 

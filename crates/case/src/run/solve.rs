@@ -5,6 +5,7 @@ mod minimum;
 mod modes;
 mod path;
 mod ramp;
+mod ramp_failure;
 mod series;
 
 use super::analysis::Analysis;
