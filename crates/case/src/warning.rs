@@ -68,7 +68,7 @@ pub const LOCKING: WarningKind = WarningKind {
     code: "locking",
     about: "the elements are too stiff for this material: displacements come out too small",
     advice: "use second-order elements: tet10, hex20 or hex27, in plane strain tri6 or quad9 (\"element\" of a box; in Gmsh \
-             Mesh.ElementOrder = 2)",
+             Mesh.ElementOrder = 2), from Poisson's ratio 0.499 on no simplices",
 };
 
 /// Poor cells.
