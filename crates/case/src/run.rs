@@ -53,6 +53,8 @@ pub struct Options {
     pub set: Vec<String>,
     /// Whether warnings make a command fail, with [`Exit::Warned`].
     pub strict: bool,
+    /// Whether `optimize` may replace the checkpoint of an interrupted optimisation.
+    pub restart: bool,
     /// What `solve` computes.
     pub analysis: Analysis,
     /// Once raised, the command stops as soon as it can, keeping what it has.
@@ -97,7 +99,7 @@ pub fn run_with(
             Command::Solve => solve::run(&mut session, &options.analysis),
             Command::Gradient => gradient::run(&mut session),
             Command::Gradcheck => gradcheck::run(&mut session),
-            Command::Optimize => optimize::run(&mut session),
+            Command::Optimize => optimize::begin(&mut session, options.restart),
         };
         conclude(session, exit, options.analysis.has_one_state())
     })

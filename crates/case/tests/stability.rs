@@ -142,6 +142,11 @@ fn a_ramp_that_fails_keeps_its_points_and_says_where() {
     assert!(tension.iter().all(|t| (t - number("last_value")).abs() < 1e-6), "{tension:?}");
     assert!(result["error"].as_str().unwrap().contains("the ramp stops at"), "{result:#}");
     assert!(said.contains("STOPPED"), "{said}");
+    // a solve that takes long is told of every 50 iterations where there is no terminal
+    let spent = number("newton_iterations");
+    let told = said.lines().filter(|line| line.starts_with("            Newton iteration ")).count() as f64;
+    assert!(spent >= 50.0 && told >= (spent / 50.0).floor(), "{spent} iterations, {told} lines: {said}");
+    assert!(said.contains("            Newton iteration 50, residual "), "{said}");
     assert_eq!(std::fs::read_to_string(place.path("out/ramp.csv")).unwrap().lines().count(), 1 + points.len());
 }
 
@@ -234,6 +239,15 @@ fn the_arch_has_the_limit_points_it_expects() {
     assert_eq!(kinds, ["limit point", "bifurcation", "limit point", "bifurcation"]);
     let plain = run(&place.options(&[]));
     assert_eq!((plain.exit, &plain.result["expect"]["checked"]), (Exit::Done, &1.into()), "{:?}", plain.missed);
+    // the same, to the first limit point
+    let short = Options { analysis: Analysis::PathToLimit, set: vec!["expect={}".to_owned()], ..options.clone() };
+    let first = run(&short);
+    assert_eq!(first.exit, Exit::Done);
+    let path = |outcome: &nastic_case::run::Outcome, key: &str| outcome.result["path"][key].as_array().unwrap().clone();
+    assert_eq!(path(&first, "events")[..], path(&outcome, "events")[..1]);
+    let points = path(&first, "points");
+    assert!(points.len() < path(&outcome, "points").len() && path(&outcome, "points").starts_with(&points));
+    assert!(first.result["path"]["stopped"].is_null());
     // another material has other limit points
     let softer = Options { set: vec!["materials/0/young=0.9 MPa".to_owned()], ..options };
     assert_eq!(run(&softer).exit, Exit::ExpectMissed);

@@ -123,6 +123,26 @@ fn a_path_into_unstable_states() {
     assert_eq!(codes(&along(Analysis::Minimum)), [""; 0]);
 }
 
+/// So are ramps, and further equilibria.
+#[test]
+fn ramps_and_equilibria_into_unstable_states() {
+    const STRIP: &str = include_str!("cases/swelling_strip.json");
+    let of = |analysis: Analysis| {
+        let place = Place::new();
+        let options = Options { analysis, ..place.options(&[]) };
+        place.run_with(Command::Solve, STRIP, &Console::silent(), &options).unwrap()
+    };
+    let ramp = of(Analysis::Ramp("swelling=0 Pa:2 kPa:5".to_owned()));
+    assert_eq!(codes(&ramp), ["unstable"], "{}", ramp.result["warnings"]);
+    let told = message(&ramp, "unstable");
+    assert!(told.starts_with("ramp at 1500: ") && told.contains("(the first of 2 such states among 5)"), "{told}");
+    // the first is told with the equilibrium, and again among the three
+    let three = of(Analysis::Equilibria(3));
+    assert_eq!(codes(&three), ["unstable", "unstable"], "{}", three.result["warnings"]);
+    let told = three.result["warnings"][1]["message"].as_str().unwrap();
+    assert!(told.contains("(the first of 1 such states among 3)"), "{told}");
+}
+
 /// A strip whose fibres shorten above and lengthen below rolls up.
 #[test]
 fn a_body_that_intersects_itself() {

@@ -29,10 +29,27 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
+/// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
+pub(super) fn begin(session: &mut Session<'_>, restart: bool) -> Result<Exit, RunError> {
+    session.require(true, true)?;
+    if let (Some(out), false) = (&session.out, restart)
+        && let Some(Written { start, iteration }) = checkpoint::interrupted(out)
+        && (start, iteration) != (0, 0)
+    {
+        let directory = out.path().to_owned();
+        // Its results stay as they are: nothing is written.
+        session.out = None;
+        return Err(RunError::Interrupted { directory, iteration });
+    }
+    run(session)
+}
+
+fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
     if let Some(out) = &session.out {
         out.remove_old_iterations();
+        // It belongs to an earlier command; until there is a new one this optimisation counts as interrupted.
+        out.remove("result.json")?;
     }
     warn_of_own_files(session);
     let mut journal = Journal::begin(session)?;

@@ -96,7 +96,8 @@ impl<'c> Session<'c> {
         } else {
             let terminal = console.clone();
             problem.ensemble.watch_solves(move |_, Progress { load, newton, residual, .. }| {
-                terminal.pass(format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}"));
+                let line = format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}");
+                terminal.progress(*newton, line);
             });
         }
         let mut session = Self {

@@ -122,7 +122,8 @@ impl Asked {
         session.console.say(format!("ramp        {} from {ends} in {} equilibria{inside}", field.array, self.count));
         session.console.say(series.header());
         let progress = |now: &Progress| {
-            session.console.pass(format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual));
+            let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);
+            session.console.progress(now.newton, line);
         };
         let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
         let value = |s: f64| if s == 1.0 { to } else { from + s * (to - from) };
