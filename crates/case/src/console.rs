@@ -52,7 +52,7 @@ impl Console {
         }
     }
 
-    /// Shows how a solve goes on: on a terminal a line until the next one; elsewhere a line every [`EVERY`] iterations, so that a log
+    /// Shows how a solve goes on: on a terminal a line until the next one; elsewhere a line every 50 iterations, so that a log
     /// is not silent for minutes. `count` is the number of iterations so far.
     pub fn progress(&self, count: usize, line: impl fmt::Display) {
         if self.passing.lock().is_ok_and(|passing| passing.is_some()) {
