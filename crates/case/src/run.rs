@@ -32,9 +32,10 @@ pub use gradcheck::{GradientTest, test_gradient};
 
 use crate::catalogue::Catalogue;
 use crate::console::Console;
-use crate::result::{Missed, expectation};
+use crate::result::{Missed, expectation, failure};
 use crate::schema::Command;
 use crate::warning::Warning;
+use nastic_control::ControlError;
 use serde_json::{Value, json};
 use session::Session;
 use std::path::{Path, PathBuf};
@@ -52,6 +53,8 @@ pub struct Options {
     pub set: Vec<String>,
     /// Whether warnings make a command fail, with [`Exit::Warned`].
     pub strict: bool,
+    /// Whether `optimize` may replace the checkpoint of an interrupted optimisation.
+    pub restart: bool,
     /// What `solve` computes.
     pub analysis: Analysis,
     /// Once raised, the command stops as soon as it can, keeping what it has.
@@ -96,7 +99,7 @@ pub fn run_with(
             Command::Solve => solve::run(&mut session, &options.analysis),
             Command::Gradient => gradient::run(&mut session),
             Command::Gradcheck => gradcheck::run(&mut session),
-            Command::Optimize => optimize::run(&mut session),
+            Command::Optimize => optimize::begin(&mut session, options.restart),
         };
         conclude(session, exit, options.analysis.has_one_state())
     })
@@ -148,6 +151,12 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.put("warnings", json!(warnings));
     session.put("error", json!(error.to_string()));
     session.put("exit", json!(error.exit().code()));
+    if let RunError::Forward { member, error, .. } = error
+        && let ControlError::State(state) = error.as_ref()
+    {
+        let entry = session.problem.members().find(|one| one.name() == *member).map(|one| failure::entries(one, state));
+        session.put("failure", json!(entry));
+    }
     if let Some(out) = &session.out {
         // The error itself is what the caller hears of.
         let _ = out.write_json("result.json", &session.result_value());

@@ -7,8 +7,22 @@ use nastic_mesh::Snapshot;
 use super::inspection::Inspection;
 
 /// Names of result arrays that no control may take.
-pub(crate) const RESERVED: [&str; 11] =
-    ["displacement", "adjoint", "J", "P", "cauchy_stress", "energy", "fiber", "B_r", "B_a", "region", "intersecting"];
+pub(crate) const RESERVED: [&str; 14] = [
+    "displacement",
+    "adjoint",
+    "J",
+    "P",
+    "cauchy_stress",
+    "energy",
+    "fiber",
+    "B_r",
+    "B_a",
+    "region",
+    "intersecting",
+    "failed",
+    "min_J",
+    "failure_rank",
+];
 
 /// The snapshot of a state: [`nastic_control::Reduced::snapshot_of`] with the case's names.
 pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
