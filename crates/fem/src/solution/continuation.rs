@@ -18,14 +18,19 @@ use nastic_numeric::vector::{norm, sub};
 const WARM: usize = 3;
 /// Iterations after which a guess was a poor one.
 const GUESS: usize = 15;
-/// A tangent that had to be shifted no more often along a load step that failed is worth an attempt by full steps.
-const CREEPS: usize = 3;
-/// Newton iterations of an attempt by full steps.
-const FULL: usize = 40;
+/// Load steps after which strains at the quadrature points are no longer tried on a path where they have never helped.
+const FAILURES: usize = 2;
 /// Newton iterations after which load steps from rest are given up at the first that fails.
 const MOST: usize = 10_000;
 /// Newton iterations of a descent at full load.
 const DESCENT: usize = 1_500;
+
+/// Whether strains of their own at the quadrature points have helped on a path.
+#[derive(Default)]
+struct Helped {
+    succeeded: bool,
+    failures: usize,
+}
 
 impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
@@ -126,8 +131,9 @@ impl Model {
         workspace.forget();
         let long = SolveOptions { max_newton: DESCENT, ..how.clone() };
         let newton = Newton { search: Search::Patient, ..self.newton(controls, 1.0, time_step, 1.0, &long) };
-        match newton.solve(rest.u.to_vec(), self.linear_solver(how, workspace), report) {
-            Ok(u) => {
+        let mut u = rest.u.to_vec();
+        match newton.solve(&mut u, self.linear_solver(how, workspace), report) {
+            Ok(_) => {
                 report.load_steps += 1;
                 Ok(State::equilibrium(u, controls.clone(), 1.0, *report))
             }
@@ -148,27 +154,45 @@ impl Model {
         Newton { model: self, controls, load, time_step, path, options, search: Search::Downhill }
     }
 
-    /// One load step: downhill, and where that leads nowhere although the tangent was hardly ever indefinite, by full steps.
+    /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
+    /// points; once these have helped, the next steps begin with them.
     fn attempt(
         &self,
         newton: &Newton,
         from: &[f64],
+        helped: &mut Helped,
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
-        let shifted = report.shifted;
-        let downhill = newton.solve(from.to_vec(), self.linear_solver(newton.options, workspace), report);
-        let creeps = matches!(downhill, Err(Stop::Slow { .. })) && report.shifted - shifted <= CREEPS;
-        if !creeps || !self.has_potential() {
-            return downhill;
+        let mut u = from.to_vec();
+        let first = helped.succeeded && newton.jump(from).is_none();
+        if first {
+            match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
+                Ok(()) => return Ok(u),
+                Err(Stop::Cancelled) => return Err(Stop::Cancelled),
+                Err(_) => workspace.forget(),
+            }
+            u.copy_from_slice(from);
+        }
+        let slow = match newton.solve(&mut u, self.linear_solver(newton.options, workspace), report) {
+            Ok(_) => return Ok(u),
+            Err(slow @ Stop::Slow { .. }) => slow,
+            Err(other) => return Err(other),
+        };
+        if first || helped.failures >= FAILURES || !self.has_potential() || newton.jump(&u).is_some() {
+            return Err(slow);
         }
         workspace.forget();
-        let brief = SolveOptions { max_newton: newton.options.max_newton.min(FULL), ..newton.options.clone() };
-        let full = Newton { search: Search::Full, options: &brief, ..*newton };
-        match full.solve(from.to_vec(), self.linear_solver(&brief, workspace), report) {
-            Ok(u) => Ok(u),
+        match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
+            Ok(()) => {
+                helped.succeeded = true;
+                Ok(u)
+            }
             Err(Stop::Cancelled) => Err(Stop::Cancelled),
-            Err(_) => downhill,
+            Err(_) => {
+                helped.failures += 1;
+                Err(slow)
+            }
         }
     }
 
@@ -183,8 +207,9 @@ impl Model {
     ) -> Result<Option<State>, StateError> {
         let brief = SolveOptions { max_newton: how.max_newton.min(GUESS), ..how.clone() };
         let newton = self.newton(controls, 1.0, time_step, 1.0, &brief);
-        match newton.solve(guess.to_vec(), self.linear_solver(how, workspace), report) {
-            Ok(u) => {
+        let mut u = guess.to_vec();
+        match newton.solve(&mut u, self.linear_solver(how, workspace), report) {
+            Ok(_) => {
                 report.load_steps += 1;
                 Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)))
             }
@@ -241,14 +266,14 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<State, StateError> {
         let mut here = from.clone();
-        let mut steps = LoadSteps::default();
+        let (mut steps, mut helped) = (LoadSteps::default(), Helped::default());
         while steps.done < 1.0 {
             let path = steps.next();
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
             let newton = self.newton(&controls, load, time_step, path, how);
-            match self.attempt(&newton, &here.u, workspace, report) {
+            match self.attempt(&newton, &here.u, &mut helped, workspace, report) {
                 Ok(u) => {
                     report.load_steps += 1;
                     steps.succeeded(path, norm(&sub(&u, &here.u)));
