@@ -18,19 +18,10 @@ use nastic_numeric::vector::{norm, sub};
 const WARM: usize = 3;
 /// Iterations after which a guess was a poor one.
 const GUESS: usize = 15;
-/// Load steps after which strains at the quadrature points are no longer tried on a path where they have never helped.
-const FAILURES: usize = 2;
 /// Newton iterations after which load steps from rest are given up at the first that fails.
 const MOST: usize = 10_000;
 /// Newton iterations of a descent at full load.
 const DESCENT: usize = 1_500;
-
-/// Whether strains of their own at the quadrature points have helped on a path.
-#[derive(Default)]
-struct Helped {
-    succeeded: bool,
-    failures: usize,
-}
 
 impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
@@ -155,17 +146,18 @@ impl Model {
     }
 
     /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
-    /// points; once these have helped, the next steps begin with them.
+    /// points; once these have helped, the next steps begin with them. Not
+    /// where the path seems to turn back.
     fn attempt(
         &self,
         newton: &Newton,
         from: &[f64],
-        helped: &mut Helped,
+        (helped, turns): (&mut bool, bool),
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
         let mut u = from.to_vec();
-        let first = helped.succeeded && newton.jump(from).is_none();
+        let first = *helped && newton.jump(from).is_none();
         if first {
             match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
                 Ok(()) => return Ok(u),
@@ -179,20 +171,17 @@ impl Model {
             Err(slow @ Stop::Slow { .. }) => slow,
             Err(other) => return Err(other),
         };
-        if first || helped.failures >= FAILURES || !self.has_potential() || newton.jump(&u).is_some() {
+        if first || turns || !self.has_potential() || newton.jump(&u).is_some() {
             return Err(slow);
         }
         workspace.forget();
         match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
             Ok(()) => {
-                helped.succeeded = true;
+                *helped = true;
                 Ok(u)
             }
             Err(Stop::Cancelled) => Err(Stop::Cancelled),
-            Err(_) => {
-                helped.failures += 1;
-                Err(slow)
-            }
+            Err(_) => Err(slow),
         }
     }
 
@@ -266,14 +255,15 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<State, StateError> {
         let mut here = from.clone();
-        let (mut steps, mut helped) = (LoadSteps::default(), Helped::default());
+        let (mut steps, mut helped) = (LoadSteps::default(), false);
         while steps.done < 1.0 {
             let path = steps.next();
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
             let newton = self.newton(&controls, load, time_step, path, how);
-            match self.attempt(&newton, &here.u, &mut helped, workspace, report) {
+            let turns = steps.limit_point().is_some();
+            match self.attempt(&newton, &here.u, (&mut helped, turns), workspace, report) {
                 Ok(u) => {
                     report.load_steps += 1;
                     steps.succeeded(path, norm(&sub(&u, &here.u)));
