@@ -13,6 +13,9 @@ pub struct Console {
     passing: Place,
 }
 
+/// Iterations between lines about a solve where there is no terminal.
+const EVERY: usize = 50;
+
 type Place = Arc<Mutex<Option<Box<dyn Write + Send>>>>;
 
 impl fmt::Debug for Console {
@@ -46,6 +49,16 @@ impl Console {
         let Ok(mut out) = self.lines.lock() else { return };
         if let Some(out) = out.as_mut() {
             let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+        }
+    }
+
+    /// Shows how a solve goes on: on a terminal a line until the next one; elsewhere a line every 50 iterations, so that a log
+    /// is not silent for minutes. `count` is the number of iterations so far.
+    pub fn progress(&self, count: usize, line: impl fmt::Display) {
+        if self.passing.lock().is_ok_and(|passing| passing.is_some()) {
+            self.pass(line);
+        } else if count > 0 && count.is_multiple_of(EVERY) {
+            self.say(format!("            {line}"));
         }
     }
 

@@ -5,6 +5,7 @@
 
 mod actuation;
 mod array;
+mod bending;
 mod body;
 mod context;
 mod control;

@@ -3,6 +3,7 @@
 pub(crate) mod checkpoint_file;
 pub(crate) mod convergence;
 pub(crate) mod expectation;
+pub(crate) mod failure;
 pub(crate) mod files;
 pub(crate) mod fingerprint;
 pub(crate) mod inspection;

@@ -34,9 +34,10 @@ pub use report::report;
 
 use crate::catalogue::Catalogue;
 use crate::console::Console;
-use crate::result::{Missed, expectation};
+use crate::result::{Missed, expectation, failure};
 use crate::schema::Command;
 use crate::warning::Warning;
+use nastic_control::ControlError;
 use serde_json::{Value, json};
 use session::Session;
 use std::path::{Path, PathBuf};
@@ -56,6 +57,8 @@ pub struct Options {
     pub strict: bool,
     /// Whether the page of results, `report.html`, is left out.
     pub no_report: bool,
+    /// Whether `optimize` may replace the checkpoint of an interrupted optimisation.
+    pub restart: bool,
     /// What `solve` computes.
     pub analysis: Analysis,
     /// Once raised, the command stops as soon as it can, keeping what it has.
@@ -100,7 +103,7 @@ pub fn run_with(
             Command::Solve => solve::run(&mut session, &options.analysis),
             Command::Gradient => gradient::run(&mut session),
             Command::Gradcheck => gradcheck::run(&mut session),
-            Command::Optimize => optimize::run(&mut session),
+            Command::Optimize => optimize::begin(&mut session, options.restart),
         };
         conclude(session, exit, options.analysis.has_one_state())
     })
@@ -153,8 +156,15 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.put("warnings", json!(warnings));
     session.put("error", json!(error.to_string()));
     session.put("exit", json!(error.exit().code()));
-    if let RunError::Forward { file: Some(_), .. } = error {
-        session.put("files", json!(["failure.vtu"]));
+    if let RunError::Forward { member, error, file } = error {
+        if file.is_some() {
+            session.put("files", json!(["failure.vtu"]));
+        }
+        if let ControlError::State(state) = error.as_ref() {
+            let one = session.problem.members().find(|one| one.name() == *member);
+            let entry = one.map(|one| failure::entries(one, state));
+            session.put("failure", json!(entry));
+        }
     }
     // The error itself is what the caller hears of.
     let _ = report::write_result(&mut session);

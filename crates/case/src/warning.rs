@@ -68,7 +68,7 @@ pub const LOCKING: WarningKind = WarningKind {
     code: "locking",
     about: "the elements are too stiff for this material: displacements come out too small",
     advice: "use second-order elements: tet10, hex20 or hex27, in plane strain tri6 or quad9 (\"element\" of a box; in Gmsh \
-             Mesh.ElementOrder = 2)",
+             Mesh.ElementOrder = 2), from Poisson's ratio 0.499 on no simplices",
 };
 
 /// Poor cells.
@@ -184,6 +184,15 @@ impl Warning {
     #[must_use]
     pub fn at(kind: &'static WarningKind, diagnostic: &Diagnostic) -> Self {
         Self { kind, place: diagnostic.place(), message: diagnostic.message.clone() }
+    }
+
+    /// A warning from results; `None` where its code is of no known kind or a text is missing.
+    #[must_use]
+    pub fn from_json(value: &Value) -> Option<Self> {
+        let text = |key: &str| value[key].as_str().map(str::to_owned);
+        let (code, place, message) = (text("code")?, text("place")?, text("message")?);
+        let kind = WARNINGS.iter().find(|kind| kind.code == code)?;
+        Some(Self { kind, place, message })
     }
 
     /// As it stands in results: `{ "code", "place", "message", "try" }`.

@@ -4,10 +4,11 @@
 
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{Options, Outcome, RunError, run_with};
+use nastic_case::run::{Exit, Options, Outcome, RunError, run_with};
 use nastic_case::schema::{Command, json_schema};
 use nastic_control::{ControlError, Cost, CostContext, CostForm, CostPoint, Partials};
-use nastic_energy::catalogue::Parameter;
+use nastic_energy::catalogue::{Given, Parameter};
+use nastic_fem::Solid;
 use std::sync::Arc;
 
 const BAR: &str = include_str!("cases/bar.json");
@@ -18,6 +19,8 @@ struct Lift {
     nodes: Vec<u32>,
     height: f64,
     weight: f64,
+    /// Factor of the derivative: any but 1 is an error.
+    slope: f64,
 }
 
 #[derive(Debug)]
@@ -25,6 +28,7 @@ struct LiftPoint {
     /// Unknown and how far it is from the height.
     gaps: Vec<(usize, f64)>,
     weight: f64,
+    slope: f64,
 }
 
 impl Cost for Lift {
@@ -34,7 +38,8 @@ impl Cost for Lift {
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let gap = |node: &u32| (*node as usize * 3 + 2, at.u[*node as usize * 3 + 2] - self.height);
-        Ok(Arc::new(LiftPoint { gaps: self.nodes.iter().map(gap).collect(), weight: self.weight }))
+        let gaps = self.nodes.iter().map(gap).collect();
+        Ok(Arc::new(LiftPoint { gaps, weight: self.weight, slope: self.slope }))
     }
 }
 
@@ -44,7 +49,7 @@ impl CostPoint for LiftPoint {
     }
 
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
-        self.gaps.iter().for_each(|(dof, gap)| out.u[*dof] += self.weight * gap);
+        self.gaps.iter().for_each(|(dof, gap)| out.u[*dof] += self.slope * self.weight * gap);
         Ok(())
     }
 }
@@ -53,22 +58,35 @@ static LIFT: CostForm = CostForm {
     name: "lift",
     about: "weight/2 (u_z - height)^2 at the nodes of a surface",
     forms: &[&[Parameter::place("surface", "x+"), Parameter::number("height", "m", 0.1)]],
-    make: |solid, given, weight| {
-        let mesh = solid.mesh();
-        let nodes = mesh.nodes_of_facets(mesh.surface(given.word("surface").unwrap_or_default())?);
-        let height = given.number("height").map_err(|e| ControlError::Cost { what: e.to_string() })?;
-        let height = height.at(nastic_energy::Place { cell: 0, point: 0 });
-        Ok(Box::new(Lift { nodes, height, weight }))
-    },
+    make: |solid, given, weight| Ok(Box::new(lift(solid, given, weight, 1.0)?)),
 };
 
+/// The same with a derivative that is wrong.
+static WRONG: CostForm = CostForm {
+    name: "wrong_lift",
+    make: |solid, given, weight| Ok(Box::new(lift(solid, given, weight, 1.5)?)),
+    ..LIFT
+};
+
+fn lift(solid: &Solid, given: &Given<'_>, weight: f64, slope: f64) -> Result<Lift, ControlError> {
+    let mesh = solid.mesh();
+    let nodes = mesh.nodes_of_facets(mesh.surface(given.word("surface").unwrap_or_default())?);
+    let height = given.number("height").map_err(|e| ControlError::Cost { what: e.to_string() })?;
+    let height = height.at(nastic_energy::Place { cell: 0, point: 0 });
+    Ok(Lift { nodes, height, weight, slope })
+}
+
 fn run(cost: &str, command: Command) -> Result<Outcome, RunError> {
+    run_set(cost, command, &[])
+}
+
+fn run_set(cost: &str, command: Command, more: &[&str]) -> Result<Outcome, RunError> {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("case.json");
     std::fs::write(&path, BAR).unwrap();
-    let set = vec![format!("costs={cost}")];
+    let set = [format!("costs={cost}")].into_iter().chain(more.iter().map(|set| (*set).to_owned())).collect();
     let options = Options { out: Some(directory.path().join("out")), set, ..Options::default() };
-    let catalogue = Catalogue::standard().with_cost(&LIFT);
+    let catalogue = Catalogue::standard().with_cost(&LIFT).with_cost(&WRONG);
     run_with(&catalogue, command, &path, &options, &Console::silent())
 }
 
@@ -81,6 +99,19 @@ fn a_cost_of_ones_own_is_evaluated_and_its_derivative_is_right() {
     let single = run(once, Command::Gradient).unwrap().result;
     let (double, single) = (&result["cost"]["terms"]["lift"], &single["cost"]["terms"]["up"]);
     assert!((double.as_f64().unwrap() / single.as_f64().unwrap() - 2.0).abs() < 1e-12, "{double} {single}");
+}
+
+/// An optimisation that does not begin tells what is doubtful of its start all the same, once.
+#[test]
+fn a_wrong_derivative_does_not_hide_the_warnings_of_the_start() {
+    let cost = r#"[{ "kind": "wrong_lift", "surface": "x+", "height": "20 mm" }]"#;
+    let pushed = [r#"loads=[{ "surface": "x+", "traction": ["-30 kPa", 0, 0] }]"#, "controls/0/start=0"];
+    let outcome = run_set(cost, Command::Optimize, &pushed).unwrap();
+    assert_eq!(outcome.exit, Exit::GradientWrong);
+    let warnings = outcome.result["warnings"].as_array().unwrap();
+    let unstable: Vec<_> = warnings.iter().filter(|warning| warning["code"] == "unstable").collect();
+    assert_eq!(unstable.len(), 1, "{warnings:?}");
+    assert_eq!(unstable[0]["place"], "start");
 }
 
 #[test]

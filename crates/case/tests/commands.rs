@@ -290,7 +290,24 @@ fn an_impossible_solve_keeps_its_last_good_state() {
         let last = nastic_io::read_snapshot(place.path("out/failure.vtu")).unwrap();
         let moved = last.point_array("displacement").unwrap().values.iter().fold(0.0f64, |m, u| m.max(u.abs()));
         assert!(moved > 0.1, "it came some of the way: {moved}");
-        assert_eq!(place.json("result.json")["exit"], 3);
+        let result = place.json("result.json");
+        assert_eq!(result["exit"], 3);
+        let failure = &result["failure"];
+        let share = |key: &str| failure[key].as_f64().unwrap_or_else(|| panic!("no {key} in {failure:#}"));
+        assert!(share("load") > 0.0 && share("load") <= 1.0, "{failure:#}");
+        assert!(["inverted", "no_convergence"].contains(&failure["kind"].as_str().unwrap()), "{failure:#}");
+        if failure["kind"] == "no_convergence" {
+            assert!(share("reached") < share("load") && failure["cause"].is_string(), "{failure:#}");
+        }
+        // all cells are ranked by their smallest J, in the file and in the result
+        let worst = failure["worst_cells"].as_array().unwrap();
+        let (rank, lowest) = (last.cell_array("failure_rank").unwrap(), last.cell_array("min_J").unwrap());
+        for (k, one) in worst.iter().enumerate() {
+            let cell = one["cell"].as_u64().unwrap() as usize;
+            assert_eq!((rank.values[cell], Some(lowest.values[cell])), ((k + 1) as f64, one["min_J"].as_f64()));
+        }
+        let least = lowest.values.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(worst.len() == 4 && worst[0]["min_J"] == least && (0.0..0.9).contains(&least), "{failure:#}");
     }
 }
 

@@ -184,6 +184,29 @@ fn what_earlier_starts_found_is_kept() {
     }
 }
 
+/// A column that its load has made unstable.
+const PUSHED: [&str; 2] = [r#"loads=[{ "surface": "x+", "traction": ["-30 kPa", 0, 0] }]"#, "controls/0/start=0"];
+
+/// Warnings of every start stand in the result, also of those that an earlier program made.
+#[test]
+fn warnings_of_starts_are_kept() {
+    let set: Vec<&str> = SHORT.iter().chain(&PUSHED).chain(&["optimizer/starts=2"]).copied().collect();
+    let whole = Place::new();
+    let warnings = whole.run(Command::Optimize, BAR, &set).unwrap().result["warnings"].clone();
+    let unstable = |place: &str| {
+        let is = |warning: &&Value| warning["code"] == "unstable" && warning["place"] == place;
+        warnings.as_array().unwrap().iter().filter(is).count()
+    };
+    assert_eq!((unstable("start 1 of 2"), unstable("start 2 of 2")), (1, 1), "{warnings:#}");
+    goes_on_to_the_bit(BAR, &set, &[7, 12, 24]);
+}
+
+#[test]
+fn an_optimum_that_is_verified_goes_on_to_the_bit() {
+    let set: Vec<&str> = SHORT.iter().chain(&PUSHED).chain(&["optimizer/verify=true"]).copied().collect();
+    goes_on_to_the_bit(BAR, &set, &[8, 11]);
+}
+
 /// The end of a run that was itself resumed, twice.
 #[test]
 fn what_was_resumed_can_be_resumed_again() {

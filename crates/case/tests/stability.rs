@@ -120,14 +120,33 @@ fn a_control_of_another_space_goes_everywhere() {
 #[test]
 fn a_ramp_that_fails_keeps_its_points_and_says_where() {
     let place = Place::new();
-    let (result, exit, said) = analyse(&place, BAR, Analysis::Ramp("tension=0:50 MPa:4".to_owned()), &[]);
+    let (result, exit, said) = analyse(&place, BAR, Analysis::Ramp("tension=0:2 MPa:4".to_owned()), &[]);
     assert_eq!(exit, Exit::ForwardFailed);
     assert_eq!(exit.code(), 3);
     let points = result["ramp"]["points"].as_array().unwrap();
     assert!((1..4).contains(&points.len()), "{result:#}");
-    assert!(result["ramp"]["failed"]["at"].as_str().unwrap().ends_with(" Pa"), "{result:#}");
+    let failed = &result["ramp"]["failed"];
+    assert!(failed["at"].as_str().unwrap().ends_with(" Pa"), "{failed:#}");
+    // where it failed is a value of the control, between the last row and the one that was sought
+    let number = |key: &str| failed[key].as_f64().unwrap_or_else(|| panic!("no {key} in {failed:#}"));
+    let last = points[points.len() - 1]["value"].as_f64().unwrap();
+    let sought: f64 = failed["at"].as_str().unwrap().trim_end_matches(" Pa").parse().unwrap();
+    assert!(last + 1e3 < number("last_value") && number("last_value") < number("value"), "{failed:#}");
+    assert!(number("value") <= sought && sought - last > 1e5, "{failed:#}");
+    assert!(failed["load"].is_null() && failed["reached"].is_null(), "{failed:#}");
+    assert_eq!((&failed["kind"], &failed["cause"]), (&"no_convergence".into(), &"convexity_bound".into()));
+    assert!(failed["why"].as_str().unwrap().contains(" Pa, the last one at "), "{failed:#}");
+    assert_eq!(failed["worst_cells"].as_array().unwrap().len(), 4, "{failed:#}");
+    let shot = nastic_io::read_snapshot(place.path("out/failure.vtu")).unwrap();
+    let tension = shot.point_array("tension").unwrap().values.clone();
+    assert!(tension.iter().all(|t| (t - number("last_value")).abs() < 1e-6), "{tension:?}");
     assert!(result["error"].as_str().unwrap().contains("the ramp stops at"), "{result:#}");
     assert!(said.contains("STOPPED"), "{said}");
+    // a solve that takes long is told of every 50 iterations where there is no terminal
+    let spent = number("newton_iterations");
+    let told = said.lines().filter(|line| line.starts_with("            Newton iteration ")).count() as f64;
+    assert!(spent >= 50.0 && told >= (spent / 50.0).floor(), "{spent} iterations, {told} lines: {said}");
+    assert!(said.contains("            Newton iteration 50, residual "), "{said}");
     assert_eq!(std::fs::read_to_string(place.path("out/ramp.csv")).unwrap().lines().count(), 1 + points.len());
 }
 
@@ -220,6 +239,15 @@ fn the_arch_has_the_limit_points_it_expects() {
     assert_eq!(kinds, ["limit point", "bifurcation", "limit point", "bifurcation"]);
     let plain = run(&place.options(&[]));
     assert_eq!((plain.exit, &plain.result["expect"]["checked"]), (Exit::Done, &1.into()), "{:?}", plain.missed);
+    // the same, to the first limit point
+    let short = Options { analysis: Analysis::PathToLimit, set: vec!["expect={}".to_owned()], ..options.clone() };
+    let first = run(&short);
+    assert_eq!(first.exit, Exit::Done);
+    let path = |outcome: &nastic_case::run::Outcome, key: &str| outcome.result["path"][key].as_array().unwrap().clone();
+    assert_eq!(path(&first, "events")[..], path(&outcome, "events")[..1]);
+    let points = path(&first, "points");
+    assert!(points.len() < path(&outcome, "points").len() && path(&outcome, "points").starts_with(&points));
+    assert!(first.result["path"]["stopped"].is_null());
     // another material has other limit points
     let softer = Options { set: vec!["materials/0/young=0.9 MPa".to_owned()], ..options };
     assert_eq!(run(&softer).exit, Exit::ExpectMissed);

@@ -46,7 +46,7 @@ fn message(outcome: &Outcome, code: &str) -> String {
 fn locking_elements() {
     let tets = warnings(&with(BAR, r#""element": "hex8""#, r#""element": "tet4""#));
     assert!(tets.contains("[locking]") && tets.contains("tet4 cells of \"body\" at Poisson's ratio"), "{tets}");
-    let soft = strip("[1.0, 0.1]", "[8, 2]", "");
+    let soft = strip("[1.0, 0.1]", "[16, 2]", "");
     assert_eq!(warnings(&soft), "");
     for (element, poisson, locks) in
         [("quad4", "0.39", false), ("quad4", "0.41", true), ("quad9", "0.49", false), ("tri3", "0.1", true)]
@@ -123,6 +123,26 @@ fn a_path_into_unstable_states() {
     assert_eq!(codes(&along(Analysis::Minimum)), [""; 0]);
 }
 
+/// So are ramps, and further equilibria.
+#[test]
+fn ramps_and_equilibria_into_unstable_states() {
+    const STRIP: &str = include_str!("cases/swelling_strip.json");
+    let of = |analysis: Analysis| {
+        let place = Place::new();
+        let options = Options { analysis, ..place.options(&[]) };
+        place.run_with(Command::Solve, STRIP, &Console::silent(), &options).unwrap()
+    };
+    let ramp = of(Analysis::Ramp("swelling=0 Pa:2 kPa:5".to_owned()));
+    assert_eq!(codes(&ramp), ["unstable"], "{}", ramp.result["warnings"]);
+    let told = message(&ramp, "unstable");
+    assert!(told.starts_with("ramp at 1500: ") && told.contains("(the first of 2 such states among 5)"), "{told}");
+    // the first is told with the equilibrium, and again among the three
+    let three = of(Analysis::Equilibria(3));
+    assert_eq!(codes(&three), ["unstable", "unstable"], "{}", three.result["warnings"]);
+    let told = three.result["warnings"][1]["message"].as_str().unwrap();
+    assert!(told.contains("(the first of 1 such states among 3)"), "{told}");
+}
+
 /// A strip whose fibres shorten above and lengthen below rolls up.
 #[test]
 fn a_body_that_intersects_itself() {
@@ -183,6 +203,60 @@ fn a_term_that_does_not_count() {
 fn an_optimum_that_is_verified() {
     let verified = with(BAR, r#""optimizer": {"#, r#""optimizer": { "verify": true,"#);
     assert_eq!(codes(&run(Command::Optimize, &verified)), [""; 0]);
+}
+
+/// A strip between clamps that its turgor has made buckle upwards; a field whose torques turn its halves against each other lifts
+/// or lowers its middle. It snaps to the other side at about -0.5 mT, so that from -0.5 to 0.5 mT there are two stable states.
+const SNAPPING: &str = r#"{ "nastic": 1,
+  "mesh": { "box": { "size": [1.0, 0.02], "cells": [20, 1], "element": "quad9" } },
+  "materials": [ { "region": "body", "law": "neo_hooke", "young": "1 MPa", "poisson": 0.0 } ],
+  "supports": [ { "surface": "x-", "fix": ["x", "y"] }, { "surface": "x+", "fix": ["x", "y"] } ],
+  "actuation": [
+    { "name": "swelling", "kind": "turgor", "region": "body", "pressure": "3 kPa" },
+    { "name": "magnet", "kind": "magnet", "region": "body", "remanence": ["0.1 T * (1 - 2 * (X > 0.5 m))", 0] } ],
+  "controls": [ { "of": "magnet.field", "name": "field", "space": "uniform", "direction": [0, 1],
+                  "start": "1 mT", "lower": "-20 mT", "upper": "20 mT" } ],
+  "costs": [ { "kind": "tracking", "region": "body", "target": ["X", "Y + 0.024 * sin(pi * X / 1 m)^2"] } ],
+  "optimizer": { "method": "lbfgs", "max_iterations": 20, "verify": true } }"#;
+
+/// An optimum on the upper branch at a field that pulls downwards: from rest the strip buckles downwards.
+#[test]
+fn an_optimum_that_depends_on_the_path() {
+    let outcome = run(Command::Optimize, SNAPPING);
+    let field = outcome.result["controls"]["field"]["min"].as_f64().unwrap();
+    assert!((-5e-4..0.0).contains(&field), "{field}");
+    assert_eq!(codes(&outcome), ["not_verified"], "{}", outcome.result["warnings"]);
+    let told = message(&outcome, "not_verified");
+    assert!(told.contains("of their norm, the cost is"), "{told}");
+    // where both are the same state nothing is told
+    let lower = with(SNAPPING, "Y + 0.024", "Y - 0.05");
+    assert_eq!(codes(&run(Command::Optimize, &lower)), [""; 0]);
+}
+
+/// At its buckling load, which ramps bisect, the tangent of a straight strip is singular to working precision.
+#[test]
+fn a_state_at_a_bifurcation() {
+    const STRIP: &str = include_str!("cases/swelling_strip.json");
+    let solve = |analysis: Analysis, start: f64| {
+        let place = Place::new();
+        let options = Options { analysis, ..place.options(&[&format!("controls/0/start={start:?}")]) };
+        place.run_with(Command::Solve, STRIP, &Console::silent(), &options).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let (mut value, mut error) = (1300.0, 100.0);
+    for _ in 0..6 {
+        let ramp = Analysis::Ramp(format!("swelling={:?}:{:?}:2", value - error, value + error));
+        let critical = solve(ramp, 0.0).result["ramp"]["critical"][0].clone();
+        let Some(found) = critical["value"].as_f64() else { break };
+        (value, error) = (found, critical["error"].as_f64().unwrap().max(4e-16 * found));
+    }
+    // Bisection ends where the inertia is no longer counted: the singular states lie just above.
+    let at = solve(Analysis::Equilibrium, value + error);
+    assert_eq!(codes(&at), ["nearly_singular"], "at {value} +- {error}: {}", at.result["warnings"]);
+    assert!(message(&at, "nearly_singular").contains("singular to working precision"), "{}", at.result["warnings"]);
+    assert!(at.result["inertia"].is_null());
+    // A thousandth off the state is clearly of one kind or the other.
+    assert_eq!(codes(&solve(Analysis::Equilibrium, 0.999 * value)), [""; 0]);
+    assert_eq!(codes(&solve(Analysis::Equilibrium, 1.001 * value)), ["unstable"]);
 }
 
 /// Every accepted trial is told with its negative pivots.

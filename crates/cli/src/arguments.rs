@@ -47,7 +47,7 @@ pub enum Command {
     /// target.vtu, iterations.pvd with its snapshots, history.jsonl, checkpoint.bin, picture.png, picture.svg and
     /// result.json, report.html. Ctrl-C or SIGTERM stops after the trial at hand and keeps what was found; nastic resume goes on.
     /// Load cases and scenarios have files of their own, and scenarios.pvd collects the latter.
-    Optimize(Case),
+    Optimize(Optimize),
     /// Go on with an interrupted optimisation from the last checkpoint in its output directory
     ///
     /// The result is that of an optimisation without interruption, to the bit, however the program ended: by Ctrl-C,
@@ -60,6 +60,16 @@ pub enum Command {
     Report(Report),
     /// Print the JSON Schema of case files, for editors
     Schema,
+}
+
+/// A case to optimise.
+#[derive(Debug, Args)]
+pub struct Optimize {
+    #[command(flatten)]
+    pub case: Case,
+    /// Begin anew although the output directory holds the checkpoint of an interrupted optimisation, which is replaced
+    #[arg(long)]
+    pub restart: bool,
 }
 
 /// An optimisation that was interrupted.
@@ -111,6 +121,16 @@ pub struct Solve {
     pub case: Case,
     #[command(flatten)]
     pub analysis: Analysis,
+    /// Where --path ends before full loads: behind the first limit point
+    #[arg(long, value_name = "EVENT", requires = "path")]
+    pub stop_at: Option<StopAt>,
+}
+
+/// Where a path may end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum StopAt {
+    /// Behind the first limit point.
+    Limit,
 }
 
 /// What solve computes: the equilibrium at the start controls, unless one of these is given.

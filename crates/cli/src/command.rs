@@ -1,6 +1,6 @@
 //! From arguments to an exit code.
 
-use crate::arguments::{self, Arguments, Case, Command, Report, Resume, Running};
+use crate::arguments::{self, Arguments, Case, Command, Optimize, Report, Resume, Running, StopAt};
 use crate::signals::cancelled_by_signals;
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
@@ -11,15 +11,23 @@ use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
 
 pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
-    let on_case = |command, case: &Case| on_case(catalogue, command, case, Analysis::default());
+    let on_case = |command, case: &Case| on_case(catalogue, command, case, Asked::default());
     match arguments.command {
         Command::Check(case) => on_case(schema::Command::Check, &case),
         Command::Solve(solve) => {
-            self::on_case(catalogue, schema::Command::Solve, &solve.case, analysis(&solve.analysis))
+            let analysis = match analysis(&solve.analysis) {
+                Analysis::Path if solve.stop_at == Some(StopAt::Limit) => Analysis::PathToLimit,
+                other => other,
+            };
+            let asked = Asked { analysis, ..Asked::default() };
+            self::on_case(catalogue, schema::Command::Solve, &solve.case, asked)
         }
         Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
-        Command::Optimize(case) => on_case(schema::Command::Optimize, &case),
+        Command::Optimize(Optimize { case, restart }) => {
+            let asked = Asked { restart, ..Asked::default() };
+            self::on_case(catalogue, schema::Command::Optimize, &case, asked)
+        }
         Command::Resume(interrupted) => on_directory(catalogue, &interrupted),
         Command::Report(folder) => on_results(&folder),
         Command::Schema => {
@@ -41,7 +49,14 @@ fn analysis(asked: &arguments::Analysis) -> Analysis {
     }
 }
 
-fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, analysis: Analysis) -> ExitCode {
+/// What single commands are asked for.
+#[derive(Default)]
+struct Asked {
+    analysis: Analysis,
+    restart: bool,
+}
+
+fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, asked: Asked) -> ExitCode {
     let name = command.name();
     let running = &case.running;
     let options = Options {
@@ -50,7 +65,8 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, analysi
         set: case.settings.clone(),
         strict: running.strict,
         no_report: running.no_report,
-        analysis,
+        analysis: asked.analysis,
+        restart: asked.restart,
         cancel: cancelled_by_signals(),
     };
     answer(name, running, run_with(catalogue, command, &case.case, &options, &console(running)))

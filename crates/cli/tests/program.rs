@@ -73,6 +73,22 @@ fn a_place_that_cannot_be_written_to_is_seven() {
     assert!(text(&output.stderr).contains("cannot write there/deeper"), "{}", text(&output.stderr));
 }
 
+/// A factor that does not fit is refused before it is allocated, with what it would take.
+#[test]
+fn too_little_memory_is_three() {
+    let place = Place::new(BAR);
+    let with_limit = |limit: &str| place.program(&["solve", "case.json"]).env("NASTIC_MEMORY", limit).output().unwrap();
+    let output = with_limit("1M");
+    let told = text(&output.stderr);
+    assert_eq!(code(&output), 3, "{told}");
+    assert!(told.contains("a factor of the tangent takes 1 MiB where 0 MiB are available: try"), "{told}");
+    assert!(told.contains("NASTIC_MEMORY"), "{told}");
+    let output = with_limit("64G");
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let told = text(&place.nastic(&["check", "case.json"]).stdout);
+    assert!(told.contains("memory      a factor has ") && told.contains(" MB while it is made"), "{told}");
+}
+
 #[test]
 fn json_is_the_result_and_nothing_else() {
     let place = Place::new(BAR);

@@ -211,6 +211,31 @@ fn a_second_program_in_the_same_directory_is_refused() {
     assert_eq!(code(&place.nastic(&["solve", "case.json", "--out", "out"])), 0, "the lock went with the program");
 }
 
+/// The checkpoint of an interrupted optimisation is not replaced unasked.
+#[test]
+fn an_interrupted_optimisation_is_not_begun_anew_unasked() {
+    let place = Place::new(BAR);
+    let long = ["optimize", "case.json", "--out", "out", "--set", "optimizer/tolerance=1e-15"];
+    let slow = ["--set", "optimizer/method=projected_gradient", "--set", "output/checkpoint=1"];
+    let endless = ["--set", "optimizer/max_iterations=100000"];
+    let mut child = start(place.program(&[&long[..], &slow, &endless].concat()));
+    place.wait_for_lines("out/history.jsonl", 6, &mut child);
+    assert!(signal(&child, "KILL"));
+    child.wait_with_output().unwrap();
+    let checkpoint = std::fs::read(place.path("out/checkpoint.bin")).unwrap();
+    let output = place.nastic(&["optimize", "case.json", "--out", "out"]);
+    let told = text(&output.stderr);
+    assert_eq!(code(&output), 2, "{told}");
+    assert!(told.contains("out holds the checkpoint of an interrupted optimisation (iteration "), "{told}");
+    assert!(told.contains("nastic resume out, begin anew with --restart, or "), "{told}");
+    assert_eq!(std::fs::read(place.path("out/checkpoint.bin")).unwrap(), checkpoint);
+    // One that has ended is.
+    for restart in [&["--restart"] as &[&str], &[]] {
+        let output = place.nastic(&[&["optimize", "case.json", "--out", "out"], restart].concat());
+        assert_eq!(code(&output), 4, "{}", text(&output.stderr));
+    }
+}
+
 #[test]
 fn a_directory_without_a_checkpoint_is_bad_input() {
     let place = Place::new(BAR);

@@ -147,6 +147,17 @@ pub enum Cause {
     Unknown,
 }
 
+impl Cause {
+    /// A stable name: `limit_point`, `convexity_bound`, `unknown`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Cause::LimitPoint { .. } => "limit_point",
+            Cause::Convexity { .. } => "convexity_bound",
+            Cause::Unknown => "unknown",
+        }
+    }
+}
+
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -215,4 +226,17 @@ pub enum StateError {
     /// The problem is not complete or an input does not fit.
     #[error(transparent)]
     Problem(#[from] FemError),
+}
+
+impl StateError {
+    /// A stable name: `inverted`, `no_convergence`, `linear`, `cancelled`, `problem`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            StateError::Inverted { .. } => "inverted",
+            StateError::NoConvergence { .. } => "no_convergence",
+            StateError::Linear(_) => "linear",
+            StateError::Cancelled => "cancelled",
+            StateError::Problem(_) => "problem",
+        }
+    }
 }

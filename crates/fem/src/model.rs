@@ -1,6 +1,7 @@
 //! [`Model`]: a discrete problem, the sum of contributions on supported unknowns.
 
 use crate::contributions::body_energy::BodyEnergy;
+use crate::contributions::body_energy::point_strains::PointStrains;
 use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
@@ -163,6 +164,26 @@ impl Model {
     /// [`InvertedAt`] where J <= 0.
     pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
         self.each(at, |contribution, at| contribution.add_tangent(at, tangent))
+    }
+
+    /// Residual and tangent with strains of their own at the quadrature points of the body.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub(crate) fn add_mixed(
+        &self,
+        at: &Instant,
+        strains: &PointStrains,
+        sums: &mut Sums,
+        tangent: &mut SparseMatrix,
+    ) -> Result<(), InvertedAt> {
+        self.body.add_mixed((at.u, at.controls), strains, sums, tangent, at.parallel)?;
+        let demand = Demand { energy: false, force: true };
+        self.dead_load.add_residual(at, demand, sums)?;
+        self.each_other(at, |contribution, at| {
+            contribution.add_residual(at, demand, sums)?;
+            contribution.add_tangent(at, tangent)
+        })
     }
 
     /// `out = K v` without a matrix; false where a contribution needs one.

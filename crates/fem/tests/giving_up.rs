@@ -49,7 +49,7 @@ fn a_sphere_beyond_its_largest_pressure_ends_at_a_limit_point() -> Outcome {
         let StateError::NoConvergence { newton, reached, cause, .. } = &error else { panic!("{error}") };
         let Cause::LimitPoint { load } = cause else { panic!("{error}") };
         assert!((load * beyond - 1.0).abs() < 0.05 && *reached * beyond <= 1.0, "{error}");
-        assert!(*newton < 400, "{error}");
+        assert!(*newton < 700, "{error}");
     }
     Ok(())
 }

@@ -83,6 +83,20 @@ pub enum FactorError {
         /// Component there.
         component: usize,
     },
+    /// More memory than there is.
+    #[error(
+        "{what} takes {} MiB where {} MiB are available: try a coarser mesh, fewer threads (each scenario on a thread of its own holds a \
+         factor), or raise the limit {}, if it is set",
+        mib(*.needed), mib(*.available), crate::memory::LIMIT
+    )]
+    Memory {
+        /// What was to be allocated.
+        what: &'static str,
+        /// Bytes it takes, predicted from the symbolic factorisation.
+        needed: usize,
+        /// Bytes there are.
+        available: usize,
+    },
     /// A level of multigrid, or the arrays handed to it, cannot be used.
     #[error(transparent)]
     Structure(#[from] StructureError),
@@ -92,4 +106,8 @@ pub enum FactorError {
     /// The matrix is not symmetric.
     #[error("the matrix is not symmetric; factorise its symmetric part, or use the general solver")]
     NotSymmetric,
+}
+
+fn mib(bytes: usize) -> usize {
+    bytes.div_ceil(1 << 20)
 }

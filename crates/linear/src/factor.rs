@@ -7,6 +7,7 @@ use faer::{MatMut, MatRef};
 use super::bunch_kaufman::{Blocks, Pivot};
 use super::error::FactorError;
 use super::matrix::SparseMatrix;
+use super::memory;
 use super::numeric::{self, Breakdown};
 use super::panel::{AnySign, Positive};
 use super::real::Real;
@@ -86,6 +87,7 @@ impl Factor {
             Values::Double(values) => values,
             Values::Single { .. } => Vec::new(),
         };
+        check_memory(&symbolic, values.capacity(), Precision::Double)?;
         values.resize(symbolic.panel_values(), 0.0);
         let eliminated = match pivots {
             Pivots::Positive => {
@@ -117,6 +119,7 @@ impl Factor {
             Values::Single { values, .. } => values,
             Values::Double(_) => Vec::new(),
         };
+        check_memory(&symbolic, values.capacity(), Precision::Single)?;
         values.resize(symbolic.panel_values(), 0.0);
         let largest = matrix.diagonal().iter().fold(0.0, |m: f64, d| m.max(d.abs()));
         // Within the range of single precision, and of a power of two: nothing is rounded by it.
@@ -297,4 +300,12 @@ fn normalise(column: &mut [f64]) -> f64 {
         column.iter_mut().for_each(|x| *x /= size);
     }
     size
+}
+
+/// Before a factor is allocated; one in the memory of another passes.
+fn check_memory(symbolic: &Symbolic, held: usize, precision: Precision) -> Result<(), FactorError> {
+    match held < symbolic.panel_values() {
+        true => memory::check("a factor of the tangent", symbolic.factorisation_bytes(precision)),
+        false => Ok(()),
+    }
 }

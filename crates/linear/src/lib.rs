@@ -41,6 +41,7 @@ mod graph;
 mod iterative;
 mod locks;
 mod matrix;
+pub mod memory;
 mod multigrid;
 mod numeric;
 mod operator;

@@ -6,9 +6,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::dense::Slabs;
 use super::elimination::ROOT;
 use super::error::{FactorError, StructureError};
-use super::factor::{Factor, Pivots};
+use super::factor::{Factor, Pivots, Precision};
 use super::locks::lock;
 use super::matrix::SparseMatrix;
 use super::pattern::Pattern;
@@ -229,6 +230,25 @@ impl Symbolic {
     /// Bytes held by one factor in double precision.
     pub fn factor_bytes(&self) -> usize {
         size_of::<f64>() * self.panel_values
+    }
+
+    /// Bytes of one factorisation at its largest, predicted: the factor, and the update matrices that are alive at the same
+    /// time where fronts are eliminated one after the other. (On several threads more of them are.)
+    pub fn factorisation_bytes(&self, precision: Precision) -> usize {
+        let size = if precision == Precision::Single { size_of::<f32>() } else { size_of::<f64>() };
+        size * (self.panel_values + self.update_values())
+    }
+
+    /// Largest number of values of update matrices at one time: those of the children die when a front has taken them.
+    fn update_values(&self) -> usize {
+        let update = |f: usize| Slabs::new(self.below(f)).values();
+        let (mut alive, mut most) = (0, 0);
+        for f in 0..self.fronts.len() {
+            alive += update(f);
+            most = most.max(alive);
+            alive -= self.children(f).iter().map(|&child| update(child as usize)).sum::<usize>();
+        }
+        most
     }
 
     /// Bytes that factorisations keep for their successors. They grow to what one factorisation needs (times the number of

@@ -5,7 +5,7 @@
 mod support;
 
 use nalgebra::DVector;
-use nastic_linear::{FactorError, Graph, Ordering, Pattern, Pivots, SparseMatrix, Symbolic, refine};
+use nastic_linear::{FactorError, Graph, Ordering, Pattern, Pivots, Precision, SparseMatrix, Symbolic, refine};
 use std::sync::Arc;
 use support::{Grid, Random, negative_eigenvalues, relative_difference};
 
@@ -228,6 +228,9 @@ fn memory_is_reused_and_failures_leave_no_factor() {
     let mut factor = symbolic.factorize(&good, Pivots::Positive, false).unwrap();
     let workspace = symbolic.workspace_bytes();
     assert!(workspace > 0);
+    let predicted = symbolic.factorisation_bytes(Precision::Double) - symbolic.factor_bytes();
+    assert!((0.5..2.0).contains(&(workspace as f64 / predicted as f64)), "{workspace} bytes, {predicted} predicted");
+    assert_eq!(2 * symbolic.factorisation_bytes(Precision::Single), symbolic.factorisation_bytes(Precision::Double));
     assert!(factor.refactorize(&bad, Pivots::Positive, false).is_err());
     assert!(!factor.is_usable() && solved(&factor).iter().all(|x| x.is_nan()));
     factor.refactorize(&bad, Pivots::AnySign, false).unwrap();

@@ -15,6 +15,7 @@
 
 mod build;
 mod coincident;
+mod columns;
 pub mod element;
 mod error;
 mod generate;
@@ -32,6 +33,7 @@ pub mod spatial;
 mod tabulated;
 
 pub use build::{RawBlock, RawMesh};
+pub use columns::Column;
 pub use element::CellKind;
 pub use error::{Fault, MeshError};
 pub use generate::{box_mesh, rectangle};

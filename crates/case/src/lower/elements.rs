@@ -1,5 +1,6 @@
 //! Warnings about mesh and elements: locking, badly shaped cells, interfaces that are not connected.
 
+use super::bending::Bending;
 use super::context::Context;
 use super::mesh;
 use crate::quantity::Dimension;
@@ -7,10 +8,15 @@ use crate::schema::Case;
 use crate::warning::{CELL_SHAPE, LOCKING, UNMATCHED_INTERFACE};
 use nastic_energy::Place;
 use nastic_fem::Solid;
-use nastic_mesh::CellKind;
+use nastic_mesh::{CellKind, Column};
 
 /// Poisson's ratio from which fully integrated first-order quadrilaterals and hexahedra lock.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.4;
+/// Poisson's ratio from which second-order simplices lose twice what hexahedra and quadrilaterals do (docs/verification.md),
+/// rounding included.
+const INCOMPRESSIBLE: f64 = 0.499 - 1e-9;
+/// First-order cells that are so many times too stiff in bending are told of.
+const STIFF: f64 = 1.3;
 
 /// Small-strain moduli of all materials of a cell together, in the case's units.
 #[derive(Clone, Copy)]
@@ -42,10 +48,11 @@ impl Elastic {
 }
 
 pub(super) fn check(case: &Case, solid: &Solid, context: &mut Context<'_>) {
+    let columns = solid.mesh().columns();
     for material in &case.materials {
-        if let Ok(cells) = solid.mesh().region(&material.region)
-            && let Some(message) = locking(solid, &material.region, cells, context)
-        {
+        let Ok(cells) = solid.mesh().region(&material.region) else { continue };
+        let locks = locking(solid, &material.region, cells, context);
+        if let Some(message) = locks.or_else(|| stiff_in_bending(solid, &material.region, cells, &columns, context)) {
             context.warn(&LOCKING, &material.at.key("region"), message);
         }
     }
@@ -69,6 +76,7 @@ fn locking(solid: &Solid, region: &str, cells: &[u32], context: &Context<'_>) ->
     let locks = |&cell: &u32| match kind(cell) {
         CellKind::Tet4 | CellKind::Tri3 => true,
         CellKind::Hex8 | CellKind::Quad4 => poisson(cell).is_some_and(|nu| nu > NEARLY_INCOMPRESSIBLE),
+        CellKind::Tet10 | CellKind::Tri6 => poisson(cell).is_some_and(|nu| nu >= INCOMPRESSIBLE),
         _ => false,
     };
     let locking: Vec<u32> = cells.iter().copied().filter(locks).collect();
@@ -87,8 +95,41 @@ fn locking(solid: &Solid, region: &str, cells: &[u32], context: &Context<'_>) ->
     };
     let why = if kind(worst).is_simplex() {
         "first-order simplices have constant strain: bent, they move too little, nearly incompressible tenfold and more"
-    } else {
+    } else if kind(worst).order() == 1 {
         "first-order elements cannot bend at nearly constant volume"
+    } else {
+        "second-order simplices bend some per cent too little, twice as much as hexahedra or quadrilaterals of that size"
     };
     Some(format!("{} {name} cells of \"{region}\"{at}: {why}", locking.len()))
+}
+
+/// First-order hexahedra and quadrilaterals that are too long for the thickness of a slender body.
+fn stiff_in_bending(
+    solid: &Solid,
+    region: &str,
+    cells: &[u32],
+    columns: &[Vec<Column>],
+    context: &Context<'_>,
+) -> Option<String> {
+    let points = solid.discretization().points_of_cells();
+    let kind = |cell: u32| solid.mesh().cell(cell as usize).kind;
+    let bent = |&cell: &u32| {
+        let of_order_one = matches!(kind(cell), CellKind::Hex8 | CellKind::Quad4);
+        let elastic = Elastic::of(solid, cell as usize, points[cell as usize].0).filter(|_| of_order_one)?;
+        Some((cell, Bending::worst(&columns[cell as usize], elastic).filter(|bending| bending.factor > STIFF)?))
+    };
+    let stiff: Vec<(u32, Bending)> = cells.iter().filter_map(bent).collect();
+    let (cell, worst) = stiff.iter().max_by(|a, b| a.1.factor.total_cmp(&b.1.factor))?;
+    let Bending { factor, length, thickness, layers, by_shear } = worst;
+    let (name, unit) = (kind(*cell).name(), context.units.length().symbol);
+    let cure = match by_shear {
+        true => "shorter cells help, more over the thickness do not",
+        false => "more cells over the thickness help",
+    };
+    let over = if *layers == 1 { "1 cell".to_owned() } else { format!("{layers} cells") };
+    Some(format!(
+        "{} {name} cells of \"{region}\" are too stiff in bending, cell {cell} about {factor:.3} times ({length:.3e} {unit} long, the \
+         body {thickness:.3e} {unit} thick, {over} over it); {cure}",
+        stiff.len()
+    ))
 }

@@ -8,7 +8,7 @@ use nastic_mesh::Snapshot;
 use super::inspection::Inspection;
 
 /// Names of result arrays that no control may take.
-pub(crate) const RESERVED: [&str; 12] = [
+pub(crate) const RESERVED: [&str; 15] = [
     "mises",
     "displacement",
     "adjoint",
@@ -21,6 +21,9 @@ pub(crate) const RESERVED: [&str; 12] = [
     "B_a",
     "region",
     "intersecting",
+    "failed",
+    "min_J",
+    "failure_rank",
 ];
 
 /// The snapshot of a state: [`nastic_control::Reduced::snapshot_of`] with the case's names.

@@ -14,6 +14,8 @@ pub enum Analysis {
     Ramp(String),
     /// The path of equilibria from rest to the start controls, through limit points: `--path`.
     Path,
+    /// The same, to the first limit point: `--path --stop-at limit`.
+    PathToLimit,
     /// The equilibrium and up to so many in all under the same controls, by deflation: `--equilibria N`.
     Equilibria(usize),
 }
@@ -21,6 +23,6 @@ pub enum Analysis {
 impl Analysis {
     /// Whether the result has the entries of a single state.
     pub(super) fn has_one_state(&self) -> bool {
-        !matches!(self, Self::Ramp(_) | Self::Path)
+        !matches!(self, Self::Ramp(_) | Self::Path | Self::PathToLimit)
     }
 }

@@ -10,6 +10,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let sections = [
         describe::units(problem),
         describe::mesh(problem),
+        describe::memory(problem),
         describe::groups(problem),
         describe::materials(problem),
         describe::actuation(problem),

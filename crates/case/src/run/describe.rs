@@ -2,9 +2,11 @@
 
 mod actuation;
 mod members;
+mod memory;
 
 pub(super) use actuation::actuation;
 pub(super) use members::{load_cases, scenarios};
+pub(super) use memory::memory;
 
 use super::number::{count, grouped, quantity, scientific, short, vector};
 use crate::expression::dimension_of;
@@ -409,6 +411,7 @@ pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
     }
     let held = problem.solid().supports().fixed().iter().filter(|fixed| **fixed).count();
     out.insert("held_components".into(), json!(held));
+    out.insert("memory".into(), memory::json(problem));
     out.extend(members::json(problem));
     out
 }

@@ -86,6 +86,18 @@ pub enum RunError {
         /// The other program, where its number is known.
         process: Option<u32>,
     },
+    /// An optimisation would replace the checkpoint of one that was interrupted.
+    #[error(
+        "{} holds the checkpoint of an interrupted optimisation (iteration {iteration}): go on with it by nastic resume {}, begin anew \
+         with --restart, or choose another directory with --out",
+        directory.display(), directory.display()
+    )]
+    Interrupted {
+        /// The directory.
+        directory: PathBuf,
+        /// Iteration of the checkpoint.
+        iteration: usize,
+    },
     /// There is no checkpoint to go on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
@@ -120,7 +132,9 @@ impl RunError {
     #[must_use]
     pub fn exit(&self) -> Exit {
         match self {
-            Self::Input(_) | Self::Threads(_) | Self::Checkpoint(_) | Self::Report(_) => Exit::BadInput,
+            Self::Input(_) | Self::Threads(_) | Self::Checkpoint(_) | Self::Interrupted { .. } | Self::Report(_) => {
+                Exit::BadInput
+            }
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
             Self::Start(_) => Exit::BadInput,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,

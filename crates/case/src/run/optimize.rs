@@ -29,10 +29,27 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
+/// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
+pub(super) fn begin(session: &mut Session<'_>, restart: bool) -> Result<Exit, RunError> {
+    session.require(true, true)?;
+    if let (Some(out), false) = (&session.out, restart)
+        && let Some(Written { start, iteration }) = checkpoint::interrupted(out)
+        && (start, iteration) != (0, 0)
+    {
+        let directory = out.path().to_owned();
+        // Its results stay as they are: nothing is written.
+        session.out = None;
+        return Err(RunError::Interrupted { directory, iteration });
+    }
+    run(session)
+}
+
+fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
     if let Some(out) = &session.out {
         out.remove_old_iterations();
+        // It belongs to an earlier command; until there is a new one this optimisation counts as interrupted.
+        out.remove("result.json")?;
     }
     warn_of_own_files(session);
     let mut journal = Journal::begin(session)?;
@@ -43,15 +60,20 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let derivative =
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
-    outcome::write_start(session, &point, &derivative)?;
-    let certificate = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
-    if certificate.verdict == Verdict::Wrong {
-        return Ok(Exit::GradientWrong);
+    let place = starts::place(session, 0);
+    let (found, warnings) = session.timed("inspect", |session| session.look_into(&place, &point));
+    let checked = outcome::write_start(session, &point, &derivative, &found)
+        .and_then(|()| check_gradient::of_start(session, &point, &derivative, &mut workspace));
+    let right = checked.as_ref().is_ok_and(|certificate| certificate.verdict != Verdict::Wrong);
+    if !right {
+        session.warnings.extend(warnings);
+        return checked.map(|_| Exit::GradientWrong);
     }
-    let (begun, check) = (Begun { point, derivative, workspace }, check_gradient::json(&certificate));
+    let check = check_gradient::json(&checked?);
+    let begun = Begun { point, derivative, workspace, warnings };
     let began = Instant::now();
     let starts = starts::run(session, optimizer.as_ref(), begun, check, &mut journal)?;
-    conclude(session, &starts, journal, began)
+    conclude(session, starts, journal, began)
 }
 
 /// A file of the output directory that the case reads is another one once the optimisation has written it.
@@ -81,17 +103,17 @@ pub(super) fn resume(session: &mut Session<'_>, position: Option<Position>) -> R
     let optimizer = session.problem.optimizer()?;
     let began = Instant::now();
     let starts = starts::resume(session, optimizer.as_ref(), position, &mut journal)?;
-    conclude(session, &starts, journal, began)
+    conclude(session, starts, journal, began)
 }
 
 /// Reports what was found, then what could not be written on the way.
-fn conclude(session: &mut Session<'_>, starts: &Starts, journal: Journal, began: Instant) -> Result<Exit, RunError> {
+fn conclude(session: &mut Session<'_>, starts: Starts, journal: Journal, began: Instant) -> Result<Exit, RunError> {
     session.note_time("optimize", began.elapsed().as_secs_f64());
     let written = journal.written();
     let unwritten = journal.finish();
+    session.warnings.extend(starts.warnings);
     let Some((index, ended)) = &starts.best else { return Err(RunError::Cancelled) };
     let resumable = written.filter(|_| starts.interrupted);
-    session.note_states("start", &ended.start);
     run_warnings::warn(session, ended, starts.interrupted);
     let reported = outcome::report(session, (*index, ended), &starts.entries, resumable);
     let unwritten = reported.and(unwritten);
@@ -111,6 +133,8 @@ pub(super) struct Begun {
     point: EnsemblePoint,
     derivative: Vec<f64>,
     workspace: EnsembleWorkspace,
+    /// What deserves attention in its states; said already.
+    warnings: Vec<Warning>,
 }
 
 fn evaluate(session: &Session<'_>, m: &[f64], workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, Failed> {
@@ -124,7 +148,7 @@ fn begin_run<'s>(
     begun: Begun,
 ) -> Result<Run<&'s Ensemble>, RunError> {
     let problem = &session.problem;
-    let Begun { point, derivative, workspace } = begun;
+    let Begun { point, derivative, workspace, .. } = begun;
     let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
     let start = EvaluatedStart { m: point.m.clone(), point, derivative: Some(derivative) };
     let run = Run::start(optimizer, &problem.ensemble, Arc::new(problem.set.clone()), metric, start)?;

@@ -8,15 +8,15 @@ use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::quantity::Dimension;
 use crate::result::checkpoint_file::{self, CheckpointError};
+use crate::result::failure;
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
-use crate::result::snapshot;
 use crate::schema::{Command, Unstable};
 use crate::syntax::Document;
 use crate::warning::Warning;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
-use nastic_fem::{Progress, State, StateError};
+use nastic_fem::{Progress, StateError};
 use nastic_opt::{Failed, Objective, Request};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -100,7 +100,8 @@ impl<'c> Session<'c> {
         } else {
             let terminal = console.clone();
             problem.ensemble.watch_solves(move |_, Progress { load, newton, residual, .. }| {
-                terminal.pass(format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}"));
+                let line = format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}");
+                terminal.progress(*newton, line);
             });
         }
         let mut session = Self {
@@ -168,24 +169,30 @@ impl<'c> Session<'c> {
 
     /// Says a warning, and keeps it for the result.
     pub fn warn(&mut self, warning: Warning) {
-        self.console.say(format!("WARNING     {warning}"));
+        self.say_warning(&warning);
         self.warnings.push(warning);
     }
 
-    /// Looks into the states of an evaluated control and says what deserves attention there; `what` names the states.
+    /// Looks into the states of an evaluated control, says what deserves attention there and keeps it for the result;
+    /// `what` names the states.
     pub fn inspect(&mut self, what: &str, point: &EnsemblePoint) -> Vec<Inspection> {
-        let found = self.timed("inspect", |session| Inspection::of_point(&session.problem, point));
-        let warnings: Vec<Warning> =
-            self.problem.members().zip(&found).flat_map(|(member, found)| found.warnings(member, what)).collect();
-        warnings.into_iter().for_each(|warning| self.warn(warning));
+        let (found, warnings) = self.timed("inspect", |session| session.look_into(what, point));
+        self.warnings.extend(warnings);
         found
     }
 
-    /// As [`inspect`](Self::inspect), of states that were told of when they were found.
-    pub fn note_states(&mut self, what: &str, point: &EnsemblePoint) {
+    /// Looks into the states and says what deserves attention there; whoever asks keeps the warnings.
+    pub fn look_into(&self, what: &str, point: &EnsemblePoint) -> (Vec<Inspection>, Vec<Warning>) {
         let found = Inspection::of_point(&self.problem, point);
         let members = self.problem.members().zip(&found);
-        self.warnings.extend(members.flat_map(|(member, found)| found.warnings(member, what)));
+        let warnings: Vec<Warning> = members.flat_map(|(member, found)| found.warnings(member, what)).collect();
+        warnings.iter().for_each(|warning| self.say_warning(warning));
+        (found, warnings)
+    }
+
+    /// Says a warning that is kept elsewhere.
+    pub fn say_warning(&self, warning: &Warning) {
+        self.console.say(format!("WARNING     {warning}"));
     }
 
     /// Codes of the warnings so far, for a picture: empty without any.
@@ -324,37 +331,30 @@ impl<'c> Session<'c> {
             return RunError::Cancelled;
         }
         let member = self.problem.member(index);
-        let last = match &error {
-            ControlError::State(StateError::Inverted { last, at, .. }) => Some((last, Some(at.cell))),
-            ControlError::State(StateError::NoConvergence { last, .. }) => Some((last, None)),
-            _ => None,
+        let file = match &error {
+            // The start control is what was asked for; the state shows how far the body came.
+            ControlError::State(state) => {
+                self.write_failure(member, ("failure.vtu", &member.local(&self.problem.start)), state)
+            }
+            _ => Ok(None),
         };
-        let file = match last.map(|(last, cell)| self.write_failure(member, last, cell)) {
-            Some(Err(error)) => return error,
-            Some(Ok(file)) => file,
-            None => None,
+        let file = match file {
+            Ok(file) => file,
+            Err(error) => return error,
         };
         RunError::Forward { member: member.name(), error: Box::new(error), file }
     }
 
-    fn write_failure(
+    /// Writes the last good state of a solve that failed, if there is one; the file it is in.
+    pub fn write_failure(
         &self,
         member: CaseMember<'_>,
-        last: &State,
-        cell: Option<usize>,
+        (name, m): (&str, &[f64]),
+        error: &StateError,
     ) -> Result<Option<PathBuf>, RunError> {
-        let Some(out) = &self.out else { return Ok(None) };
-        // The start control is what was asked for; the state shows how far the body came.
-        let m = member.local(&self.problem.start);
-        let fields = StateFields::new(last, &m);
-        let mut snapshot = snapshot::snapshot(member, &fields)?;
-        if let Some(cell) = cell {
-            let mut failed = vec![0.0; self.problem.mesh().cells()];
-            failed[cell] = 1.0;
-            snapshot = snapshot.with_cells("failed", 1, failed).map_err(ControlError::from)?;
-        }
-        out.write_vtu("failure.vtu", &snapshot)?;
-        Ok(Some(out.file("failure.vtu")))
+        let (Some(out), Some(last)) = (&self.out, failure::last_state(error)) else { return Ok(None) };
+        out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
+        Ok(Some(out.file(name)))
     }
 }
 

@@ -5,6 +5,7 @@ mod minimum;
 mod modes;
 mod path;
 mod ramp;
+mod ramp_failure;
 mod series;
 
 use super::analysis::Analysis;
@@ -28,7 +29,8 @@ pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit
             equilibrium(session, analysis)
         }
         Analysis::Ramp(text) => ramp::run(session, text),
-        Analysis::Path => path::run(session),
+        Analysis::Path => path::run(session, false),
+        Analysis::PathToLimit => path::run(session, true),
     }
 }
 

@@ -62,6 +62,19 @@ impl Solid {
         })
     }
 
+    /// The smallest J at a quadrature point of each cell.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn min_j_of_cells(&self, state: &State) -> Result<Vec<f64>, InvertedAt> {
+        let disc = self.discretization();
+        let kinematics = disc.points().kinematics(&state.u)?;
+        let lowest = |(first, count): (usize, usize)| {
+            kinematics[first..first + count].iter().map(|k| k.j()).fold(f64::INFINITY, f64::min)
+        };
+        Ok(disc.points_of_cells().into_iter().map(lowest).collect())
+    }
+
     fn directions(&self) -> Vec<(String, Vec<f64>)> {
         let disc = self.discretization();
         let points = disc.points_of_cells();

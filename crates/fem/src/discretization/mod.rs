@@ -7,7 +7,7 @@ pub(crate) mod supports;
 
 use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
 use crate::error::FemError;
-use nastic_linear::{Corners, Graph, Ordering, Pattern, Solver, SparseMatrix, Symbolic};
+use nastic_linear::{Corners, Graph, Ordering, Pattern, Precision, Solver, SparseMatrix, Symbolic};
 use nastic_mesh::Mesh;
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -135,6 +135,16 @@ impl Discretization {
     /// The symbolic factorisation of the tangent.
     pub fn symbolic(&self) -> &Arc<Symbolic> {
         &self.symbolic
+    }
+
+    /// Bytes of a factor of the tangent in double precision.
+    pub fn factor_bytes(&self) -> usize {
+        self.symbolic.factor_bytes()
+    }
+
+    /// Bytes of a factorisation of the tangent in double precision at its largest, predicted: the factor and its working memory.
+    pub fn factorisation_bytes(&self) -> usize {
+        self.symbolic.factorisation_bytes(Precision::Double)
     }
 
     /// The symbolic factorisation of scalar fields, in the same order of nodes.

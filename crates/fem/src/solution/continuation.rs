@@ -18,10 +18,6 @@ use nastic_numeric::vector::{norm, sub};
 const WARM: usize = 3;
 /// Iterations after which a guess was a poor one.
 const GUESS: usize = 15;
-/// A tangent that had to be shifted no more often along a load step that failed is worth an attempt by full steps.
-const CREEPS: usize = 3;
-/// Newton iterations of an attempt by full steps.
-const FULL: usize = 40;
 /// Newton iterations after which load steps from rest are given up at the first that fails.
 const MOST: usize = 10_000;
 /// Newton iterations of a descent at full load.
@@ -126,8 +122,9 @@ impl Model {
         workspace.forget();
         let long = SolveOptions { max_newton: DESCENT, ..how.clone() };
         let newton = Newton { search: Search::Patient, ..self.newton(controls, 1.0, time_step, 1.0, &long) };
-        match newton.solve(rest.u.to_vec(), self.linear_solver(how, workspace), report) {
-            Ok(u) => {
+        let mut u = rest.u.to_vec();
+        match newton.solve(&mut u, self.linear_solver(how, workspace), report) {
+            Ok(_) => {
                 report.load_steps += 1;
                 Ok(State::equilibrium(u, controls.clone(), 1.0, *report))
             }
@@ -148,27 +145,43 @@ impl Model {
         Newton { model: self, controls, load, time_step, path, options, search: Search::Downhill }
     }
 
-    /// One load step: downhill, and where that leads nowhere although the tangent was hardly ever indefinite, by full steps.
+    /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
+    /// points; once these have helped, the next steps begin with them. Not
+    /// where the path seems to turn back.
     fn attempt(
         &self,
         newton: &Newton,
         from: &[f64],
+        (helped, turns): (&mut bool, bool),
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
-        let shifted = report.shifted;
-        let downhill = newton.solve(from.to_vec(), self.linear_solver(newton.options, workspace), report);
-        let creeps = matches!(downhill, Err(Stop::Slow { .. })) && report.shifted - shifted <= CREEPS;
-        if !creeps || !self.has_potential() {
-            return downhill;
+        let mut u = from.to_vec();
+        let first = *helped && newton.jump(from).is_none();
+        if first {
+            match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
+                Ok(()) => return Ok(u),
+                Err(Stop::Cancelled) => return Err(Stop::Cancelled),
+                Err(_) => workspace.forget(),
+            }
+            u.copy_from_slice(from);
+        }
+        let slow = match newton.solve(&mut u, self.linear_solver(newton.options, workspace), report) {
+            Ok(_) => return Ok(u),
+            Err(slow @ Stop::Slow { .. }) => slow,
+            Err(other) => return Err(other),
+        };
+        if first || turns || !self.has_potential() || newton.jump(&u).is_some() {
+            return Err(slow);
         }
         workspace.forget();
-        let brief = SolveOptions { max_newton: newton.options.max_newton.min(FULL), ..newton.options.clone() };
-        let full = Newton { search: Search::Full, options: &brief, ..*newton };
-        match full.solve(from.to_vec(), self.linear_solver(&brief, workspace), report) {
-            Ok(u) => Ok(u),
+        match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
+            Ok(()) => {
+                *helped = true;
+                Ok(u)
+            }
             Err(Stop::Cancelled) => Err(Stop::Cancelled),
-            Err(_) => downhill,
+            Err(_) => Err(slow),
         }
     }
 
@@ -183,8 +196,9 @@ impl Model {
     ) -> Result<Option<State>, StateError> {
         let brief = SolveOptions { max_newton: how.max_newton.min(GUESS), ..how.clone() };
         let newton = self.newton(controls, 1.0, time_step, 1.0, &brief);
-        match newton.solve(guess.to_vec(), self.linear_solver(how, workspace), report) {
-            Ok(u) => {
+        let mut u = guess.to_vec();
+        match newton.solve(&mut u, self.linear_solver(how, workspace), report) {
+            Ok(_) => {
                 report.load_steps += 1;
                 Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)))
             }
@@ -241,14 +255,15 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<State, StateError> {
         let mut here = from.clone();
-        let mut steps = LoadSteps::default();
+        let (mut steps, mut helped) = (LoadSteps::default(), false);
         while steps.done < 1.0 {
             let path = steps.next();
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
             let newton = self.newton(&controls, load, time_step, path, how);
-            match self.attempt(&newton, &here.u, workspace, report) {
+            let turns = steps.limit_point().is_some();
+            match self.attempt(&newton, &here.u, (&mut helped, turns), workspace, report) {
                 Ok(u) => {
                     report.load_steps += 1;
                     steps.succeeded(path, norm(&sub(&u, &here.u)));

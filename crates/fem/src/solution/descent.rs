@@ -84,14 +84,14 @@ impl Model {
         }
         for multiple in MULTIPLES {
             for (_, amplitude) in sides {
-                let mut start = saddle.u.to_vec();
-                axpy(multiple * amplitude, mode, &mut start);
+                let mut u = saddle.u.to_vec();
+                axpy(multiple * amplitude, mode, &mut u);
                 let (controls, mut report) = (&*saddle.controls, SolveReport::default());
                 let newton = self.newton(controls, 1.0, None, 1.0, how);
-                let found = newton.solve(start, self.linear_solver(how, workspace), &mut report);
+                let found = newton.solve(&mut u, self.linear_solver(how, workspace), &mut report);
                 work.add_work(&report);
                 match found {
-                    Ok(u) if report.energy < saddle.report.energy && differs(&u, saddle, amplitude) => {
+                    Ok(_) if report.energy < saddle.report.energy && differs(&u, saddle, amplitude) => {
                         // The work is counted once, at the end.
                         let SolveReport { solver, residual, min_j, energy, .. } = report;
                         let kept =

@@ -12,6 +12,7 @@ pub(crate) mod nodal_rotations;
 pub(crate) mod options;
 pub(crate) mod path;
 mod path_events;
+mod point_strain_newton;
 pub(crate) mod ramp;
 pub(crate) mod rotation_corrected_step;
 pub(crate) mod state;

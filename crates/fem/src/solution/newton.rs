@@ -33,10 +33,6 @@ pub(crate) enum Search {
     Downhill,
     /// Downhill, without giving up.
     Patient,
-    /// Full steps, cut only where a cell would invert, whatever the potential does on the way. Slender bodies bend at little
-    /// energy and stretch at much: downhill they creep along the bent shapes, while full steps, which stretch the body for an
-    /// iteration, arrive. Only an end that is stable and has less potential than the start counts.
-    Full,
 }
 
 /// Why it stopped short.
@@ -88,21 +84,22 @@ const RESOLUTION: f64 = 1e-12;
 const JUMP: f64 = 1e-2;
 
 impl Newton<'_> {
-    /// From u to equilibrium.
+    /// From u to equilibrium, and what the last tangent was (positive where none was needed); where it stops short, u is the
+    /// last iterate.
     pub fn solve(
         &self,
-        mut u: Vec<f64>,
+        u: &mut Vec<f64>,
         solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
-    ) -> Result<Vec<f64>, Stop> {
+    ) -> Result<Curvature, Stop> {
         let mut systems = TangentSystems::new(self.model, self.options.parallel, solver);
         let mut matrix = None;
-        let mut now = self.evaluate(&u)?;
-        let mut jump = self.jump(&u);
+        let mut now = self.evaluate(u)?;
+        let mut jump = self.jump(u);
         let mut before = f64::INFINITY;
         let mut fit = None;
         let shifted = report.shifted;
-        let (start, mut last) = (now.energy, Curvature::Positive);
+        let mut last = Curvature::Positive;
         for iteration in 0..self.options.max_newton {
             if self.options.cancelled() {
                 return Err(Stop::Cancelled);
@@ -114,17 +111,17 @@ impl Newton<'_> {
             self.record(&now, relative, report);
             let stagnates = relative <= ROUNDING && relative > 0.5 * before;
             if jump.is_none() && (relative <= self.options.accuracy || stagnates) {
-                return self.sound_end(u, (start, &now, last));
+                return Ok(last);
             }
             before = relative;
-            let matrix = self.tangent(&u, &mut matrix)?;
+            let matrix = self.tangent(u, &mut matrix)?;
             let rhs = self.right_hand_side(matrix, &residual, jump.as_deref());
-            let scale = self.energy_scale(matrix, &u, &now);
+            let scale = self.energy_scale(matrix, u, &now);
             eliminate(self.model, matrix);
             let accuracy = if jump.is_some() { JUMP } else { forcing(relative, self.options.accuracy) };
-            let (mut step, curvature) = systems.step(matrix, &u, &rhs, accuracy, report)?;
+            let (mut step, curvature) = systems.step(matrix, u, &rhs, accuracy, report)?;
             report.newton += 1;
-            let here = Iterate { u: &u, now: &now, residual: &residual, scale };
+            let here = Iterate { u, now: &now, residual: &residual, scale };
             let (length, next) = if let Some(jump) = jump.take() {
                 self.prescribe(&mut step, &jump);
                 self.jump_step(&here, &step)?
@@ -135,37 +132,29 @@ impl Newton<'_> {
             } else if let Some(found) = self.residual_search(&here, &step)? {
                 found
             } else {
-                step = systems.shifted_step(matrix, &u, &rhs, report)?;
+                step = systems.shifted_step(matrix, u, &rhs, report)?;
                 self.downhill(&here, &step, &mut fit)?
             };
             let resolution = RESOLUTION * self.model.discretization().mesh().diagonal();
             last = curvature;
             let tiny = curvature == Curvature::Positive && max_abs(&step) <= resolution;
-            (u, now) = next;
+            (*u, now) = next;
             self.tell(length, &now, report);
             if tiny && length == 1.0 {
                 let (_, relative) = self.residual(&now);
                 self.record(&now, relative, report);
-                return self.sound_end(u, (start, &now, last));
+                return Ok(last);
             }
         }
         Err(Stop::Slow { residual: self.residual(&now).1 })
     }
 
-    /// The equilibrium found; of full steps only one that is stable, with less potential than the start.
-    fn sound_end(&self, u: Vec<f64>, (start, now, last): (f64, &Sums, Curvature)) -> Result<Vec<f64>, Stop> {
-        if self.search == Search::Full && (last == Curvature::Negative || now.energy > start) {
-            return Err(Stop::Slow { residual: self.residual(now).1 });
-        }
-        Ok(u)
-    }
-
-    fn at<'u>(&'u self, u: &'u [f64]) -> Instant<'u> {
+    pub(super) fn at<'u>(&'u self, u: &'u [f64]) -> Instant<'u> {
         let (controls, load, parallel) = (self.controls, self.load, self.options.parallel);
         Instant { step: self.time_step, parallel, ..Instant::new(u, controls, load) }
     }
 
-    fn evaluate(&self, u: &[f64]) -> Result<Sums, InvertedAt> {
+    pub(super) fn evaluate(&self, u: &[f64]) -> Result<Sums, InvertedAt> {
         self.model.evaluate(&self.at(u), Demand { energy: true, force: true })
     }
 
@@ -178,7 +167,7 @@ impl Newton<'_> {
     }
 
     /// What the prescribed components still have to move; `None` when they are in place.
-    fn jump(&self, u: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn jump(&self, u: &[f64]) -> Option<Vec<f64>> {
         let supports = &self.model.supports;
         let wanted = supports.fixed().iter().zip(supports.values()).zip(u);
         let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { self.load * v - u } else { 0.0 }).collect();
@@ -186,7 +175,7 @@ impl Newton<'_> {
     }
 
     /// Free residual, and its norm relative to the norm of the sums of absolute forces.
-    fn residual(&self, now: &Sums) -> (Vec<f64>, f64) {
+    pub(super) fn residual(&self, now: &Sums) -> (Vec<f64>, f64) {
         let mut residual = now.force.clone();
         self.model.supports.clear(&mut residual);
         let size = norm(&residual);
@@ -263,7 +252,7 @@ impl Newton<'_> {
     }
 
     /// The longest of a few step lengths along a path that starts in the direction of `step` which lowers the potential
-    /// enough (full steps need not) and inverts nothing.
+    /// enough and inverts nothing.
     fn energy_search(
         &self,
         here: &Iterate,
@@ -283,7 +272,7 @@ impl Newton<'_> {
                 continue;
             };
             let change = next.energy - start;
-            if self.search == Search::Full || change <= ARMIJO * length * slope + noise {
+            if change <= ARMIJO * length * slope + noise {
                 return Ok((length, (trial, next)));
             }
             // the vertex of the parabola through the start, its slope and this value
@@ -326,13 +315,13 @@ impl Newton<'_> {
         Err(Stop::Slow { residual: self.residual(here.now).1 })
     }
 
-    fn record(&self, now: &Sums, relative: f64, report: &mut SolveReport) {
+    pub(super) fn record(&self, now: &Sums, relative: f64, report: &mut SolveReport) {
         report.residual = relative;
         report.min_j = now.min_j;
         report.energy = now.energy;
     }
 
-    fn tell(&self, step: f64, now: &Sums, report: &SolveReport) {
+    pub(super) fn tell(&self, step: f64, now: &Sums, report: &SolveReport) {
         if let Some(watch) = self.options.watch {
             let (_, residual) = self.residual(now);
             let energy = now.energy;
@@ -347,6 +336,6 @@ fn forcing(relative: f64, accuracy: f64) -> f64 {
     (10.0 * relative).clamp(1e-10, 0.1).max(1e-3 * accuracy / relative)
 }
 
-fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {
+pub(super) fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {
     u.iter().zip(step).map(|(u, s)| u + length * s).collect()
 }

@@ -19,11 +19,13 @@ pub struct PathOptions {
     pub points: usize,
     /// The path ends where s leaves this interval, which holds 0 inside.
     pub range: [f64; 2],
+    /// The path ends behind the first limit point.
+    pub to_limit: bool,
 }
 
 impl Default for PathOptions {
     fn default() -> Self {
-        PathOptions { step: 0.1, points: 300, range: [-1.0, 1.0] }
+        PathOptions { step: 0.1, points: 300, range: [-1.0, 1.0], to_limit: false }
     }
 }
 
@@ -83,6 +85,8 @@ pub enum EventKind {
 pub enum PathEnd {
     /// s reached the end of its range.
     Left,
+    /// It has passed a limit point, and was to go no further.
+    LimitPoint,
     /// As many points as allowed.
     Points,
     /// No step, however short, leads on.
@@ -161,6 +165,10 @@ impl Model {
                     here = point;
                     if left {
                         path.end = PathEnd::Left;
+                        break;
+                    }
+                    if options.to_limit && path.events.iter().any(|event| event.kind == EventKind::LimitPoint) {
+                        path.end = PathEnd::LimitPoint;
                         break;
                     }
                 }

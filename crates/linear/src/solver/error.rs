@@ -19,6 +19,17 @@ pub enum LinearError {
         /// Relative residual asked.
         wanted: f64,
     },
+    /// Rounding of the matrix decides the sign of an eigenvalue.
+    #[error(
+        "the smallest eigenvalue is about {smallest:.1e}, below the rounding of the largest entry {largest:.1e}: the tangent is \
+         singular to working precision (a limit or bifurcation point)"
+    )]
+    NearlySingular {
+        /// Absolute value of the eigenvalue nearest zero.
+        smallest: f64,
+        /// Largest absolute value on the diagonal.
+        largest: f64,
+    },
     /// Multigrid does not converge.
     #[error(
         "multigrid reached a relative residual of {residual:.1e} in {cycles} cycles where {wanted:.1e} is wanted; \

@@ -2,10 +2,13 @@
 
 use super::finished_run::{read_work, write_work};
 use super::journal::Written;
+use crate::result::checkpoint_file;
+use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
+use crate::run::error::Exit;
 use nastic_fem::SolveReport;
 use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{RunState, SavedRunError};
+use nastic_opt::{RunState, SavedRunError, Stop};
 use nastic_report::Iterates;
 use serde_json::Value;
 
@@ -101,6 +104,21 @@ impl Fixed {
         input.finish()?;
         Ok(fixed)
     }
+}
+
+/// Where an optimisation stood that did not come to its end; `None` where there is none, or no checkpoint of it that can be read.
+pub(super) fn interrupted(out: &Directory) -> Option<Written> {
+    let content = checkpoint_file::read(out.path()).ok()?;
+    let position = Checkpoint::from_bytes(&content).ok()?.position?;
+    let result = std::fs::read_to_string(out.file("result.json")).ok();
+    let result: Option<Value> = result.and_then(|text| serde_json::from_str(&text).ok());
+    let ended = result.is_some_and(|result| {
+        let unwritten = result["exit"] == Exit::NotWritten.code();
+        // Of several starts that were not all run the best may have converged.
+        let between_starts = result["exit"] == Exit::NotConverged.code() && result["converged"] == true;
+        result["stop"].is_string() && result["stop"] != Stop::Cancelled.to_string() && !unwritten && !between_starts
+    });
+    (!ended).then(|| position.place())
 }
 
 /// A checkpoint before the start was evaluated.

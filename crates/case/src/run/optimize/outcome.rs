@@ -23,19 +23,14 @@ use serde_json::{Value, json};
 
 /// Writes the states at the start and the targets.
 pub(super) fn write_start(
-    session: &mut Session<'_>,
+    session: &Session<'_>,
     start: &EnsemblePoint,
     derivative: &[f64],
+    found: &[Inspection],
 ) -> Result<(), RunError> {
-    let found = session.timed("inspect", |session| Inspection::of_point(&session.problem, start));
-    for (member, found) in session.problem.members().zip(&found) {
-        for warning in found.warnings(member, "start") {
-            session.console.say(format!("WARNING     {warning}"));
-        }
-    }
     let Some(out) = &session.out else { return Ok(()) };
     write_targets(&session.problem, out)?;
-    write_states(&session.problem, "start", (start, derivative, &found), out).map(|_| ())
+    write_states(&session.problem, "start", (start, derivative, found), out).map(|_| ())
 }
 
 /// Fills the result, writes files, says how it went.

@@ -8,12 +8,13 @@ use super::{Begun, Session, begin_run, evaluate, minimize, resume_run};
 use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::number::{scientific, short};
+use crate::warning::Warning;
 use nastic_control::{Ensemble, EnsembleWorkspace};
 use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{Failed, Objective, Optimizer, Stop, Verdict};
+use nastic_opt::{Failed, Objective, Optimizer, SavedRunError, Stop, Verdict};
 use serde_json::{Value, json};
 
-const MAGIC: &str = "nastic-starts-1";
+const MAGIC: &str = "nastic-starts-2";
 
 /// What became of the starts so far.
 #[derive(Default)]
@@ -22,6 +23,8 @@ pub(super) struct Starts {
     pub best: Option<(usize, FinishedRun)>,
     /// An entry for each, for the result.
     pub entries: Vec<Value>,
+    /// What deserves attention in the states at the starts, those of the present one included; said already.
+    pub warnings: Vec<Warning>,
     /// A stop was requested before all had ended.
     pub interrupted: bool,
 }
@@ -55,6 +58,7 @@ pub(super) fn resume(
     let (index, iteration) = (fixed.index, run.progress.counts.iterations);
     let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
     let mut starts = Starts::from_bytes(&fixed.finished, ensemble).map_err(unfit)?;
+    starts.warnings.iter().for_each(|warning| session.say_warning(warning));
     let start = Reader::new(&fixed.start, "").map_err(Failed::new);
     let start = start.and_then(|mut input| read_start(&mut input, ensemble)).map_err(unfit)?;
     let run = resume_run(session, optimizer, &run)?;
@@ -88,8 +92,8 @@ impl Starts {
             }
             let seed = seed(session, index);
             announce(session, index, seed);
-            let checked = begin(session, seed.unwrap_or_default()).map(|mut begun| {
-                let Begun { point, derivative, workspace } = &mut begun;
+            let checked = begin(session, index, seed.unwrap_or_default()).map(|mut begun| {
+                let Begun { point, derivative, workspace, .. } = &mut begun;
                 (check_gradient::check(session, point, derivative, workspace), begun)
             });
             let (certificate, begun) = match checked {
@@ -99,7 +103,8 @@ impl Starts {
                     break;
                 }
                 Ok((Ok(certificate), begun)) => (certificate, begun),
-                Ok((Err(error), _)) => {
+                Ok((Err(error), begun)) => {
+                    self.warnings.extend(begun.warnings);
                     session.console.say(format!("failed      {error}"));
                     self.entries.push(json!({ "seed": seed, "failed": error.to_string() }));
                     continue;
@@ -112,6 +117,7 @@ impl Starts {
             };
             let check = check_gradient::json(&certificate);
             if certificate.verdict == Verdict::Wrong {
+                self.warnings.extend(begun.warnings);
                 self.entries.push(json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check }));
                 continue;
             }
@@ -125,12 +131,13 @@ impl Starts {
         &mut self,
         session: &Session<'_>,
         optimizer: &dyn Optimizer,
-        (index, begun): (usize, Begun),
+        (index, mut begun): (usize, Begun),
         (gradient_check, certificate): (&Value, Value),
         journal: &mut Journal,
     ) -> Result<(), RunError> {
         let ensemble = &session.problem.ensemble;
         let start = begun.point.clone();
+        self.warnings.append(&mut begun.warnings);
         let mut bytes = Writer::new("");
         write_start(&start, ensemble, &mut bytes);
         let fixed = Fixed {
@@ -160,6 +167,8 @@ impl Starts {
         let mut out = Writer::new(MAGIC);
         out.count(self.entries.len());
         self.entries.iter().for_each(|entry| out.bytes(entry.to_string().as_bytes()));
+        out.count(self.warnings.len());
+        self.warnings.iter().for_each(|warning| out.bytes(warning.json().to_string().as_bytes()));
         out.count(usize::from(self.best.is_some()));
         if let Some((index, best)) = &self.best {
             out.count(*index);
@@ -172,6 +181,8 @@ impl Starts {
         let mut input = Reader::new(bytes, MAGIC).map_err(Failed::new)?;
         let entries = input.count(8).and_then(|n| (0..n).map(|_| read_json(&mut input)).collect());
         let entries = entries.map_err(Failed::new)?;
+        let warnings = input.count(8).and_then(|n| (0..n).map(|_| read_warning(&mut input)).collect());
+        let warnings = warnings.map_err(Failed::new)?;
         let best = if input.flag().map_err(Failed::new)? {
             let index = input.number().map_err(Failed::new)?;
             Some((index, FinishedRun::from_bytes(&input.list().map_err(Failed::new)?, ensemble)?))
@@ -179,7 +190,19 @@ impl Starts {
             None
         };
         input.finish().map_err(Failed::new)?;
-        Ok(Self { best, entries, interrupted: false })
+        Ok(Self { best, entries, warnings, interrupted: false })
+    }
+}
+
+fn read_warning(input: &mut Reader<'_>) -> Result<Warning, SavedRunError> {
+    Warning::from_json(&read_json(input)?).ok_or_else(|| input.damaged("a warning of no known kind"))
+}
+
+/// What warnings call a start: "start", of several "start 2 of 4".
+pub(super) fn place(session: &Session<'_>, index: usize) -> String {
+    match session.problem.case.optimizer.starts {
+        0 | 1 => "start".to_owned(),
+        count => format!("start {} of {count}", index + 1),
     }
 }
 
@@ -190,12 +213,13 @@ fn seed(session: &Session<'_>, index: usize) -> Option<u64> {
     (index > 0).then(|| of(index))
 }
 
-/// A random start, evaluated.
-fn begin(session: &Session<'_>, seed: u64) -> Result<Begun, Failed> {
+/// A random start, evaluated and looked into.
+fn begin(session: &Session<'_>, index: usize, seed: u64) -> Result<Begun, Failed> {
     let mut workspace = EnsembleWorkspace::default();
     let mut point = evaluate(session, &session.problem.random_start(seed), &mut workspace)?;
     let derivative = session.problem.ensemble.derivative(&mut point, &mut workspace)?;
-    Ok(Begun { point, derivative, workspace })
+    let (_, warnings) = session.look_into(&place(session, index), &point);
+    Ok(Begun { point, derivative, workspace, warnings })
 }
 
 fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {

@@ -36,7 +36,8 @@ fn of_member(
     session.console.say(format!("equilibria  up to {count} under the same controls and loads{inside}"));
     session.console.say(series.header());
     let progress = |now: &Progress| {
-        session.console.pass(format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual));
+        let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);
+        session.console.progress(now.newton, line);
     };
     let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let mut found = |one: &Equilibrium| {

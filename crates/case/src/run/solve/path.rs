@@ -15,11 +15,12 @@ use nastic_fem::{
 use nastic_picture::Chart;
 use serde_json::{Map, Value, json};
 
-pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
+/// `to_limit`: to the first limit point, if there is one.
+pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, RunError> {
     let mut files = Vec::new();
     let mut exit = Exit::Done;
     for index in 0..session.problem.members().count() {
-        let told = session.timed("solve", |session| of_member(session, index))?;
+        let told = session.timed("solve", |session| of_member(session, index, to_limit))?;
         let Told { entry, files: own, stopped, warnings } = told;
         warnings.into_iter().for_each(|warning| session.warn(warning));
         session.put_of_member(index, "path", entry);
@@ -48,7 +49,7 @@ struct Told {
     warnings: Vec<Warning>,
 }
 
-fn of_member(session: &Session<'_>, index: usize) -> Result<Told, RunError> {
+fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told, RunError> {
     let member = session.problem.member(index);
     let start = member.local(&session.problem.start);
     let failed = |error: ControlError| session.member_failed((index, error));
@@ -59,9 +60,8 @@ fn of_member(session: &Session<'_>, index: usize) -> Result<Told, RunError> {
     session.console.say(format!("path        from rest (s = 0) to the start controls and full loads (s = 1){inside}"));
     session.console.say(series.header());
     let progress = |now: &Progress| {
-        session
-            .console
-            .pass(format!("s {:.4}, Newton iteration {}, residual {:.1e}", now.load, now.newton, now.residual));
+        let line = format!("s {:.4}, Newton iteration {}, residual {:.1e}", now.load, now.newton, now.residual);
+        session.console.progress(now.newton, line);
     };
     let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let mut found = |point: &PathPoint| {
@@ -71,7 +71,7 @@ fn of_member(session: &Session<'_>, index: usize) -> Result<Told, RunError> {
         series.rows.push(row);
     };
     let model = member.solid().model();
-    let (rest, options) = (model.rest(), PathOptions::default());
+    let (rest, options) = (model.rest(), PathOptions { to_limit, ..PathOptions::default() });
     let path = model.path(&rest, (&controls, 1.0), &options, &how, &mut Workspace::default(), &mut found);
     let path = path.map_err(|error| failed(error.into()))?;
     path.events.iter().for_each(|event| session.console.say(line(event)));
@@ -133,6 +133,7 @@ fn stopped(path: &EquilibriumPath, member: &str) -> Option<(Exit, String)> {
         PathEnd::Left => {
             Some((Exit::NotConverged, format!("{member}the path turns back to s = {s} and is not followed further")))
         }
+        PathEnd::LimitPoint => None,
         PathEnd::Points => {
             let many = path.points.len();
             Some((Exit::NotConverged, format!("{member}the path has {many} points and has come to s = {s}")))

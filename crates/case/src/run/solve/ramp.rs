@@ -1,5 +1,6 @@
 //! `nastic solve --ramp CONTROL=FROM:TO:N`: equilibria with one control going from one value to another.
 
+use super::ramp_failure::RampFailure;
 use super::say_files;
 use super::series::{Row, Series};
 use crate::expression::{Formula, dimension_of};
@@ -45,13 +46,13 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
         warnings.into_iter().for_each(|warning| session.warn(warning));
         session.put_of_member(index, "ramp", entry);
         files.extend(own);
-        if let Some((at, why)) = failure {
+        if let Some((why, error)) = failure {
             let member = session.problem.member(index).name();
             let member = if member.is_empty() { member } else { format!("{member}: ") };
-            let what = format!("{member}the ramp stops at {at}: {why}");
+            let what = format!("{member}the ramp stops at {why}");
             session.console.say(format!("STOPPED     {what}"));
             session.put("error", json!(what));
-            if matches!(why, StateError::Cancelled) {
+            if matches!(error, StateError::Cancelled) {
                 exit = if exit == Exit::Done { Exit::NotConverged } else { exit };
                 break;
             }
@@ -121,7 +122,8 @@ impl Asked {
         session.console.say(format!("ramp        {} from {ends} in {} equilibria{inside}", field.array, self.count));
         session.console.say(series.header());
         let progress = |now: &Progress| {
-            session.console.pass(format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual));
+            let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);
+            session.console.progress(now.newton, line);
         };
         let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
         let value = |s: f64| if s == 1.0 { to } else { from + s * (to - from) };
@@ -141,12 +143,19 @@ impl Asked {
         for point in &ramp.critical {
             chart = chart.mark(value(point.s), &format!("{} > {}", point.before, point.after));
         }
-        let files = match &session.out {
+        let mut files = match &session.out {
             Some(out) if !series.rows.is_empty() => series.write(&chart, out)?,
             _ => Vec::new(),
         };
-        let failure = ramp.failure.map(|(s, why)| (format!("{} {}", short(value(s)), field.unit), why));
-        let told = failure.as_ref().map(|(at, why)| json!({ "at": at, "why": why.to_string() }));
+        let (mut told, mut failure) = (None, None);
+        if let Some((s, error)) = ramp.failure {
+            let before = ramp.points.last().map(|point| value(point.s));
+            let stopped = RampFailure { error: &error, before, target: value(s), unit: &field.unit };
+            told = Some(stopped.entry(member));
+            let (name, m) = (member.file("failure.vtu"), at(stopped.reached()));
+            files.extend(session.write_failure(member, (&name, &m), &error)?.map(|_| name));
+            failure = Some((format!("{}: {}", stopped.at(), stopped.why()), error));
+        }
         let entry = json!({
             "control": field.name, "unit": field.unit, "from": from, "to": to, "points": series.points(),
             "critical": critical, "failed": told,

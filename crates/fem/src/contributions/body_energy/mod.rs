@@ -15,6 +15,7 @@ pub(crate) mod assembly;
 mod control_vjp;
 pub(crate) mod formulation;
 pub(crate) mod max_step;
+pub(crate) mod point_strains;
 mod tangent_product;
 
 /// The energy of a body: passive materials and actuations, each over some of the cells.

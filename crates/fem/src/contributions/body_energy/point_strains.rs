@@ -1,0 +1,293 @@
+//! [`PointStrains`]: strains and stresses of their own at the quadrature points, as iteration variables.
+//!
+//! Newton's method on displacements alone takes the strain of a trial at its word: a step that turns a thin body stretches it
+//! by `|grad du|^2 / 2`, a step of a nearly incompressible one changes its volume as much, and the tangent there is that
+//! of stresses many times those of the answer. With the right Cauchy-Green tensor C and the second Piola-Kirchhoff stress
+//! S of every point as unknowns beside u, the equations
+//!
+//! ```text
+//! C = F(u)^T F(u),   S = S(C),   int F(u) S : grad v dX = forces(v)
+//! ```
+//!
+//! are linearised each by itself. With `D = F(u)^T F(u) - C` what is left of the first,
+//!
+//! ```text
+//! S* = S(C) + CC : D,   CC = dS/dC                             residual  int F S* : grad v dX - forces(v)
+//! A[G] = G S + F (CC : (G^T F + F^T G))                         tangent
+//! C_new = C + D + G^T F + F^T G,   S_new = S* + CC : (G^T F + F^T G)     with G = grad du
+//! ```
+//!
+//! so that the stress in the tangent is the extrapolated one. At the end C and S are those of u, and so is the tangent.
+//!
+//! Passive laws are objective, so that `S` and `CC` follow from P and dP/dF at the stretch `U = sqrt(C)`. Actuations are taken at
+//! F(u), as they are.
+//!
+//! Source: Magisano, Leonetti, Garcea, "How to improve efficiency and robustness of the Newton method in geometrically
+//! non-linear structural problem discretized via displacement-based finite elements", CMAME 313 (2017), section 4 (mixed integration
+//! points), there for linear S(C).
+
+use crate::contributions::Sums;
+use crate::contributions::body_energy::BodyEnergy;
+use crate::contributions::body_energy::assembly::slots;
+use crate::contributions::controls::Controls;
+use crate::error::InvertedAt;
+use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
+use crate::kernels::kernel;
+use nastic_energy::{EnergyTerm, PointBatch, Response, Slots, Want};
+use nastic_linear::SparseMatrix;
+use nastic_tensor::{Inverted, Kinematics, Mat3, Tangent};
+
+/// C and S of every quadrature point.
+#[derive(Debug, Clone)]
+pub(crate) struct PointStrains {
+    c: Vec<Mat3>,
+    s: Vec<Mat3>,
+}
+
+/// The least share of det C that a step may leave of it.
+const COLLAPSE: f64 = 1e-2;
+
+impl PointStrains {
+    /// Those of a displacement.
+    pub fn of(body: &BodyEnergy, u: &[f64], parallel: bool) -> Result<Self, InvertedAt> {
+        let points = body.discretization().points().len();
+        let strains = PointStrains { c: vec![Mat3::identity(); points], s: vec![Mat3::zeros(); points] };
+        Ok(strains.swept(body, u, None, parallel)?.0)
+    }
+
+    /// `C_new` and `S_new` of the whole step du, and the largest `|grad du|` (Frobenius norm).
+    pub fn extrapolated(
+        &self,
+        body: &BodyEnergy,
+        u: &[f64],
+        du: &[f64],
+        parallel: bool,
+    ) -> Result<(Self, f64), InvertedAt> {
+        self.swept(body, u, Some(du), parallel)
+    }
+
+    fn swept(
+        &self,
+        body: &BodyEnergy,
+        u: &[f64],
+        du: Option<&[f64]>,
+        parallel: bool,
+    ) -> Result<(Self, f64), InvertedAt> {
+        let (disc, mut next, mut largest) = (body.discretization(), self.clone(), 0.0_f64);
+        for part in &disc.points().parts {
+            let Some(kernel) = kernel(part.kind) else { continue };
+            let work = Extrapolate { body, cells: Cells { part, kernel, dim: disc.dim() }, u, du, from: self };
+            sweep(&work, parallel, |c, cell| {
+                let own = part.first_point(c)..part.first_point(c) + part.table.points;
+                next.c[own.clone()].copy_from_slice(&cell.c);
+                next.s[own].copy_from_slice(&cell.s);
+                largest = largest.max(cell.largest);
+            })?;
+        }
+        Ok((next, largest))
+    }
+
+    /// A share of the way to others; `None` where a C would not be positive definite, or would collapse.
+    pub fn towards(&self, next: &Self, share: f64) -> Option<Self> {
+        let blend = |from: &[Mat3], to: &[Mat3]| -> Vec<Mat3> {
+            from.iter().zip(to).map(|(a, b)| a + (b - a) * share).collect()
+        };
+        let c = blend(&self.c, &next.c);
+        let sound = |(new, old): (&Mat3, &Mat3)| {
+            let minor = new[(0, 0)] * new[(1, 1)] - new[(0, 1)] * new[(1, 0)];
+            new[(0, 0)] > 0.0 && minor > 0.0 && new.determinant() > COLLAPSE * old.determinant()
+        };
+        c.iter().zip(&self.c).all(sound).then(|| PointStrains { c, s: blend(&self.s, &next.s) })
+    }
+}
+
+impl BodyEnergy {
+    /// Adds residual and tangent of the linearised equations.
+    pub(crate) fn add_mixed(
+        &self,
+        (u, controls): (&[f64], &Controls),
+        strains: &PointStrains,
+        total: &mut Sums,
+        tangent: &mut SparseMatrix,
+        parallel: bool,
+    ) -> Result<(), InvertedAt> {
+        let disc = self.discretization();
+        for (p, part) in disc.points().parts.iter().enumerate() {
+            let Some(kernel) = kernel(part.kind) else { continue };
+            let scatter = disc.scatter(p);
+            let cells = Cells { part, kernel, dim: disc.dim() };
+            let work = Mixed { body: self, cells, u, controls, strains };
+            let pairs = scatter.len() / part.cells.len();
+            sweep(&work, parallel, |c, (rows, matrix)| {
+                cells.scatter(c, rows, &mut total.force);
+                kernel.scatter(&scatter[c * pairs..(c + 1) * pairs], matrix, &mut tangent.values);
+            })?;
+        }
+        Ok(())
+    }
+
+    /// S and CC of the passive terms at the points of a cell.
+    fn second_stresses(
+        &self,
+        cell: usize,
+        first: usize,
+        c: &[Mat3],
+    ) -> Result<Vec<(Mat3, MaterialTangent)>, InvertedAt> {
+        let stretch = |(point, c): (usize, &Mat3)| {
+            let inverted = |found: Inverted| InvertedAt { cell, point, jacobian: found.jacobian };
+            Kinematics::new(square_root(c)).map_err(inverted)
+        };
+        let stretches = c.iter().enumerate().map(stretch).collect::<Result<Vec<_>, _>>()?;
+        let (mut stress, mut tangent) = (vec![Mat3::zeros(); c.len()], vec![Tangent::zero(); c.len()]);
+        let at = PointBatch { kinematics: &stretches, cell, first };
+        let mut response = Response { energy: &mut [], stress: &mut stress, tangent: &mut tangent };
+        for &t in &self.compositions[self.of_cell[cell] as usize].terms {
+            self.terms[t].respond(&at, Slots::none(), Want::TANGENT, &mut response);
+        }
+        Ok(stretches.iter().zip(&stress).zip(&tangent).map(|((u, p), a)| material(u, p, a)).collect())
+    }
+}
+
+/// `dS/dC` as images of the six symmetric unit tensors.
+type MaterialTangent = [Mat3; 6];
+
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
+
+fn apply(cc: &MaterialTangent, d: &Mat3) -> Mat3 {
+    PAIRS.iter().zip(cc).map(|(&(i, j), image)| image * d[(i, j)]).sum()
+}
+
+fn twice_symmetric(m: &Mat3) -> Mat3 {
+    m + m.transpose()
+}
+
+/// The symmetric square root of a positive definite C.
+fn square_root(c: &Mat3) -> Mat3 {
+    let eigen = c.symmetric_eigen();
+    let root = Mat3::from_diagonal(&eigen.eigenvalues.map(|e| e.max(0.0).sqrt()));
+    eigen.eigenvectors * root * eigen.eigenvectors.transpose()
+}
+
+/// `S = U^-1 P`, and `CC : D = U^-1 (dP/dF : E - E S)` with `E = U^-1 D / 2`, for then `E^T U + U E = D`.
+fn material(u: &Kinematics, p: &Mat3, a: &Tangent) -> (Mat3, MaterialTangent) {
+    let inverse = u.h().transpose() / u.j();
+    let s = inverse * p;
+    let s = twice_symmetric(&s) / 2.0;
+    let cc = PAIRS.map(|(i, j)| {
+        let mut d = Mat3::zeros();
+        d[(i, j)] = 1.0;
+        d[(j, i)] = 1.0;
+        let e = inverse * d / 2.0;
+        let image = inverse * (a.apply(&e) - e * s);
+        twice_symmetric(&image) / 2.0
+    });
+    (s, cc)
+}
+
+struct Mixed<'a> {
+    body: &'a BodyEnergy,
+    cells: Cells<'a>,
+    u: &'a [f64],
+    controls: &'a Controls,
+    strains: &'a PointStrains,
+}
+
+impl CellWork for Mixed<'_> {
+    type Answer = (Vec<f64>, Vec<f64>);
+
+    fn cells(&self) -> Cells<'_> {
+        self.cells
+    }
+
+    fn room(&self) -> (Self::Answer, usize) {
+        let (rows, matrix) = (self.cells.rows(), vec![0.0; self.cells.kernel.matrix_len()]);
+        let size = rows.len() + matrix.len();
+        ((rows, matrix), size)
+    }
+
+    fn compute(&self, c: usize, scratch: &mut Scratch, (rows, matrix): &mut Self::Answer) -> Result<(), InvertedAt> {
+        let (part, points) = (self.cells.part, self.cells.part.table.points);
+        let (id, first) = (part.cells[c] as usize, part.first_point(c));
+        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        scratch.clear(Want::TANGENT);
+        let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
+        let mut out = Response { energy: &mut [], stress: &mut scratch.stress, tangent: &mut scratch.tangent };
+        for &k in &self.body.compositions[self.body.of_cell[id] as usize].actuations {
+            let m = slots(self.controls, k, first, points);
+            self.body.actuations[k].law.respond(&at, m, Want::TANGENT, &mut out);
+        }
+        let own = first..first + points;
+        let passive = self.body.second_stresses(id, first, &self.strains.c[own.clone()])?;
+        let weights = &self.body.discretization().points().weights()[own];
+        for (q, (s, cc)) in passive.iter().enumerate() {
+            let f = scratch.kinematics[q].f();
+            let left = f.transpose() * f - self.strains.c[first + q];
+            let (stress, tangent) = (&mut scratch.stress[q], &mut scratch.tangent[q]);
+            *stress += f * (s + apply(cc, &left));
+            tangent.add_metric(&self.strains.s[first + q]);
+            tangent.add(&Tangent::from_map(|g| f * apply(cc, &twice_symmetric(&(g.transpose() * f)))));
+            *stress *= weights[q];
+            tangent.0.iter_mut().for_each(|c| *c *= weights[q]);
+        }
+        rows.fill(0.0);
+        self.body.formulation.add_force(self.cells, &scratch.g, &scratch.stress, rows);
+        self.body.formulation.tangent(self.cells, &scratch.g, &scratch.tangent, matrix, &mut scratch.work);
+        Ok(())
+    }
+}
+
+/// New C and S by cell: of u itself, or extrapolated along du.
+struct Extrapolate<'a> {
+    body: &'a BodyEnergy,
+    cells: Cells<'a>,
+    u: &'a [f64],
+    du: Option<&'a [f64]>,
+    from: &'a PointStrains,
+}
+
+#[derive(Clone)]
+struct CellStrains {
+    c: Vec<Mat3>,
+    s: Vec<Mat3>,
+    largest: f64,
+}
+
+impl CellWork for Extrapolate<'_> {
+    type Answer = CellStrains;
+
+    fn cells(&self) -> Cells<'_> {
+        self.cells
+    }
+
+    fn room(&self) -> (CellStrains, usize) {
+        let zeros = vec![Mat3::zeros(); self.cells.part.table.points];
+        let size = 18 * zeros.len();
+        (CellStrains { c: zeros.clone(), s: zeros, largest: 0.0 }, size)
+    }
+
+    fn compute(&self, c: usize, scratch: &mut Scratch, new: &mut CellStrains) -> Result<(), InvertedAt> {
+        let part = self.cells.part;
+        let (id, first) = (part.cells[c] as usize, part.first_point(c));
+        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        for (out, k) in new.c.iter_mut().zip(&scratch.kinematics) {
+            *out = k.f().transpose() * k.f();
+        }
+        new.largest = 0.0;
+        let Some(du) = self.du else {
+            let passive = self.body.second_stresses(id, first, &new.c)?;
+            new.s.iter_mut().zip(&passive).for_each(|(out, (s, _))| *out = *s);
+            return Ok(());
+        };
+        self.body.formulation.change(self.cells, c, du, scratch);
+        let before = &self.from.c[first..first + part.table.points];
+        let passive = self.body.second_stresses(id, first, before)?;
+        for (q, (s, cc)) in passive.iter().enumerate() {
+            let (f, g) = (scratch.kinematics[q].f(), &scratch.change[q]);
+            new.c[q] += twice_symmetric(&(g.transpose() * f));
+            new.s[q] = s + apply(cc, &(new.c[q] - before[q]));
+            new.largest = new.largest.max(g.norm());
+        }
+        Ok(())
+    }
+}
