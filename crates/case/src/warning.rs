@@ -67,8 +67,8 @@ pub const UNITS: WarningKind =
 pub const LOCKING: WarningKind = WarningKind {
     code: "locking",
     about: "the elements are too stiff for this material: displacements come out too small",
-    advice: "use second-order elements: tet10, hex20 or hex27, in plane strain tri6 or quad9 (\"element\" of a box; in Gmsh \
-             Mesh.ElementOrder = 2), from Poisson's ratio 0.499 on no simplices",
+    advice: "use second-order elements: hex20, hex27 or quad9, below Poisson's ratio 0.499 also tet10 or tri6 (\"element\" of a \
+             box; in Gmsh Mesh.ElementOrder = 2)",
 };
 
 /// Poor cells.
