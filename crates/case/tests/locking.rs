@@ -85,14 +85,14 @@ fn cells_that_bend_well_are_left_alone() {
     assert!((1.1..1.32).contains(&(right / stiff)), "{}", right / stiff);
 }
 
-/// A bar of 100 x 20 x 10 mm at nu = 0.499: with as many boxes simplices of second order lose twice what hexahedra and
-/// quadrilaterals do, against meshes twice as fine.
+/// A bar of 100 x 20 x 10 mm at nu = 0.499: with as many boxes simplices of second order lose 1.6 to 1.8 times what hexahedra
+/// and quadrilaterals do, against meshes twice as fine.
 #[test]
 fn second_order_simplices_of_nearly_incompressible_bodies() {
     let share = |element: &str, size: &[f64], cells: &[usize], fine: f64| {
         let (moved, told) = tip(element, size, cells, 0.499);
         println!("{element} {cells:?}: {:.4}", moved / fine);
-        (1.0 - moved / fine, told.is_some())
+        (1.0 - moved / fine, told.is_some_and(|message| message.contains("second-order simplices")))
     };
     let (space, plane): (&[f64], &[f64]) = (&[0.1, 0.02, 0.01], &[0.1, 0.01]);
     let fine = tip("hex27", space, &[20, 4, 4], 0.499).0;

@@ -170,14 +170,14 @@ impl Model {
     ///
     /// # Errors
     /// [`InvertedAt`] where J <= 0.
-    pub(crate) fn add_mixed(
+    pub(crate) fn add_with_point_strains(
         &self,
         at: &Instant,
         strains: &PointStrains,
         sums: &mut Sums,
         tangent: &mut SparseMatrix,
     ) -> Result<(), InvertedAt> {
-        self.body.add_mixed((at.u, at.controls), strains, sums, tangent, at.parallel)?;
+        self.body.add_with_point_strains((at.u, at.controls), strains, sums, tangent, at.parallel)?;
         let demand = Demand { energy: false, force: true };
         self.dead_load.add_residual(at, demand, sums)?;
         self.each_other(at, |contribution, at| {

@@ -26,11 +26,12 @@ const DESCENT: usize = 1_500;
 impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
-    /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method fails,
+    /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
+    /// with strains of their own at the quadrature points (slender and nearly incompressible bodies); where that fails too,
     /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
     /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on; without such a reason the energy is descended
-    /// on from rest at full load, before a cold solve fails. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or needs more iterations than
-    /// three load steps may take, the way from rest is tried.
+    /// on from rest at full load, before a cold solve fails. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or fails after more
+    /// than three times `how.max_newton` iterations, the way from rest is tried.
     ///
     /// # Errors
     /// A typed [`StateError`]; where there was progress it holds the last equilibrium.
@@ -147,17 +148,17 @@ impl Model {
 
     /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
     /// points; once these have helped, the next steps begin with them. Not
-    /// where the path seems to turn back.
+    /// where the path seems to turn back, nor beyond the convexity bound (`hopeless`).
     fn attempt(
         &self,
         newton: &Newton,
         from: &[f64],
-        (helped, turns): (&mut bool, bool),
+        (helped, hopeless): (&mut bool, bool),
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
         let mut u = from.to_vec();
-        let first = *helped && newton.jump(from).is_none();
+        let first = *helped && !hopeless && newton.jump(from).is_none();
         if first {
             match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
                 Ok(()) => return Ok(u),
@@ -171,7 +172,7 @@ impl Model {
             Err(slow @ Stop::Slow { .. }) => slow,
             Err(other) => return Err(other),
         };
-        if first || turns || !self.has_potential() || newton.jump(&u).is_some() {
+        if first || hopeless || !self.has_potential() || newton.jump(&u).is_some() {
             return Err(slow);
         }
         workspace.forget();
@@ -256,14 +257,15 @@ impl Model {
     ) -> Result<State, StateError> {
         let mut here = from.clone();
         let (mut steps, mut helped) = (LoadSteps::default(), false);
+        let unbounded = self.beyond_convexity(to).is_some();
         while steps.done < 1.0 {
             let path = steps.next();
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
             let newton = self.newton(&controls, load, time_step, path, how);
-            let turns = steps.limit_point().is_some();
-            match self.attempt(&newton, &here.u, (&mut helped, turns), workspace, report) {
+            let hopeless = unbounded || steps.limit_point().is_some();
+            match self.attempt(&newton, &here.u, (&mut helped, hopeless), workspace, report) {
                 Ok(u) => {
                     report.load_steps += 1;
                     steps.succeeded(path, norm(&sub(&u, &here.u)));

@@ -18,7 +18,8 @@ pub struct SolveOptions<'a> {
     pub solver: Option<Solver>,
     /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads.
     pub accuracy: f64,
-    /// Newton iterations allowed per load step.
+    /// Newton iterations allowed downhill per load step; where that many lead nowhere, up to 40 with strains of their own at the
+    /// quadrature points follow, and as many as downhill from where these arrive.
     pub max_newton: usize,
     /// Compute cells and factors on all threads; `false` inside parallelism over scenarios.
     pub parallel: bool,

@@ -2,9 +2,9 @@
 //!
 //! Downhill on the potential, thin and nearly incompressible bodies creep: every step that turns the body stretches it, every one that
 //! shears it changes its volume, and the potential bears little of either. With strains of their own the iteration is
-//! indifferent to what a step costs on the way. There is no potential to search along; a step is shortened only where it turns
-//! a point too far or inverts one, and only an end with less potential than the start, and a tangent that is not indefinite,
-//! counts.
+//! indifferent to what a step costs on the way (mixed integration points). There is no potential to search along; a step is
+//! shortened only where it turns a point too far or inverts one. Only an end with less potential than the start counts, where the
+//! last linear systems met no negative curvature.
 
 use crate::contributions::Sums;
 use crate::contributions::body_energy::point_strains::PointStrains;
@@ -14,12 +14,14 @@ use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearSolver, SparseMatrix};
 
-/// Iterations of an attempt; those that arrive take 10 to 40.
+/// Iterations of an attempt.
 const MOST: usize = 40;
 /// Largest `|grad du|` of a step: what the linearised strains leave out is its square.
 const LARGEST: f64 = 1.0;
 /// Relative residual at u from which Newton's method on displacements takes over.
 const NEAR: f64 = 1e-6;
+/// Rounding of the potential, as a share of the sum of its absolute terms.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Relative residual wanted of the linear systems.
 const LINEAR: f64 = 1e-10;
 /// Times a step is halved before it leads nowhere.
@@ -57,8 +59,9 @@ impl Newton<'_> {
             self.tell(share, &now, report);
             if relative <= NEAR {
                 let last = self.solve(u, solver, report)?;
-                let sound = curvature != Curvature::Negative && last != Curvature::Negative;
-                return if sound && report.energy <= start.energy {
+                let sound = curvature == Curvature::Positive && last == Curvature::Positive;
+                let rounding = ROUNDING * (start.energy_scale + start.energy.abs());
+                return if sound && report.energy <= start.energy + rounding {
                     Ok(())
                 } else {
                     Err(Stop::Slow { residual: relative })
@@ -79,15 +82,11 @@ impl Newton<'_> {
     ) -> Result<(Vec<f64>, Curvature), Stop> {
         let mut sums = Sums::zero(u.len());
         matrix.clear();
-        self.model.add_mixed(&self.at(u), strains, &mut sums, matrix)?;
+        self.model.add_with_point_strains(&self.at(u), strains, &mut sums, matrix)?;
         self.model.supports.clear(&mut sums.force);
         let rhs: Vec<f64> = sums.force.iter().map(|r| -r).collect();
         eliminate(self.model, matrix);
         report.newton += 1;
-        let (step, curvature) = systems.step(matrix, u, &rhs, LINEAR, report)?;
-        if curvature != Curvature::Negative {
-            return Ok((step, curvature));
-        }
-        Ok((systems.shifted_step(matrix, u, &rhs, report)?, curvature))
+        Ok(systems.downhill_step(matrix, u, &rhs, LINEAR, report)?)
     }
 }

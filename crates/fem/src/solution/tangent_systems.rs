@@ -52,6 +52,29 @@ impl<'a> TangentSystems<'a> {
         step
     }
 
+    /// [`step`](Self::step), downhill also where the tangent is indefinite.
+    pub fn downhill_step(
+        &mut self,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        rhs: &[f64],
+        tolerance: f64,
+        report: &mut SolveReport,
+    ) -> Result<(Vec<f64>, Curvature), LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let system = configuration.system(matrix);
+        let mut work = LinearWork::default();
+        let step = match self.solver.step(&system, rhs, tolerance, &mut work) {
+            Ok(step) if step.curvature != Curvature::Negative => Ok((step.x, step.curvature)),
+            Ok(_) | Err(LinearError::Indefinite) => {
+                self.shift.step(self.solver, &system, rhs, &mut work).map(|x| (x, Curvature::Negative))
+            }
+            Err(other) => Err(other),
+        };
+        report.add_linear(&work);
+        step
+    }
+
     /// A downhill step where the tangent is not positive definite.
     pub fn shifted_step(
         &mut self,

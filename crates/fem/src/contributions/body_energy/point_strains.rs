@@ -104,7 +104,7 @@ impl PointStrains {
 
 impl BodyEnergy {
     /// Adds residual and tangent of the linearised equations.
-    pub(crate) fn add_mixed(
+    pub(crate) fn add_with_point_strains(
         &self,
         (u, controls): (&[f64], &Controls),
         strains: &PointStrains,
@@ -117,7 +117,7 @@ impl BodyEnergy {
             let Some(kernel) = kernel(part.kind) else { continue };
             let scatter = disc.scatter(p);
             let cells = Cells { part, kernel, dim: disc.dim() };
-            let work = Mixed { body: self, cells, u, controls, strains };
+            let work = Linearised { body: self, cells, u, controls, strains };
             let pairs = scatter.len() / part.cells.len();
             sweep(&work, parallel, |c, (rows, matrix)| {
                 cells.scatter(c, rows, &mut total.force);
@@ -185,7 +185,7 @@ fn material(u: &Kinematics, p: &Mat3, a: &Tangent) -> (Mat3, MaterialTangent) {
     (s, cc)
 }
 
-struct Mixed<'a> {
+struct Linearised<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
@@ -193,7 +193,7 @@ struct Mixed<'a> {
     strains: &'a PointStrains,
 }
 
-impl CellWork for Mixed<'_> {
+impl CellWork for Linearised<'_> {
     type Answer = (Vec<f64>, Vec<f64>);
 
     fn cells(&self) -> Cells<'_> {
@@ -287,6 +287,45 @@ impl CellWork for Extrapolate<'_> {
             new.c[q] += twice_symmetric(&(g.transpose() * f));
             new.s[q] = s + apply(cc, &(new.c[q] - before[q]));
             new.largest = new.largest.max(g.norm());
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::PointStrains;
+    use crate::contributions::Sums;
+    use crate::{Discretization, Model};
+    use nastic_energy::{EnergyTerm, MooneyRivlin, NeoHooke, NeoHookeIsochoric};
+    use nastic_mesh::{CellKind, box_mesh};
+    use nastic_numeric::Random;
+    use std::sync::Arc;
+
+    /// Where C and S are those of u, residual and tangent are those of the displacement formulation.
+    #[test]
+    fn agree_with_the_displacement_formulation_at_their_own_displacement() -> Result<(), Box<dyn std::error::Error>> {
+        let laws: [Arc<dyn EnergyTerm>; 3] = [
+            Arc::new(MooneyRivlin::new(1.0, 0.5, 2.0)?),
+            Arc::new(NeoHooke::new(1.0, 3.0)?),
+            Arc::new(NeoHookeIsochoric::new(1.0, 5.0)?),
+        ];
+        for law in laws {
+            let mut model = Model::new(Discretization::new(Arc::new(box_mesh([1.0; 3], [2, 1, 1], CellKind::Hex8)?))?);
+            model.body.add_term(&[0, 1], law)?;
+            let mut random = Random::new(3);
+            let u: Vec<f64> = (0..model.unknowns().len()).map(|_| 0.15 * random.symmetric()).collect();
+            let (controls, mut expected, mut tangent) = (model.controls(), model.matrix(), model.matrix());
+            let sums = model.body.evaluate_tangent(&u, &controls, &mut expected, false)?;
+            let strains = PointStrains::of(&model.body, &u, false)?;
+            let mut own = Sums::zero(u.len());
+            model.body.add_with_point_strains((&u, &controls), &strains, &mut own, &mut tangent, false)?;
+            let apart = |a: &[f64], b: &[f64]| {
+                let largest = b.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
+                a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / largest
+            };
+            assert!(apart(&own.force, &sums.force) < 1e-12);
+            assert!(apart(&tangent.values, &expected.values) < 1e-12);
         }
         Ok(())
     }
