@@ -110,7 +110,7 @@ pub const UNSTABLE: WarningKind = WarningKind {
 /// A singular tangent.
 pub const NEARLY_SINGULAR: WarningKind = WarningKind {
     code: "nearly_singular",
-    about: "the tangent stiffness is singular to working accuracy: the state sits at a limit or bifurcation point",
+    about: "the tangent stiffness is singular to working accuracy: a limit or bifurcation point, or a very slender or nearly incompressible body",
     advice: "change the control a little; near such a point gradients mean little",
 };
 

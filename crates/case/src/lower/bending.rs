@@ -29,23 +29,24 @@ impl Bending {
     ///
     /// `factor = 1 + G/E' (a/T)^2 + (C/E' - 1) (t/T)^2`,
     ///
-    /// G/E' = 1 / (2 (1 + nu)), C/E' - 1 = nu^2 / (1 - nu^2) in space (the width contracts freely), G/E' = (1 - nu) / 2, C/E' - 1 =
-    /// nu^2 / (1 - 2 nu) in plane strain. More cells over the thickness do not help against the shear, shorter ones do.
+    /// G/E' = 1 / (2 (1 + nu)), C/E' - 1 = nu^2 / (1 - nu^2) of a bar (the width contracts freely), G/E' = (1 - nu) / 2, C/E' - 1 =
+    /// nu^2 / (1 - 2 nu) in plane strain and of a sheet, whose width may hinder it from curving across. More cells over the thickness do not help against the shear, shorter ones do.
     ///
     /// Source for one cell over the thickness: Cook, Malkus, Plesha, Witt, Concepts and Applications of Finite Element
     /// Analysis, 4th ed. (2002), section 3.6; MacNeal, Finite Elements: Their Design and Performance (1994), chapter 6.
     pub fn worst(columns: &[Column], elastic: Elastic) -> Option<Self> {
         let nu = elastic.poisson();
-        let (shear, contraction) = match columns.len() {
-            2 => (0.5 * (1.0 - nu), nu * nu / (1.0 - 2.0 * nu)),
-            _ => (0.5 / (1.0 + nu), nu * nu / (1.0 - nu * nu)),
-        };
-        let planes = columns.iter().enumerate().flat_map(|(i, along)| {
-            let over = columns.iter().enumerate().filter(move |(j, _)| i != *j).map(|(_, over)| over);
-            over.map(move |over| (along, over))
-        });
-        let slender = planes.filter(|(along, over)| along.length >= SLENDER * over.length);
-        let bent = slender.map(|(along, over)| {
+        let axes = 0..columns.len();
+        let planes = axes.clone().flat_map(|i| axes.clone().filter(move |&j| i != j).map(move |j| (i, j)));
+        let slender = planes.filter(|&(i, j)| columns[i].length >= SLENDER * columns[j].length);
+        let bent = slender.map(|(i, j)| {
+            let (along, over) = (&columns[i], &columns[j]);
+            let mut width = axes.clone().filter(|&k| k != i && k != j);
+            let curves_across = width.any(|k| columns[k].length < SLENDER * over.length);
+            let (shear, contraction) = match curves_across {
+                true => (0.5 / (1.0 + nu), nu * nu / (1.0 - nu * nu)),
+                false => (0.5 * (1.0 - nu), nu * nu / (1.0 - 2.0 * nu)),
+            };
             let square = |extent: f64| (extent / over.length).powi(2);
             let (shear, contraction) = (shear * square(along.extent), contraction * square(over.extent));
             let (factor, by_shear) = (1.0 + shear + contraction, shear >= contraction);

@@ -147,8 +147,8 @@ fn stiff_in_bending(
     let Bending { factor, length, thickness, layers, by_shear } = worst;
     let (name, unit) = (all.kind(*cell).name(), context.units.length().symbol);
     let cure = match by_shear {
-        true => "shorter cells help, more over the thickness do not",
-        false => "more cells over the thickness help",
+        true => "shorter cells help most",
+        false => "more cells over the thickness help most",
     };
     let over = if *layers == 1 { "1 cell".to_owned() } else { format!("{layers} cells") };
     Some(format!(

@@ -6,7 +6,7 @@ use crate::error::FemError;
 use crate::error::{Cause, StateError};
 use crate::model::Model;
 use crate::solution::load_steps::LoadSteps;
-use crate::solution::newton::{Newton, Search, Stop};
+use crate::solution::newton::{Newton, Stop};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
@@ -20,8 +20,6 @@ const WARM: usize = 3;
 const GUESS: usize = 15;
 /// Newton iterations after which load steps from rest are given up at the first that fails.
 const MOST: usize = 10_000;
-/// Newton iterations of a descent at full load.
-const DESCENT: usize = 1_500;
 
 impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
@@ -29,8 +27,7 @@ impl Model {
     /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
     /// with strains of their own at the quadrature points (slender and nearly incompressible bodies); where that fails too,
     /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
-    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on; without such a reason the energy is descended
-    /// on from rest at full load, before a cold solve fails. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or fails after more
+    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or fails after more
     /// than three times `how.max_newton` iterations, the way from rest is tried.
     ///
     /// # Errors
@@ -86,7 +83,7 @@ impl Model {
             return found;
         }
         let Some(near) = how.near else {
-            return self.cold_solve(&rest, controls, (how, time_step), workspace, &mut spent);
+            return self.walk(&rest, controls, (how, time_step), MOST, workspace, &mut spent);
         };
         match self.walk(near, controls, (how, time_step), WARM * how.max_newton, workspace, &mut spent) {
             Err(StateError::Cancelled) => Err(StateError::Cancelled),
@@ -106,34 +103,6 @@ impl Model {
         }
     }
 
-    /// By load steps; where they end for no reason that is known, downhill on the energy at full load. (A nearly incompressible
-    /// body may turn back short of its load and yet have an equilibrium, which a long descent finds.)
-    fn cold_solve(
-        &self,
-        rest: &State,
-        controls: &Controls,
-        (how, time_step): (&SolveOptions, Option<&TimeStep>),
-        workspace: &mut Workspace,
-        report: &mut SolveReport,
-    ) -> Result<State, StateError> {
-        let failed = match self.walk(rest, controls, (how, time_step), MOST, workspace, report) {
-            Err(failed @ StateError::NoConvergence { cause: Cause::Unknown, .. }) if self.has_potential() => failed,
-            done => return done,
-        };
-        workspace.forget();
-        let long = SolveOptions { max_newton: DESCENT, ..how.clone() };
-        let newton = Newton { search: Search::Patient, ..self.newton(controls, 1.0, time_step, 1.0, &long) };
-        let mut u = rest.u.to_vec();
-        match newton.solve(&mut u, self.linear_solver(how, workspace), report) {
-            Ok(_) => {
-                report.load_steps += 1;
-                Ok(State::equilibrium(u, controls.clone(), 1.0, *report))
-            }
-            Err(Stop::Cancelled) => Err(StateError::Cancelled),
-            Err(_) => Err(failed),
-        }
-    }
-
     /// Newton's method at a load.
     pub(super) fn newton<'a>(
         &'a self,
@@ -143,7 +112,7 @@ impl Model {
         path: f64,
         options: &'a SolveOptions<'a>,
     ) -> Newton<'a> {
-        Newton { model: self, controls, load, time_step, path, options, search: Search::Downhill }
+        Newton { model: self, controls, load, time_step, path, options }
     }
 
     /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature

@@ -23,16 +23,6 @@ pub(crate) struct Newton<'a> {
     /// For the report alone: where on the path this is.
     pub path: f64,
     pub options: &'a SolveOptions<'a>,
-    pub search: Search,
-}
-
-/// How the length of a step is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Search {
-    /// Downhill on the potential; given up far from any equilibrium, see [`LOST`].
-    Downhill,
-    /// Downhill, without giving up.
-    Patient,
 }
 
 /// Why it stopped short.
@@ -104,7 +94,7 @@ impl Newton<'_> {
             if self.options.cancelled() {
                 return Err(Stop::Cancelled);
             }
-            if self.search == Search::Downhill && iteration >= LOST.0 && report.shifted - shifted >= LOST.1 {
+            if iteration >= LOST.0 && report.shifted - shifted >= LOST.1 {
                 break;
             }
             let (residual, relative) = self.residual(&now);
