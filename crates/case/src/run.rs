@@ -57,7 +57,7 @@ pub struct Options {
     pub strict: bool,
     /// Whether the page of results, `report.html`, is left out.
     pub no_report: bool,
-    /// Whether `optimize` may replace the checkpoint of an interrupted optimisation.
+    /// Whether `optimize` may replace the checkpoint of an interrupted optimisation, or one that cannot be read.
     pub restart: bool,
     /// What `solve` computes.
     pub analysis: Analysis,
@@ -200,6 +200,7 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<Outcome, R
     session.put("warnings", json!(warnings));
     session.put("exit", json!(exit.code()));
     report::write_result(&mut session)?;
+    optimize::record_end(&session)?;
     if let Some(out) = &session.out {
         session.console.say(format!("results     {}", out.path().display()));
     }

@@ -201,6 +201,31 @@ fn warnings_of_starts_are_kept() {
     goes_on_to_the_bit(BAR, &set, &[7, 12, 24]);
 }
 
+/// What was said of a start stands in the result also where the runs end with an error.
+#[test]
+fn warnings_of_a_start_are_kept_when_the_optimisation_fails() {
+    let set: Vec<&str> = SHORT.iter().chain(&PUSHED).copied().collect();
+    let place = Place::new();
+    let blocked = place.path("out/history.jsonl");
+    let unstable = |what: &str| {
+        let result = place.json("result.json");
+        let warnings = result["warnings"].as_array().unwrap();
+        let of_start = warnings.iter().filter(|warning| warning["code"] == "unstable" && warning["place"] == "start");
+        assert_eq!((of_start.count(), &result["exit"]), (1, &Value::from(7)), "{what}: {result:#}");
+    };
+    std::fs::create_dir_all(&blocked).unwrap();
+    let error = place.run(Command::Optimize, BAR, &set).unwrap_err();
+    assert!(matches!(error, RunError::Write(_)), "{error}");
+    unstable("optimize");
+    std::fs::remove_dir(&blocked).unwrap();
+    interrupt(&place, BAR, &set, 12).unwrap();
+    std::fs::remove_file(&blocked).unwrap();
+    std::fs::create_dir(&blocked).unwrap();
+    let error = go_on(&place, 2, &Console::silent()).unwrap_err();
+    assert!(matches!(error, RunError::Write(_)), "{error}");
+    unstable("resume");
+}
+
 #[test]
 fn an_optimum_that_is_verified_goes_on_to_the_bit() {
     let set: Vec<&str> = SHORT.iter().chain(&PUSHED).chain(&["optimizer/verify=true"]).copied().collect();
@@ -280,6 +305,99 @@ fn without_a_schedule_there_is_no_checkpoint_and_an_old_one_goes() {
     assert!(!place.path("out/checkpoint.bin").exists());
     let told = refused(&place).to_string();
     assert!(told.contains("out has no checkpoint.bin") && told.contains("output/checkpoint"), "{told}");
+}
+
+/// The iteration of the checkpoint that is not replaced; nothing in the directory changes.
+fn not_replaced(place: &Place) -> usize {
+    let content = || place.files().into_iter().map(|name| std::fs::read(place.path("out").join(name)).unwrap());
+    let before: Vec<Vec<u8>> = content().collect();
+    match place.run(Command::Optimize, BAR, &SHORT) {
+        Err(RunError::Interrupted { iteration, .. }) => {
+            assert!(content().eq(before), "something was written");
+            iteration
+        }
+        other => panic!("not refused: {other:?}"),
+    }
+}
+
+/// The best start of those that were run ended by its own test or by its number of iterations, the optimisation did not.
+#[test]
+fn an_optimisation_that_has_starts_left_is_not_replaced_unasked() {
+    let set: Vec<&str> = SHORT.iter().chain(&["optimizer/starts=4", "optimizer/seed=2"]).copied().collect();
+    let place = Place::new();
+    for moment in [("start 2 of 4", 1), ("gradient    right", 2), ("start 3 of 4", 1)] {
+        std::fs::remove_dir_all(place.path("out")).ok();
+        let result = interrupt_at(&place, BAR, &set, moment).unwrap().result;
+        let stop = result["stop"].as_str().unwrap();
+        assert!(result["converged"] == false && stop != "cancelled", "the test needs an end of its own: {stop}");
+        assert_eq!(not_replaced(&place), 6, "{moment:?}");
+    }
+    go_on(&place, 2, &Console::silent()).unwrap();
+    place.run(Command::Optimize, BAR, &SHORT).unwrap();
+}
+
+/// Other commands write a result too.
+#[test]
+fn other_commands_end_no_optimisation_and_interrupt_none() {
+    let place = Place::new();
+    let others = [Command::Solve, Command::Gradient];
+    for set in [&SHORT[..], &["optimizer/tolerance=0.5"]] {
+        let outcome = place.run(Command::Optimize, BAR, set).unwrap();
+        assert_eq!(outcome.exit == Exit::Done, set.len() == 1, "{}", outcome.result["stop"]);
+        for other in &others {
+            place.run(other.clone(), BAR, &[]).unwrap();
+        }
+    }
+    place.run(Command::Optimize, BAR, &SHORT).unwrap();
+    // One that had ended and is broken off while it is resumed has to end once more.
+    let cancel = Arc::new(AtomicBool::new(true));
+    let options = Options { cancel, ..Options::default() };
+    resume(&Catalogue::standard(), &place.path("out"), &options, &Console::silent()).unwrap();
+    for other in others {
+        assert_eq!(not_replaced(&place), 6);
+        place.run(other, BAR, &[]).unwrap();
+    }
+    assert_eq!(not_replaced(&place), 6);
+    go_on(&place, 2, &Console::silent()).unwrap();
+    place.run(Command::Optimize, BAR, &SHORT).unwrap();
+}
+
+#[test]
+fn a_checkpoint_that_cannot_be_read_is_not_replaced_unasked() {
+    let place = Place::new();
+    place.run(Command::Optimize, BAR, &SHORT).unwrap();
+    let file = place.path("out/checkpoint.bin");
+    let whole = std::fs::read(&file).unwrap();
+    let flipped = |at: usize| {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 4;
+        bytes
+    };
+    let old = enveloped(b"nastic-optimisation-2, and what such a one held");
+    let cases = [
+        (flipped(17), "is a checkpoint of format 5, this program reads format 1"),
+        (flipped(whole.len() - 1), "is damaged: the checksum of its content is not the one"),
+        (whole[..whole.len() / 2].to_vec(), "is damaged: it has "),
+        (old, "does not fit: not a saved run of this version"),
+    ];
+    for (bytes, reason) in cases {
+        std::fs::write(&file, &bytes).unwrap();
+        let error = place.run(Command::Optimize, BAR, &SHORT).unwrap_err();
+        let told = error.to_string();
+        assert!(matches!(error, RunError::UnreadableCheckpoint(_)) && error.exit() == Exit::BadInput, "{told}");
+        assert!(told.contains(reason) && told.contains("begin anew with --restart"), "{told}");
+        assert!(std::fs::read(&file).unwrap() == bytes, "{told}: replaced");
+    }
+    let options = Options { restart: true, ..place.options(&SHORT) };
+    place.run_with(Command::Optimize, BAR, &Console::silent(), &options).unwrap();
+    assert_eq!(std::fs::read(&file).unwrap().len(), whole.len());
+    std::fs::remove_file(&file).unwrap();
+    place.run(Command::Optimize, BAR, &SHORT).unwrap();
+    // What the system refuses to read.
+    std::fs::remove_file(&file).unwrap();
+    std::fs::create_dir(&file).unwrap();
+    let error = place.run(Command::Optimize, BAR, &SHORT).unwrap_err();
+    assert!(matches!(error, RunError::UnreadableCheckpoint(CheckpointError::Read { .. })), "{error}");
 }
 
 #[test]

@@ -67,7 +67,8 @@ pub enum Command {
 pub struct Optimize {
     #[command(flatten)]
     pub case: Case,
-    /// Begin anew although the output directory holds the checkpoint of an interrupted optimisation, which is replaced
+    /// Begin anew although the output directory holds the checkpoint of an interrupted optimisation, or one that cannot be
+    /// read, which is replaced
     #[arg(long)]
     pub restart: bool,
 }

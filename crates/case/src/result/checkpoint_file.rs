@@ -76,7 +76,7 @@ pub enum CheckpointError {
         what: String,
     },
     /// Written by another version of the program, which may not give the same bits.
-    #[error("{} was written by nastic {found}, this is nastic {}: use that version, or begin anew with nastic optimize",
+    #[error("{} was written by nastic {found}, this is nastic {}: use that version, or begin anew with nastic optimize --restart",
         file.display(), env!("CARGO_PKG_VERSION"))]
     Program {
         /// The file.
@@ -86,7 +86,7 @@ pub enum CheckpointError {
     },
     /// The case, or a file it names, is another than when the optimisation began.
     #[error(
-        "the case changed since the optimisation in {} began: {}; put it back, or begin anew with nastic optimize",
+        "the case changed since the optimisation in {} began: {}; put it back, or begin anew with nastic optimize --restart",
         directory.display(),
         what.join("; ")
     )]

@@ -98,6 +98,9 @@ pub enum RunError {
         /// Iteration of the checkpoint.
         iteration: usize,
     },
+    /// An optimisation would replace a checkpoint that cannot be read.
+    #[error("{0}; begin anew with --restart, which replaces it, or choose another directory with --out")]
+    UnreadableCheckpoint(#[source] CheckpointError),
     /// There is no checkpoint to go on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
@@ -132,9 +135,8 @@ impl RunError {
     #[must_use]
     pub fn exit(&self) -> Exit {
         match self {
-            Self::Input(_) | Self::Threads(_) | Self::Checkpoint(_) | Self::Interrupted { .. } | Self::Report(_) => {
-                Exit::BadInput
-            }
+            Self::Input(_) | Self::Threads(_) | Self::Report(_) => Exit::BadInput,
+            Self::Checkpoint(_) | Self::UnreadableCheckpoint(_) | Self::Interrupted { .. } => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
             Self::Start(_) => Exit::BadInput,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,

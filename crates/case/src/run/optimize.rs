@@ -15,6 +15,7 @@ use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
 use crate::lower::CaseProblem;
+use crate::result::files::Directory;
 use crate::warning::{INPUT, Warning};
 use finished_run::FinishedRun;
 use journal::{Journal, Written};
@@ -33,22 +34,28 @@ use std::time::Instant;
 pub(super) fn begin(session: &mut Session<'_>, restart: bool) -> Result<Exit, RunError> {
     session.require(true, true)?;
     if let (Some(out), false) = (&session.out, restart)
-        && let Some(Written { start, iteration }) = checkpoint::interrupted(out)
-        && (start, iteration) != (0, 0)
+        && let Err(error) = may_replace(out)
     {
-        let directory = out.path().to_owned();
-        // Its results stay as they are: nothing is written.
+        // What lies there stays as it is: nothing is written.
         session.out = None;
-        return Err(RunError::Interrupted { directory, iteration });
+        return Err(error);
     }
     run(session)
+}
+
+/// Whether the checkpoint in a directory, if any, may be replaced unasked.
+fn may_replace(out: &Directory) -> Result<(), RunError> {
+    match checkpoint::interrupted(out).map_err(RunError::UnreadableCheckpoint)? {
+        None | Some(Written { start: 0, iteration: 0 }) => Ok(()),
+        Some(Written { iteration, .. }) => Err(RunError::Interrupted { directory: out.path().to_owned(), iteration }),
+    }
 }
 
 fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
     if let Some(out) = &session.out {
         out.remove_old_iterations();
-        // It belongs to an earlier command; until there is a new one this optimisation counts as interrupted.
+        // It belongs to an earlier command, and would stand beside the files of this one.
         out.remove("result.json")?;
     }
     warn_of_own_files(session);
@@ -72,8 +79,9 @@ fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let check = check_gradient::json(&checked?);
     let begun = Begun { point, derivative, workspace, warnings };
     let began = Instant::now();
-    let starts = starts::run(session, optimizer.as_ref(), begun, check, &mut journal)?;
-    conclude(session, starts, journal, began)
+    let mut starts = Starts::default();
+    let ran = starts.run(session, optimizer.as_ref(), begun, check, &mut journal);
+    conclude(session, (starts, ran), journal, began)
 }
 
 /// A file of the output directory that the case reads is another one once the optimisation has written it.
@@ -99,19 +107,27 @@ pub(super) fn resume(session: &mut Session<'_>, position: Option<Position>) -> R
     let Some(position) = position else { return run(session) };
     warn_of_own_files(session);
     session.put("gradient_check", position.fixed.gradient_check.clone());
-    let mut journal = Journal::resume(session, from);
+    let mut journal = Journal::resume(session, from)?;
     let optimizer = session.problem.optimizer()?;
     let began = Instant::now();
-    let starts = starts::resume(session, optimizer.as_ref(), position, &mut journal)?;
-    conclude(session, starts, journal, began)
+    let mut starts = Starts::default();
+    let ran = starts.resume(session, optimizer.as_ref(), position, &mut journal);
+    conclude(session, (starts, ran), journal, began)
 }
 
 /// Reports what was found, then what could not be written on the way.
-fn conclude(session: &mut Session<'_>, starts: Starts, journal: Journal, began: Instant) -> Result<Exit, RunError> {
+fn conclude(
+    session: &mut Session<'_>,
+    (starts, ran): (Starts, Result<(), RunError>),
+    journal: Journal,
+    began: Instant,
+) -> Result<Exit, RunError> {
     session.note_time("optimize", began.elapsed().as_secs_f64());
+    // They were said: the result has them, however the runs ended.
+    session.warnings.extend(starts.warnings);
+    ran?;
     let written = journal.written();
     let unwritten = journal.finish();
-    session.warnings.extend(starts.warnings);
     let Some((index, ended)) = &starts.best else { return Err(RunError::Cancelled) };
     let resumable = written.filter(|_| starts.interrupted);
     run_warnings::warn(session, ended, starts.interrupted);
@@ -124,8 +140,18 @@ fn conclude(session: &mut Session<'_>, starts: Starts, journal: Journal, began: 
         outcome::say_how_to_resume(session, written);
     }
     unwritten?;
+    session.ended = !starts.interrupted;
     let done = ended.best.stop.is_converged() && !starts.interrupted;
     Ok(if done { Exit::Done } else { Exit::NotConverged })
+}
+
+/// Records in the checkpoint that the optimisation has ended, if so. That comes last: a program that is killed before all results
+/// are written was interrupted.
+pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
+    match &session.out {
+        Some(out) if session.ended => checkpoint::record_end(out, true),
+        _ => Ok(()),
+    }
 }
 
 /// An evaluated start.

@@ -24,9 +24,7 @@ pub(super) fn open<'c>(
         return Err(CheckpointError::Missing { directory: directory.to_owned() }.into());
     }
     let out = Directory::claim(directory.to_owned())?;
-    let content = checkpoint_file::read(directory)?;
-    let Checkpoint { case, position } = Checkpoint::from_bytes(&content)
-        .map_err(|error| CheckpointError::Content { file: file.clone(), what: error.to_string() })?;
+    let Checkpoint { case, position, .. } = Checkpoint::read(directory)?;
     if case.program != env!("CARGO_PKG_VERSION") {
         return Err(CheckpointError::Program { file, found: case.program }.into());
     }

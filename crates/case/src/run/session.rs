@@ -43,6 +43,8 @@ pub(super) struct Session<'c> {
     pub settings: Vec<String>,
     /// Whether the page of results is written at the end.
     pub report: bool,
+    /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
+    pub ended: bool,
     result: Map<String, Value>,
     phases: Vec<(&'static str, f64)>,
     began: Instant,
@@ -114,6 +116,7 @@ impl<'c> Session<'c> {
             warnings: Vec::new(),
             settings,
             report: true,
+            ended: false,
             result: Map::new(),
             phases: vec![("read", began.elapsed().as_secs_f64())],
             began,

@@ -2,23 +2,26 @@
 
 use super::finished_run::{read_work, write_work};
 use super::journal::Written;
-use crate::result::checkpoint_file;
+use crate::result::checkpoint_file::{self, CheckpointError};
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
-use crate::run::error::Exit;
+use crate::run::error::RunError;
 use nastic_fem::SolveReport;
 use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{RunState, SavedRunError, Stop};
+use nastic_opt::{RunState, SavedRunError};
 use nastic_report::Iterates;
 use serde_json::Value;
+use std::path::Path;
 
-const MAGIC: &str = "nastic-optimisation-2";
+const MAGIC: &str = "nastic-optimisation-3";
 
 /// The content of `checkpoint.bin`.
 pub(in crate::run) struct Checkpoint {
     pub case: CaseRecord,
     /// Where the optimisation stood; `None` before its start was evaluated and its gradient checked.
     pub position: Option<Position>,
+    /// Whether the optimisation came to its end, and all of its results were written.
+    pub ended: bool,
 }
 
 /// Where an optimisation stood.
@@ -73,11 +76,18 @@ impl Position {
 
 impl Checkpoint {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SavedRunError> {
-        let mut input = Reader::new(bytes, MAGIC)?;
+        let (ended, body) = open(bytes)?;
+        let mut input = Reader::new(&body, "")?;
         let case = CaseRecord::from_bytes(&input.list()?)?;
         let position = if input.flag()? { Some(read_position(&mut input)?) } else { None };
         input.finish()?;
-        Ok(Self { case, position })
+        Ok(Self { case, position, ended })
+    }
+
+    /// That of a directory.
+    pub fn read(directory: &Path) -> Result<Self, CheckpointError> {
+        let content = checkpoint_file::read(directory)?;
+        Self::from_bytes(&content).map_err(|error| unfit(directory, &error))
     }
 }
 
@@ -106,27 +116,60 @@ impl Fixed {
     }
 }
 
-/// Where an optimisation stood that did not come to its end; `None` where there is none, or no checkpoint of it that can be read.
-pub(super) fn interrupted(out: &Directory) -> Option<Written> {
-    let content = checkpoint_file::read(out.path()).ok()?;
-    let position = Checkpoint::from_bytes(&content).ok()?.position?;
-    let result = std::fs::read_to_string(out.file("result.json")).ok();
-    let result: Option<Value> = result.and_then(|text| serde_json::from_str(&text).ok());
-    let ended = result.is_some_and(|result| {
-        let unwritten = result["exit"] == Exit::NotWritten.code();
-        // Of several starts that were not all run the best may have converged.
-        let between_starts = result["exit"] == Exit::NotConverged.code() && result["converged"] == true;
-        result["stop"].is_string() && result["stop"] != Stop::Cancelled.to_string() && !unwritten && !between_starts
-    });
-    (!ended).then(|| position.place())
+/// Where an optimisation stood that did not come to its end; `None` where there is none, or where nothing was evaluated.
+///
+/// # Errors
+/// There is a checkpoint, and it cannot be read: whether it is worth keeping is not known.
+pub(super) fn interrupted(out: &Directory) -> Result<Option<Written>, CheckpointError> {
+    match Checkpoint::read(out.path()) {
+        Ok(Checkpoint { ended: false, position: Some(position), .. }) => Ok(Some(position.place())),
+        Ok(_) | Err(CheckpointError::Missing { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Records in the checkpoint of a directory, if it has one, whether the optimisation has ended.
+///
+/// # Errors
+/// It cannot be read or written; the earlier one stays.
+pub(super) fn record_end(out: &Directory, ended: bool) -> Result<(), RunError> {
+    let content = match checkpoint_file::read(out.path()) {
+        Err(CheckpointError::Missing { .. }) => return Ok(()),
+        content => content?,
+    };
+    let (recorded, body) = open(&content).map_err(|error| unfit(out.path(), &error))?;
+    if recorded != ended {
+        checkpoint_file::write(out, &close(ended, &body))?;
+    }
+    Ok(())
+}
+
+/// Whether the optimisation has ended, and all that the end leaves as it is.
+fn open(content: &[u8]) -> Result<(bool, Vec<u8>), SavedRunError> {
+    let mut input = Reader::new(content, MAGIC)?;
+    let parts = (input.flag()?, input.list()?);
+    input.finish()?;
+    Ok(parts)
+}
+
+/// What [`open`] reads.
+fn close(ended: bool, body: &[u8]) -> Vec<u8> {
+    let mut out = Writer::new(MAGIC);
+    out.count(usize::from(ended));
+    out.bytes(body);
+    out.finish()
+}
+
+fn unfit(directory: &Path, error: &SavedRunError) -> CheckpointError {
+    CheckpointError::Content { file: directory.join(checkpoint_file::NAME), what: error.to_string() }
 }
 
 /// A checkpoint before the start was evaluated.
 pub(super) fn before_the_start(case: &CaseRecord) -> Vec<u8> {
-    let mut out = Writer::new(MAGIC);
+    let mut out = Writer::new("");
     out.bytes(&case.to_bytes());
     out.count(0);
-    out.finish()
+    close(false, &out.finish())
 }
 
 /// A checkpoint of a run; `fixed` is [`Fixed::to_bytes`], made once for all checkpoints of a start.
@@ -137,7 +180,7 @@ pub(super) fn of_run(
     (work, snapshots, iterates): TrialsOfRun<'_>,
     run: &RunState,
 ) -> Vec<u8> {
-    let mut out = Writer::new(MAGIC);
+    let mut out = Writer::new("");
     out.bytes(&case.to_bytes());
     out.count(1);
     out.bytes(fixed);
@@ -148,7 +191,7 @@ pub(super) fn of_run(
     out.count(iterates.len());
     iterates.iter().for_each(|kept| out.bytes(&kept.to_bytes()));
     out.bytes(&run.to_bytes());
-    out.finish()
+    close(false, &out.finish())
 }
 
 fn read_position(input: &mut Reader<'_>) -> Result<Position, SavedRunError> {

@@ -55,9 +55,16 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Goes on from a checkpoint.
-    pub fn resume(session: &Session<'_>, from: Written) -> Self {
-        Self::of(session, Some(from))
+    /// Goes on from a checkpoint. That of an optimisation that had ended is one of an interrupted optimisation until it ends once more.
+    ///
+    /// # Errors
+    /// That cannot be written.
+    pub fn resume(session: &Session<'_>, from: Written) -> Result<Self, RunError> {
+        let journal = Self::of(session, Some(from));
+        if let Some(out) = &journal.out {
+            checkpoint::record_end(out, false)?;
+        }
+        Ok(journal)
     }
 
     fn of(session: &Session<'_>, written: Option<Written>) -> Self {

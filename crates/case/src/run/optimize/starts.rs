@@ -29,54 +29,60 @@ pub(super) struct Starts {
     pub interrupted: bool,
 }
 
-/// Runs from the start as written, which is evaluated already, then from random ones.
-pub(super) fn run(
-    session: &Session<'_>,
-    optimizer: &dyn Optimizer,
-    first: Begun,
-    gradient_check: Value,
-    journal: &mut Journal,
-) -> Result<Starts, RunError> {
-    say_optimizer(session, optimizer);
-    journal.open_history(vec![])?;
-    let mut starts = Starts::default();
-    announce(session, 0, None);
-    starts.run_from(session, optimizer, (0, first), (&gradient_check, Value::Null), journal)?;
-    starts.run_rest(session, optimizer, &gradient_check, journal)?;
-    Ok(starts)
-}
-
-/// Goes on from a checkpoint.
-pub(super) fn resume(
-    session: &Session<'_>,
-    optimizer: &dyn Optimizer,
-    position: Position,
-    journal: &mut Journal,
-) -> Result<Starts, RunError> {
-    let ensemble = &session.problem.ensemble;
-    let Position { fixed, trials, run } = position;
-    let (index, iteration) = (fixed.index, run.progress.counts.iterations);
-    let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
-    let mut starts = Starts::from_bytes(&fixed.finished, ensemble).map_err(unfit)?;
-    starts.warnings.iter().for_each(|warning| session.say_warning(warning));
-    let start = Reader::new(&fixed.start, "").map_err(Failed::new);
-    let start = start.and_then(|mut input| read_start(&mut input, ensemble)).map_err(unfit)?;
-    let run = resume_run(session, optimizer, &run)?;
-
-    say_optimizer(session, optimizer);
-    announce(session, index, seed(session, index));
-    session.console.say(format!("resumed     at iteration {iteration}"));
-    journal.open_history(trials.history)?;
-    journal.begin_start(&fixed);
-    let mut recorder = Recorder::new(session, journal, index);
-    recorder.restore(trials.run);
-    let ended = minimize(session, run, start, recorder, Some(iteration));
-    starts.add(seed(session, index), ended, fixed.certificate);
-    starts.run_rest(session, optimizer, &fixed.gradient_check, journal)?;
-    Ok(starts)
-}
-
 impl Starts {
+    /// Runs from the start as written, which is evaluated already, then from random ones.
+    ///
+    /// # Errors
+    /// As [`Self::resume`]: what was said stays in `warnings`.
+    pub fn run(
+        &mut self,
+        session: &Session<'_>,
+        optimizer: &dyn Optimizer,
+        mut first: Begun,
+        gradient_check: Value,
+        journal: &mut Journal,
+    ) -> Result<(), RunError> {
+        self.warnings.append(&mut first.warnings);
+        say_optimizer(session, optimizer);
+        journal.open_history(vec![])?;
+        announce(session, 0, None);
+        self.run_from(session, optimizer, (0, first), (&gradient_check, Value::Null), journal)?;
+        self.run_rest(session, optimizer, &gradient_check, journal)
+    }
+
+    /// Goes on from a checkpoint.
+    ///
+    /// # Errors
+    /// A run cannot begin, `history.jsonl` cannot be written, or the checkpoint is not of this case.
+    pub fn resume(
+        &mut self,
+        session: &Session<'_>,
+        optimizer: &dyn Optimizer,
+        position: Position,
+        journal: &mut Journal,
+    ) -> Result<(), RunError> {
+        let ensemble = &session.problem.ensemble;
+        let Position { fixed, trials, run } = position;
+        let (index, iteration) = (fixed.index, run.progress.counts.iterations);
+        let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
+        *self = Starts::from_bytes(&fixed.finished, ensemble).map_err(unfit)?;
+        self.warnings.iter().for_each(|warning| session.say_warning(warning));
+        let start = Reader::new(&fixed.start, "").map_err(Failed::new);
+        let start = start.and_then(|mut input| read_start(&mut input, ensemble)).map_err(unfit)?;
+        let run = resume_run(session, optimizer, &run)?;
+
+        say_optimizer(session, optimizer);
+        announce(session, index, seed(session, index));
+        session.console.say(format!("resumed     at iteration {iteration}"));
+        journal.open_history(trials.history)?;
+        journal.begin_start(&fixed);
+        let mut recorder = Recorder::new(session, journal, index);
+        recorder.restore(trials.run);
+        let ended = minimize(session, run, start, recorder, Some(iteration));
+        self.add(seed(session, index), ended, fixed.certificate);
+        self.run_rest(session, optimizer, &fixed.gradient_check, journal)
+    }
+
     /// All random starts that are left.
     fn run_rest(
         &mut self,
