@@ -114,9 +114,12 @@ pub(super) fn interrupted(out: &Directory) -> Option<Written> {
     let result: Option<Value> = result.and_then(|text| serde_json::from_str(&text).ok());
     let ended = result.is_some_and(|result| {
         let unwritten = result["exit"] == Exit::NotWritten.code();
+        // By a lack of memory: the best of several starts may have ended before.
+        let aborted = result["exit"] == Exit::ForwardFailed.code();
         // Of several starts that were not all run the best may have converged.
         let between_starts = result["exit"] == Exit::NotConverged.code() && result["converged"] == true;
-        result["stop"].is_string() && result["stop"] != Stop::Cancelled.to_string() && !unwritten && !between_starts
+        let cancelled = result["stop"] == Stop::Cancelled.to_string();
+        result["stop"].is_string() && !cancelled && !aborted && !unwritten && !between_starts
     });
     (!ended).then(|| position.place())
 }
