@@ -130,7 +130,9 @@ pub fn resume(
     })
 }
 
+/// The threads of a command. What the environment limits is read before anything is done.
 fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, RunError> {
+    nastic_fem::memory_limit()?;
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = threads {
         pool = pool.num_threads(threads);

@@ -29,6 +29,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &NEGLIGIBLE_TERM,
     &UNSTABLE,
     &NEARLY_SINGULAR,
+    &NOT_COUNTED,
     &BRANCH_CHANGE,
     &NO_MOVEMENT,
     &ALL_ON_BOUNDS,
@@ -112,6 +113,13 @@ pub const NEARLY_SINGULAR: WarningKind = WarningKind {
     code: "nearly_singular",
     about: "the tangent stiffness is singular to working accuracy: a limit or bifurcation point, or a very slender or nearly incompressible body",
     advice: "change the control a little; near such a point gradients mean little",
+};
+
+/// Nothing is known of the tangent's signs.
+pub const NOT_COUNTED: WarningKind = WarningKind {
+    code: "inertia_not_counted",
+    about: "the negative pivots of the tangent stiffness were not counted: whether the equilibrium is stable is not known",
+    advice: "",
 };
 
 /// Two equilibria for neighbouring controls.

@@ -85,8 +85,14 @@ fn too_little_memory_is_three() {
     assert!(told.contains("NASTIC_MEMORY"), "{told}");
     let output = with_limit("64G");
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let output = with_limit("lots");
+    assert_eq!(code(&output), 2);
+    assert!(text(&output.stderr).contains("NASTIC_MEMORY=\"lots\" is no size of memory"), "{}", text(&output.stderr));
     let told = text(&place.nastic(&["check", "case.json"]).stdout);
-    assert!(told.contains("memory      a factor has ") && told.contains(" MB while it is made"), "{told}");
+    assert!(
+        told.contains("memory      a factor has ") && told.contains(" MB while it is made on one thread"),
+        "{told}"
+    );
 }
 
 #[test]

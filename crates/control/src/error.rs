@@ -90,6 +90,11 @@ pub enum ControlError {
 }
 
 impl ControlError {
+    /// Whether the machine has too little memory: nothing is said of the control.
+    pub fn is_lack_of_memory(&self) -> bool {
+        matches!(self, ControlError::State(error) if error.is_lack_of_memory())
+    }
+
     /// Newton iterations of the state solve that failed, where that is known.
     pub fn newton(&self) -> Option<usize> {
         match self {

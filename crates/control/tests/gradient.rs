@@ -1,13 +1,14 @@
 //! The reduced derivative against other codes and against Taylor's theorem.
 
 use nastic_control::{
-    ControlNorm, ControlSmoothness, Evaluated, Metric, Reduced, ReducedWorkspace, SmoothedHausdorff, Space, Target,
-    Tracking,
+    ControlError, ControlNorm, ControlSmoothness, EnsembleError, Evaluated, Metric, Reduced, ReducedWorkspace,
+    SmoothedHausdorff, Space, Target, Tracking,
 };
 use nastic_energy::{FiberTension, MooneyRivlin, TransverseMooneyRivlin};
-use nastic_fem::Solid;
+use nastic_fem::{Solid, StateError};
+use nastic_linear::{FactorError, LinearError};
 use nastic_mesh::{CellKind, box_mesh};
-use nastic_opt::{Bounds, Objective, Problem, Request, Taylor, Verdict};
+use nastic_opt::{Bounds, Failed, Objective, Problem, Request, Taylor, Verdict};
 use nastic_tensor::Vec3;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
@@ -174,4 +175,19 @@ fn accepted_points_predict_the_next_state() -> Outcome {
     let [turned, alone] = fourth(&across)?;
     assert!((turned.cost() / alone.cost() - 1.0).abs() < 1e-6, "{:e}, {:e}", turned.cost(), alone.cost());
     Ok(())
+}
+
+/// A lack of memory says nothing about the control, so that an optimisation does not shorten its step for it.
+#[test]
+fn a_lack_of_memory_is_fatal_and_other_failures_are_not() {
+    let failed = |error: LinearError| {
+        let error = ControlError::from(StateError::from(error));
+        let member = EnsembleError::Member { who: "soft".to_owned(), source: Box::new(error.clone()) };
+        [Failed::from(error), Failed::from(member)].map(|failed| failed.is_fatal())
+    };
+    let lacking = FactorError::Memory { what: "a factor", needed: 2 << 30, available: 1 << 30 };
+    assert_eq!(failed(lacking.clone().into()), [true; 2]);
+    assert_eq!(failed(LinearError::TooLarge { source: Box::new(lacking.into()), gib: 9.0 }), [true; 2]);
+    assert_eq!(failed(FactorError::Singular { node: 3, component: 0 }.into()), [false; 2]);
+    assert_eq!(failed(LinearError::Singular { residual: 1e-3, wanted: 1e-11 }), [false; 2]);
 }

@@ -229,6 +229,21 @@ pub enum StateError {
 }
 
 impl StateError {
+    /// Whether no other way to the state is to be tried: the caller asked to stop, or memory is lacking.
+    pub fn is_final(&self) -> bool {
+        matches!(self, StateError::Cancelled) || self.is_lack_of_memory()
+    }
+
+    /// Whether the machine has too little memory: nothing is said of the state.
+    pub fn is_lack_of_memory(&self) -> bool {
+        matches!(self, StateError::Linear(error) if error.is_lack_of_memory())
+    }
+
+    /// Whether the tangent is singular to working precision.
+    pub fn is_singular(&self) -> bool {
+        matches!(self, StateError::Linear(error) if error.is_singular())
+    }
+
     /// A stable name: `inverted`, `no_convergence`, `linear`, `cancelled`, `problem`.
     pub fn code(&self) -> &'static str {
         match self {

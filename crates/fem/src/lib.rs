@@ -26,7 +26,7 @@ pub use discretization::supports::{AXES, Supports};
 pub use error::{Cause, FemError, InvertedAt, StateError};
 pub use model::{Controllable, Model, Unknowns};
 pub use nastic_linear::Solver;
-pub use nastic_linear::memory::available as available_memory;
+pub use nastic_linear::memory::{LimitError as MemoryLimitError, available as available_memory, limit as memory_limit};
 pub use solid::Solid;
 pub use solution::deflation::{Equilibria, Equilibrium};
 pub use solution::descent::Descent;

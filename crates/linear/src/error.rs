@@ -97,6 +97,9 @@ pub enum FactorError {
         /// Bytes there are.
         available: usize,
     },
+    /// The limit of memory in the environment cannot be read.
+    #[error(transparent)]
+    Limit(#[from] crate::memory::LimitError),
     /// A level of multigrid, or the arrays handed to it, cannot be used.
     #[error(transparent)]
     Structure(#[from] StructureError),

@@ -1,51 +1,89 @@
 //! What memory there is, asked before a factor is allocated: a typed error in the place of an abort.
 
+mod control_group;
+
 use crate::error::FactorError;
 use std::sync::OnceLock;
 
-/// The variable of the environment that limits the memory of the process: bytes, or with a suffix `K`, `M`, `G` (powers of 1024).
+/// The variable of the environment that limits the memory of the process: see [`limit`].
 pub const LIMIT: &str = "NASTIC_MEMORY";
 
 /// Below this size the machine is not asked, only the limit of the user: asking takes as long as a small factor.
 const SMALL: usize = 64 << 20;
 
+/// [`LIMIT`] holds a text that is no size.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{LIMIT}=\"{text}\" is no size of memory: give bytes, or a number with one of the suffixes K, M, G, T (powers of 1024; B or \
+     iB may follow), such as 1500M, 8.5G or 8GiB"
+)]
+pub struct LimitError {
+    /// The text found.
+    pub text: String,
+}
+
 /// Bytes that can still be allocated; `None` where nothing tells.
 ///
-/// The least of what the system calls available (`MemAvailable` of `/proc/meminfo`), what the control group leaves
-/// (`memory.max` less `memory.current`), and [`LIMIT`] less the resident size of the process. On systems without `/proc` that is
-/// [`LIMIT`] itself.
-pub fn available() -> Option<usize> {
-    [of_system(), of_control_group(), of_limit()].into_iter().flatten().min()
+/// The least of what the system calls available (`MemAvailable` of `/proc/meminfo`), what the control groups of the process leave,
+/// and [`limit`] less the resident size of the process. A control group (version 1 or 2), and each one above it, leaves its limit less
+/// its usage without the cached files, which the system gives up before it refuses memory. On systems without `/proc` only
+/// [`limit`] counts.
+///
+/// # Errors
+/// [`LimitError`].
+pub fn available() -> Result<Option<usize>, LimitError> {
+    Ok([of_system(), control_group::left(), of_limit()?].into_iter().flatten().min())
+}
+
+/// What [`LIMIT`] allows the process, in bytes; `None` if it is not set. It is read once.
+///
+/// A number, which may have decimals, and one of the suffixes `K`, `M`, `G`, `T` for powers of 1024, in either case; `B` or `iB` may
+/// follow.
+///
+/// # Errors
+/// [`LimitError`] if it is set to anything else.
+pub fn limit() -> Result<Option<usize>, LimitError> {
+    static SET: OnceLock<Result<Option<usize>, LimitError>> = OnceLock::new();
+    let read = || std::env::var_os(LIMIT).map(|text| parse(&text.to_string_lossy())).transpose();
+    SET.get_or_init(read).clone()
 }
 
 /// Whether so many bytes more can be allocated for `what`.
 ///
 /// # Errors
-/// [`FactorError::Memory`].
+/// [`FactorError::Memory`], [`FactorError::Limit`].
 pub(crate) fn check(what: &'static str, needed: usize) -> Result<(), FactorError> {
-    let available = if needed < SMALL { of_limit() } else { available() };
+    let available = if needed < SMALL { of_limit()? } else { available()? };
     match available {
         Some(available) if needed > available => Err(FactorError::Memory { what, needed, available }),
         _ => Ok(()),
     }
 }
 
-fn of_limit() -> Option<usize> {
-    static SET: OnceLock<Option<usize>> = OnceLock::new();
-    let limit = *SET.get_or_init(|| parse(&std::env::var(LIMIT).ok()?));
-    limit.map(|limit| limit.saturating_sub(resident().unwrap_or(0)))
+fn of_limit() -> Result<Option<usize>, LimitError> {
+    Ok(limit()?.map(|limit| limit.saturating_sub(resident().unwrap_or(0))))
 }
 
-/// `"1500M"`; a text that is no size is no limit.
-fn parse(text: &str) -> Option<usize> {
-    let text = text.trim();
-    let (digits, unit) = match text.chars().last()?.to_ascii_uppercase() {
-        'K' => (&text[..text.len() - 1], 10),
-        'M' => (&text[..text.len() - 1], 20),
-        'G' => (&text[..text.len() - 1], 30),
-        _ => (text, 0),
+/// `"1500M"`, `"8.5 GiB"`.
+fn parse(text: &str) -> Result<usize, LimitError> {
+    size(&text.trim().to_ascii_lowercase()).ok_or_else(|| LimitError { text: text.to_owned() })
+}
+
+fn size(text: &str) -> Option<usize> {
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let power = match &text[digits.len()..] {
+        "" => 0,
+        "k" | "kb" | "kib" => 1,
+        "m" | "mb" | "mib" => 2,
+        "g" | "gb" | "gib" => 3,
+        "t" | "tb" | "tib" => 4,
+        _ => return None,
     };
-    digits.trim().parse::<usize>().ok()?.checked_mul(1 << unit)
+    let digits = digits.trim_end();
+    // Neither signs nor exponents.
+    let plain = digits.chars().all(|c| c.is_ascii_digit() || c == '.');
+    let number = digits.parse::<f64>().ok().filter(|_| plain)?;
+    Some((number * 1024_f64.powi(power)) as usize)
 }
 
 fn of_system() -> Option<usize> {
@@ -62,23 +100,34 @@ fn kilobytes(text: &str, key: &str) -> Option<usize> {
     line.split_whitespace().next()?.parse::<usize>().ok()?.checked_mul(1024)
 }
 
-fn of_control_group() -> Option<usize> {
-    let read =
-        |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?.trim().parse::<usize>().ok();
-    Some(read("memory.max")?.saturating_sub(read("memory.current")?))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{kilobytes, parse};
+    use super::{LIMIT, kilobytes, parse};
 
     #[test]
     fn sizes_are_read() {
-        assert_eq!(
-            [parse("1500M"), parse("2g"), parse("7"), parse("3 K")],
-            [1500 << 20, 2 << 30, 7, 3 << 10].map(Some)
-        );
-        assert_eq!([parse("many"), parse(""), parse("-1")], [None; 3]);
+        let cases = [
+            ("1500M", 1500 << 20),
+            ("2g", 2 << 30),
+            ("7", 7),
+            ("3 K", 3 << 10),
+            ("8GB", 8 << 30),
+            ("8GiB", 8 << 30),
+            (" 8.5 G ", 17 << 29),
+            ("0.5t", 1 << 39),
+            ("0", 0),
+        ];
+        cases.iter().for_each(|(text, bytes)| assert_eq!(parse(text), Ok(*bytes), "{text}"));
         assert_eq!(kilobytes("A: 1 kB\nMemAvailable:    12 kB\n", "MemAvailable:"), Some(12 << 10));
+    }
+
+    #[test]
+    fn what_is_no_size_is_refused() {
+        for text in
+            ["lots", "", "-1", "+1", "1e9", "inf", "nan", "8X", "8iB", "8.5.1G", ".", "G", "8 G B", "8G 1M", "8\u{e9}"]
+        {
+            let told = parse(text).unwrap_err().to_string();
+            assert!(told.contains(&format!("{LIMIT}=\"{text}\"")) && told.contains("8.5G"), "{told}");
+        }
     }
 }

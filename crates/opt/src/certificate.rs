@@ -71,7 +71,11 @@ impl Certificate {
         for t in STEPS {
             set.retract(base.m, &direction, t, &mut trial);
             certificate.trials += 1;
-            let Ok(evaluated) = objective.evaluate(&trial, &how, workspace) else { continue };
+            let evaluated = match objective.evaluate(&trial, &how, workspace) {
+                Ok(evaluated) => evaluated,
+                Err(failed) if failed.is_fatal() => return Err(failed.into()),
+                Err(_) => continue,
+            };
             let change = objective.value(&evaluated) - cost;
             let mismatch = (change - t * slope).abs() / (t * slope).abs();
             certificate.mismatch = certificate.mismatch.min(mismatch);

@@ -6,17 +6,18 @@ use std::fmt;
 use std::sync::Arc;
 
 /// A trial without a cost, or a point without a derivative (a state solve that failed, say): an ordinary answer, which
-/// shortens the step. The error's type is kept: [`Failed::downcast_ref`] asks for it. Displayed as its source.
+/// shortens the step, unless it is [fatal](Failed::fatal). The error's type is kept: [`Failed::downcast_ref`] asks for it. Displayed as its source.
 #[derive(Clone, Debug)]
 pub struct Failed {
     source: Arc<dyn Error + Send + Sync>,
     work: Summary,
+    fatal: bool,
 }
 
 impl Failed {
     /// A failure with its cause.
     pub fn new(source: impl Error + Send + Sync + 'static) -> Self {
-        Self { source: Arc::new(source), work: Summary::default() }
+        Self { source: Arc::new(source), work: Summary::default(), fatal: false }
     }
 
     /// A failure that has no type of its own.
@@ -28,6 +29,18 @@ impl Failed {
     #[must_use]
     pub fn after(self, work: Summary) -> Self {
         Self { work, ..self }
+    }
+
+    /// The same failure as one that says nothing about the control (too little memory, say): no trial is rejected for it, since
+    /// results would depend on the machine. It ends the run.
+    #[must_use]
+    pub fn fatal(self) -> Self {
+        Self { fatal: true, ..self }
+    }
+
+    /// Whether it ends the run.
+    pub fn is_fatal(&self) -> bool {
+        self.fatal
     }
 
     /// The cause, if it is of this type.

@@ -60,7 +60,8 @@ pub trait Objective: Sync {
     /// Evaluates the cost of stage `how.stage` at `m`.
     ///
     /// # Errors
-    /// [`Failed`] when there is no value there; the driver tries a shorter step.
+    /// [`Failed`] when there is no value there; the driver tries a shorter step, or ends the run if it is
+    /// [fatal](Failed::fatal).
     fn evaluate(
         &self,
         m: &[f64],

@@ -139,7 +139,7 @@ impl<O: Objective> Run<O> {
     }
 
     /// The run as plain numbers, without its workspace: where that matters within the accuracy of states, a loaded run ends
-    /// near this one; [`checkpoint`](Self::checkpoint) makes it the same to the bit. After a cancelled step the run stands
+    /// near this one; [`checkpoint`](Self::checkpoint) makes it the same to the bit. After a cancelled or aborted step the run stands
     /// before that step: trials made in it will be made again.
     pub fn save(&self) -> RunState {
         let saved = |at: &Iterate<O::Point>| SavedPoint {
@@ -182,7 +182,7 @@ impl<O: Objective> Run<O> {
         }
         match self.iterate(observer) {
             Ok(()) => Outcome::Iterated,
-            Err(Stop::Cancelled) => Outcome::Stopped(Stop::Cancelled),
+            Err(stop) if stop.is_interrupted() => Outcome::Stopped(stop),
             Err(stop) => self.end_stage(stop, observer),
         }
     }
@@ -274,7 +274,7 @@ impl<O: Objective> Run<O> {
         let method = self.method.as_mut();
         let found = self.setting.search(method, &self.current, &mut self.progress, &mut self.workspace, observer);
         let found = found.inspect_err(|stop| {
-            if *stop == Stop::Cancelled {
+            if stop.is_interrupted() {
                 self.progress.counts = before;
                 self.method.load(&memory);
             }

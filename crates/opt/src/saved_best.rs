@@ -100,6 +100,10 @@ fn write_stop(stop: &Stop, out: &mut Writer) {
             out.count(*window);
             [decrease, total, relative_gradient].into_iter().for_each(|x| out.float(*x));
         }
+        Stop::Aborted(why) => {
+            out.count(7);
+            out.bytes(why.to_string().as_bytes());
+        }
         // The failure keeps its words, not its type.
         Stop::Stalled(Stall::Stage { stage, why }) => {
             out.count(6);
@@ -133,6 +137,7 @@ fn read_stop(input: &mut Reader<'_>) -> Result<Stop, SavedRunError> {
             relative_gradient: input.float()?,
         }),
         6 => Stop::Stalled(Stall::Stage { stage: input.number()?, why: Failed::because(input.text()?) }),
+        7 => Stop::Aborted(Failed::because(input.text()?).fatal()),
         _ => return Err(input.damaged("an unknown reason to stop")),
     })
 }
@@ -148,6 +153,7 @@ mod tests {
             Stop::Converged { gradient_norm: 1e-3, first: 3.0, tolerance: 1e-4 },
             Stop::MaxIterations { iterations: 7, relative_gradient },
             Stop::Cancelled,
+            Stop::Aborted(Failed::because("no memory").fatal()),
             Stop::Stalled(Stall::Flat { cost: 1.0, predicted: -1e-17, relative_gradient }),
             Stop::Stalled(Stall::LineSearch {
                 trials: 9,

@@ -168,6 +168,7 @@ impl<O: Objective> Setting<O> {
             let evaluated = self.objective.evaluate(&m, &how, workspace);
             let (point, cost) = match evaluated.and_then(|point| self.finite_cost(&point).map(|cost| (point, cost))) {
                 Ok(evaluated) => evaluated,
+                Err(failed) if failed.is_fatal() => return Err(Stop::Aborted(failed)),
                 Err(failed) => {
                     let reason = Reason::Failed(failed);
                     line.reject(&reason, true, rules.after_failure);
@@ -201,6 +202,7 @@ impl<O: Objective> Setting<O> {
                     let (fraction, trials) = (line.fraction, line.trials);
                     return Ok(Ok(Found { next, fraction, trials, predicted }));
                 }
+                Err((_, failed)) if failed.is_fatal() => return Err(Stop::Aborted(failed)),
                 Err((point, failed)) => {
                     let reason = Reason::DerivativeFailed(failed);
                     line.reject(&reason, true, rules.after_failure);

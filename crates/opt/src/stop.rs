@@ -26,6 +26,9 @@ pub enum Stop {
     },
     /// The cancellation flag was raised.
     Cancelled,
+    /// An evaluation failed for a reason that has nothing to do with the control ([`Failed::is_fatal`]). The run stands before the
+    /// step in which that happened, as after a cancellation.
+    Aborted(Failed),
 }
 
 /// How a run stalled.
@@ -74,6 +77,11 @@ pub enum Stall {
 }
 
 impl Stop {
+    /// Whether the run was broken off, and may go on where it stands.
+    pub fn is_interrupted(&self) -> bool {
+        matches!(self, Self::Cancelled | Self::Aborted(_))
+    }
+
     /// Whether the run's own test was met.
     pub fn is_converged(&self) -> bool {
         matches!(self, Self::Converged { .. })
@@ -94,6 +102,7 @@ impl fmt::Display for Stop {
                 "stopped after {iterations} iterations: projected gradient {relative_gradient:.1e} of the first"
             ),
             Self::Cancelled => write!(f, "cancelled"),
+            Self::Aborted(why) => write!(f, "aborted: {why}"),
         }
     }
 }

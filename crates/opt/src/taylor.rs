@@ -131,7 +131,10 @@ impl Taylor {
         for k in 0..=Self::PER_DECADE * Self::DECADES {
             let t = 10f64.powf(-(k as f64) / Self::PER_DECADE as f64);
             base.set.retract(base.m, &direction, t, &mut m);
-            let evaluated = base.objective.evaluate(&m, &how, workspace).ok();
+            let evaluated = match base.objective.evaluate(&m, &how, workspace) {
+                Err(failed) if failed.is_fatal() => return Err(failed.into()),
+                evaluated => evaluated.ok(),
+            };
             let cost = evaluated.map(|point| base.objective.value(&point)).filter(|cost| cost.is_finite());
             let change = cost.map_or(f64::NAN, |cost| cost - base.cost);
             rows.push(Row { t, cost, r0: change.abs(), r1: (change - t * slope).abs(), used: false });

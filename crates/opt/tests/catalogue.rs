@@ -226,6 +226,36 @@ fn failed_evaluations_shorten_the_step() {
     }
 }
 
+/// A failure that says nothing about the control rejects no trial: the run stands where it stood and goes on to the same bits.
+#[test]
+fn a_fatal_failure_ends_the_run_before_its_step() {
+    let set = Bounds::new(-3.0, 3.0).unwrap();
+    let metric = Euclidean::new(2);
+    for o in every(options(1e-5, 60)) {
+        let at = |cost: &Cost| {
+            begin(o.as_ref(), cost, &set, &metric, &[-1.2, 1.44]).unwrap().minimize(&mut |_: &Trial<'_, _>| {})
+        };
+        let whole = at(&rosenbrock(set.clone()));
+        let lacking = Arc::new(AtomicBool::new(false));
+        let cost = rosenbrock(set.clone()).failing_fatally(lacking.clone());
+        let mut run = begin(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.44]).unwrap();
+        (0..3).for_each(|_| assert_eq!(run.step(&mut |_: &Trial<'_, _>| {}), Outcome::Iterated));
+        let before = (run.progress().counts, run.save());
+        lacking.store(true, Ordering::Relaxed);
+        let mut told = 0;
+        let stopped = run.step(&mut |_: &Trial<'_, _>| told += 1);
+        assert!(
+            matches!(&stopped, Outcome::Stopped(Stop::Aborted(why)) if why.to_string() == "no memory"),
+            "{stopped:?}"
+        );
+        assert_eq!((told, run.progress().counts), (0, before.0), "{}", o.name());
+        assert_eq!(run.save().to_bytes(), before.1.to_bytes(), "{}", o.name());
+        lacking.store(false, Ordering::Relaxed);
+        let best = run.minimize(&mut |_: &Trial<'_, _>| {});
+        assert_eq!((best.m, best.counts), (whole.m, whole.counts), "{}", o.name());
+    }
+}
+
 #[test]
 fn a_wall_of_failures_is_said_so() {
     let set = Bounds::new(-3.0, 3.0).unwrap();

@@ -136,7 +136,8 @@ pub(crate) fn stability(result: &Value) -> (&'static str, String) {
     match result["inertia"].as_u64() {
         Some(0) => ("stable", "no negative pivot of the tangent".to_owned()),
         Some(n) => ("UNSTABLE", format!("{} of the tangent", count(n, "negative pivot"))),
-        None => ("undecided", "the tangent is singular, or has no inertia".to_owned()),
+        None if result["inertia_missing"]["singular"] == true => ("undecided", "the tangent is singular".to_owned()),
+        None => ("undecided", "negative pivots of the tangent were not counted".to_owned()),
     }
 }
 

@@ -1,9 +1,9 @@
 //! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
 
 use crate::lower::{CaseMember, CaseProblem};
-use crate::warning::{CELL_SHAPE, NEARLY_SINGULAR, SELF_INTERSECTION, UNSTABLE, Warning};
+use crate::warning::{CELL_SHAPE, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning};
 use nastic_control::EnsemblePoint;
-use nastic_fem::State;
+use nastic_fem::{State, StateError};
 use nastic_mesh::spatial::{SelfIntersection, Shape};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -14,16 +14,29 @@ const POOR: f64 = 0.05;
 /// What was found in the state of one member.
 #[derive(Debug, Clone)]
 pub(crate) struct Inspection {
-    /// Negative pivots of the tangent; `None` where they could not be counted.
-    pub inertia: Option<usize>,
-    /// Why they could not.
-    uncounted: Option<String>,
+    /// Negative pivots of the tangent, or why they were not counted.
+    pub inertia: Result<usize, Uncounted>,
     /// Where the deformed body intersects itself.
     pub intersection: SelfIntersection,
     /// Deformed volume of the cells whose centres lie in other cells.
     overlap: f64,
     /// Cells that the deformation made badly shaped, and the lowest scaled Jacobian among them with its cell.
     distorted: (usize, Option<(u32, f64)>),
+}
+
+/// Why negative pivots were not counted.
+#[derive(Debug, Clone)]
+pub(crate) struct Uncounted {
+    /// Whether the tangent is singular; else nothing is known about it.
+    singular: bool,
+    why: String,
+}
+
+impl Uncounted {
+    /// `{ "singular": .., "why": .. }`
+    pub fn json(&self) -> Value {
+        json!({ "singular": self.singular, "why": self.why })
+    }
 }
 
 impl Inspection {
@@ -36,12 +49,19 @@ impl Inspection {
     /// Of one state.
     pub fn of(member: CaseMember<'_>, state: &State) -> Self {
         let counted = member.solid().negative_pivots(state);
-        let uncounted = counted.as_ref().err().map(ToString::to_string);
-        Self { uncounted, ..Self::with_inertia(member, state, counted.ok()) }
+        let uncounted = |error: StateError| Uncounted { singular: error.is_singular(), why: error.to_string() };
+        Self::with_inertia(member, state, counted.map_err(uncounted))
     }
 
-    /// Of a state whose negative pivots are known.
-    pub fn with_inertia(member: CaseMember<'_>, state: &State, inertia: Option<usize>) -> Self {
+    /// Of a state whose negative pivots may be known; else the reason is found anew.
+    pub fn of_counted(member: CaseMember<'_>, state: &State, negative: Option<usize>) -> Self {
+        match negative {
+            Some(negative) => Self::with_inertia(member, state, Ok(negative)),
+            None => Self::of(member, state),
+        }
+    }
+
+    fn with_inertia(member: CaseMember<'_>, state: &State, inertia: Result<usize, Uncounted>) -> Self {
         let mesh = member.mesh();
         let positions = positions(mesh.points(), &state.u, mesh.dim());
         let shape = Shape::new(mesh, &positions, None);
@@ -55,7 +75,6 @@ impl Inspection {
         let lowest = distorted.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
         Self {
             inertia,
-            uncounted: None,
             overlap: overlap(member, state, &intersection),
             intersection,
             distorted: (distorted.len(), lowest),
@@ -78,15 +97,15 @@ impl Inspection {
     /// What deserves attention in the state; the place of the warnings is `what`, behind the member's name.
     pub fn warnings(&self, member: CaseMember<'_>, what: &str) -> Vec<Warning> {
         let mut out = Vec::new();
-        match self.inertia {
-            Some(0) => {}
-            Some(n) => {
-                let pivots = if n == 1 { "1 negative pivot".to_owned() } else { format!("{n} negative pivots") };
+        match &self.inertia {
+            Ok(0) => {}
+            Ok(n) => {
+                let pivots = if *n == 1 { "1 negative pivot".to_owned() } else { format!("{n} negative pivots") };
                 out.push(Warning::new(&UNSTABLE, format!("{pivots} of the tangent stiffness")));
             }
-            None => {
-                let why = self.uncounted.as_deref().unwrap_or("the tangent stiffness has no factor");
-                out.push(Warning::new(&NEARLY_SINGULAR, format!("negative pivots could not be counted: {why}")));
+            Err(Uncounted { singular, why }) => {
+                let kind = if *singular { &NEARLY_SINGULAR } else { &NOT_COUNTED };
+                out.push(Warning::new(kind, format!("negative pivots not counted: {why}")));
             }
         }
         if !self.intersection.is_empty() {

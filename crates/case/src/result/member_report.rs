@@ -120,8 +120,10 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<Map<String, Value>, M
     if detail == Detail::Full {
         out.extend(summary::state(one.member, one.state));
         if let Some(found) = one.inspection {
-            // A tangent that is singular has no inertia to report.
-            out.insert("inertia".into(), json!(found.inertia));
+            out.insert("inertia".into(), json!(found.inertia.as_ref().ok()));
+            if let Err(uncounted) = &found.inertia {
+                out.insert("inertia_missing".into(), uncounted.json());
+            }
             out.insert("self_intersection".into(), found.intersection_json());
         }
         out.extend(summary::work(&one.work));
@@ -150,12 +152,15 @@ fn overall(own: &[Map<String, Value>], reports: &[MemberReport<'_>]) -> Map<Stri
     reports.iter().for_each(|one| work.add_work(&one.work));
     let min_j = reports.iter().map(|one| one.state.report.min_j).fold(f64::INFINITY, f64::min);
     let residual = reports.iter().map(|one| one.state.report.residual).fold(0.0, f64::max);
-    // One singular tangent leaves no number for all.
+    // One member without a number leaves none for all.
     let inertia: Option<Vec<u64>> = own.iter().map(|entry| entry.get("inertia").and_then(Value::as_u64)).collect();
     let mut out = Map::new();
     out.insert("min_J".into(), json!(min_j));
     out.insert("residual".into(), json!(residual));
     out.insert("inertia".into(), json!(inertia.and_then(|all| all.into_iter().max())));
+    if let Some(why) = own.iter().find_map(|entry| entry.get("inertia_missing")) {
+        out.insert("inertia_missing".into(), why.clone());
+    }
     out.extend(summary::work(&work));
     out
 }

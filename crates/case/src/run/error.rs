@@ -55,6 +55,9 @@ pub enum RunError {
     /// A number of threads that cannot be had.
     #[error("threads: {0}")]
     Threads(String),
+    /// The limit of memory in the environment is no size.
+    #[error(transparent)]
+    MemoryLimit(#[from] nastic_fem::MemoryLimitError),
     /// There is no equilibrium, or no cost, where the command needs one.
     #[error("{}{error}{}", prefix(.member), kept(.file))]
     Forward {
@@ -135,7 +138,7 @@ impl RunError {
     #[must_use]
     pub fn exit(&self) -> Exit {
         match self {
-            Self::Input(_) | Self::Threads(_) | Self::Report(_) => Exit::BadInput,
+            Self::Input(_) | Self::Threads(_) | Self::MemoryLimit(_) | Self::Report(_) => Exit::BadInput,
             Self::Checkpoint(_) | Self::UnreadableCheckpoint(_) | Self::Interrupted { .. } => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
             Self::Start(_) => Exit::BadInput,

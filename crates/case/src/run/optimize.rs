@@ -140,6 +140,11 @@ fn conclude(
         outcome::say_how_to_resume(session, written);
     }
     unwritten?;
+    if let Some(why) = starts.aborted {
+        session.console.say(format!("failed      {why}"));
+        session.put("error", json!(why));
+        return Ok(Exit::ForwardFailed);
+    }
     session.ended = !starts.interrupted;
     let done = ended.best.stop.is_converged() && !starts.interrupted;
     Ok(if done { Exit::Done } else { Exit::NotConverged })
@@ -220,7 +225,7 @@ fn minimize(
 /// Why it ended, for people.
 pub(super) fn why(stop: &Stop) -> String {
     match stop {
-        Stop::Cancelled => "cancelled: what was found so far is kept".to_owned(),
+        stop if stop.is_interrupted() => format!("{stop}: what was found so far is kept"),
         other => other.to_string(),
     }
 }

@@ -155,7 +155,11 @@ pub(super) fn inertia(result: &Value) -> String {
         Some(0) => "stable (no negative pivot of the tangent)".to_owned(),
         Some(1) => "UNSTABLE: 1 negative pivot of the tangent".to_owned(),
         Some(n) => format!("UNSTABLE: {n} negative pivots of the tangent"),
-        None => "the tangent is singular: a bifurcation".to_owned(),
+        None if result["inertia_missing"]["singular"] == true => "the tangent is singular: a bifurcation".to_owned(),
+        None => {
+            let why = result["inertia_missing"]["why"].as_str().unwrap_or("no reason is known");
+            format!("negative pivots not counted: {why}")
+        }
     }
 }
 

@@ -88,7 +88,7 @@ impl Problem for Ensemble {
     }
 }
 
-/// A failed trial keeps the error with its type, and the Newton iterations spent.
+/// A failed trial keeps the error with its type, and the Newton iterations spent. A lack of memory is fatal.
 impl From<EnsembleError> for Failed {
     fn from(error: EnsembleError) -> Self {
         let newton = match &error {
@@ -96,6 +96,8 @@ impl From<EnsembleError> for Failed {
             _ => None,
         };
         let newton = newton.map(|newton| ("newton".to_owned(), newton as f64));
-        Failed::new(error).after(Summary(newton.into_iter().collect()))
+        let fatal = matches!(&error, EnsembleError::Member { source, .. } if source.is_lack_of_memory());
+        let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
+        if fatal { failed.fatal() } else { failed }
     }
 }

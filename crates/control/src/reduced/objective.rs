@@ -78,11 +78,13 @@ pub(crate) fn work_summary(work: &SolveReport) -> [(String, f64); 3] {
     ]
 }
 
-/// A failed trial keeps the error with its type, and the Newton iterations spent.
+/// A failed trial keeps the error with its type, and the Newton iterations spent. A lack of memory is fatal.
 impl From<ControlError> for Failed {
     fn from(error: ControlError) -> Self {
         let newton = error.newton().map(|newton| ("newton".to_owned(), newton as f64));
-        Failed::new(error).after(Summary(newton.into_iter().collect()))
+        let fatal = error.is_lack_of_memory();
+        let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
+        if fatal { failed.fatal() } else { failed }
     }
 }
 

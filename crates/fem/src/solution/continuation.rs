@@ -86,15 +86,12 @@ impl Model {
             return self.walk(&rest, controls, (how, time_step), MOST, workspace, &mut spent);
         };
         match self.walk(near, controls, (how, time_step), WARM * how.max_newton, workspace, &mut spent) {
-            Err(StateError::Cancelled) => Err(StateError::Cancelled),
+            Err(error) if error.is_final() => Err(error),
             Err(failed) => {
                 workspace.forget();
                 let how = (how, time_step);
                 let found = self.walk(&rest, controls, how, MOST, workspace, &mut SolveReport::default());
-                let mut state = found.map_err(|again| match again {
-                    StateError::Cancelled => again,
-                    _ => failed,
-                })?;
+                let mut state = found.map_err(|again| if again.is_final() { again } else { failed })?;
                 state.report.add_work(&spent);
                 state.report.restarts += 1;
                 Ok(state)
@@ -172,8 +169,7 @@ impl Model {
                 report.load_steps += 1;
                 Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)))
             }
-            Err(Stop::Cancelled) => Err(StateError::Cancelled),
-            Err(_) => Ok(None),
+            Err(stop) => stop.final_error().map_or(Ok(None), Err),
         }
     }
 

@@ -4,7 +4,6 @@ use crate::contributions::Demand;
 use crate::contributions::instant::Instant;
 use crate::error::{Cause, FemError, StateError};
 use crate::model::Model;
-use crate::solution::newton::Stop;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
@@ -98,9 +97,12 @@ impl Model {
                             SolveReport { solver, residual, min_j, energy, load_steps: 1, ..SolveReport::default() };
                         return Ok(Some(State::equilibrium(u, controls.clone(), 1.0, kept)));
                     }
-                    Err(Stop::Cancelled) => return Err(StateError::Cancelled),
                     // Back at the saddle, or nowhere: another start may lead down.
-                    _ => workspace.forget(),
+                    Ok(_) => workspace.forget(),
+                    Err(stop) => match stop.final_error() {
+                        Some(error) => return Err(error),
+                        None => workspace.forget(),
+                    },
                 }
             }
         }

@@ -3,7 +3,7 @@
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::contributions::{Demand, Sums};
-use crate::error::InvertedAt;
+use crate::error::{InvertedAt, StateError};
 use crate::model::Model;
 use crate::solution::options::{Progress, SolveOptions};
 use crate::solution::rotation_corrected_step::{GradientFit, StepLimits};
@@ -31,6 +31,18 @@ pub(crate) enum Stop {
     Slow { residual: f64 },
     Linear(LinearError),
     Cancelled,
+}
+
+impl Stop {
+    /// The error of what no other way would mend.
+    pub fn final_error(self) -> Option<StateError> {
+        let error = match self {
+            Stop::Cancelled => StateError::Cancelled,
+            Stop::Linear(error) => error.into(),
+            Stop::Inverted(_) | Stop::Slow { .. } => return None,
+        };
+        Some(error).filter(StateError::is_final)
+    }
 }
 
 impl From<InvertedAt> for Stop {

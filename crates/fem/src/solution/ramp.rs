@@ -115,11 +115,14 @@ impl Search<'_, '_> {
             None => self.how.clone(),
         };
         let state = self.model.solve_with(&self.from.blend(self.to, s), &how, self.workspace)?;
-        let negative = self.model.negative_pivots_by(&state, self.how).ok();
+        let negative = match self.model.negative_pivots_by(&state, self.how) {
+            Err(error) if error.is_final() => return Err(error),
+            counted => counted.ok(),
+        };
         Ok(RampPoint { s, state, negative })
     }
 
-    /// All changes of the number of negative pivots between two points; the one error is a cancelled solve.
+    /// All changes of the number of negative pivots between two points; errors are a cancelled solve and a lack of memory.
     fn crossings(&mut self, a: &RampPoint, b: &RampPoint) -> Result<Vec<CriticalPoint>, StateError> {
         let mut found = Vec::new();
         let width = BISECTED * (b.s - a.s);
@@ -134,7 +137,7 @@ impl Search<'_, '_> {
                     Ok(middle) if middle.state.report.restarts > 0 => break,
                     Ok(middle) if middle.negative == Some(before) => low = middle,
                     Ok(middle) => high = middle,
-                    Err(StateError::Cancelled) => return Err(StateError::Cancelled),
+                    Err(error) if error.is_final() => return Err(error),
                     // The interval stays as wide as it is, which its width tells.
                     Err(_) => break,
                 }

@@ -20,6 +20,8 @@ const ENOUGH: f64 = 0.1;
 const FRESH: usize = 12;
 /// Relative error of a solution that rounding alone may leave.
 const SETTLED: f64 = 1e-7;
+/// Rounding of a Rayleigh quotient, in units of the rounding of the terms that cancel in it.
+const ROUNDING: f64 = 4.0;
 
 /// Multifrontal factors of positive definite matrices in single precision, as preconditioner of conjugate gradients on the
 /// exact matrix; in double precision where single is too coarse; `L D L^T` where the matrix is indefinite.
@@ -247,11 +249,13 @@ impl LinearSolver for Direct {
                 return Ok(x);
             }
         }
-        if self.precision == Precision::Single
-            && let Ok((x, cg)) = self.approximate(system, b, test, work)
-            && exact(&cg, accuracy.residual)
-        {
-            return Ok(x);
+        if self.precision == Precision::Single {
+            match self.approximate(system, b, test, work) {
+                Ok((x, cg)) if exact(&cg, accuracy.residual) => return Ok(x),
+                // Else memory that is free again by now would decide between the factors.
+                Err(lacking @ (FactorError::Memory { .. } | FactorError::Limit(_))) => return Err(lacking.into()),
+                _ => (),
+            }
         }
         self.refactorize_any(system, work)?;
         let mut x = self.back_substitute(b, work);
@@ -308,11 +312,10 @@ impl LinearSolver for Direct {
             done => done?,
         };
         let negative = if factor.pivots() == Pivots::Positive { 0 } else { factor.negative_pivots() };
-        let smallest = smallest_eigenvalue(&factor, system.fixed);
-        let free = system.matrix.diagonal().into_iter().zip(system.fixed).filter(|(_, fixed)| !**fixed);
-        let largest = free.map(|(d, _)| d.abs()).fold(0.0, f64::max);
-        if smallest < f64::EPSILON * largest {
-            return Err(LinearError::NearlySingular { smallest, largest });
+        let (smallest, x) = smallest_eigenvalue(&factor, system.fixed);
+        let rounding = ROUNDING * f64::EPSILON * mean_diagonal(system.matrix, &x);
+        if smallest < rounding {
+            return Err(LinearError::NearlySingular { smallest, rounding });
         }
         Ok(Inertia { negative })
     }
@@ -338,9 +341,9 @@ fn symmetric(system: &System) -> Result<(), LinearError> {
     if system.matrix.is_symmetric() { Ok(()) } else { Err(LinearError::NotSymmetric) }
 }
 
-/// The smallest absolute value of an eigenvalue, by three steps of inverse iteration from a seeded vector: from above, and to a
-/// few per cent where it is far below the others. Infinite where every unknown is fixed.
-fn smallest_eigenvalue(factor: &Factor, fixed: &[bool]) -> f64 {
+/// `|A x| / |x|`, and x, after three steps of inverse iteration from a seeded vector: the smallest absolute value of an eigenvalue
+/// from above, and to a few per cent where it is far below the others. Infinite where every unknown is fixed.
+fn smallest_eigenvalue(factor: &Factor, fixed: &[bool]) -> (f64, Vec<f64>) {
     let mut random = Random::new(1);
     let mut x: Vec<f64> = fixed.iter().map(|fixed| if *fixed { 0.0 } else { random.symmetric() }).collect();
     let mut growth = 0.0;
@@ -350,7 +353,13 @@ fn smallest_eigenvalue(factor: &Factor, fixed: &[bool]) -> f64 {
         factor.solve(&mut x, 1);
         growth = norm(&x);
     }
-    if growth > 0.0 { 1.0 / growth } else { f64::INFINITY }
+    (if growth > 0.0 { 1.0 / growth } else { f64::INFINITY }, x)
+}
+
+/// `sum_i |A_ii| x_i^2 / |x|^2`: the size of the terms that cancel in the Rayleigh quotient of x.
+fn mean_diagonal(matrix: &SparseMatrix, x: &[f64]) -> f64 {
+    let size = norm(x);
+    matrix.diagonal().into_iter().zip(x).map(|(d, x)| d.abs() * (x / size).powi(2)).sum()
 }
 
 /// As far as conjugate gradients with a factor get in so many iterations.

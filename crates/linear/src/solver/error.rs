@@ -21,14 +21,14 @@ pub enum LinearError {
     },
     /// Rounding of the matrix decides the sign of an eigenvalue.
     #[error(
-        "the smallest eigenvalue is about {smallest:.1e}, below the rounding of the largest entry {largest:.1e}: the tangent is \
-         singular to working precision (a limit or bifurcation point)"
+        "the smallest eigenvalue is about {smallest:.1e}, below its own rounding {rounding:.1e}: the tangent is singular to working \
+         precision (a limit or bifurcation point)"
     )]
     NearlySingular {
         /// Absolute value of the eigenvalue nearest zero.
         smallest: f64,
-        /// Largest absolute value on the diagonal.
-        largest: f64,
+        /// Rounding of the Rayleigh quotient of its eigenvector.
+        rounding: f64,
     },
     /// Multigrid does not converge.
     #[error(
@@ -122,4 +122,20 @@ pub enum LinearError {
         /// Memory of a factor.
         gib: f64,
     },
+}
+
+impl LinearError {
+    /// Whether the matrix is singular to working precision, and not merely no answer was had.
+    pub fn is_singular(&self) -> bool {
+        matches!(self, Self::Factor(FactorError::Singular { .. }) | Self::Singular { .. } | Self::NearlySingular { .. })
+    }
+
+    /// Whether the machine has too little memory, or what limits it cannot be read: the same system may have a solution elsewhere.
+    pub fn is_lack_of_memory(&self) -> bool {
+        match self {
+            Self::Factor(FactorError::Memory { .. } | FactorError::Limit(_)) => true,
+            Self::TooLarge { source, .. } => source.is_lack_of_memory(),
+            _ => false,
+        }
+    }
 }

@@ -77,6 +77,10 @@ impl<O: Objective> Run<O> {
                 observer.trial(&self.setting.tell_accepted(&self.progress, &self.current, Reason::Stage, 0.0, 0.0));
                 Outcome::Staged(stage + 1)
             }
+            Err(failed) if failed.is_fatal() => {
+                self.progress.ends.pop();
+                Outcome::Stopped(Stop::Aborted(failed))
+            }
             Err(failed) => {
                 let stop = Stop::Stalled(Stall::Stage { stage: stage + 1, why: failed });
                 self.ended = Some(stop.clone());

@@ -3,7 +3,7 @@
 
 use nastic_opt::{Admissible, Failed, InnerProduct, Objective, Optimizer, Request, Run, RunError, RunState};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 type Value = Box<dyn Fn(&[f64]) -> f64 + Sync>;
 type Gradient = Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>;
@@ -15,6 +15,8 @@ pub struct Cost {
     pub derivative: Gradient,
     pub guard: Box<dyn Admissible>,
     pub fails: Test,
+    /// While it is raised, every evaluation fails fatally.
+    pub lacking: Arc<AtomicBool>,
     pub evaluations: AtomicUsize,
     pub derivatives: AtomicUsize,
 }
@@ -30,6 +32,7 @@ impl Cost {
             derivative: Box::new(derivative),
             guard: Box::new(guard),
             fails: Box::new(|_| false),
+            lacking: Arc::default(),
             evaluations: AtomicUsize::new(0),
             derivatives: AtomicUsize::new(0),
         }
@@ -37,6 +40,11 @@ impl Cost {
 
     pub fn failing(mut self, fails: impl Fn(&[f64]) -> bool + Sync + 'static) -> Self {
         self.fails = Box::new(fails);
+        self
+    }
+
+    pub fn failing_fatally(mut self, lacking: Arc<AtomicBool>) -> Self {
+        self.lacking = lacking;
         self
     }
 
@@ -51,6 +59,9 @@ impl Objective for Cost {
 
     fn evaluate(&self, m: &[f64], _: &Request<'_, Vec<f64>>, (): &mut ()) -> Result<Vec<f64>, Failed> {
         self.guard.check(m).expect("nothing is evaluated outside the set");
+        if self.lacking.load(Ordering::Relaxed) {
+            return Err(Failed::because("no memory").fatal());
+        }
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         if (self.fails)(m) { Err(Failed::because("told to fail")) } else { Ok(m.to_vec()) }
     }

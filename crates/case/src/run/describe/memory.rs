@@ -13,11 +13,13 @@ pub(in super::super) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let members = problem.members().count();
     let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
     let text = match problem.solid().model().solver() {
-        Solver::Multigrid => format!("multigrid; a factor would have {factor}, {peak} while it is made"),
-        _ => format!("a factor has {factor}{each}, {peak} while it is made (in single precision half of it)"),
+        Solver::Multigrid => format!("multigrid; a factor would have {factor}, {peak} while it is made on one thread"),
+        _ => format!(
+            "a factor has {factor}{each}, {peak} while it is made on one thread (in single precision half of it)"
+        ),
     };
     out.push(line("memory", text));
-    if let Some(available) = available_memory() {
+    if let Ok(Some(available)) = available_memory() {
         out.push(line("memory", format!("{} are available", megabytes(available))));
     }
     out

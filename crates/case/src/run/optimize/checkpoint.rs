@@ -123,9 +123,18 @@ impl Fixed {
 pub(super) fn interrupted(out: &Directory) -> Result<Option<Written>, CheckpointError> {
     match Checkpoint::read(out.path()) {
         Ok(Checkpoint { ended: false, position: Some(position), .. }) => Ok(Some(position.place())),
+        // Before the first scheduled checkpoint there may be iterations to lose; the start alone is none.
+        Ok(Checkpoint { ended: false, position: None, .. }) if iterations(out) => {
+            Ok(Some(Written { start: 0, iteration: 0 }))
+        }
         Ok(_) | Err(CheckpointError::Missing { .. }) => Ok(None),
         Err(error) => Err(error),
     }
+}
+
+/// Whether the history of a directory goes beyond its start.
+fn iterations(out: &Directory) -> bool {
+    std::fs::read_to_string(out.file("history.jsonl")).is_ok_and(|text| text.lines().count() > 1)
 }
 
 /// Records in the checkpoint of a directory, if it has one, whether the optimisation has ended.

@@ -148,7 +148,7 @@ fn say_how_to_go_on(session: &Session<'_>, stop: &Stop) {
     let Some(out) = &session.out else { return };
     let console = session.console;
     match stop {
-        Stop::Cancelled => console.say("to go on    start from the control that was reached:"),
+        stop if stop.is_interrupted() => console.say("to go on    start from the control that was reached:"),
         Stop::MaxIterations { .. } => {
             console.say("to go on    raise optimizer/max_iterations, or start from the control that was reached:");
         }

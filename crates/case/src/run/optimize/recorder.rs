@@ -134,7 +134,7 @@ impl<'s> Recorder<'s> {
         self.problem.members().zip(&point.members).filter_map(of).reduce(f64::max)
     }
 
-    /// Negative pivots of the tangent, the most of all members; `None` where a tangent is singular.
+    /// Negative pivots of the tangent, the most of all members; `None` where those of one were not counted.
     fn inertia(&self, point: &EnsemblePoint) -> Option<usize> {
         let members: Vec<_> = self.problem.members().zip(&point.members).collect();
         let parallel = members.len() == 1;

@@ -11,7 +11,7 @@ use crate::run::number::{scientific, short};
 use crate::warning::Warning;
 use nastic_control::{Ensemble, EnsembleWorkspace};
 use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{Failed, Objective, Optimizer, SavedRunError, Stop, Verdict};
+use nastic_opt::{Failed, Objective, Optimizer, SavedRunError, Stop, TaylorError, Verdict};
 use serde_json::{Value, json};
 
 const MAGIC: &str = "nastic-starts-2";
@@ -25,8 +25,10 @@ pub(super) struct Starts {
     pub entries: Vec<Value>,
     /// What deserves attention in the states at the starts, those of the present one included; said already.
     pub warnings: Vec<Warning>,
-    /// A stop was requested before all had ended.
+    /// A stop was requested, or the machine had too little memory, before all had ended.
     pub interrupted: bool,
+    /// What the machine had too little of.
+    pub aborted: Option<String>,
 }
 
 impl Starts {
@@ -94,6 +96,8 @@ impl Starts {
         for index in self.entries.len()..session.problem.case.optimizer.starts {
             if session.is_cancelled() {
                 self.interrupted = true;
+            }
+            if self.interrupted {
                 break;
             }
             let seed = seed(session, index);
@@ -109,6 +113,10 @@ impl Starts {
                     break;
                 }
                 Ok((Ok(certificate), begun)) => (certificate, begun),
+                Ok((Err(RunError::Taylor(TaylorError::Base(failed))), _)) | Err(failed) if failed.is_fatal() => {
+                    self.abort(&failed);
+                    break;
+                }
                 Ok((Err(error), begun)) => {
                     self.warnings.extend(begun.warnings);
                     session.console.say(format!("failed      {error}"));
@@ -162,11 +170,19 @@ impl Starts {
 
     fn add(&mut self, seed: Option<u64>, ended: FinishedRun, certificate: Value) {
         let index = self.entries.len();
-        self.interrupted |= ended.best.stop == Stop::Cancelled;
+        self.interrupted |= ended.best.stop.is_interrupted();
+        if let Stop::Aborted(why) = &ended.best.stop {
+            self.abort(why);
+        }
         self.entries.push(entry(seed, &ended, certificate));
         if self.best.as_ref().is_none_or(|(_, best)| ended.best.cost < best.best.cost) {
             self.best = Some((index, ended));
         }
+    }
+
+    fn abort(&mut self, why: &Failed) {
+        self.interrupted = true;
+        self.aborted = Some(why.to_string());
     }
 
     fn to_bytes(&self, ensemble: &Ensemble) -> Vec<u8> {
@@ -196,7 +212,7 @@ impl Starts {
             None
         };
         input.finish().map_err(Failed::new)?;
-        Ok(Self { best, entries, warnings, interrupted: false })
+        Ok(Self { best, entries, warnings, interrupted: false, aborted: None })
     }
 }
 

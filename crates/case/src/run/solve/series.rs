@@ -60,7 +60,7 @@ impl<'p> Series<'p> {
     /// Looks into the rows. What deserves attention is told once for each kind, with the first row that has it.
     pub fn inspect(&mut self) -> Vec<Warning> {
         let member = self.member;
-        let look = |row: &Row| Inspection::with_inertia(member, &row.state, row.negative);
+        let look = |row: &Row| Inspection::of_counted(member, &row.state, row.negative);
         self.found = self.rows.par_iter().with_max_len(1).map(look).collect();
         let mut told: Vec<(Warning, usize)> = Vec::new();
         for (row, found) in self.rows.iter().zip(&self.found) {
