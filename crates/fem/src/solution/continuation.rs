@@ -113,8 +113,8 @@ impl Model {
     }
 
     /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
-    /// points; once these have helped, the next steps begin with them. Not
-    /// where the path seems to turn back, nor beyond the convexity bound (`hopeless`).
+    /// points; once these have helped, the next steps begin with them. Not where the path seems to turn back, nor beyond the
+    /// convexity bound (`hopeless`).
     fn attempt(
         &self,
         newton: &Newton,
@@ -128,7 +128,7 @@ impl Model {
         if first {
             match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
                 Ok(()) => return Ok(u),
-                Err(Stop::Cancelled) => return Err(Stop::Cancelled),
+                Err(stop) if stop.is_final() => return Err(stop),
                 Err(_) => workspace.forget(),
             }
             u.copy_from_slice(from);
@@ -147,7 +147,7 @@ impl Model {
                 *helped = true;
                 Ok(u)
             }
-            Err(Stop::Cancelled) => Err(Stop::Cancelled),
+            Err(stop) if stop.is_final() => Err(stop),
             Err(_) => Err(slow),
         }
     }

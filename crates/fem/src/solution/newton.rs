@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::solution::options::{Progress, SolveOptions};
 use crate::solution::rotation_corrected_step::{GradientFit, StepLimits};
 use crate::solution::state::SolveReport;
-use crate::solution::tangent_systems::{TangentSystems, eliminate};
+use crate::solution::tangent_systems::{TangentSystems, Wanted, eliminate};
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver, SparseMatrix};
 use nastic_numeric::vector::{max_abs, norm};
@@ -34,14 +34,22 @@ pub(crate) enum Stop {
 }
 
 impl Stop {
+    /// Whether no other way would mend it.
+    pub fn is_final(&self) -> bool {
+        match self {
+            Stop::Cancelled => true,
+            Stop::Linear(error) => error.is_lack_of_memory(),
+            Stop::Inverted(_) | Stop::Slow { .. } => false,
+        }
+    }
+
     /// The error of what no other way would mend.
     pub fn final_error(self) -> Option<StateError> {
-        let error = match self {
-            Stop::Cancelled => StateError::Cancelled,
-            Stop::Linear(error) => error.into(),
-            Stop::Inverted(_) | Stop::Slow { .. } => return None,
-        };
-        Some(error).filter(StateError::is_final)
+        match self {
+            Stop::Linear(error) if error.is_lack_of_memory() => Some(error.into()),
+            Stop::Cancelled => Some(StateError::Cancelled),
+            _ => None,
+        }
     }
 }
 
@@ -121,7 +129,7 @@ impl Newton<'_> {
             let scale = self.energy_scale(matrix, u, &now);
             eliminate(self.model, matrix);
             let accuracy = if jump.is_some() { JUMP } else { forcing(relative, self.options.accuracy) };
-            let (mut step, curvature) = systems.step(matrix, u, &rhs, accuracy, report)?;
+            let (mut step, curvature) = systems.step(matrix, u, &rhs, (accuracy, Wanted::Newton), report)?;
             report.newton += 1;
             let here = Iterate { u, now: &now, residual: &residual, scale };
             let (length, next) = if let Some(jump) = jump.take() {

@@ -10,7 +10,7 @@ use crate::contributions::Sums;
 use crate::contributions::body_energy::point_strains::PointStrains;
 use crate::solution::newton::{Newton, Stop, moved};
 use crate::solution::state::SolveReport;
-use crate::solution::tangent_systems::{TangentSystems, eliminate};
+use crate::solution::tangent_systems::{TangentSystems, Wanted, eliminate};
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearSolver, SparseMatrix};
 
@@ -87,6 +87,6 @@ impl Newton<'_> {
         let rhs: Vec<f64> = sums.force.iter().map(|r| -r).collect();
         eliminate(self.model, matrix);
         report.newton += 1;
-        Ok(systems.downhill_step(matrix, u, &rhs, LINEAR, report)?)
+        Ok(systems.step(matrix, u, &rhs, (LINEAR, Wanted::Downhill), report)?)
     }
 }

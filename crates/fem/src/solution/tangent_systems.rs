@@ -13,6 +13,15 @@ pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
 /// Of full steps of Newton's method with an indefinite or bordered tangent.
 const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
+/// Which step is wanted where the tangent turns out to be indefinite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// Newton's, though it may lead to a saddle, if the solver has it.
+    Newton,
+    /// One downhill.
+    Downhill,
+}
+
 /// Systems with the tangent of a model, by the solver of a workspace.
 pub(crate) struct TangentSystems<'a> {
     model: &'a Model,
@@ -34,38 +43,16 @@ impl<'a> TangentSystems<'a> {
         matrix: &SparseMatrix,
         u: &[f64],
         rhs: &[f64],
-        tolerance: f64,
-        report: &mut SolveReport,
-    ) -> Result<(Vec<f64>, Curvature), LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(matrix);
-        let mut work = LinearWork::default();
-        let step = self.solver.step(&system, rhs, tolerance, &mut work);
-        let step = match step {
-            Ok(step) => Ok((step.x, step.curvature)),
-            Err(LinearError::Indefinite) => {
-                self.shift.step(self.solver, &system, rhs, &mut work).map(|x| (x, Curvature::Negative))
-            }
-            Err(other) => Err(other),
-        };
-        report.add_linear(&work);
-        step
-    }
-
-    /// [`step`](Self::step), downhill also where the tangent is indefinite.
-    pub fn downhill_step(
-        &mut self,
-        matrix: &SparseMatrix,
-        u: &[f64],
-        rhs: &[f64],
-        tolerance: f64,
+        (tolerance, wanted): (f64, Wanted),
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Curvature), LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let system = configuration.system(matrix);
         let mut work = LinearWork::default();
         let step = match self.solver.step(&system, rhs, tolerance, &mut work) {
-            Ok(step) if step.curvature != Curvature::Negative => Ok((step.x, step.curvature)),
+            Ok(step) if wanted == Wanted::Newton || step.curvature != Curvature::Negative => {
+                Ok((step.x, step.curvature))
+            }
             Ok(_) | Err(LinearError::Indefinite) => {
                 self.shift.step(self.solver, &system, rhs, &mut work).map(|x| (x, Curvature::Negative))
             }
