@@ -1,7 +1,10 @@
 //! [`LogNormalField`]: a parameter that varies over the body at random.
 
 use super::{Law, Normal, StochasticError};
-use nalgebra::{DMatrix, SymmetricEigen};
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::{Mat, Par};
 use nastic_energy::Field;
 use nastic_mesh::Mesh;
 use std::sync::Arc;
@@ -71,7 +74,7 @@ impl LogNormalField {
         let volumes = mesh.volumes(mesh.points());
         let volumes: Vec<f64> = cells.iter().map(|c| volumes[*c as usize]).collect();
         let centres: Vec<[f64; 3]> = cells.iter().map(|c| mesh.cell_centre(*c as usize)).collect();
-        let pairs = eigenpairs(&centres, &volumes, variance, length);
+        let pairs = eigenpairs(&centres, &volumes, variance, length)?;
         let total = variance * volumes.iter().sum::<f64>();
         let (kept, captured) = kept(&pairs, total, modes);
         let modes: Vec<Vec<f64>> = pairs.iter().take(kept).map(|(_, mode)| mode.clone()).collect();
@@ -132,26 +135,41 @@ impl LogNormalField {
 }
 
 /// All eigenvalues, falling, with `sqrt(l) phi` at the cells.
-fn eigenpairs(centres: &[[f64; 3]], volumes: &[f64], variance: f64, length: f64) -> Vec<(f64, Vec<f64>)> {
+fn eigenpairs(
+    centres: &[[f64; 3]],
+    volumes: &[f64],
+    variance: f64,
+    length: f64,
+) -> Result<Vec<(f64, Vec<f64>)>, StochasticError> {
     let n = centres.len();
-    let matrix = DMatrix::from_fn(n, n, |i, j| {
+    let matrix = Mat::from_fn(n, n, |i, j| {
         let distance = (0..3).map(|k| (centres[i][k] - centres[j][k]).powi(2)).sum::<f64>().sqrt();
         (volumes[i] * volumes[j]).sqrt() * variance * (-distance / length).exp()
     });
-    let eigen = SymmetricEigen::new(matrix);
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let (mut rising, mut vectors) = (Diag::zeros(n), Mat::zeros(n, n));
+    // One thread: with several the bits would depend on their number.
+    let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
+    let mut memory = MemBuffer::new(scratch);
+    let (s, u, stack) = (rising.as_mut(), Some(vectors.as_mut()), MemStack::new(&mut memory));
+    self_adjoint_evd(matrix.as_ref(), s, u, Par::Seq, stack, Default::default()).map_err(|_| {
+        StochasticError::Rule {
+            rule: "Karhunen-Loeve",
+            what: format!(
+                "no eigenpairs of the covariance of {n} cells were found; check their volumes and the length"
+            ),
+        }
+    })?;
     let pair = |k: usize| {
-        let value = eigen.eigenvalues[k].max(0.0);
-        let vector = eigen.eigenvectors.column(k);
+        let value = rising[k].max(0.0);
+        let vector = vectors.col(k);
         // One of the two signs, so that fields of one seed look alike on refined meshes: the first large entry is
         // positive.
-        let largest = vector.amax();
+        let largest = vector.norm_max();
         let first = vector.iter().find(|v| v.abs() > 0.5 * largest).copied().unwrap_or(1.0);
         let scale = value.sqrt() * first.signum();
         (value, vector.iter().zip(volumes).map(|(v, volume)| scale * v / volume.sqrt()).collect())
     };
-    order.into_iter().map(pair).collect()
+    Ok((0..n).rev().map(pair).collect())
 }
 
 /// How many modes are kept, and what share of the total they hold.
