@@ -125,8 +125,8 @@ pub const NOT_COUNTED: WarningKind = WarningKind {
 /// Two equilibria for neighbouring controls.
 pub const BRANCH_CHANGE: WarningKind = WarningKind {
     code: "branch_change",
-    about: "trials ended on another branch of equilibria than the point they started from",
-    advice: "shorten steps, bound the control more narrowly, or refuse unstable trials",
+    about: "an equilibrium lies on another branch than the one before it: the body has snapped, and the cost jumps between them",
+    advice: "begin on the branch you want, or bound the control so that it stays there; nastic solve --path shows where it turns back",
 };
 
 /// Nothing moved.

@@ -15,6 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const MAGNET: &str = include_str!("cases/magnet_pair.json");
+const SNAPPING: &str = include_str!("cases/snapping_strip.json");
 const SHORT: [&str; 3] = ["optimizer/max_iterations=7", "optimizer/tolerance=1e-9", "output/checkpoint=3"];
 
 /// Raises a flag once so many lines were said that contain a word.
@@ -230,6 +231,17 @@ fn warnings_of_a_start_are_kept_when_the_optimisation_fails() {
 fn an_optimum_that_is_verified_goes_on_to_the_bit() {
     let set: Vec<&str> = SHORT.iter().chain(&PUSHED).chain(&["optimizer/verify=true"]).copied().collect();
     goes_on_to_the_bit(BAR, &set, &[8, 11]);
+}
+
+/// The first step leads to another branch: the warning is kept whether it was made before the checkpoint or behind it.
+#[test]
+fn a_change_of_branch_goes_on_to_the_bit() {
+    let target = r#"costs/0/target=["X", "Y - 0.05"]"#;
+    let set = [target, "optimizer/max_iterations=5", "output/checkpoint=3", "optimizer/verify=false"];
+    let whole = Place::new();
+    let warnings = whole.run(Command::Optimize, SNAPPING, &set).unwrap().result["warnings"].clone();
+    assert_eq!(warnings[0]["code"], "branch_change", "{warnings:#}");
+    goes_on_to_the_bit(SNAPPING, &set, &[8, 12]);
 }
 
 /// The end of a run that was itself resumed, twice.

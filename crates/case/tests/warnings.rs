@@ -207,17 +207,7 @@ fn an_optimum_that_is_verified() {
 
 /// A strip between clamps that its turgor has made buckle upwards; a field whose torques turn its halves against each other lifts
 /// or lowers its middle. It snaps to the other side at about -0.5 mT, so that from -0.5 to 0.5 mT there are two stable states.
-const SNAPPING: &str = r#"{ "nastic": 1,
-  "mesh": { "box": { "size": [1.0, 0.02], "cells": [20, 1], "element": "quad9" } },
-  "materials": [ { "region": "body", "law": "neo_hooke", "young": "1 MPa", "poisson": 0.0 } ],
-  "supports": [ { "surface": "x-", "fix": ["x", "y"] }, { "surface": "x+", "fix": ["x", "y"] } ],
-  "actuation": [
-    { "name": "swelling", "kind": "turgor", "region": "body", "pressure": "3 kPa" },
-    { "name": "magnet", "kind": "magnet", "region": "body", "remanence": ["0.1 T * (1 - 2 * (X > 0.5 m))", 0] } ],
-  "controls": [ { "of": "magnet.field", "name": "field", "space": "uniform", "direction": [0, 1],
-                  "start": "1 mT", "lower": "-20 mT", "upper": "20 mT" } ],
-  "costs": [ { "kind": "tracking", "region": "body", "target": ["X", "Y + 0.024 * sin(pi * X / 1 m)^2"] } ],
-  "optimizer": { "method": "lbfgs", "max_iterations": 20, "verify": true } }"#;
+const SNAPPING: &str = include_str!("cases/snapping_strip.json");
 
 /// An optimum on the upper branch at a field that pulls downwards: from rest the strip buckles downwards.
 #[test]
@@ -228,9 +218,23 @@ fn an_optimum_that_depends_on_the_path() {
     assert_eq!(codes(&outcome), ["not_verified"], "{}", outcome.result["warnings"]);
     let told = message(&outcome, "not_verified");
     assert!(told.contains("of their norm, the cost is"), "{told}");
-    // where both are the same state nothing is told
+}
+
+/// A target below: the first step takes the strip from the upper branch, which ends at about -0.5 mT, to the lower one.
+#[test]
+fn an_optimum_on_another_branch() {
     let lower = with(SNAPPING, "Y + 0.024", "Y - 0.05");
-    assert_eq!(codes(&run(Command::Optimize, &lower)), [""; 0]);
+    let place = Place::new();
+    let outcome = place.run(Command::Optimize, &lower, &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(codes(&outcome), ["branch_change"], "{}", outcome.result["warnings"]);
+    let told = message(&outcome, "branch_change");
+    assert!(told.contains("iteration 1: the branch of the state before turns back at a limit point"), "{told}");
+    let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
+    let changed: Vec<bool> = history.lines().map(|line| line.contains("\"branch_changed\":true")).collect();
+    assert!(changed.iter().enumerate().all(|(trial, changed)| *changed == (trial == 1)), "{history}");
+    // A start below is on that branch.
+    let below = with(&lower, r#""start": "1 mT""#, r#""start": "-2 mT""#);
+    assert_eq!(codes(&run(Command::Optimize, &below)), [""; 0]);
 }
 
 /// At its buckling load, which ramps bisect, the tangent of a straight strip is singular to working precision.

@@ -28,6 +28,7 @@ pub use model::{Controllable, Model, Unknowns};
 pub use nastic_linear::Solver;
 pub use nastic_linear::memory::{LimitError as MemoryLimitError, available as available_memory, limit as memory_limit};
 pub use solid::Solid;
+pub use solution::connection::Connection;
 pub use solution::deflation::{Equilibria, Equilibrium};
 pub use solution::descent::Descent;
 pub use solution::modes::Modes;

@@ -6,6 +6,7 @@ use crate::plots::plots;
 use crate::scene::Scene;
 use crate::{summary, tables};
 use serde_json::{Value, json};
+use std::path::Path;
 
 const THREE: &str = include_str!("../vendor/three.min.js");
 const UPLOT: &str = include_str!("../vendor/uPlot.min.js");
@@ -32,7 +33,8 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
     let result = &folder.result;
     let view = scene.json(&result["units"]);
     let plots = plots(result, &folder.history);
-    let title = result["title"].as_str().or(result["case"].as_str()).unwrap_or("nastic");
+    let file = || Path::new(result["case"].as_str()?).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let title = result["title"].as_str().map(str::to_owned).or_else(file).unwrap_or_else(|| "nastic".to_owned());
     let body = [
         summary::warnings(result),
         summary::summary(result),
@@ -86,7 +88,7 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
 </body>
 </html>
 "#,
-        title = escape(title),
+        title = escape(&title),
         subtitle = escape(&subtitle(result)),
         style = STYLE.concat(),
         program = PROGRAM.concat(),

@@ -1,10 +1,12 @@
 //! `nastic optimize`: the main job; `nastic resume` goes on with it.
 
+mod branch_changes;
 mod checkpoint;
 mod finished_run;
 mod journal;
 mod outcome;
 mod recorder;
+mod run_trials;
 mod run_warnings;
 mod starts;
 
@@ -219,7 +221,8 @@ fn minimize(
             Outcome::Iterated | Outcome::Staged(_) => {}
         }
     };
-    FinishedRun { start, best: run.finish(stop), work: recorder.finish() }
+    let trials = recorder.finish();
+    FinishedRun { start, best: run.finish(stop), work: trials.work, changes: trials.changes }
 }
 
 /// Why it ended, for people.

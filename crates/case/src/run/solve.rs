@@ -22,6 +22,7 @@ use crate::result::summary;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Modes, SolveReport};
 use serde_json::{Map, Value, json};
+use std::path::Path;
 
 pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
     match analysis {
@@ -353,10 +354,16 @@ pub(super) fn write_collections(problem: &CaseProblem, what: &str, out: &Directo
     Ok(files)
 }
 
+/// The name of a file without its directories and its extension.
+fn stem(file: &str) -> String {
+    Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
 /// The title of pictures.
 pub(super) fn title(member: CaseMember<'_>) -> String {
     let problem = member.problem();
-    let title = problem.case.title.clone().unwrap_or_else(|| problem.document.name().to_owned());
+    let file = || stem(problem.document.name());
+    let title = problem.case.title.clone().unwrap_or_else(file);
     let name = member.name();
     if name.is_empty() { title } else { format!("{title}: {name}") }
 }

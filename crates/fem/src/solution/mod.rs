@@ -1,6 +1,7 @@
 //! From controls to an equilibrium: load steps, Newton's method, tangent systems, time steps.
 
 mod arc_length;
+pub(crate) mod connection;
 mod continuation;
 pub(crate) mod deflation;
 pub(crate) mod descent;

@@ -1,19 +1,17 @@
 //! [`Checkpoint`]: everything that an optimisation needs to go on to the bit.
 
-use super::finished_run::{read_work, write_work};
 use super::journal::Written;
+use super::run_trials::RunTrials;
 use crate::result::checkpoint_file::{self, CheckpointError};
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
-use nastic_fem::SolveReport;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{RunState, SavedRunError};
-use nastic_report::Iterates;
 use serde_json::Value;
 use std::path::Path;
 
-const MAGIC: &str = "nastic-optimisation-3";
+const MAGIC: &str = "nastic-optimisation-4";
 
 /// The content of `checkpoint.bin`.
 pub(in crate::run) struct Checkpoint {
@@ -53,19 +51,6 @@ pub(super) struct Trials {
     /// What was kept of the trials of the present start.
     pub run: RunTrials,
 }
-
-/// What is kept of the trials of one start.
-pub(super) struct RunTrials {
-    /// Their work, by member.
-    pub work: Vec<SolveReport>,
-    /// Iterations of which snapshots were written.
-    pub snapshots: Vec<usize>,
-    /// Shapes and controls of accepted iterations, load case by load case.
-    pub iterates: Vec<Iterates>,
-}
-
-/// The parts of [`RunTrials`], to be written.
-pub(super) type TrialsOfRun<'a> = (&'a [SolveReport], &'a [usize], &'a [Iterates]);
 
 impl Position {
     /// The start and iteration it is of.
@@ -182,38 +167,22 @@ pub(super) fn before_the_start(case: &CaseRecord) -> Vec<u8> {
 }
 
 /// A checkpoint of a run; `fixed` is [`Fixed::to_bytes`], made once for all checkpoints of a start.
-pub(super) fn of_run(
-    case: &CaseRecord,
-    fixed: &[u8],
-    history: &[u8],
-    (work, snapshots, iterates): TrialsOfRun<'_>,
-    run: &RunState,
-) -> Vec<u8> {
+pub(super) fn of_run(case: &CaseRecord, fixed: &[u8], history: &[u8], trials: &RunTrials, run: &RunState) -> Vec<u8> {
     let mut out = Writer::new("");
     out.bytes(&case.to_bytes());
     out.count(1);
     out.bytes(fixed);
     out.bytes(history);
-    write_work(work, &mut out);
-    out.count(snapshots.len());
-    snapshots.iter().for_each(|iteration| out.count(*iteration));
-    out.count(iterates.len());
-    iterates.iter().for_each(|kept| out.bytes(&kept.to_bytes()));
+    trials.write(&mut out);
     out.bytes(&run.to_bytes());
     close(false, &out.finish())
 }
 
 fn read_position(input: &mut Reader<'_>) -> Result<Position, SavedRunError> {
     let fixed = Fixed::from_bytes(&input.list()?)?;
-    let (history, work) = (input.list()?, read_work(input)?);
-    let snapshots = (0..input.count(8)?).map(|_| input.number()).collect::<Result<_, _>>()?;
-    let iterates = (0..input.count(8)?).map(|_| read_iterates(input)).collect::<Result<_, _>>()?;
+    let trials = Trials { history: input.list()?, run: RunTrials::read(input)? };
     let run = RunState::from_bytes(&input.list()?)?;
-    Ok(Position { fixed, trials: Trials { history, run: RunTrials { work, snapshots, iterates } }, run })
-}
-
-fn read_iterates(input: &mut Reader<'_>) -> Result<Iterates, SavedRunError> {
-    Iterates::from_bytes(&input.list()?).map_err(|_| input.damaged("iterates of another form"))
+    Ok(Position { fixed, trials, run })
 }
 
 pub(super) fn read_json(input: &mut Reader<'_>) -> Result<Value, SavedRunError> {

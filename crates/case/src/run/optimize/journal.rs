@@ -1,6 +1,7 @@
 //! [`Journal`]: what an optimisation writes while it runs, and what of that could not be written.
 
-use super::checkpoint::{self, Fixed, TrialsOfRun};
+use super::checkpoint::{self, Fixed};
+use super::run_trials::RunTrials;
 use crate::console::Console;
 use crate::history::History;
 use crate::result::checkpoint_file;
@@ -104,7 +105,7 @@ impl Journal {
     }
 
     /// Writes a scheduled checkpoint; if that fails the last good one stays.
-    pub fn save(&mut self, run: &RunState, trials: TrialsOfRun<'_>) {
+    pub fn save(&mut self, run: &RunState, trials: &RunTrials) {
         let Some(out) = &self.out else { return };
         let history = self.history.as_ref().map_or(&[] as &[u8], History::text);
         let content = checkpoint::of_run(&self.case, &self.fixed, history, trials, run);

@@ -3,8 +3,8 @@
 use super::super::error::RunError;
 use super::super::session::Session;
 use super::super::table::Table;
-use super::checkpoint::RunTrials;
 use super::journal::Journal;
+use super::run_trials::RunTrials;
 use crate::console::Console;
 use crate::history;
 use crate::lower::{CaseMember, CaseProblem};
@@ -12,7 +12,7 @@ use crate::result::files::Directory;
 use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, Evaluated, FigureKind, StateFields};
-use nastic_fem::{SolveOptions, SolveReport};
+use nastic_fem::SolveOptions;
 use nastic_io::write_atomically;
 use nastic_opt::{Reason, RunState, Trial};
 use nastic_report::Iterates;
@@ -32,13 +32,8 @@ pub(super) struct Recorder<'s> {
     /// Which start of how many.
     start: (usize, usize),
     table: Table,
-    /// Of all trials, by member.
-    work: Vec<SolveReport>,
+    trials: RunTrials,
     last: Instant,
-    /// Iterations of which snapshots were written.
-    snapshots: Vec<usize>,
-    /// Shapes and controls of accepted iterations, load case by load case.
-    iterates: Vec<Iterates>,
 }
 
 impl<'s> Recorder<'s> {
@@ -55,21 +50,20 @@ impl<'s> Recorder<'s> {
             journal,
             start: (index, problem.case.optimizer.starts),
             table,
-            work: problem.members().map(|_| SolveReport::default()).collect(),
+            trials: RunTrials::new(problem.members().count(), problem.leads().count()),
             last: Instant::now(),
-            snapshots: vec![],
-            iterates: problem.leads().map(|_| Iterates::default()).collect(),
         }
     }
 
-    /// Takes up what an earlier program told of the same start.
-    pub fn restore(&mut self, trials: RunTrials) {
-        (self.work, self.snapshots, self.iterates) = (trials.work, trials.snapshots, trials.iterates);
+    /// Takes up what an earlier program told of the same start, up to this point.
+    pub fn restore(&mut self, trials: RunTrials, point: &EnsemblePoint) {
+        self.trials = trials;
+        self.trials.changes.follow(point);
     }
 
     /// Writes a scheduled checkpoint.
     pub fn save(&mut self, run: &RunState) {
-        self.journal.save(run, (&self.work, &self.snapshots, &self.iterates));
+        self.journal.save(run, &self.trials);
     }
 
     pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {
@@ -81,9 +75,9 @@ impl<'s> Recorder<'s> {
         let seconds = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
         if let Some(point) = trial.point.filter(|_| trial.reason != Reason::Stage) {
-            self.work.iter_mut().zip(&point.members).for_each(|(work, at)| work.add_work(&at.total_work()));
+            self.trials.work.iter_mut().zip(&point.members).for_each(|(work, at)| work.add_work(&at.total_work()));
         } else if let (None, Some(newton), Some(first)) =
-            (trial.cost, trial.summary.get("newton"), self.work.first_mut())
+            (trial.cost, trial.summary.get("newton"), self.trials.work.first_mut())
         {
             first.newton += newton as usize;
         }
@@ -98,6 +92,9 @@ impl<'s> Recorder<'s> {
             }
             if let Some(point) = trial.point.filter(|_| trial.accepted) {
                 line.insert("inertia".into(), json!(self.inertia(point)));
+                if trial.reason != Reason::Stage && self.trials.changes.add(self.problem, point, trial.iteration) {
+                    line.insert("branch_changed".into(), json!(true));
+                }
                 for kind in [FigureKind::RootMeanSquareDistance, FigureKind::LargestDistance] {
                     let distance = self.tracked(point, kind);
                     line.extend(distance.map(|x| (format!("tracking_{}", kind.name()), json!(x))));
@@ -150,7 +147,7 @@ impl<'s> Recorder<'s> {
         let due = trial.accepted && every > 0 && trial.iteration.is_multiple_of(every) && trial.reason != Reason::Stage;
         let (Some(point), true) = (trial.point, due) else { return };
         if let Err(error) = self.write(trial.iteration, point, trial.derivative) {
-            self.snapshots.retain(|iteration| *iteration != trial.iteration);
+            self.trials.snapshots.retain(|iteration| *iteration != trial.iteration);
             self.journal.note(error);
         }
     }
@@ -159,7 +156,7 @@ impl<'s> Recorder<'s> {
     fn keep(&mut self, trial: &Trial<'_, EnsemblePoint>) {
         let due = self.out.is_some() && trial.accepted && trial.reason != Reason::Stage;
         let (Some(point), true) = (trial.point, due && Iterates::wants(trial.iteration)) else { return };
-        for ((member, at), kept) in self.problem.leads().zip(&point.members).zip(&mut self.iterates) {
+        for ((member, at), kept) in self.problem.leads().zip(&point.members).zip(&mut self.trials.iterates) {
             match snapshot::iterate(member, &StateFields::new(&at.state, &at.m)) {
                 Ok(shot) => kept.add(trial.iteration, &shot, &snapshot::material_vectors(member)),
                 Err(error) => self.journal.note(error.into()),
@@ -174,7 +171,7 @@ impl<'s> Recorder<'s> {
         let file = |iteration: usize| format!("{stem}iteration_{iteration:04}.vtu");
         let gradient =
             derivative.zip(self.problem.inner_product()).map(|(derivative, product)| product.riesz(derivative));
-        self.snapshots.push(iteration);
+        self.trials.snapshots.push(iteration);
         for (member, at) in self.problem.leads().zip(&point.members) {
             let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
             let fields = StateFields {
@@ -184,7 +181,7 @@ impl<'s> Recorder<'s> {
             };
             out.write_vtu(&member.case_file(&file(iteration)), &snapshot::snapshot(member, &fields)?)?;
             let steps: Vec<(f64, String)> =
-                self.snapshots.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
+                self.trials.snapshots.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
             nastic_io::write_pvd(out.file(&member.case_file(&format!("{stem}iterations.pvd"))), &steps)?;
         }
         Ok(())
@@ -195,10 +192,10 @@ impl<'s> Recorder<'s> {
         if self.start.1 > 1 { format!("start_{}_", self.start.0) } else { String::new() }
     }
 
-    /// Writes `iterates.bin`; the work of all trials, by member.
-    pub fn finish(self) -> Vec<SolveReport> {
+    /// Writes `iterates.bin`; what was kept of all trials.
+    pub fn finish(self) -> RunTrials {
         if let Some(out) = &self.out {
-            for (member, kept) in self.problem.leads().zip(&self.iterates) {
+            for (member, kept) in self.problem.leads().zip(&self.trials.iterates) {
                 let file = out.file(&member.case_file(&format!("{}iterates.bin", self.stem())));
                 let written = write_atomically(file, |out| out.write_all(&kept.to_bytes()));
                 if let Err(error) = written {
@@ -206,7 +203,7 @@ impl<'s> Recorder<'s> {
                 }
             }
         }
-        self.work
+        self.trials
     }
 }
 

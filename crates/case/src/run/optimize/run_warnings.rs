@@ -122,14 +122,10 @@ fn cold(session: &Session<'_>, run: &FinishedRun) -> Option<Warning> {
     })
 }
 
-/// Trials whose states were found from rest, as the way from the neighbouring state led nowhere.
+/// Iterations that led to another branch of equilibria.
 fn branches(run: &FinishedRun) -> Option<Warning> {
-    let restarts: usize = run.work.iter().map(|work| work.restarts).sum();
-    (restarts > 0).then(|| {
-        let message = format!(
-            "{} could be solved from rest only, not from the point they started from",
-            count(restarts, "state")
-        );
-        Warning::new(&BRANCH_CHANGE, message)
-    })
+    let changes = &run.changes;
+    let more =
+        if changes.count > 1 { format!(" (the first of {} such iterations)", changes.count) } else { String::new() };
+    (changes.count > 0).then(|| Warning::new(&BRANCH_CHANGE, format!("{}{more}", changes.first)))
 }

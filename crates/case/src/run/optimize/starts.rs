@@ -79,7 +79,7 @@ impl Starts {
         journal.open_history(trials.history)?;
         journal.begin_start(&fixed);
         let mut recorder = Recorder::new(session, journal, index);
-        recorder.restore(trials.run);
+        recorder.restore(trials.run, run.point());
         let ended = minimize(session, run, start, recorder, Some(iteration));
         self.add(seed(session, index), ended, fixed.certificate);
         self.run_rest(session, optimizer, &fixed.gradient_check, journal)
