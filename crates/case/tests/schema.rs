@@ -77,6 +77,13 @@ fn reader_and_schema_agree() {
         Case::read(&case).unwrap_or_else(|problems| panic!("{problems}"));
         texts.push((true, case.root().to_json()));
     }
+    // Other ways to write, which both must take.
+    for (case, option) in [(0, "$schema=https://example.org/nastic.schema.json")] {
+        let mut other = document(CASES[case]);
+        other.set(option).unwrap();
+        Case::read(&other).unwrap_or_else(|problems| panic!("the reader refuses {option}: {problems}"));
+        texts.push((true, other.root().to_json()));
+    }
     // Mistakes of form, which both must refuse.
     for (case, option) in [
         (0, "materials/0/mu9=1"),
@@ -96,6 +103,7 @@ fn reader_and_schema_agree() {
         (0, "probes/0/point=[1]"),
         (0, "units/length=Pa"),
         (0, "title=5"),
+        (0, "$schema=5"),
         (0, "scenarios/0/set={\"mesh\": 1}"),
         (1, "actuation/0/pressure=1"),
         (1, "actuation/0/variant=f"),

@@ -55,6 +55,8 @@ object! {
         pub expect: BTreeMap<String, Expectation> = BTreeMap::new(),
         /// What is written where.
         pub output: Output,
+        /// For editors: where the JSON Schema of case files is, as `nastic schema` prints it.
+        pub schema("$schema"): Option<String>,
     }
 }
 

@@ -49,14 +49,14 @@ pub(crate) struct Key {
 
 impl Key {
     pub(crate) fn new<T: Read>(
-        field: &'static str,
+        name: &'static str,
         about: &str,
         want: Want,
         default: Option<T>,
         definitions: &mut Definitions,
     ) -> Self {
         Self {
-            name: key_name(field),
+            name,
             about: about.trim().to_string(),
             required: default.is_none(),
             default: default.and_then(|value| value.to_json()),
@@ -139,12 +139,11 @@ impl<'a> Reader<'a> {
         &mut self,
         node: &Node,
         at: &At,
-        field: &'static str,
+        name: &'static str,
         about: &str,
         want: Want,
         default: Option<T>,
     ) -> Option<T> {
-        let name = key_name(field);
         let Value::Object(members) = &node.value else { return None };
         match members.iter().find(|member| member.key == name) {
             // Complained about already; going on with the default lets the other checks of the block speak.
