@@ -18,6 +18,7 @@ mod member;
 mod mesh;
 mod named;
 mod optimizer;
+mod place;
 mod probe;
 mod random;
 mod scenario;

@@ -17,6 +17,7 @@ mod control;
 mod cost;
 mod expectation;
 mod field;
+mod group_names;
 mod json;
 mod load;
 mod load_case;

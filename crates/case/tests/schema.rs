@@ -78,7 +78,14 @@ fn reader_and_schema_agree() {
         texts.push((true, case.root().to_json()));
     }
     // Other ways to write, which both must take.
-    for (case, option) in [(0, "$schema=https://example.org/nastic.schema.json")] {
+    for (case, option) in [
+        (0, "$schema=https://example.org/nastic.schema.json"),
+        (0, "materials/0/region=[\"body\", \"tip\"]"),
+        (0, "supports/0/surface=[\"clamp\", \"tip\"]"),
+        (0, "loads/0/surface=[\"tip\", \"side\"]"),
+        (0, "actuation/0/region=[\"body\", \"tip\"]"),
+        (0, "costs/0/target_region=[\"body\", \"tip\"]"),
+    ] {
         let mut other = document(CASES[case]);
         other.set(option).unwrap();
         Case::read(&other).unwrap_or_else(|problems| panic!("the reader refuses {option}: {problems}"));
@@ -104,6 +111,9 @@ fn reader_and_schema_agree() {
         (0, "units/length=Pa"),
         (0, "title=5"),
         (0, "$schema=5"),
+        (0, "supports/0/surface=[]"),
+        (0, "supports/0/surface=[\"clamp\", \"clamp\"]"),
+        (0, "materials/0/region=[5]"),
         (0, "scenarios/0/set={\"mesh\": 1}"),
         (1, "actuation/0/pressure=1"),
         (1, "actuation/0/variant=f"),

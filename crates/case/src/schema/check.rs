@@ -86,7 +86,8 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     if empty {
         reader.complain_at(&At::root().key("materials"), "at least one material is needed");
     }
-    unique(blocks.materials.iter().map(|m| (m.region.as_str(), m.at.key("region"))), "a material", reader);
+    let regions = blocks.materials.iter().flat_map(|m| m.region.iter().map(|name| (name, m.at.key("region"))));
+    unique(regions, "a material", reader);
     unique(blocks.actuation.iter().map(|a| (a.name.as_str(), a.at.key("name"))), "an actuation", reader);
     unique(blocks.probes.iter().map(|p| (p.name.as_str(), p.at.key("name"))), "a probe", reader);
     unique(blocks.load_cases.iter().map(|c| (c.name.as_str(), c.at.key("name"))), "a load case", reader);

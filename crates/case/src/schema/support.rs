@@ -2,16 +2,17 @@
 
 use crate::expression::Formula;
 use crate::schema::read::Reader;
+use nastic_mesh::GroupNames;
 
 object! {
     /// What holds the body: components of the displacement that are zero or prescribed.
     pub struct Support one of [surface, region, nodes] checked by check {
         /// Surface of the mesh.
-        pub surface: Option<String>,
+        pub surface: Option<GroupNames>,
         /// Region of the mesh.
-        pub region: Option<String>,
+        pub region: Option<GroupNames>,
         /// Node set of the mesh.
-        pub nodes: Option<String>,
+        pub nodes: Option<GroupNames>,
         /// Components held at zero.
         pub fix: Vec<Axis> = Vec::new(),
         /// Components with a given displacement.
