@@ -39,7 +39,7 @@ const LISTS: &str = r#"{
   "mesh": "strip.msh",
   "materials": [ { "region": ["a", "c"], "law": "neo_hooke", "young": "100 kPa", "poisson": 0.3 },
                  { "region": "b", "law": "neo_hooke", "young": "200 kPa", "poisson": 0.3 } ],
-  "supports": [ { "surface": ["left", "right"], "fix": ["x", "y"] } ],
+  "supports": [ { "surface": ["left", "right"], "fix": "all" } ],
   "loads": [ { "surface": ["low", "high"], "traction": [0, "40 Pa"] }, { "region": ["a", "b"], "body_force": [0, "30 N/m^3 * X / 1 m"] } ],
   "actuation": [ { "name": "swelling", "kind": "turgor", "region": ["a", "b"], "pressure": "2 kPa" } ],
   "costs": [ { "kind": "tracking", "surface": ["low", "high"], "target": ["X", "Y"] },
@@ -71,7 +71,7 @@ fn a_list_of_groups_is_what_one_block_for_each_would_be() {
             ["a", "c"],
         ),
         (
-            r#"{ "surface": ["left", "right"], "fix": ["x", "y"] }"#,
+            r#"{ "surface": ["left", "right"], "fix": "all" }"#,
             r#"{ "surface": "#,
             r#", "fix": ["x", "y"] }"#,
             ["left", "right"],

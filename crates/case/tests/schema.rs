@@ -85,6 +85,11 @@ fn reader_and_schema_agree() {
         (0, "loads/0/surface=[\"tip\", \"side\"]"),
         (0, "actuation/0/region=[\"body\", \"tip\"]"),
         (0, "costs/0/target_region=[\"body\", \"tip\"]"),
+        (0, "units=mm"),
+        (0, "supports/0/fix=all"),
+        (0, "supports/0/fix=y"),
+        (0, "actuation/0/direction=-x"),
+        (0, "materials/0/fiber=z"),
     ] {
         let mut other = document(CASES[case]);
         other.set(option).unwrap();
@@ -114,6 +119,10 @@ fn reader_and_schema_agree() {
         (0, "supports/0/surface=[]"),
         (0, "supports/0/surface=[\"clamp\", \"clamp\"]"),
         (0, "materials/0/region=[5]"),
+        (0, "units=Pa"),
+        (0, "supports/0/fix=xy"),
+        (0, "supports/0/fix=[\"all\"]"),
+        (0, "actuation/0/direction=+w"),
         (0, "scenarios/0/set={\"mesh\": 1}"),
         (1, "actuation/0/pressure=1"),
         (1, "actuation/0/variant=f"),

@@ -26,8 +26,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
 
 /// What is prescribed at each node.
 fn values(support: &Support, mesh: &Mesh, nodes: &[u32], context: &mut Context<'_>) -> Option<Vec<[Option<f64>; 3]>> {
-    let mut held = [None; 3];
-    support.fix.iter().for_each(|axis| held[axis.index()] = Some(0.0));
+    let held = support.fix.held();
     let Some(moved) = &support.displacement else { return Some(vec![held; nodes.len()]) };
     let at = support.at.key("displacement");
     let each = nodes.iter().map(|&node| prescribed(moved, mesh.points()[node as usize], held));
