@@ -305,7 +305,7 @@ fn contradictions_inside_a_block_are_found() {
         "\"bulk\": \"200 kPa\", ",
         "\"bulk\": \"200 kPa\", \"young\": 1, ",
         ": materials/0: \"mooney_rivlin\" takes {mu1, mu2, mu3} or {shear, bulk, share} or {young, poisson, \
-         share}, found {shear, bulk, share, young}",
+         share} or {c10, c01, d1}, found {shear, bulk, share, young}",
     );
 }
 

@@ -86,6 +86,10 @@ fn reader_and_schema_agree() {
         (0, "actuation/0/region=[\"body\", \"tip\"]"),
         (0, "costs/0/target_region=[\"body\", \"tip\"]"),
         (0, "units=mm"),
+        (
+            1,
+            "materials/3={\"region\": \"skin\", \"law\": \"neo_hooke\", \"c10\": \"0.1 MPa\", \"d1\": \"0.08 / 1 MPa\"}",
+        ),
         (0, "supports/0/fix=all"),
         (0, "supports/0/fix=y"),
         (0, "actuation/0/direction=-x"),
@@ -120,6 +124,7 @@ fn reader_and_schema_agree() {
         (0, "supports/0/surface=[\"clamp\", \"clamp\"]"),
         (0, "materials/0/region=[5]"),
         (0, "units=Pa"),
+        (1, "materials/3={\"region\": \"skin\", \"law\": \"neo_hooke\", \"c10\": 1, \"c01\": 1, \"d1\": 1}"),
         (0, "supports/0/fix=xy"),
         (0, "supports/0/fix=[\"all\"]"),
         (0, "actuation/0/direction=+w"),
