@@ -19,6 +19,7 @@ mod direction;
 mod expectation;
 mod field;
 mod group_names;
+mod hints;
 mod json;
 mod load;
 mod load_case;
