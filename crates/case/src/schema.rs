@@ -58,3 +58,7 @@ pub use scenario::{
 };
 pub use support::{Axis, Displacement, Fix, Support};
 pub use value::Vector;
+
+pub(crate) use case::Reading;
+pub(crate) use nastic_mesh::GroupNames;
+pub(crate) use read::{Read, Reader};

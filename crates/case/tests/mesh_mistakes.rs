@@ -56,6 +56,67 @@ fn several_mistakes_are_told_at_once() {
     assert_eq!(paths, ["materials/0/region", "supports/0/surface", "probes/0/point"], "{found}");
 }
 
+/// Unknown keys, units, names that the mesh lacks, values no material can have, files and points: one report.
+#[test]
+fn mistakes_of_all_layers_are_told_at_once() {
+    let material =
+        r#"{ "region": "body", "law": "mooney_rivlin", "mu1": "100 kPa", "mu2": "20 kPa", "mu3": "300 kPa" }"#;
+    let negative = r#"{ "region": "body", "law": "mooney_rivlin", "mu1": "-100 kPa", "mu2": "20 kPa", "mu3": "300 kPa" },
+        { "region": "bdy", "law": "neo_hooke", "mu": "1 m", "lambda": 1 }"#;
+    let hausdorff = r#"{ "kind": "smoothed_hausdorff", "target": "gone.msh", "region": "whole", "phi": { "inverse": { "eps": 0.1 } },
+        "stages": [ { "alpha": 1, "beta": 2, "gamma": 2 } ] }"#;
+    let mut text = BAR.to_owned();
+    for (from, to) in [
+        (material, negative),
+        (r#""surface": "x-""#, r#""surface": ["left", "x-"]"#),
+        (TRACKING, &format!("{}, {hausdorff}", TRACKING.replace("x+", "tip"))),
+        (r#""method": "lbfgs", "#, r#""method": "lbfgs", "maxiter": 3, "#),
+        ("[1.0, 0.25, 0.25] }", "[2.0, 0.25, 0.25] }"),
+    ] {
+        text = with(&text, from, to);
+    }
+    let found = problems(&text);
+    let paths: Vec<&str> = found.lines().map(|line| line.split(": ").nth(1).unwrap()).collect();
+    let expected = [
+        "materials/0/mu1",
+        "materials/1/region",
+        "materials/1/mu",
+        "supports/0/surface/0",
+        "costs/0/surface",
+        "costs/1/target",
+        "costs/1/region",
+        "optimizer/maxiter",
+        "probes/0/point",
+    ];
+    assert_eq!(paths, expected, "{found}");
+    // Without the mistakes of form, the others alone.
+    let text = with(&with(&text, r#""maxiter": 3, "#, ""), r#""mu": "1 m""#, r#""mu": 1"#);
+    let found = problems(&text);
+    let paths: Vec<&str> = found.lines().map(|line| line.split(": ").nth(1).unwrap()).collect();
+    for path in [
+        "materials/0/mu1",
+        "materials/1/region",
+        "supports/0/surface/0",
+        "costs/0/surface",
+        "costs/1/target",
+        "probes/0/point",
+    ] {
+        assert_eq!(paths.iter().filter(|found| **found == path).count(), 1, "{path}:\n{found}");
+    }
+}
+
+#[test]
+fn options_that_fail_are_told_with_the_mistakes_of_the_case() {
+    let place = Place::new();
+    let text = with(BAR, r#""surface": "x-""#, r#""surface": "left""#);
+    let set = ["materials/3/mu1=1", "nowhere/at/all=2", "probes/0/point=[2, 0, 0]"];
+    let found = place.run(nastic_case::schema::Command::Check, &text, &set).unwrap_err().to_string();
+    assert_eq!(found.lines().count(), 4, "{found}");
+    for part in ["--set materials/3/mu1=1", "--set nowhere/at/all=2", "supports/0/surface", "--set probes/0/point"] {
+        assert!(found.contains(part), "{found}");
+    }
+}
+
 #[test]
 fn a_body_without_support_says_what_moves() {
     let text = with(BAR, r#""supports": [ { "surface": "x-", "fix": ["x", "y", "z"] } ],"#, "");

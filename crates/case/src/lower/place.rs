@@ -40,21 +40,12 @@ impl<'c> Place<'c> {
 
     /// The nodes of all the groups, ascending; `None` after a complaint about every unknown name.
     pub fn nodes(&self, mesh: &Mesh, block: &At, context: &mut Context<'_>) -> Option<Vec<u32>> {
-        let of = |name: &str| -> Result<Vec<u32>, MeshError> {
-            Ok(match self.kind {
-                Kind::Surface => mesh.nodes_of_facets(mesh.surface(name)?),
-                Kind::Region => mesh.nodes_of_cells(mesh.region(name)?),
-                // The library takes a surface's nodes too where no node set has the name.
-                Kind::Nodes if !mesh.node_sets().contains_key(name) && mesh.surfaces().contains_key(name) => {
-                    mesh.nodes_of_facets(mesh.surface(name)?)
-                }
-                Kind::Nodes => mesh.node_set(name)?.to_vec(),
-            })
-        };
-        let mut nodes = known(self.names, &block.key(self.key()), of, context)?.concat();
-        nodes.sort_unstable();
-        nodes.dedup();
-        Some(nodes)
+        let at = block.key(self.key());
+        Some(match self.kind {
+            Kind::Surface => mesh.nodes_of_facets(&facets(mesh, self.names, &at, context)?),
+            Kind::Region => mesh.nodes_of_cells(&cells(mesh, self.names, &at, context)?),
+            Kind::Nodes => node_sets(mesh, self.names, &at, context)?,
+        })
     }
 }
 
@@ -73,6 +64,19 @@ pub(super) fn facets(
 ) -> Option<Vec<nastic_mesh::Facet>> {
     known(names, at, |name| mesh.surface(name), context)?;
     context.take(at, mesh.facets_of(names))
+}
+
+/// The nodes of node sets, or of surfaces where no node set has the name, ascending; `None` after a complaint about every unknown
+/// name.
+pub(super) fn node_sets(mesh: &Mesh, names: &GroupNames, at: &At, context: &mut Context<'_>) -> Option<Vec<u32>> {
+    let of = |name: &str| match mesh.surface(name) {
+        Ok(facets) if !mesh.node_sets().contains_key(name) => Ok(mesh.nodes_of_facets(facets)),
+        _ => mesh.node_set(name).map(<[u32]>::to_vec),
+    };
+    let mut nodes = known(names, at, of, context)?.concat();
+    nodes.sort_unstable();
+    nodes.dedup();
+    Some(nodes)
 }
 
 /// What the names stand for, one by one.

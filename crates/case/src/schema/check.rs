@@ -5,7 +5,7 @@ mod variants;
 
 use crate::quantity::Want;
 use crate::schema::actuation::Actuation;
-use crate::schema::case::Probe;
+use crate::schema::case::{Case, Probe};
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::load_case::LoadCase;
@@ -13,6 +13,7 @@ use crate::schema::material::Material;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
 use crate::syntax::{At, Value, quoted};
+use std::collections::BTreeMap;
 
 /// The version of case files this program reads.
 const VERSION: f64 = 1.0;
@@ -60,6 +61,31 @@ impl Blocks {
     fn complete(&self, block: &str) -> bool {
         !self.troubled.iter().any(|troubled| troubled == block)
     }
+}
+
+/// The blocks of a case that cannot be read as a whole, as far as they can be: so much shows what else is wrong.
+pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
+    Some(Case {
+        at: At::root(),
+        nastic: VERSION as u64,
+        title: None,
+        units: reader.units,
+        mesh: block(reader, "mesh")?,
+        materials: list(reader, "materials"),
+        supports: list(reader, "supports"),
+        loads: list(reader, "loads"),
+        actuation: list(reader, "actuation"),
+        controls: list(reader, "controls"),
+        costs: list(reader, "costs"),
+        load_cases: list(reader, "load_cases"),
+        scenarios: Read::absent()?,
+        risk: Risk::Mean,
+        optimizer: block(reader, "optimizer").or_else(Read::absent)?,
+        probes: list(reader, "probes"),
+        expect: BTreeMap::new(),
+        output: Read::absent()?,
+        schema: None,
+    })
 }
 
 /// A block without complaints: the full reading makes those.
