@@ -37,6 +37,46 @@ fn a_missing_file_is_named_with_its_line() {
     assert!(found.contains("must end in .msh"), "{found}");
 }
 
+/// Gmsh's answer to a script whose only physical group is a surface, and to one that groups curves alone.
+#[test]
+fn a_mesh_without_its_cells_names_the_cause_and_the_cure() {
+    let head =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n";
+    let skin = format!("{head}2\n1 2 2 1 1 1 3 2\n2 2 2 1 1 1 2 4\n$EndElements\n");
+    let curve = format!("{head}1\n1 1 2 1 1 1 2\n$EndElements\n");
+    for mesh in [skin, curve] {
+        let place = Place::new();
+        place.write("body.msh", &mesh);
+        let case = with(BAR, MESH, r#""mesh": "body.msh""#);
+        let found = place.run(nastic_case::schema::Command::Check, &case, &[]).unwrap_err().to_string();
+        for part in [
+            "no volume cells",
+            "only the elements of physical groups",
+            "`Physical Volume(\"body\") = {1};`",
+            "Mesh.SaveAll",
+        ] {
+            assert!(found.contains(part), "{found}");
+        }
+    }
+}
+
+#[test]
+fn files_of_other_programs_are_answered_with_how_to_convert_them() {
+    for (file, parts) in [
+        ("parts/arm.inp", ["`meshio convert", "arm.vtu`. That keeps nodes and cells, but not the names of sets"]),
+        ("arm.vtk", ["`meshio convert", "arm.vtu`"]),
+        ("arm.XDMF", ["`meshio convert", "physical groups of those names"]),
+        ("arm.stl", ["this is a surface", "Physical Volume(\"body\") = {1};"]),
+        ("arm.obj", ["this is a surface", "Surface Loop(1) = {1};"]),
+        ("arm.step", ["this is a geometry", "SetFactory(\"OpenCASCADE\"); Merge \""]),
+        ("arm.geo", ["a script of Gmsh", "`gmsh -3 "]),
+        ("arm.txt", ["must end in .msh", "or .vtu"]),
+    ] {
+        let found = problems(&with(BAR, MESH, &format!(r#""mesh": "{file}""#)));
+        assert!(found.contains(": mesh: ") && parts.iter().all(|part| found.contains(part)), "{file}:\n{found}");
+    }
+}
+
 #[test]
 fn a_missing_target_is_told_together_with_a_missing_mesh() {
     let hausdorff = r#"{ "kind": "smoothed_hausdorff", "target": "gone.msh", "phi": { "inverse": { "eps": 0.1 } },
