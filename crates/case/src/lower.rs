@@ -18,12 +18,14 @@ mod member;
 mod mesh;
 mod named;
 mod optimizer;
+mod place;
 mod probe;
 mod random;
 mod scenario;
 mod sizes;
 mod start;
 mod support;
+mod survey;
 mod unsupported;
 mod variant;
 
@@ -34,8 +36,8 @@ pub use probe::LocatedProbe;
 pub(crate) use variant::file_name;
 
 use crate::quantity::Units;
-use crate::schema::Case;
-use crate::syntax::{At, Diagnostics, Document};
+use crate::schema::{Case, Reading};
+use crate::syntax::{At, Diagnostic, Diagnostics, Document};
 use crate::warning::Warning;
 use context::{Context, Found};
 use member::Label;
@@ -84,7 +86,10 @@ impl CaseProblem {
     /// # Errors
     /// All problems found, each with its path and line.
     pub fn lower(document: Document, cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
-        let case = Case::read(&document)?;
+        let case = match Case::read_all(&document) {
+            Reading { case: Some(case), problems } if problems.is_empty() => case,
+            Reading { case, problems } => return Err(all_problems(case.as_ref(), problems, &document)),
+        };
         let mut context = Context::new(&document, case.units);
         unsupported::check(&case, &mut context);
         let lowered = members(&case, &document, cancel, &mut context);
@@ -163,6 +168,16 @@ impl CaseProblem {
     }
 }
 
+/// Mistakes of form, and what else is wrong with a case as far as it can be read.
+fn all_problems(case: Option<&Case>, mut problems: Vec<Diagnostic>, document: &Document) -> Diagnostics {
+    if let Some(case) = case {
+        let mut context = Context::new(document, case.units);
+        survey::look(case, document, &mut context);
+        problems.extend(context.found.problems);
+    }
+    Diagnostics::new(problems)
+}
+
 /// What becomes of a case.
 struct Lowered {
     ensemble: Ensemble,
@@ -180,6 +195,7 @@ fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &
         return None;
     };
     let disc = context.take(&mesh::at(case), Discretization::new(mesh.clone()))?;
+    survey::names(document, &mesh, context);
     let probes = probe::locate(case, &mesh, context);
     let scenarios = scenario::scenarios(case, document, &disc, context)?;
     let variants = match variant::all(case, document, &scenarios, context) {

@@ -15,8 +15,11 @@ mod catalogue;
 mod check;
 mod control;
 mod cost;
+mod direction;
 mod expectation;
 mod field;
+mod group_names;
+mod hints;
 mod json;
 mod load;
 mod load_case;
@@ -39,6 +42,7 @@ pub use control::{Control, ControlsFile, Space, Start};
 pub use cost::{
     ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Phi, SmoothedHausdorff, Stage, Target, Tracking,
 };
+pub use direction::Direction;
 pub use expectation::{Command, Expectation};
 pub use field::{ArrayFile, Parameter, VectorField, vector_at};
 pub use json::json_schema;
@@ -52,5 +56,9 @@ pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
 };
-pub use support::{Axis, Displacement, Support};
+pub use support::{Axis, Displacement, Fix, Support};
 pub use value::Vector;
+
+pub(crate) use case::Reading;
+pub(crate) use nastic_mesh::GroupNames;
+pub(crate) use read::{Read, Reader};

@@ -32,19 +32,19 @@ fn the_documented_case_is_read_in_full() {
     assert_eq!((mesh.file.as_str(), mesh.scale), ("../../meshes/cantilever.msh", 1.0));
 
     let material = &case.materials[0];
-    assert_eq!((material.region.as_str(), material.law.name), ("body", "transverse_mooney_rivlin"));
+    assert_eq!((material.region.to_string().as_str(), material.law.name), ("body", "transverse_mooney_rivlin"));
     let values: Vec<_> = material.parameters.iter().map(|(name, value)| (*name, number(value))).collect();
     let values: Vec<_> = values.into_iter().filter(|(_, value)| value.is_some()).collect();
     assert_eq!(values, [("mu1", Some(1e5)), ("mu2", Some(2e4)), ("mu3", Some(3e5)), ("mu4", Some(1e6))]);
     let [x, y, z] = material.parameters["fiber"].direction().unwrap().constant().unwrap();
     assert!((x - 0.5f64.sqrt()).abs() < 1e-8 && x == y && z == 0.0);
 
-    assert_eq!(case.supports[0].surface.as_deref(), Some("clamp"));
-    assert_eq!(case.supports[0].fix.iter().map(|axis| axis.index()).collect::<Vec<_>>(), [0, 1, 2]);
+    assert_eq!(case.supports[0].surface, Some("clamp".into()));
+    assert_eq!(case.supports[0].fix.held(), [Some(0.0); 3]);
     assert_eq!(case.loads[0].traction.as_ref().unwrap().constant(), Some([0.0, 0.0, -5.0]));
     let fiber = &case.actuation[0];
     let Means::Law { region, parameters, .. } = &fiber.means else { panic!() };
-    assert_eq!((fiber.name.as_str(), fiber.kind(), region.as_str()), ("tension", "fiber_tension", "body"));
+    assert_eq!((fiber.name.as_str(), fiber.kind(), region.to_string().as_str()), ("tension", "fiber_tension", "body"));
     assert_eq!(parameters["direction"].direction().unwrap().constant(), Some([1.0, 0.0, 0.0]));
     assert!(fiber.fixed.is_empty());
 
@@ -60,7 +60,7 @@ fn the_documented_case_is_read_in_full() {
     assert_eq!((phi.length, phi.fraction), (Some(0.1), None));
     let stages: Vec<_> = cost.stages.iter().map(|s| (s.alpha, s.beta, s.gamma)).collect();
     assert_eq!(stages, [(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
-    assert_eq!((cost.quadrature, cost.weight, cost.target_region.as_deref()), (Some(2), 1.0, Some("body")));
+    assert_eq!((cost.quadrature, cost.weight, &cost.target_region), (Some(2), 1.0, &Some("body".into())));
 
     let Scenarios::List(scenarios) = &case.scenarios else { panic!() };
     assert_eq!(scenarios.iter().map(|s| s.probability).collect::<Vec<_>>(), [Some(0.5), Some(0.5)]);
@@ -142,6 +142,38 @@ fn random_scenarios_are_read() {
     assert!(matches!(&case.risk, Risk::ConditionalValueAtRisk(risk) if risk.level == 0.9));
     assert_eq!(number(&case.materials[0].parameters["share"]), Some(0.5));
     assert_eq!(case.output.every, 10, "blocks left out have their defaults");
+}
+
+#[test]
+fn short_forms_say_the_same() {
+    let whole = r#"{ "nastic": 1, "mesh": "a.msh", "units": { "length": "mm", "force": "N", "time": "s", "field": "T" },
+        "materials": [ { "region": "body", "law": "transverse_mooney_rivlin", "mu1": 1, "mu2": 1, "mu3": 1, "mu4": 1, "fiber": [0, 0, -1] } ],
+        "supports": [ { "surface": "left", "fix": ["x", "y", "z"] }, { "surface": "right", "fix": ["y"] } ],
+        "actuation": [ { "name": "muscle", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0], "tension": "2 kPa" },
+                       { "name": "magnet", "kind": "magnet", "region": "body", "remanence": [1, 0, 0] } ],
+        "controls": [ { "of": "magnet.field", "space": "uniform", "direction": [0, -1, 0], "max_norm": 1 } ] }"#;
+    let mut short = whole.to_owned();
+    for (from, to) in [
+        (r#"{ "length": "mm", "force": "N", "time": "s", "field": "T" }"#, r#""mm""#),
+        ("[0, 0, -1]", r#""-z""#),
+        (r#"["x", "y", "z"]"#, r#""all""#),
+        (r#"["y"]"#, r#""y""#),
+        (r#""direction": [1, 0, 0]"#, r#""direction": "x""#),
+        ("[0, -1, 0]", r#""-y""#),
+    ] {
+        assert!(short.contains(from), "{from}");
+        short = short.replacen(from, to, 1);
+    }
+    let (whole, short) = (case(whole), case(&short));
+    assert_eq!(whole.units, short.units);
+    assert_eq!(short.units.label(nastic_case::quantity::Dimension::PRESSURE), "MPa");
+    assert_eq!(whole.materials[0].parameters, short.materials[0].parameters);
+    let held = |case: &Case| -> Vec<_> { case.supports.iter().map(|support| support.fix.held()).collect() };
+    assert_eq!(held(&whole), held(&short));
+    assert_eq!(held(&short), [[Some(0.0); 3], [None, Some(0.0), None]]);
+    assert_eq!((&whole.actuation, &whole.controls), (&short.actuation, &short.controls));
+    let Some(Fixed::Scalar(tension)) = short.actuation[0].fixed.get("tension") else { panic!() };
+    assert!((scalar(tension).unwrap() - 2e-3).abs() < 1e-18, "megapascals");
 }
 
 #[test]

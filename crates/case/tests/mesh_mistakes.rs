@@ -37,6 +37,46 @@ fn a_missing_file_is_named_with_its_line() {
     assert!(found.contains("must end in .msh"), "{found}");
 }
 
+/// Gmsh's answer to a script whose only physical group is a surface, and to one that groups curves alone.
+#[test]
+fn a_mesh_without_its_cells_names_the_cause_and_the_cure() {
+    let head =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n";
+    let skin = format!("{head}2\n1 2 2 1 1 1 3 2\n2 2 2 1 1 1 2 4\n$EndElements\n");
+    let curve = format!("{head}1\n1 1 2 1 1 1 2\n$EndElements\n");
+    for mesh in [skin, curve] {
+        let place = Place::new();
+        place.write("body.msh", &mesh);
+        let case = with(BAR, MESH, r#""mesh": "body.msh""#);
+        let found = place.run(nastic_case::schema::Command::Check, &case, &[]).unwrap_err().to_string();
+        for part in [
+            "no volume cells",
+            "only the elements of physical groups",
+            "`Physical Volume(\"body\") = {1};`",
+            "Mesh.SaveAll",
+        ] {
+            assert!(found.contains(part), "{found}");
+        }
+    }
+}
+
+#[test]
+fn files_of_other_programs_are_answered_with_how_to_convert_them() {
+    for (file, parts) in [
+        ("parts/arm.inp", ["`meshio convert", "arm.vtu`. That keeps nodes and cells, but not the names of sets"]),
+        ("arm.vtk", ["`meshio convert", "arm.vtu`"]),
+        ("arm.XDMF", ["`meshio convert", "physical groups of those names"]),
+        ("arm.stl", ["this is a surface", "Physical Volume(\"body\") = {1};"]),
+        ("arm.obj", ["this is a surface", "Surface Loop(1) = {1};"]),
+        ("arm.step", ["this is a geometry", "SetFactory(\"OpenCASCADE\"); Merge \""]),
+        ("arm.geo", ["a script of Gmsh", "`gmsh -3 "]),
+        ("arm.txt", ["must end in .msh", "or .vtu"]),
+    ] {
+        let found = problems(&with(BAR, MESH, &format!(r#""mesh": "{file}""#)));
+        assert!(found.contains(": mesh: ") && parts.iter().all(|part| found.contains(part)), "{file}:\n{found}");
+    }
+}
+
 #[test]
 fn a_missing_target_is_told_together_with_a_missing_mesh() {
     let hausdorff = r#"{ "kind": "smoothed_hausdorff", "target": "gone.msh", "phi": { "inverse": { "eps": 0.1 } },
@@ -54,6 +94,67 @@ fn several_mistakes_are_told_at_once() {
     let found = problems(&text);
     let paths: Vec<&str> = found.lines().map(|line| line.split(": ").nth(1).unwrap()).collect();
     assert_eq!(paths, ["materials/0/region", "supports/0/surface", "probes/0/point"], "{found}");
+}
+
+/// Unknown keys, units, names that the mesh lacks, values no material can have, files and points: one report.
+#[test]
+fn mistakes_of_all_layers_are_told_at_once() {
+    let material =
+        r#"{ "region": "body", "law": "mooney_rivlin", "mu1": "100 kPa", "mu2": "20 kPa", "mu3": "300 kPa" }"#;
+    let negative = r#"{ "region": "body", "law": "mooney_rivlin", "mu1": "-100 kPa", "mu2": "20 kPa", "mu3": "300 kPa" },
+        { "region": "bdy", "law": "neo_hooke", "mu": "1 m", "lambda": 1 }"#;
+    let hausdorff = r#"{ "kind": "smoothed_hausdorff", "target": "gone.msh", "region": "whole", "phi": { "inverse": { "eps": 0.1 } },
+        "stages": [ { "alpha": 1, "beta": 2, "gamma": 2 } ] }"#;
+    let mut text = BAR.to_owned();
+    for (from, to) in [
+        (material, negative),
+        (r#""surface": "x-""#, r#""surface": ["left", "x-"]"#),
+        (TRACKING, &format!("{}, {hausdorff}", TRACKING.replace("x+", "tip"))),
+        (r#""method": "lbfgs", "#, r#""method": "lbfgs", "maxiter": 3, "#),
+        ("[1.0, 0.25, 0.25] }", "[2.0, 0.25, 0.25] }"),
+    ] {
+        text = with(&text, from, to);
+    }
+    let found = problems(&text);
+    let paths: Vec<&str> = found.lines().map(|line| line.split(": ").nth(1).unwrap()).collect();
+    let expected = [
+        "materials/0/mu1",
+        "materials/1/region",
+        "materials/1/mu",
+        "supports/0/surface/0",
+        "costs/0/surface",
+        "costs/1/target",
+        "costs/1/region",
+        "optimizer/maxiter",
+        "probes/0/point",
+    ];
+    assert_eq!(paths, expected, "{found}");
+    // Without the mistakes of form, the others alone.
+    let text = with(&with(&text, r#""maxiter": 3, "#, ""), r#""mu": "1 m""#, r#""mu": 1"#);
+    let found = problems(&text);
+    let paths: Vec<&str> = found.lines().map(|line| line.split(": ").nth(1).unwrap()).collect();
+    for path in [
+        "materials/0/mu1",
+        "materials/1/region",
+        "supports/0/surface/0",
+        "costs/0/surface",
+        "costs/1/target",
+        "probes/0/point",
+    ] {
+        assert_eq!(paths.iter().filter(|found| **found == path).count(), 1, "{path}:\n{found}");
+    }
+}
+
+#[test]
+fn options_that_fail_are_told_with_the_mistakes_of_the_case() {
+    let place = Place::new();
+    let text = with(BAR, r#""surface": "x-""#, r#""surface": "left""#);
+    let set = ["materials/3/mu1=1", "nowhere/at/all=2", "probes/0/point=[2, 0, 0]"];
+    let found = place.run(nastic_case::schema::Command::Check, &text, &set).unwrap_err().to_string();
+    assert_eq!(found.lines().count(), 4, "{found}");
+    for part in ["--set materials/3/mu1=1", "--set nowhere/at/all=2", "supports/0/surface", "--set probes/0/point"] {
+        assert!(found.contains(part), "{found}");
+    }
 }
 
 #[test]

@@ -40,7 +40,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
          mesh, materials, supports, loads, actuation, controls, costs, load_cases, scenarios, risk, optimizer, \
-         probes, expect, output)",
+         probes, expect, output, $schema)",
     );
     one(
         COMPLETE,
@@ -61,6 +61,37 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "did you mean \"quadrature\"? (one of: kind, name, target, target_region, region, phi, stages, \
          quadrature, weight)",
     );
+}
+
+/// Words of other programs and of soft robotics are answered with what they are called here.
+#[test]
+fn words_people_try_are_answered_with_what_to_write() {
+    let law = "\"law\": \"transverse_mooney_rivlin\"";
+    let kind = "\"kind\": \"fiber_tension\"";
+    for (from, to, parts) in [
+        ("\"nastic\": 1,", "\"nastic\": 1, \"gravity\": 9.81,", ["unknown key \"gravity\"", "\"body_force\": [0, 0,"]),
+        ("\"nastic\": 1,", "\"nastic\": 1, \"bc\": [],", ["unknown key \"bc\"", "\"fix\": \"all\""]),
+        ("\"nastic\": 1,", "\"nastic\": 1, \"force\": 1,", ["unknown key \"force\"", "\"traction\""]),
+        ("\"traction\":", "\"pressure\": 5, \"traction\":", ["loads/0/pressure", "\"kind\": \"cavity\""]),
+        (law, "\"c10\": 1, \"law\": \"transverse_mooney_rivlin\"", ["materials/0/c10", "\"neo_hooke\" and"]),
+        (law, "\"E\": 1, \"law\": \"transverse_mooney_rivlin\"", ["materials/0/E", "\"young\": \"300 kPa\""]),
+        (law, "\"nu\": 1, \"law\": \"transverse_mooney_rivlin\"", ["materials/0/nu", "\"poisson\": 0.45"]),
+        (law, "\"youngs_modulus\": 1, \"law\": \"transverse_mooney_rivlin\"", ["youngs_modulus", "\"young\":"]),
+        (law, "\"poissons_ratio\": 1, \"law\": \"transverse_mooney_rivlin\"", ["poissons_ratio", "\"poisson\":"]),
+        (law, "\"density\": 1, \"law\": \"transverse_mooney_rivlin\"", ["materials/0/density", "\"body_force\""]),
+        (law, "\"law\": \"linear_elastic\"", ["unknown law \"linear_elastic\"", "\"neo_hooke\" with"]),
+        ("\"fix\":", "\"fixed\": true, \"fix\":", ["supports/0/fixed", "\"fix\": \"all\""]),
+        (kind, "\"kind\": \"muscle\"", ["unknown kind \"muscle\"", "\"fiber_tension\""]),
+        (kind, "\"kind\": \"air_chamber\"", ["unknown kind \"air_chamber\"", "\"cavity\""]),
+        (kind, "\"kind\": \"chamber\"", ["unknown kind \"chamber\"", "\"cavity\""]),
+        (kind, "\"kind\": \"tendon\"", ["unknown kind \"tendon\"", "no tendons yet"]),
+        (kind, "\"magnetization\": 1, \"kind\": \"fiber_tension\"", ["actuation/0/magnetization", "\"remanence\""]),
+        ("\"max_iterations\"", "\"maxiter\"", ["optimizer/maxiter", "\"max_iterations\": 100"]),
+    ] {
+        let found = problems(COMPLETE, from, to);
+        let told = |line: &&str| parts.iter().all(|part| line.contains(part)) && line.contains("(one of: ");
+        assert!(found.lines().filter(told).count() == 1, "{from} -> {to}:\n{found}\nwanted: {parts:?}");
+    }
 }
 
 #[test]
@@ -254,7 +285,7 @@ fn contradictions_inside_a_block_are_found() {
         COMPLETE,
         "\"fix\": [\"x\", \"y\", \"z\"]",
         "\"fix\": []",
-        ": supports/0: this holds nothing: give \"fix\": [\"x\", ...] or \"displacement\": { \"x\": ... }",
+        ": supports/0: this holds nothing: give \"fix\": \"all\", \"fix\": [\"x\", ...] or \"displacement\": { \"x\": ... }",
     );
     one(
         COMPLETE,
@@ -305,7 +336,7 @@ fn contradictions_inside_a_block_are_found() {
         "\"bulk\": \"200 kPa\", ",
         "\"bulk\": \"200 kPa\", \"young\": 1, ",
         ": materials/0: \"mooney_rivlin\" takes {mu1, mu2, mu3} or {shear, bulk, share} or {young, poisson, \
-         share}, found {shear, bulk, share, young}",
+         share} or {c10, c01, d1}, found {shear, bulk, share, young}",
     );
 }
 

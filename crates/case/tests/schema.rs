@@ -77,6 +77,29 @@ fn reader_and_schema_agree() {
         Case::read(&case).unwrap_or_else(|problems| panic!("{problems}"));
         texts.push((true, case.root().to_json()));
     }
+    // Other ways to write, which both must take.
+    for (case, option) in [
+        (0, "$schema=https://example.org/nastic.schema.json"),
+        (0, "materials/0/region=[\"body\", \"tip\"]"),
+        (0, "supports/0/surface=[\"clamp\", \"tip\"]"),
+        (0, "loads/0/surface=[\"tip\", \"side\"]"),
+        (0, "actuation/0/region=[\"body\", \"tip\"]"),
+        (0, "costs/0/target_region=[\"body\", \"tip\"]"),
+        (0, "units=mm"),
+        (
+            1,
+            "materials/3={\"region\": \"skin\", \"law\": \"neo_hooke\", \"c10\": \"0.1 MPa\", \"d1\": \"0.08 / 1 MPa\"}",
+        ),
+        (0, "supports/0/fix=all"),
+        (0, "supports/0/fix=y"),
+        (0, "actuation/0/direction=-x"),
+        (0, "materials/0/fiber=z"),
+    ] {
+        let mut other = document(CASES[case]);
+        other.set(option).unwrap();
+        Case::read(&other).unwrap_or_else(|problems| panic!("the reader refuses {option}: {problems}"));
+        texts.push((true, other.root().to_json()));
+    }
     // Mistakes of form, which both must refuse.
     for (case, option) in [
         (0, "materials/0/mu9=1"),
@@ -96,6 +119,15 @@ fn reader_and_schema_agree() {
         (0, "probes/0/point=[1]"),
         (0, "units/length=Pa"),
         (0, "title=5"),
+        (0, "$schema=5"),
+        (0, "supports/0/surface=[]"),
+        (0, "supports/0/surface=[\"clamp\", \"clamp\"]"),
+        (0, "materials/0/region=[5]"),
+        (0, "units=Pa"),
+        (1, "materials/3={\"region\": \"skin\", \"law\": \"neo_hooke\", \"c10\": 1, \"c01\": 1, \"d1\": 1}"),
+        (0, "supports/0/fix=xy"),
+        (0, "supports/0/fix=[\"all\"]"),
+        (0, "actuation/0/direction=+w"),
         (0, "scenarios/0/set={\"mesh\": 1}"),
         (1, "actuation/0/pressure=1"),
         (1, "actuation/0/variant=f"),

@@ -132,7 +132,7 @@ fn parameters_of_two_sets_are_refused() {
     assert_eq!(
         error.to_string(),
         "mooney_rivlin: poisson and shear belong to different parameter sets; it takes {mu1, mu2, mu3} or \
-         {shear, bulk, share} or {young, poisson, share}"
+         {shear, bulk, share} or {young, poisson, share} or {c10, c01, d1}"
     );
     let error = row.build(&Inputs::new()).unwrap_err().to_string();
     assert!(error.starts_with("mooney_rivlin needs mu1 (nothing was given)"), "{error}");

@@ -1,5 +1,6 @@
 //! Parameters and directions: what is refused, with which words, and fields that vary over the body.
 
+use nastic_energy::catalogue::{self, Inputs};
 use nastic_energy::{
     EnergyTerm, FiberTension, Field, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, PointBatch, Response, Slots,
     TransverseMooneyRivlin, Want, check,
@@ -73,6 +74,45 @@ fn engineering_constants_without_a_polyconvex_law_are_refused() {
     }
     assert!(NeoHooke::from_young_poisson(1.0, -0.1).unwrap_err().to_string().contains("neo_hooke_isochoric"));
     assert!(NeoHooke::from_shear_bulk(3.0, 1.9).unwrap_err().to_string().contains("2/3 of the shear modulus"));
+}
+
+/// `C10 (I1' - 3) + C01 (I2' - 3) + (J-1)^2 / D1` has the shear modulus 2 (C10 + C01) and the bulk modulus 2 / D1; where the volume
+/// stays, its energy is C10 (I1 - 3) + C01 (I2 - 3).
+#[test]
+fn coefficients_of_rubber_keep_their_moduli_and_their_energy_at_constant_volume() {
+    let sheared = Kinematics::new(Mat3::new(1.3, 0.4, 0.0, 0.0, 0.8, -0.2, 0.0, 0.0, 1.0 / 1.04)).unwrap();
+    assert!((sheared.j() - 1.0).abs() < 1e-15);
+    let c = sheared.f().transpose() * sheared.f();
+    let (i1, i2) = (c.trace(), 0.5 * (c.trace().powi(2) - (c * c).trace()));
+    let (c10, c01, d1) = (4e4, 1e4, 3e-6);
+    let laws: [(&str, f64); 3] = [("neo_hooke", 0.0), ("neo_hooke_isochoric", 0.0), ("mooney_rivlin", c01)];
+    for (name, c01) in laws {
+        let mut inputs = Inputs::new().number("c10", c10).number("d1", d1);
+        if name == "mooney_rivlin" {
+            inputs = inputs.number("c01", c01);
+        }
+        let law = catalogue::material(name).unwrap().build(&inputs).unwrap();
+        let moduli = law.moduli(HERE).unwrap();
+        let near = |found: f64, wanted: f64| assert!((found / wanted - 1.0).abs() < 1e-13, "{name}: {found} {wanted}");
+        near(moduli.mu_t, 2.0 * (c10 + c01));
+        near(moduli.bulk(), 2.0 / d1);
+        near(check::evaluate(&*law, HERE, &sheared, &[]).energy, c10 * (i1 - 3.0) + c01 * (i2 - 3.0));
+    }
+}
+
+#[test]
+fn coefficients_of_rubber_out_of_range_are_refused() {
+    let message = |made: Result<MooneyRivlin, nastic_energy::EnergyError>| made.unwrap_err().to_string();
+    let error = message(MooneyRivlin::from_c10_c01_d1(1.0, 0.5, 0.0));
+    assert!(error.contains("d1 = 0e0") && error.contains("0 would be incompressible"), "{error}");
+    assert!(MooneyRivlin::from_c10_c01_d1(1.0, 0.5, 0.5).is_ok(), "the largest D1, 3 / (2 + 4)");
+    let error = message(MooneyRivlin::from_c10_c01_d1(1.0, 0.5, Field::cells(vec![0.1, 0.51])));
+    assert!(error.contains("d1 = 5.1e-1 in cell 1"), "{error}");
+    let error = NeoHooke::from_c10_d1(1.0, 1.51).unwrap_err().to_string();
+    assert!(error.contains("at most 3 / (2 C10)") && error.contains("neo_hooke_isochoric"), "{error}");
+    assert!(NeoHooke::from_c10_d1(1.0, 1.5).is_ok() && NeoHookeIsochoric::from_c10_d1(1.0, 1.51).is_ok());
+    assert!(NeoHookeIsochoric::from_c10_d1(0.0, 1.0).unwrap_err().to_string().contains("c10 = 0e0"));
+    assert!(message(MooneyRivlin::from_c10_c01_d1(1.0, -0.1, 0.1)).contains("c01 = -1e-1"));
 }
 
 #[test]

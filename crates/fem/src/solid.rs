@@ -15,7 +15,7 @@ use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
 use crate::solution::workspace::Workspace;
 use nastic_energy::{Actuation, EnergyTerm};
-use nastic_mesh::{Facet, Mesh};
+use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -58,45 +58,56 @@ impl Solid {
         Solid { model: Model::new(disc) }
     }
 
-    /// Adds a passive energy on a region. Several on one region add up. A law chosen at run time is an `Arc<dyn EnergyTerm>`.
+    /// Adds a passive energy on a region, or on the union of several: `["wall", "cap"]`. Several on one region add up. A law chosen at run time is an `Arc<dyn EnergyTerm>`.
     ///
     /// # Errors
     /// The region's name is unknown, or a field of the law has the wrong length.
-    pub fn material(mut self, region: &str, term: impl EnergyTerm + 'static) -> Result<Self, FemError> {
-        let cells = self.mesh().region(region)?.to_vec();
+    pub fn material(
+        mut self,
+        region: impl Into<GroupNames>,
+        term: impl EnergyTerm + 'static,
+    ) -> Result<Self, FemError> {
+        let cells = self.mesh().cells_of(&region.into())?;
         self.model.body.add_term(&cells, Arc::new(term))?;
         Ok(self)
     }
 
-    /// Attaches an actuation to a region under a name. A law chosen at run time is an `Arc<dyn Actuation>`.
+    /// Attaches an actuation to a region, or to the union of several, under a name. A law chosen at run time is an `Arc<dyn Actuation>`.
     ///
     /// # Errors
     /// The region's name is unknown, the actuation's name is taken, or a field of the law has the wrong length.
-    pub fn actuate(mut self, region: &str, name: &str, law: impl Actuation + 'static) -> Result<Self, FemError> {
+    pub fn actuate(
+        mut self,
+        region: impl Into<GroupNames>,
+        name: &str,
+        law: impl Actuation + 'static,
+    ) -> Result<Self, FemError> {
         if self.model.controllable().iter().any(|known| known.name == name) {
             let what = format!("there are two actuations named \"{name}\"; rename one");
             return Err(FemError::Meaningless { what });
         }
-        let cells = self.mesh().region(region)?.to_vec();
+        let cells = self.mesh().cells_of(&region.into())?;
         self.model.body.add_actuation(AttachedActuation { name: name.to_owned(), law: Arc::new(law), cells })?;
         Ok(self)
     }
 
-    /// Fixes all components on a surface or node set.
+    /// Fixes all components on a surface or node set, or on several.
     ///
     /// # Errors
     /// The name is unknown, or an earlier support prescribes another value.
-    pub fn clamp(self, surface: &str) -> Result<Self, FemError> {
+    pub fn clamp(self, surface: impl Into<GroupNames>) -> Result<Self, FemError> {
         self.displace(surface, [Some(0.0); 3])
     }
 
-    /// Prescribes some displacement components (`None` stays free) on a surface or node set.
+    /// Prescribes some displacement components (`None` stays free) on a surface or node set, or on several, whose reactions are
+    /// then reported as one, `left, right`.
     ///
     /// # Errors
     /// As [`clamp`](Self::clamp); a component the dimension lacks is refused.
-    pub fn displace(mut self, surface: &str, values: [Option<f64>; 3]) -> Result<Self, FemError> {
-        let nodes = self.nodes_of(surface)?;
-        self.model.supports.prescribe(surface, &nodes, values)?;
+    pub fn displace(mut self, surface: impl Into<GroupNames>, values: [Option<f64>; 3]) -> Result<Self, FemError> {
+        let surface = surface.into();
+        let nodes = self.nodes_of(&surface)?;
+        self.model.supports.prescribe(&surface.to_string(), &nodes, values)?;
         Ok(self)
     }
 
@@ -121,23 +132,25 @@ impl Solid {
         Ok(self)
     }
 
-    /// Adds a dead traction (force per reference area) on a surface.
+    /// Adds a dead traction (force per reference area) on a surface, or on the union of several.
     ///
     /// # Errors
     /// The name is unknown, or a component is not finite.
-    pub fn traction(mut self, surface: &str, traction: Vec3) -> Result<Self, FemError> {
-        let facets: Vec<Facet> = self.mesh().surface(surface)?.to_vec();
+    pub fn traction(mut self, surface: impl Into<GroupNames>, traction: Vec3) -> Result<Self, FemError> {
+        let surface = surface.into();
+        let facets = self.mesh().facets_of(&surface)?;
         let sampling = QuadraturePoints::of_facets(self.mesh(), &facets, |kind| kind.rule().clone());
         self.add_dead_load(&format!("traction on \"{surface}\""), &sampling, traction)?;
         Ok(self)
     }
 
-    /// Adds a dead body force (force per reference volume) on a region.
+    /// Adds a dead body force (force per reference volume) on a region, or on the union of several.
     ///
     /// # Errors
     /// The name is unknown, or a component is not finite.
-    pub fn body_force(mut self, region: &str, force: Vec3) -> Result<Self, FemError> {
-        let cells = self.mesh().region(region)?.to_vec();
+    pub fn body_force(mut self, region: impl Into<GroupNames>, force: Vec3) -> Result<Self, FemError> {
+        let region = region.into();
+        let cells = self.mesh().cells_of(&region)?;
         let sampling = QuadraturePoints::of_cells(self.mesh(), cells, |kind| kind.rule().clone())?;
         self.add_dead_load(&format!("body force on \"{region}\""), &sampling, force)?;
         Ok(self)
@@ -171,18 +184,21 @@ impl Solid {
         Ok(self)
     }
 
-    /// The nodes of a surface or, failing that, of a node set.
+    /// The nodes of surfaces or, failing that, of node sets; ascending, each once.
     ///
     /// # Errors
-    /// The name is neither.
-    pub fn nodes_of(&self, name: &str) -> Result<Vec<u32>, FemError> {
+    /// A name is neither.
+    pub fn nodes_of(&self, names: impl Into<GroupNames>) -> Result<Vec<u32>, FemError> {
         let mesh = self.mesh();
-        if mesh.surfaces().contains_key(name) || !mesh.node_sets().contains_key(name) {
-            let facets = mesh.surface(name)?;
-            let nodes: BTreeSet<u32> = facets.iter().flat_map(|&f| mesh.facet_nodes(f).1).collect();
-            return Ok(nodes.into_iter().collect());
+        let mut nodes = BTreeSet::new();
+        for name in names.into().iter() {
+            if mesh.surfaces().contains_key(name) || !mesh.node_sets().contains_key(name) {
+                nodes.extend(mesh.nodes_of_facets(mesh.surface(name)?));
+            } else {
+                nodes.extend(mesh.node_set(name)?);
+            }
         }
-        Ok(mesh.node_set(name)?.to_vec())
+        Ok(nodes.into_iter().collect())
     }
 
     /// Checks that the problem is complete: every cell has a material, no rigid motion is left free.

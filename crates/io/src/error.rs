@@ -36,7 +36,7 @@ pub enum ReadError {
         source: std::io::Error,
     },
     /// The name ends in neither `.msh` nor `.vtu`.
-    #[error("{}: the name must end in .msh (Gmsh 2.2 or 4.1) or .vtu (VTK XML unstructured grid)", file.display())]
+    #[error("{}: {}", file.display(), crate::other_format::advice(file))]
     Extension {
         /// The file asked for.
         file: PathBuf,

@@ -11,6 +11,7 @@
 mod atomic;
 mod error;
 mod gmsh;
+mod other_format;
 mod pvd;
 mod vtu;
 
@@ -30,12 +31,12 @@ pub use vtu::{
 ///
 /// # Errors
 ///
-/// [`ReadError`]; [`ReadError::Extension`] for any other name.
+/// [`ReadError`]; [`ReadError::Extension`] for any other name, with how to convert files of common formats.
 pub fn read_mesh(path: impl AsRef<Path>, scale: f64) -> Result<Mesh, ReadError> {
     let path = path.as_ref();
-    match path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("msh") => read_gmsh_scaled(path, scale),
-        Some("vtu") => read_vtu_scaled(path, scale),
+    match other_format::extension(path).as_str() {
+        "msh" => read_gmsh_scaled(path, scale),
+        "vtu" => read_vtu_scaled(path, scale),
         _ => Err(ReadError::Extension { file: path.to_owned() }),
     }
 }

@@ -51,14 +51,17 @@ pub enum MeshError {
     },
 }
 
+/// Why a file from Gmsh has no cells of the body.
+const ONLY_GROUPS: &str = "Gmsh saves only the elements of physical groups as soon as there is one: add `Physical Volume(\"body\") = {1};` to the \
+    script (`Physical Surface(\"body\") = {1};` in plane strain) and mesh in three (two) dimensions, `gmsh -3`; or \
+    `Mesh.SaveAll = 1;`, which may lose the names of groups";
+
 /// Why a mesh cannot be used. Cells, surface elements and nodes bear the numbers of the file where it gave some, else
 /// their position counted from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
     /// There is nothing to compute on.
-    #[error(
-        "no volume cells and no plane cells; save the mesh with its highest-dimensional elements (in Gmsh: put them in a physical group or save all)"
-    )]
+    #[error("no volume cells and no plane cells. {}", ONLY_GROUPS)]
     NoCells,
     /// Connectivity that is not a whole number of elements, or labels that do not match it.
     #[error("{what}: {found} entries where {expected} are needed")]
@@ -162,7 +165,8 @@ pub enum Fault {
     },
     /// Plane cells that do not lie in a plane of constant z.
     #[error(
-        "no volume cells, and the plane cells are not at constant z: z = {z:e} at node {node}, {other_z:e} at node {other}. Membranes and shells are not supported: mesh the volume, or put the plane-strain section into z = 0"
+        "no volume cells, and the plane cells are not at constant z: z = {z:e} at node {node}, {other_z:e} at node {other}. Membranes and shells are not supported: mesh the volume, or put the plane-strain section into z = 0. {}",
+        ONLY_GROUPS
     )]
     Membrane {
         /// A node.

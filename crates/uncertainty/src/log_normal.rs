@@ -6,7 +6,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Mat, Par};
 use nastic_energy::Field;
-use nastic_mesh::Mesh;
+use nastic_mesh::{GroupNames, Mesh};
 use std::sync::Arc;
 
 /// A log-normal random field, one value per cell, by a Karhunen-Loeve expansion on the mesh.
@@ -46,7 +46,7 @@ pub enum Modes {
 const MOST_CELLS: usize = 4000;
 
 impl LogNormalField {
-    /// The field of a mean, a coefficient of variation and a correlation length over a region; outside the region the
+    /// The field of a mean, a coefficient of variation and a correlation length over a region, or over the union of several; outside the region the
     /// parameter is the mean.
     ///
     /// # Errors
@@ -54,15 +54,16 @@ impl LogNormalField {
     /// mode, or more than 4000 cells.
     pub fn new(
         mesh: &Mesh,
-        region: &str,
+        region: impl Into<GroupNames>,
         (mean, variation, length): (f64, f64, f64),
         modes: Modes,
     ) -> Result<Self, StochasticError> {
         for (name, value) in [("mean", mean), ("variation", variation), ("length", length)] {
             super::law::positive("log-normal", name, value)?;
         }
+        let region = region.into();
         let refuse = |what: String| StochasticError::Rule { rule: "Karhunen-Loeve", what };
-        let cells = mesh.region(region).map_err(|e| refuse(e.to_string()))?.to_vec();
+        let cells = mesh.cells_of(&region).map_err(|e| refuse(e.to_string()))?;
         if cells.len() > MOST_CELLS {
             let what = format!("region \"{region}\" has {} cells, the most is {MOST_CELLS}", cells.len());
             return Err(refuse(format!("{what}; make the field on a coarser region or leave the parameter uniform")));

@@ -4,12 +4,14 @@ use super::context::Context;
 use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, key_of};
+use super::place;
 use crate::quantity::{Dimension, Units};
 use crate::schema::{Actuation, Case, Fixed, Input, Means};
 use crate::warning::CONVEXITY;
 use nastic_control::Reduced;
 use nastic_energy::catalogue::ActuationRow;
 use nastic_fem::Solid;
+use nastic_mesh::GroupNames;
 use std::collections::BTreeMap;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
@@ -28,14 +30,14 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
 fn add_law(
     case: &Case,
     actuation: &Actuation,
-    (row, region, parameters): (&ActuationRow, &str, &BTreeMap<&'static str, Input>),
+    (row, region, parameters): (&ActuationRow, &GroupNames, &BTreeMap<&'static str, Input>),
     solid: &mut Solid,
     context: &mut Context<'_>,
 ) {
     let mesh = solid.mesh().clone();
-    let Some(cells) = context.take(&actuation.at.key("region"), mesh.region(region)) else { return };
+    let Some(cells) = place::cells(&mesh, region, &actuation.at.key("region"), context) else { return };
     let disc = solid.discretization().clone();
-    let points = SamplePoints::of_body(case, &disc, cells);
+    let points = SamplePoints::of_body(case, &disc, &cells);
     let Some(mut inputs) = inputs(parameters, &actuation.at, &points, context) else { return };
     if row.parameters().iter().any(|p| p.name == MU0) && !parameters.contains_key(MU0) {
         inputs = inputs.number(MU0, context.units.permeability());

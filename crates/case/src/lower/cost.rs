@@ -3,6 +3,7 @@
 use super::array::{self, Entity};
 use super::context::Context;
 use super::named::key_of;
+use super::place::{self, Kind, Place};
 use crate::expression::EvaluationError;
 use crate::schema::{self, AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Target as TargetBlock, vector_at};
 use crate::syntax::At;
@@ -13,7 +14,7 @@ use nastic_control::{
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
 use nastic_fem::Solid;
-use nastic_mesh::{Mesh, MeshError};
+use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
 use std::sync::{Arc, OnceLock};
 
@@ -140,15 +141,15 @@ impl Lowering<'_> {
         let solid = self.reduced.solid();
         let mut sound = true;
         if let Some(region) = &block.region {
-            sound &= context.take(&block.at.key("region"), solid.mesh().region(region)).is_some();
+            sound &= place::cells(solid.mesh(), region, &block.at.key("region"), context).is_some();
         }
         if let Some(region) = &block.target_region {
-            sound &= context.take(&block.at.key("target_region"), target.mesh.region(region)).is_some();
+            sound &= place::cells(&target.mesh, region, &block.at.key("target_region"), context).is_some();
         }
         if !sound {
             return None;
         }
-        let diagonal = diagonal(&target.mesh, block.target_region.as_deref());
+        let diagonal = diagonal(&target.mesh, block.target_region.as_ref());
         let mut cost = SmoothedHausdorff::to(target.mesh.clone())
             .phi(phi(&block.phi, diagonal))
             .stages(block.stages.iter().map(|stage| (stage.alpha, stage.beta, stage.gamma)))
@@ -171,18 +172,13 @@ impl Lowering<'_> {
         context: &mut Context<'_>,
     ) -> Option<Bound> {
         let mesh = self.reduced.solid().mesh().clone();
-        let (key, name) = match (&block.surface, &block.region, &block.nodes) {
-            (Some(name), _, _) => ("surface", name),
-            (_, Some(name), _) => ("region", name),
-            (_, _, Some(name)) => ("nodes", name),
-            (None, None, None) => return None,
-        };
-        let nodes = context.take(&block.at.key(key), nodes(&mesh, key, name))?;
+        let place = Place::of(&block.surface, &block.region, &block.nodes)?;
+        let nodes = place.nodes(&mesh, &block.at, context)?;
         let goal = self.goal(block, target, &mesh, context)?;
-        let tracking = match key {
-            "surface" => Tracking::surface(name, goal.target.clone()),
-            "region" => Tracking::region(name, goal.target.clone()),
-            _ => Tracking::nodes(name, goal.target.clone()),
+        let tracking = match place.kind {
+            Kind::Surface => Tracking::surface(place.names, goal.target.clone()),
+            Kind::Region => Tracking::region(place.names, goal.target.clone()),
+            Kind::Nodes => Tracking::nodes(place.names, goal.target.clone()),
         };
         match tracking.weight(block.weight).bind(self.reduced.solid()) {
             Ok(cost) => Some((cost, Some(goal.shape(self.block, &mesh, &nodes)))),
@@ -293,16 +289,6 @@ fn uniform(block: &AddedCost, context: &mut Context<'_>) -> Option<Inputs> {
     Some(out)
 }
 
-fn nodes(mesh: &Mesh, key: &str, name: &str) -> Result<Vec<u32>, MeshError> {
-    match key {
-        // The library takes a surface's nodes too where no node set has the name.
-        "nodes" if !mesh.node_sets().contains_key(name) && mesh.surfaces().contains_key(name) => {
-            super::support::nodes(mesh, "surface", name)
-        }
-        _ => super::support::nodes(mesh, key, name),
-    }
-}
-
 fn phi(block: &PhiBlock, diagonal: f64) -> Phi {
     match block {
         PhiBlock::Exponential(phi) => {
@@ -315,9 +301,9 @@ fn phi(block: &PhiBlock, diagonal: f64) -> Phi {
 }
 
 /// Diagonal of the bounding box of a mesh, or of one of its regions.
-fn diagonal(mesh: &Mesh, region: Option<&str>) -> f64 {
-    let Some(cells) = region.and_then(|name| mesh.region(name).ok()) else { return mesh.diagonal() };
-    let points: Vec<[f64; 3]> = mesh.nodes_of_cells(cells).iter().map(|&node| mesh.points()[node as usize]).collect();
+fn diagonal(mesh: &Mesh, region: Option<&GroupNames>) -> f64 {
+    let Some(cells) = region.and_then(|names| mesh.cells_of(names).ok()) else { return mesh.diagonal() };
+    let points: Vec<[f64; 3]> = mesh.nodes_of_cells(&cells).iter().map(|&node| mesh.points()[node as usize]).collect();
     let extent = |k: usize| {
         let (low, high) =
             points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[k]), h.max(x[k])));

@@ -8,7 +8,7 @@ use crate::schema::Case;
 use crate::warning::{CELL_SHAPE, LOCKING, UNMATCHED_INTERFACE};
 use nastic_energy::Place;
 use nastic_fem::Solid;
-use nastic_mesh::{CellKind, Column};
+use nastic_mesh::{CellKind, Column, GroupNames};
 
 /// Poisson's ratio from which fully integrated first-order quadrilaterals and hexahedra lock.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.4;
@@ -50,7 +50,7 @@ impl Elastic {
 pub(super) fn check(case: &Case, solid: &Solid, context: &mut Context<'_>) {
     let (columns, all) = (solid.mesh().columns(), Cells::of(solid));
     for material in &case.materials {
-        let Ok(cells) = solid.mesh().region(&material.region) else { continue };
+        let Ok(cells) = solid.mesh().cells_of(&material.region) else { continue };
         let (locking, others): (Vec<u32>, Vec<u32>) = cells.iter().partition(|&&cell| all.lock(cell));
         let found = [
             why_locking(&all, &material.region, &locking, context),
@@ -105,7 +105,7 @@ impl<'a> Cells<'a> {
 }
 
 /// What is wrong with cells that lock, by the one of the largest Poisson's ratio.
-fn why_locking(all: &Cells, region: &str, locking: &[u32], context: &Context<'_>) -> Option<String> {
+fn why_locking(all: &Cells, region: &GroupNames, locking: &[u32], context: &Context<'_>) -> Option<String> {
     let nu = |cell| all.elastic(cell).map_or(f64::NEG_INFINITY, Elastic::poisson);
     let worst = locking.iter().copied().max_by(|&a, &b| nu(a).total_cmp(&nu(b)))?;
     let kind = all.kind(worst);
@@ -132,7 +132,7 @@ fn why_locking(all: &Cells, region: &str, locking: &[u32], context: &Context<'_>
 /// First-order hexahedra and quadrilaterals that are too long for the thickness of a slender body.
 fn stiff_in_bending(
     all: &Cells,
-    region: &str,
+    region: &GroupNames,
     cells: &[u32],
     columns: &[Vec<Column>],
     context: &Context<'_>,

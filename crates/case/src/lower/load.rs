@@ -3,9 +3,11 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::attempt;
+use super::place;
 use crate::schema::{Case, VectorField};
 use crate::syntax::At;
 use nastic_fem::{QuadraturePoints, Solid};
+use nastic_mesh::GroupNames;
 use nastic_tensor::Vec3;
 
 /// Gauss points more than the shape functions need, for loads that vary.
@@ -23,32 +25,39 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
 
 fn add_traction(
     case: &Case,
-    name: &str,
+    names: &GroupNames,
     traction: &VectorField,
     at: &At,
     solid: &mut Solid,
     context: &mut Context<'_>,
 ) {
     let mesh = solid.mesh().clone();
-    let Some(facets) = context.take(&at.key("surface"), mesh.surface(name)) else { return };
+    let Some(facets) = place::facets(&mesh, names, &at.key("surface"), context) else { return };
     if let Some(constant) = traction.constant() {
-        attempt(solid, at, context, |solid| solid.traction(name, Vec3::from(constant)));
+        attempt(solid, at, context, |solid| solid.traction(names, Vec3::from(constant)));
         return;
     }
     let sampling =
-        QuadraturePoints::of_facets(&mesh, facets, |kind| kind.rule_of_points(kind.order() + 1 + MORE_POINTS));
+        QuadraturePoints::of_facets(&mesh, &facets, |kind| kind.rule_of_points(kind.order() + 1 + MORE_POINTS));
     add_sampled(case, &sampling, traction, &at.key("traction"), solid, context);
 }
 
-fn add_body_force(case: &Case, name: &str, force: &VectorField, at: &At, solid: &mut Solid, context: &mut Context<'_>) {
+fn add_body_force(
+    case: &Case,
+    names: &GroupNames,
+    force: &VectorField,
+    at: &At,
+    solid: &mut Solid,
+    context: &mut Context<'_>,
+) {
     let mesh = solid.mesh().clone();
-    let Some(cells) = context.take(&at.key("region"), mesh.region(name)) else { return };
+    let Some(cells) = place::cells(&mesh, names, &at.key("region"), context) else { return };
     if let Some(constant) = force.constant() {
-        attempt(solid, at, context, |solid| solid.body_force(name, Vec3::from(constant)));
+        attempt(solid, at, context, |solid| solid.body_force(names, Vec3::from(constant)));
         return;
     }
     let rule = |kind: nastic_mesh::CellKind| kind.rule_of_points(kind.order() + 1 + MORE_POINTS);
-    let sampling = QuadraturePoints::of_cells(&mesh, cells.iter().copied(), rule);
+    let sampling = QuadraturePoints::of_cells(&mesh, cells, rule);
     let Some(sampling) = context.take(at, sampling) else { return };
     add_sampled(case, &sampling, force, &at.key("body_force"), solid, context);
 }

@@ -3,6 +3,7 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, key_of};
+use super::place;
 use crate::schema::{Case, Input};
 use crate::syntax::At;
 use crate::warning::INPUT;
@@ -15,7 +16,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     let mut covered: Vec<Option<usize>> = vec![None; solid.mesh().cells()];
     for (k, material) in case.materials.iter().enumerate() {
         let mesh = solid.mesh().clone();
-        let Some(cells) = context.take(&material.at.key("region"), mesh.region(&material.region)) else { continue };
+        let Some(cells) = place::cells(&mesh, &material.region, &material.at.key("region"), context) else { continue };
         let before = cells.iter().filter_map(|&cell| covered[cell as usize].replace(k));
         let before: Vec<usize> = before.collect();
         if let Some(&first) = before.first() {
@@ -27,7 +28,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             context.warn(&INPUT, &material.at.key("region"), message);
         }
         let disc = solid.discretization().clone();
-        let points = SamplePoints::of_body(case, &disc, cells);
+        let points = SamplePoints::of_body(case, &disc, &cells);
         let Some(inputs) = inputs(&material.parameters, &material.at, &points, context) else { continue };
         match material.law.build(&inputs) {
             Ok(law) => attempt(solid, &material.at, context, |solid| solid.material(&material.region, law)),
@@ -44,8 +45,8 @@ pub(super) fn inadmissible(
     context: &mut Context<'_>,
 ) -> Option<EnergyError> {
     let material = case.materials.get(index)?;
-    let cells = disc.mesh().region(&material.region).ok()?;
-    let points = SamplePoints::of_body(case, disc, cells);
+    let cells = disc.mesh().cells_of(&material.region).ok()?;
+    let points = SamplePoints::of_body(case, disc, &cells);
     let inputs = inputs(&material.parameters, &material.at, &points, context)?;
     material.law.build(&inputs).err()
 }

@@ -8,6 +8,7 @@ use crate::schema::{Case, Inadmissible, Parameter, RandomParameter, RandomScenar
 use crate::syntax::{At, Document, Node, Place, Setting, Value};
 use nastic_energy::{EnergyError, Field};
 use nastic_fem::Discretization;
+use nastic_mesh::GroupNames;
 use nastic_uncertainty::{Beta, Gamma, Law, LogNormalField, Modes, Normal, Sample, StochasticError};
 use serde_json::{Map, json};
 
@@ -125,7 +126,7 @@ impl Variable {
 }
 
 /// The region whose material has the parameter that varies over the body.
-fn field_region<'c>(one: &RandomParameter, case: &'c Case, context: &mut Context<'_>) -> Option<&'c str> {
+fn field_region<'c>(one: &RandomParameter, case: &'c Case, context: &mut Context<'_>) -> Option<&'c GroupNames> {
     let steps: Vec<&str> = one.path.split('/').collect();
     let material =
         match steps.as_slice() {
@@ -139,7 +140,7 @@ fn field_region<'c>(one: &RandomParameter, case: &'c Case, context: &mut Context
                        out \"length\", or name such a parameter";
         context.complain(&one.at.key("path"), message);
     }
-    material.map(|material| material.region.as_str())
+    material.map(|material| &material.region)
 }
 
 /// The scenario at a node of the rule.

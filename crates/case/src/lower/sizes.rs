@@ -49,7 +49,7 @@ pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], c
         let extent = show(mesh, unit);
         let message = format!(
             "the body measures {extent}: if {} is drawn in millimetres, write \"mesh\": {{ \"file\": ..., \"scale\": \
-             1e-3 }}, or \"units\": {{ \"length\": \"mm\", ... }}",
+             1e-3 }}, or \"units\": \"mm\"",
             mesh.name()
         );
         context.warn(&UNITS, &at, message);

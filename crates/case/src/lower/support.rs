@@ -2,20 +2,21 @@
 
 use super::context::Context;
 use super::named::attempt;
+use super::place::Place;
 use crate::expression::EvaluationError;
 use crate::schema::{Case, Displacement, Support};
 use crate::syntax::At;
 use nastic_fem::Solid;
-use nastic_mesh::{Mesh, MeshError};
+use nastic_mesh::Mesh;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for support in &case.supports {
         let mesh = solid.mesh().clone();
-        let (key, name) = place(support);
-        let Some(nodes) = context.take(&support.at.key(key), nodes(&mesh, key, name)) else { continue };
+        let Some(place) = Place::of(&support.surface, &support.region, &support.nodes) else { continue };
+        let Some(nodes) = place.nodes(&mesh, &support.at, context) else { continue };
         let Some(values) = values(support, &mesh, &nodes, context) else { continue };
         attempt(solid, &support.at, context, |solid| {
-            solid.displace_nodes(name, &nodes, |node, _| {
+            solid.displace_nodes(&place.names.to_string(), &nodes, |node, _| {
                 let known = nodes.binary_search(&node).ok();
                 known.and_then(|k| values.get(k)).copied().unwrap_or([None; 3])
             })
@@ -23,28 +24,9 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     }
 }
 
-fn place(support: &Support) -> (&'static str, &str) {
-    match (&support.surface, &support.region, &support.nodes) {
-        (Some(name), _, _) => ("surface", name),
-        (_, Some(name), _) => ("region", name),
-        (_, _, Some(name)) => ("nodes", name),
-        (None, None, None) => ("surface", ""),
-    }
-}
-
-/// The nodes of a place, ascending.
-pub(super) fn nodes(mesh: &Mesh, key: &str, name: &str) -> Result<Vec<u32>, MeshError> {
-    Ok(match key {
-        "surface" => mesh.nodes_of_facets(mesh.surface(name)?),
-        "region" => mesh.nodes_of_cells(mesh.region(name)?),
-        _ => mesh.node_set(name)?.to_vec(),
-    })
-}
-
 /// What is prescribed at each node.
 fn values(support: &Support, mesh: &Mesh, nodes: &[u32], context: &mut Context<'_>) -> Option<Vec<[Option<f64>; 3]>> {
-    let mut held = [None; 3];
-    support.fix.iter().for_each(|axis| held[axis.index()] = Some(0.0));
+    let held = support.fix.held();
     let Some(moved) = &support.displacement else { return Some(vec![held; nodes.len()]) };
     let at = support.at.key("displacement");
     let each = nodes.iter().map(|&node| prescribed(moved, mesh.points()[node as usize], held));

@@ -16,7 +16,7 @@ use crate::result::summary::owner;
 use crate::schema::{Cost, Input, Means, Metric, Parameter, Phi, VectorField};
 use nastic_control::EnsembleBlock;
 use nastic_energy::catalogue::{self, Takes};
-use nastic_mesh::CellKind;
+use nastic_mesh::{CellKind, GroupNames};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
@@ -191,7 +191,7 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
         }
         Cost::Tracking(block) => {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
-            format!("weight/2 int |x - x_target|^2 on {}", place.map_or("", String::as_str))
+            format!("weight/2 int |x - x_target|^2 on {}", place.map(ToString::to_string).unwrap_or_default())
         }
         Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
         Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
@@ -419,7 +419,7 @@ pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
 /// A law with its constants in the case's units and in SI.
 fn law(
     problem: &CaseProblem,
-    region: &str,
+    region: &GroupNames,
     name: &str,
     inputs: &BTreeMap<&'static str, Input>,
     forms: &'static [&'static [catalogue::Parameter]],
@@ -445,5 +445,11 @@ fn law(
         ((*name).to_owned(), value)
     };
     let values: Map<String, Value> = inputs.iter().map(of).collect();
-    json!({ "region": region, "law": name, "parameters": values })
+    json!({ "region": names(region), "law": name, "parameters": values })
+}
+
+/// A name, or a list of several.
+fn names(names: &GroupNames) -> Value {
+    let list: Vec<&str> = names.iter().collect();
+    if let [one] = list.as_slice() { json!(one) } else { json!(list) }
 }

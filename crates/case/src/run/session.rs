@@ -13,7 +13,7 @@ use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
 use crate::schema::{Command, Unstable};
-use crate::syntax::Document;
+use crate::syntax::{Diagnostics, Document};
 use crate::warning::Warning;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, StateError};
@@ -61,9 +61,7 @@ impl<'c> Session<'c> {
     ) -> Result<Self, RunError> {
         let began = Instant::now();
         let mut document = Document::open(path)?.with_catalogue(catalogue);
-        for option in &options.set {
-            document.set(option)?;
-        }
+        apply(&options.set, &mut document)?;
         let mut session = Self::of(command, document, options.set.clone(), options.cancel.clone(), console, began)?;
         session.strict = options.strict;
         session.report = !options.no_report;
@@ -359,6 +357,19 @@ impl<'c> Session<'c> {
         out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
         Ok(Some(out.file(name)))
     }
+}
+
+/// Applies overrides; those that fail are told with what is wrong with the case besides.
+fn apply(settings: &[String], document: &mut Document) -> Result<(), Diagnostics> {
+    let mut problems = Vec::new();
+    for option in settings {
+        problems.extend(document.set(option).err().iter().flat_map(Diagnostics::list).cloned());
+    }
+    if !problems.is_empty() {
+        let others = CaseProblem::lower(document.clone(), Arc::default());
+        problems.extend(others.err().iter().flat_map(Diagnostics::list).cloned());
+    }
+    Diagnostics::new(problems).into_result()
 }
 
 /// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where

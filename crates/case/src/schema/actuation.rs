@@ -3,12 +3,13 @@
 use crate::quantity::Want;
 use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, slot_names, slot_schema, slots};
 use crate::schema::field::{Parameter, VectorField};
-use crate::schema::json::Definitions;
+use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
 use crate::schema::value::described_text;
 use crate::syntax::{At, Node};
 use nastic_energy::catalogue::ActuationRow;
 use nastic_fem::contributions::catalogue::{Form, KeyKind, Values};
+use nastic_mesh::GroupNames;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
@@ -33,7 +34,7 @@ pub enum Means {
         /// Its row.
         row: &'static ActuationRow,
         /// Region of the mesh.
-        region: String,
+        region: GroupNames,
         /// Exactly the parameters of one of the row's forms, in the case's units.
         parameters: BTreeMap<&'static str, Input>,
     },
@@ -147,7 +148,8 @@ impl Read for Actuation {
             for kind in catalogue.actuations() {
                 for form in kind.forms {
                     let mut properties = common_properties(kind.name, &slots(kind), definitions);
-                    properties.insert("region".into(), described_text(REGION));
+                    properties
+                        .insert("region".into(), annotated(GroupNames::schema(Want::ANY, definitions), REGION, None));
                     let required = vec!["name", "kind", "region"];
                     options.push(form_schema(kind.about, properties, required, form, definitions));
                 }
@@ -164,7 +166,7 @@ type Found = (Option<Means>, Vec<SlotName>, Vec<&'static str>);
 
 /// A law, its slots, and its keys.
 fn read_law(row: &'static ActuationRow, node: &Node, at: &At, reader: &mut Reader<'_>) -> Found {
-    let region: Option<String> = reader.key(node, at, "region", REGION, Want::ANY, None);
+    let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
     let parameters = read_inputs(row.name, row.forms, node, at, reader);
     let means = region.zip(parameters).map(|(region, parameters)| Means::Law { row, region, parameters });
     (means, slots(row), keys(row.forms).into_iter().map(|p| p.name).chain(["region"]).collect())
@@ -180,6 +182,11 @@ fn read_contribution(kind: &'static str, form: &'static Form, node: &Node, at: &
                 let name: Option<String> = reader.key(node, at, key.name, key.about, Want::ANY, None);
                 complete &= name.is_some();
                 name.into_iter().collect()
+            }
+            KeyKind::Union => {
+                let names: Option<GroupNames> = reader.key(node, at, key.name, key.about, Want::ANY, None);
+                complete &= names.is_some();
+                names.iter().flat_map(GroupNames::iter).map(str::to_owned).collect()
             }
             KeyKind::Surfaces => {
                 reader.key::<Vec<String>>(node, at, key.name, key.about, Want::ANY, Some(vec![])).unwrap_or_default()
@@ -213,11 +220,12 @@ fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Defini
     for key in form.keys {
         let schema = match key.kind {
             KeyKind::Surface => described_text(key.about),
+            KeyKind::Union => annotated(GroupNames::schema(Want::ANY, definitions), key.about, None),
             KeyKind::Surfaces => json!({ "description": key.about, "type": "array", "items": { "type": "string" } }),
             KeyKind::Flag => json!({ "description": key.about, "type": "boolean", "default": false }),
         };
         properties.insert(key.name.into(), schema);
-        if key.kind == KeyKind::Surface {
+        if matches!(key.kind, KeyKind::Surface | KeyKind::Union) {
             required.push(key.name);
         }
     }

@@ -15,7 +15,7 @@ use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
 use crate::schema::support::Support;
 use crate::schema::value::Vector;
-use crate::syntax::{At, Diagnostics, Document};
+use crate::syntax::{At, Diagnostic, Diagnostics, Document};
 use std::collections::BTreeMap;
 
 object! {
@@ -55,6 +55,8 @@ object! {
         pub expect: BTreeMap<String, Expectation> = BTreeMap::new(),
         /// What is written where.
         pub output: Output,
+        /// For editors: where the JSON Schema of case files is, as `nastic schema` prints it.
+        pub schema("$schema"): Option<String>,
     }
 }
 
@@ -80,6 +82,14 @@ object! {
     }
 }
 
+/// A case as far as it can be read, and all that is wrong with its form.
+pub(crate) struct Reading {
+    /// Without the entries of lists that cannot be read; `None` where even the mesh cannot be read.
+    pub case: Option<Case>,
+    /// The mistakes.
+    pub problems: Vec<Diagnostic>,
+}
+
 impl Case {
     /// Reads a document and checks all that needs no mesh.
     ///
@@ -88,12 +98,18 @@ impl Case {
     /// All problems of the file at once: unknown, missing and repeated keys, wrong types, wrong units, unknown names,
     /// contradictions; those of the scenarios' and load cases' variants too.
     pub fn read(document: &Document) -> Result<Self, Diagnostics> {
+        let Reading { case, problems } = Self::read_all(document);
+        Diagnostics::new(problems).into_result()?;
+        case.ok_or_else(Diagnostics::default)
+    }
+
+    /// What can be read, whole if there are no problems.
+    pub(crate) fn read_all(document: &Document) -> Reading {
         let mut reader = Reader::new(document, units(document));
         reader.problems.extend(document.problems().iter().cloned());
         let case = Self::read_document(&mut reader);
         check::check(&mut reader);
-        Diagnostics::new(reader.problems).into_result()?;
-        case.ok_or_else(Diagnostics::default)
+        Reading { case: case.or_else(|| check::readable(&reader)), problems: reader.problems }
     }
 
     /// Reads a variant of a case that was read before: other values, the same blocks.

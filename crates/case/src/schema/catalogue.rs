@@ -2,6 +2,7 @@
 
 use crate::expression::dimension_of;
 use crate::quantity::Want;
+use crate::schema::direction;
 use crate::schema::field::{Parameter, VectorField, check_unit};
 use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
@@ -100,7 +101,7 @@ fn read_input(parameter: &catalogue::Parameter, node: &Node, at: &At, reader: &m
         Takes::Choice { of } => reader.word(node, at, parameter.name, of).map(Input::Word),
         Takes::Name { .. } => String::read(node, at, Want::ANY, reader).map(Input::Name),
         Takes::Direction { .. } => {
-            let direction = VectorField::read(node, at, Want::NUMBER, reader)?;
+            let direction = direction::read_field(node, at, reader)?;
             check_unit(&direction, at, reader);
             Some(Input::Direction(direction))
         }
@@ -152,7 +153,7 @@ pub(crate) fn form_schema(
     for parameter in form {
         let schema = match parameter.takes {
             Takes::Number { unit, .. } => Parameter::schema(want(unit), definitions),
-            Takes::Direction { .. } => annotated(VectorField::schema(Want::NUMBER, definitions), "Unit vector.", None),
+            Takes::Direction { .. } => direction::field_schema(definitions),
             Takes::Choice { of } => json!({ "enum": of, "default": of.first() }),
             Takes::Name { .. } => String::schema(Want::ANY, definitions),
         };

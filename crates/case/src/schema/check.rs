@@ -5,7 +5,7 @@ mod variants;
 
 use crate::quantity::Want;
 use crate::schema::actuation::Actuation;
-use crate::schema::case::Probe;
+use crate::schema::case::{Case, Probe};
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::load_case::LoadCase;
@@ -13,6 +13,7 @@ use crate::schema::material::Material;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
 use crate::syntax::{At, Value, quoted};
+use std::collections::BTreeMap;
 
 /// The version of case files this program reads.
 const VERSION: f64 = 1.0;
@@ -62,6 +63,31 @@ impl Blocks {
     }
 }
 
+/// The blocks of a case that cannot be read as a whole, as far as they can be: so much shows what else is wrong.
+pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
+    Some(Case {
+        at: At::root(),
+        nastic: VERSION as u64,
+        title: None,
+        units: reader.units,
+        mesh: block(reader, "mesh")?,
+        materials: list(reader, "materials"),
+        supports: list(reader, "supports"),
+        loads: list(reader, "loads"),
+        actuation: list(reader, "actuation"),
+        controls: list(reader, "controls"),
+        costs: list(reader, "costs"),
+        load_cases: list(reader, "load_cases"),
+        scenarios: Read::absent()?,
+        risk: Risk::Mean,
+        optimizer: block(reader, "optimizer").or_else(Read::absent)?,
+        probes: list(reader, "probes"),
+        expect: BTreeMap::new(),
+        output: Read::absent()?,
+        schema: None,
+    })
+}
+
 /// A block without complaints: the full reading makes those.
 fn block<T: Read>(reader: &Reader<'_>, key: &str) -> Option<T> {
     let mut silent = Reader::new(reader.document, reader.units);
@@ -86,7 +112,8 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     if empty {
         reader.complain_at(&At::root().key("materials"), "at least one material is needed");
     }
-    unique(blocks.materials.iter().map(|m| (m.region.as_str(), m.at.key("region"))), "a material", reader);
+    let regions = blocks.materials.iter().flat_map(|m| m.region.iter().map(|name| (name, m.at.key("region"))));
+    unique(regions, "a material", reader);
     unique(blocks.actuation.iter().map(|a| (a.name.as_str(), a.at.key("name"))), "an actuation", reader);
     unique(blocks.probes.iter().map(|p| (p.name.as_str(), p.at.key("name"))), "a probe", reader);
     unique(blocks.load_cases.iter().map(|c| (c.name.as_str(), c.at.key("name"))), "a load case", reader);

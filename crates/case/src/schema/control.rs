@@ -2,10 +2,11 @@
 
 use crate::expression::Formula;
 use crate::quantity::Want;
+use crate::schema::direction::Direction;
 use crate::schema::field::{ArrayFile, Parameter};
 use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::read::{Read, Reader};
-use crate::schema::value::{Vector, entries};
+use crate::schema::value::entries;
 use crate::syntax::{At, Node, Property, Value};
 use serde_json::Value as Json;
 
@@ -29,7 +30,7 @@ object! {
         /// Length no vector may exceed.
         pub max_norm: Option<f64> as POSITIVE_FIELD,
         /// Fixed direction of a vector: the control is then its amplitude, a scalar.
-        pub direction: Option<Vector> as NUMBER,
+        pub direction: Option<Direction> as NUMBER,
     }
 }
 

@@ -9,6 +9,7 @@ use crate::schema::mesh::MeshSource;
 use crate::schema::read::{Read, Reader};
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Value};
+use nastic_mesh::GroupNames;
 use serde_json::Value as Json;
 
 tagged! {
@@ -34,9 +35,9 @@ object! {
         /// Mesh of the target shape.
         pub target: MeshSource,
         /// Region of the target mesh; all of it if left out.
-        pub target_region: Option<String>,
+        pub target_region: Option<GroupNames>,
         /// Region of the body; all of it if left out.
-        pub region: Option<String>,
+        pub region: Option<GroupNames>,
         /// The decreasing function of the distance.
         pub phi: Phi,
         /// Exponents, sharpened from stage to stage.
@@ -96,11 +97,11 @@ object! {
         /// Name in results; the kind if left out.
         pub name: Option<String>,
         /// Surface of the mesh.
-        pub surface: Option<String>,
+        pub surface: Option<GroupNames>,
         /// Region of the mesh.
-        pub region: Option<String>,
+        pub region: Option<GroupNames>,
         /// Node set of the mesh.
-        pub nodes: Option<String>,
+        pub nodes: Option<GroupNames>,
         /// Target positions.
         pub target: Target,
         /// Factor.

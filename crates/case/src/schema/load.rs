@@ -2,14 +2,15 @@
 
 use crate::schema::field::VectorField;
 use crate::schema::read::Reader;
+use nastic_mesh::GroupNames;
 
 object! {
     /// A dead load: per reference area on a surface, or per reference volume on a region.
     pub struct Load one of [surface, region] checked by check {
         /// Surface that bears the traction.
-        pub surface: Option<String>,
+        pub surface: Option<GroupNames>,
         /// Region that bears the body force.
-        pub region: Option<String>,
+        pub region: Option<GroupNames>,
         /// Force per reference area, on a surface.
         pub traction: Option<VectorField> as PRESSURE,
         /// Force per reference volume, on a region.

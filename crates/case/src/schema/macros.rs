@@ -12,7 +12,8 @@
 /// }
 /// ```
 ///
-/// Makes the struct (with `at`, its path in the case), its reader and its schema. `as` names a constant of
+/// Makes the struct (with `at`, its path in the case), its reader and its schema. A key that is no name in Rust stands in
+/// parentheses behind the field: `pub schema("$schema"): Option<String>`. `as` names a constant of
 /// [`crate::quantity::Want`]; `one of` demands exactly one of these keys; `checked by` names a function
 /// `(&Self, &mut Reader)` called on every block whose keys could be read.
 macro_rules! object {
@@ -21,7 +22,7 @@ macro_rules! object {
         pub struct $name:ident $(one of [$($alternative:ident),*])? $(checked by $check:path)? {
             $(
                 $(#[doc = $doc:literal])*
-                pub $field:ident : $type:ty $(as $want:ident)? $(= $default:expr)?
+                pub $field:ident $(($key:literal))? : $type:ty $(as $want:ident)? $(= $default:expr)?
             ),* $(,)?
         }
     ) => {
@@ -39,13 +40,13 @@ macro_rules! object {
             const ALTERNATIVES: &'static [&'static str] = &[$($(stringify!($alternative)),*)?];
 
             fn names() -> Vec<&'static str> {
-                vec![$( $crate::schema::read::key_name(stringify!($field)) ),*]
+                vec![$( key!($field $($key)?) ),*]
             }
 
             fn keys(definitions: &mut $crate::schema::json::Definitions) -> Vec<$crate::schema::read::Key> {
                 vec![$(
                     $crate::schema::read::Key::new::<$type>(
-                        stringify!($field),
+                        key!($field $($key)?),
                         concat!($($doc),*),
                         want!($($want)?),
                         default!($type $(, $default)?),
@@ -68,7 +69,7 @@ macro_rules! object {
                     let $field: Option<$type> = reader.key(
                         node,
                         at,
-                        stringify!($field),
+                        key!($field $($key)?),
                         concat!($($doc),*),
                         want!($($want)?),
                         default!($type $(, $default)?),
@@ -220,6 +221,16 @@ macro_rules! choice {
                 plain.then(|| self.name().into())
             }
         }
+    };
+}
+
+/// The key of a field.
+macro_rules! key {
+    ($field:ident) => {
+        $crate::schema::read::key_name(stringify!($field))
+    };
+    ($field:ident $key:literal) => {
+        $key
     };
 }
 

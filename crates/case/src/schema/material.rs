@@ -2,11 +2,11 @@
 
 use crate::quantity::Want;
 use crate::schema::catalogue::{Input, form_schema, keys, read_inputs};
-use crate::schema::json::Definitions;
+use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
-use crate::schema::value::described_text;
 use crate::syntax::{At, Node};
 use nastic_energy::catalogue::MaterialRow;
+use nastic_mesh::GroupNames;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ pub struct Material {
     /// Path of this block in the case.
     pub at: At,
     /// Region of the mesh.
-    pub region: String,
+    pub region: GroupNames,
     /// The law.
     pub law: &'static MaterialRow,
     /// Exactly the parameters of one of the law's forms, in the case's units.
@@ -36,7 +36,7 @@ impl Read for Material {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
         let laws = reader.document.catalogue().materials();
         let names: Vec<&str> = laws.iter().map(|law| law.name).collect();
-        let region: Option<String> = reader.key(node, at, "region", REGION, Want::ANY, None);
+        let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
         let name = reader.tag(node, at, "law", &names)?;
         let law = laws.iter().find(|law| law.name == name)?;
         let known: Vec<&str> = ["region", "law"].into_iter().chain(keys(law.forms).iter().map(|p| p.name)).collect();
@@ -52,7 +52,8 @@ impl Read for Material {
             for law in definitions.catalogue.clone().materials() {
                 for form in law.forms {
                     let mut properties = Map::new();
-                    properties.insert("region".into(), described_text(REGION));
+                    properties
+                        .insert("region".into(), annotated(GroupNames::schema(Want::ANY, definitions), REGION, None));
                     properties.insert("law".into(), json!({ "const": law.name }));
                     options.push(form_schema(law.about, properties, vec!["region", "law"], form, definitions));
                 }

@@ -1,6 +1,7 @@
 //! Nodes to typed values, every problem noted.
 
 use crate::quantity::{Units, Want};
+use crate::schema::hints;
 use crate::schema::json::Definitions;
 use crate::syntax::{At, Diagnostic, Document, Node, Property, Value, nearest, quoted};
 use serde_json::Value as Json;
@@ -49,14 +50,14 @@ pub(crate) struct Key {
 
 impl Key {
     pub(crate) fn new<T: Read>(
-        field: &'static str,
+        name: &'static str,
         about: &str,
         want: Want,
         default: Option<T>,
         definitions: &mut Definitions,
     ) -> Self {
         Self {
-            name: key_name(field),
+            name,
             about: about.trim().to_string(),
             required: default.is_none(),
             default: default.and_then(|value| value.to_json()),
@@ -139,12 +140,11 @@ impl<'a> Reader<'a> {
         &mut self,
         node: &Node,
         at: &At,
-        field: &'static str,
+        name: &'static str,
         about: &str,
         want: Want,
         default: Option<T>,
     ) -> Option<T> {
-        let name = key_name(field);
         let Value::Object(members) = &node.value else { return None };
         match members.iter().find(|member| member.key == name) {
             // Complained about already; going on with the default lets the other checks of the block speak.
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
     pub(crate) fn refuse_unknown(&mut self, members: &[Property], at: &At, known: &[&str]) {
         for member in members {
             if !known.contains(&member.key.as_str()) {
-                let clause = nearest::clause(&member.key, known);
+                let clause = clause(&member.key, at, known);
                 let message = format!("unknown key {}{clause}", quoted(&member.key));
                 self.problems.push(self.document.problem(&member.place, &at.key(&member.key), message));
             }
@@ -227,9 +227,17 @@ impl<'a> Reader<'a> {
         };
         let found = known.iter().find(|word| *word == text).copied();
         if found.is_none() {
-            self.complain(node, at, format!("unknown {what} {}{}", quoted(text), nearest::clause(text, known)));
+            self.complain(node, at, format!("unknown {what} {}{}", quoted(text), clause(text, at, known)));
         }
         found
+    }
+}
+
+/// What an unknown word is called here, or the nearest known one.
+fn clause(word: &str, at: &At, known: &[&str]) -> String {
+    match hints::say(word, at) {
+        Some(hint) => format!(": {hint} (one of: {})", known.join(", ")),
+        None => nearest::clause(word, known),
     }
 }
 

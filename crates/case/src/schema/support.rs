@@ -1,19 +1,24 @@
 //! The blocks of `supports`.
 
 use crate::expression::Formula;
-use crate::schema::read::Reader;
+use crate::quantity::Want;
+use crate::schema::json::{Definitions, any_of};
+use crate::schema::read::{Read, Reader};
+use crate::syntax::{At, Node, Value};
+use nastic_mesh::GroupNames;
+use serde_json::{Value as Json, json};
 
 object! {
     /// What holds the body: components of the displacement that are zero or prescribed.
     pub struct Support one of [surface, region, nodes] checked by check {
         /// Surface of the mesh.
-        pub surface: Option<String>,
+        pub surface: Option<GroupNames>,
         /// Region of the mesh.
-        pub region: Option<String>,
+        pub region: Option<GroupNames>,
         /// Node set of the mesh.
-        pub nodes: Option<String>,
+        pub nodes: Option<GroupNames>,
         /// Components held at zero.
-        pub fix: Vec<Axis> = Vec::new(),
+        pub fix: Fix = Fix::default(),
         /// Components with a given displacement.
         pub displacement: Option<Displacement>,
     }
@@ -55,6 +60,61 @@ impl Axis {
     }
 }
 
+/// Components held at zero: `"all"`, one, or a list of some.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Fix {
+    /// As many as the body has dimensions.
+    All,
+    /// These.
+    Axes(Vec<Axis>),
+}
+
+impl Default for Fix {
+    fn default() -> Self {
+        Self::Axes(Vec::new())
+    }
+}
+
+impl Fix {
+    /// The components, each with its place in the case.
+    fn places(&self, at: &At) -> Vec<(Axis, At)> {
+        match self {
+            Self::All => [Axis::X, Axis::Y, Axis::Z].map(|axis| (axis, at.clone())).to_vec(),
+            Self::Axes(axes) => axes.iter().enumerate().map(|(i, axis)| (axis.clone(), at.index(i))).collect(),
+        }
+    }
+
+    /// Zero for every component held, nothing for the others.
+    #[must_use]
+    pub fn held(&self) -> [Option<f64>; 3] {
+        let mut held = [None; 3];
+        self.places(&At::root()).iter().for_each(|(axis, _)| held[axis.index()] = Some(0.0));
+        held
+    }
+}
+
+impl Read for Fix {
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        match &node.value {
+            Value::Text(text) if text == "all" => Some(Self::All),
+            Value::Text(_) => {
+                reader.word(node, at, "component", &["all", "x", "y", "z"])?;
+                Axis::read(node, at, want, reader).map(|axis| Self::Axes(vec![axis]))
+            }
+            Value::Array(_) => Vec::read(node, at, want, reader).map(Self::Axes),
+            _ => {
+                reader.expected(node, at, "\"all\" or a list of \"x\", \"y\" and \"z\"");
+                None
+            }
+        }
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        let all = json!({ "const": "all", "description": "Every component." });
+        any_of(vec![all, Axis::schema(want, definitions), Vec::<Axis>::schema(want, definitions)])
+    }
+}
+
 impl Displacement {
     /// The components as an array.
     #[must_use]
@@ -65,19 +125,19 @@ impl Displacement {
 
 fn check(support: &Support, reader: &mut Reader<'_>) {
     let moved = support.displacement.as_ref().map_or([None; 3], Displacement::entries);
-    if support.fix.is_empty() && moved.iter().all(Option::is_none) {
+    let fixed = support.fix.places(&support.at.key("fix"));
+    if fixed.is_empty() && moved.iter().all(Option::is_none) {
         reader.complain_at(
             &support.at,
-            "this holds nothing: give \"fix\": [\"x\", ...] or \"displacement\": { \"x\": ... }",
+            "this holds nothing: give \"fix\": \"all\", \"fix\": [\"x\", ...] or \"displacement\": { \"x\": ... }",
         );
     }
-    for (i, axis) in support.fix.iter().enumerate() {
-        let at = support.at.key("fix").index(i);
-        if support.fix[..i].contains(axis) {
-            reader.complain_at(&at, format!("\"{}\" is fixed twice", axis.name()));
+    for (i, (axis, at)) in fixed.iter().enumerate() {
+        if fixed[..i].iter().any(|(other, _)| other == axis) {
+            reader.complain_at(at, format!("\"{}\" is fixed twice", axis.name()));
         }
         if moved[axis.index()].is_some() {
-            reader.complain_at(&at, format!("\"{}\" cannot be fixed and displaced", axis.name()));
+            reader.complain_at(at, format!("\"{}\" cannot be fixed and displaced", axis.name()));
         }
     }
 }

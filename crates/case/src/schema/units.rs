@@ -2,7 +2,7 @@
 
 use crate::quantity::UNITS;
 use crate::quantity::{Unit, Units, Want};
-use crate::schema::json::Definitions;
+use crate::schema::json::{Definitions, annotated, any_of};
 use crate::schema::read::{Read, Reader};
 use crate::syntax::{At, Node, Value, nearest, quoted};
 use serde_json::{Value as Json, json};
@@ -27,12 +27,17 @@ impl Read for Units {
     }
 
     fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        if let Value::Text(_) = node.value {
+            let length = Unit::read(node, at, Want::LENGTH, reader)?;
+            return Self::new(length, Unit::NEWTON, Unit::SECOND, Unit::TESLA);
+        }
         let block = UnitsBlock::read(node, at, want, reader)?;
         Self::new(block.length, block.force, block.time, block.field)
     }
 
     fn schema(want: Want, definitions: &mut Definitions) -> Json {
-        UnitsBlock::schema(want, definitions)
+        let length = annotated(Unit::schema(Want::LENGTH, definitions), "The unit of length, with N, s and T.", None);
+        any_of(vec![length, UnitsBlock::schema(want, definitions)])
     }
 }
 

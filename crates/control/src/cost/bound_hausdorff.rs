@@ -4,7 +4,7 @@ use super::{Cost, CostContext, CostPoint, Figure, FigureKind, Partials};
 use crate::error::ControlError;
 use nastic_fem::{Discretization, QuadraturePoints, Solid};
 use nastic_hausdorff::{Cloud, Evaluation, HausdorffError, Smoothing, Summation};
-use nastic_mesh::{Hausdorff, Mesh, Shape, hausdorff};
+use nastic_mesh::{GroupNames, Hausdorff, Mesh, Shape, hausdorff};
 use nastic_tensor::Mat3;
 use std::sync::{Arc, OnceLock};
 
@@ -17,7 +17,7 @@ pub struct BoundHausdorff(Arc<Setup>);
 pub(super) struct Setup {
     pub body: QuadraturePoints,
     /// Region of the body; `None`: all of it.
-    pub region: Option<String>,
+    pub region: Option<GroupNames>,
     pub target: Arc<Mesh>,
     pub cloud: Cloud,
     pub shape: Shape,
@@ -50,7 +50,7 @@ impl Setup {
         for (x, u) in positions.iter_mut().zip(u.chunks_exact(mesh.dim())) {
             x.iter_mut().zip(u).for_each(|(x, u)| *x += u);
         }
-        let body = Shape::new(mesh, &positions, self.region.as_deref());
+        let body = Shape::of(mesh, &positions, self.region.as_ref());
         let body = body.map_err(|e| ControlError::Cost { what: e.to_string() })?;
         hausdorff(&body, &self.shape).map_err(|e| ControlError::Cost { what: e.to_string() })
     }

@@ -5,7 +5,7 @@ use super::{Cost, IntoCost, check_weight};
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
 use nastic_hausdorff::{Cloud, Phi, Smoothing};
-use nastic_mesh::{Mesh, Shape};
+use nastic_mesh::{GroupNames, Mesh, Shape};
 use std::sync::Arc;
 
 /// The smoothed Hausdorff distance rho between the deformed body and a target domain, times a weight.
@@ -30,8 +30,8 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct SmoothedHausdorff {
     target: Arc<Mesh>,
-    target_region: Option<String>,
-    region: Option<String>,
+    target_region: Option<GroupNames>,
+    region: Option<GroupNames>,
     phi: Phi,
     stages: Vec<(f64, f64, f64)>,
     quadrature: usize,
@@ -51,15 +51,15 @@ impl SmoothedHausdorff {
         SmoothedHausdorff { target, target_region: None, region: None, phi, stages, quadrature: 2, weight: 1.0 }
     }
 
-    /// Only this region of the target.
-    pub fn target_region(mut self, name: &str) -> Self {
-        self.target_region = Some(name.to_owned());
+    /// Only this region of the target, or the union of several.
+    pub fn target_region(mut self, names: impl Into<GroupNames>) -> Self {
+        self.target_region = Some(names.into());
         self
     }
 
-    /// Only this region of the body.
-    pub fn region(mut self, name: &str) -> Self {
-        self.region = Some(name.to_owned());
+    /// Only this region of the body, or the union of several.
+    pub fn region(mut self, names: impl Into<GroupNames>) -> Self {
+        self.region = Some(names.into());
         self
     }
 
@@ -114,11 +114,11 @@ impl SmoothedHausdorff {
         }
         let stages = self.stages.iter().map(|&(alpha, beta, gamma)| Smoothing::new(self.phi, alpha, beta, gamma));
         let stages = stages.collect::<Result<Vec<_>, _>>().map_err(|e| fail(e.to_string()))?;
-        let body = sample(solid.mesh(), self.region.as_deref(), self.quadrature)?;
-        let target = sample(&self.target, self.target_region.as_deref(), self.quadrature)?;
+        let body = sample(solid.mesh(), self.region.as_ref(), self.quadrature)?;
+        let target = sample(&self.target, self.target_region.as_ref(), self.quadrature)?;
         let positions = target.positions(&self.target, None);
         let cloud = Cloud::new(positions, target.weights().to_vec()).map_err(|e| fail(e.to_string()))?;
-        let shape = Shape::new(&self.target, self.target.points(), self.target_region.as_deref());
+        let shape = Shape::of(&self.target, self.target.points(), self.target_region.as_ref());
         let shape = shape.map_err(|e| fail(e.to_string()))?;
         let body_spacing = body.positions(solid.mesh(), None);
         let body_spacing =
@@ -136,9 +136,9 @@ impl IntoCost for SmoothedHausdorff {
     }
 }
 
-fn sample(mesh: &Mesh, region: Option<&str>, points: usize) -> Result<QuadraturePoints, ControlError> {
+fn sample(mesh: &Mesh, region: Option<&GroupNames>, points: usize) -> Result<QuadraturePoints, ControlError> {
     let cells = match region {
-        Some(name) => mesh.region(name)?.to_vec(),
+        Some(names) => mesh.cells_of(names)?,
         None => (0..mesh.cells() as u32).collect(),
     };
     if cells.is_empty() {

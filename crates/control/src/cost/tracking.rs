@@ -3,7 +3,7 @@
 use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
-use nastic_mesh::Mesh;
+use nastic_mesh::{GroupNames, Mesh};
 use std::fmt;
 use std::sync::Arc;
 
@@ -22,9 +22,9 @@ pub struct Tracking {
 
 #[derive(Clone, Debug)]
 enum Place {
-    Surface(String),
-    Region(String),
-    Nodes(String),
+    Surface(GroupNames),
+    Region(GroupNames),
+    Nodes(GroupNames),
 }
 
 /// Target positions of the tracked points.
@@ -72,19 +72,19 @@ impl Target {
 }
 
 impl Tracking {
-    /// Tracks a named surface.
-    pub fn surface(name: &str, target: Target) -> Self {
-        Tracking { place: Place::Surface(name.to_owned()), target, weight: 1.0 }
+    /// Tracks a named surface, or the union of several.
+    pub fn surface(names: impl Into<GroupNames>, target: Target) -> Self {
+        Tracking { place: Place::Surface(names.into()), target, weight: 1.0 }
     }
 
-    /// Tracks a named region.
-    pub fn region(name: &str, target: Target) -> Self {
-        Tracking { place: Place::Region(name.to_owned()), target, weight: 1.0 }
+    /// Tracks a named region, or the union of several.
+    pub fn region(names: impl Into<GroupNames>, target: Target) -> Self {
+        Tracking { place: Place::Region(names.into()), target, weight: 1.0 }
     }
 
-    /// Tracks the nodes of a named node set (or of a surface), each with weight one.
-    pub fn nodes(name: &str, target: Target) -> Self {
-        Tracking { place: Place::Nodes(name.to_owned()), target, weight: 1.0 }
+    /// Tracks the nodes of named node sets (or of surfaces), each with weight one.
+    pub fn nodes(names: impl Into<GroupNames>, target: Target) -> Self {
+        Tracking { place: Place::Nodes(names.into()), target, weight: 1.0 }
     }
 
     /// Multiplies the cost.
@@ -110,16 +110,16 @@ impl Tracking {
         let mesh = solid.mesh();
         // Two points more than the shape functions need: targets are curved.
         let points = match &self.place {
-            Place::Surface(name) => {
-                TrackedPoints::Points(QuadraturePoints::of_facets(mesh, mesh.surface(name)?, |k| {
+            Place::Surface(names) => {
+                TrackedPoints::Points(QuadraturePoints::of_facets(mesh, &mesh.facets_of(names)?, |k| {
                     k.rule_of_points(k.order() + 2)
                 }))
             }
-            Place::Region(name) => {
-                let cells = mesh.region(name)?.to_vec();
+            Place::Region(names) => {
+                let cells = mesh.cells_of(names)?;
                 TrackedPoints::Points(QuadraturePoints::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?)
             }
-            Place::Nodes(name) => TrackedPoints::Nodes(solid.nodes_of(name)?),
+            Place::Nodes(names) => TrackedPoints::Nodes(solid.nodes_of(names)?),
         };
         let target = points.targets(solid, &self.target)?;
         Ok(BoundTracking { points: Arc::new(points), target, weight })

@@ -11,7 +11,12 @@ pub const MATERIALS: &[MaterialRow] = &[
     MaterialRow {
         name: MooneyRivlin::NAME,
         about: "compressible Mooney-Rivlin",
-        forms: &[&[pressure("mu1", 1e5), pressure("mu2", 2e4), pressure("mu3", 1e6)], SHEAR_BULK_SHARE, YOUNG_SHARE],
+        forms: &[
+            &[pressure("mu1", 1e5), pressure("mu2", 2e4), pressure("mu3", 1e6)],
+            SHEAR_BULK_SHARE,
+            YOUNG_SHARE,
+            &[pressure("c10", 4e4), pressure("c01", 1e4), compliance("d1", 4e-6)],
+        ],
         make: |given| {
             Ok(Made::density(if given.form_has("young") {
                 MooneyRivlin::from_young_poisson(
@@ -21,6 +26,8 @@ pub const MATERIALS: &[MaterialRow] = &[
                 )?
             } else if given.form_has("shear") {
                 MooneyRivlin::from_shear_bulk(given.number("shear")?, given.number("bulk")?, given.number("share")?)?
+            } else if given.form_has("c10") {
+                MooneyRivlin::from_c10_c01_d1(given.number("c10")?, given.number("c01")?, given.number("d1")?)?
             } else {
                 MooneyRivlin::new(given.number("mu1")?, given.number("mu2")?, given.number("mu3")?)?
             }))
@@ -49,12 +56,14 @@ pub const MATERIALS: &[MaterialRow] = &[
     MaterialRow {
         name: NeoHooke::NAME,
         about: "compressible neo-Hookean, polyconvex form",
-        forms: &[&[pressure("mu", 1e5), pressure("lambda", 4e5)], SHEAR_BULK, YOUNG],
+        forms: &[&[pressure("mu", 1e5), pressure("lambda", 4e5)], SHEAR_BULK, YOUNG, C10_D1],
         make: |given| {
             Ok(Made::density(if given.form_has("young") {
                 NeoHooke::from_young_poisson(given.number("young")?, given.number("poisson")?)?
             } else if given.form_has("shear") {
                 NeoHooke::from_shear_bulk(given.number("shear")?, given.number("bulk")?)?
+            } else if given.form_has("c10") {
+                NeoHooke::from_c10_d1(given.number("c10")?, given.number("d1")?)?
             } else {
                 NeoHooke::new(given.number("mu")?, given.number("lambda")?)?
             }))
@@ -63,12 +72,14 @@ pub const MATERIALS: &[MaterialRow] = &[
     MaterialRow {
         name: NeoHookeIsochoric::NAME,
         about: "neo-Hookean, split into isochoric and volumetric parts",
-        forms: &[&[pressure("mu", 1e5), pressure("kappa", 5e5)], SHEAR_BULK, YOUNG],
+        forms: &[&[pressure("mu", 1e5), pressure("kappa", 5e5)], SHEAR_BULK, YOUNG, C10_D1],
         make: |given| {
             Ok(Made::density(if given.form_has("young") {
                 NeoHookeIsochoric::from_young_poisson(given.number("young")?, given.number("poisson")?)?
             } else if given.form_has("shear") {
                 NeoHookeIsochoric::from_shear_bulk(given.number("shear")?, given.number("bulk")?)?
+            } else if given.form_has("c10") {
+                NeoHookeIsochoric::from_c10_d1(given.number("c10")?, given.number("d1")?)?
             } else {
                 NeoHookeIsochoric::new(given.number("mu")?, given.number("kappa")?)?
             }))
@@ -116,10 +127,15 @@ pub const ACTUATIONS: &[ActuationRow] = &[
 const SHEAR_BULK: &[Parameter] = &[pressure("shear", 1e5), pressure("bulk", 5e5)];
 const SHEAR_BULK_SHARE: &[Parameter] = &[pressure("shear", 1e5), pressure("bulk", 5e5), number("share", 0.8)];
 const YOUNG: &[Parameter] = &[pressure("young", 3e5), number("poisson", 0.4)];
+const C10_D1: &[Parameter] = &[pressure("c10", 5e4), compliance("d1", 4e-6)];
 const YOUNG_SHARE: &[Parameter] = &[pressure("young", 3e5), number("poisson", 0.4), number("share", 0.8)];
 
 const fn pressure(name: &'static str, example: f64) -> Parameter {
     Parameter::number(name, "Pa", example)
+}
+
+const fn compliance(name: &'static str, example: f64) -> Parameter {
+    Parameter::number(name, "1/Pa", example)
 }
 
 const fn number(name: &'static str, example: f64) -> Parameter {

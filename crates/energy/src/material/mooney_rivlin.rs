@@ -1,6 +1,6 @@
 use nastic_tensor::{Mat3, Vec3};
 
-use super::engineering::shear_bulk;
+use super::engineering::{check_rubber, shear_bulk};
 use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
 
 /// Compressible Mooney-Rivlin law.
@@ -16,7 +16,7 @@ use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Mod
 /// fibre is already lost.
 ///
 /// **Parameters.** `mu1`, `mu2`, `mu3` in Pa, each a [`Field`]; or [`from_shear_bulk`](Self::from_shear_bulk),
-/// [`from_young_poisson`](Self::from_young_poisson).
+/// [`from_young_poisson`](Self::from_young_poisson), [`from_c10_c01_d1`](Self::from_c10_c01_d1).
 ///
 /// **Source.** Equation (3) of "Mathematical modeling, analysis and control in soft robotics", SeMA Journal 2023,
 /// doi 10.1007/s40324-023-00334-4.
@@ -83,6 +83,32 @@ impl MooneyRivlin {
     ) -> Result<Self, EnergyError> {
         let [shear, bulk] = shear_bulk(Self::NAME, &young.into(), &poisson.into())?;
         Self::from_shear_bulk(shear, bulk, share)
+    }
+
+    /// From the coefficients C10, C01 (Pa) and D1 (1/Pa) of `C10 (I1' - 3) + C01 (I2' - 3) + (J-1)^2 / D1`, by their small-strain
+    /// moduli: `mu1 = C10`, `mu2 = C01`, `mu3 = 1/D1 - 2 C10 / 3 - 8 C01 / 3`. Where `J = 1` both laws have the same energy;
+    /// elsewhere they differ.
+    ///
+    /// # Errors
+    /// [`EnergyError::Parameter`] unless `C10 > 0`, `C01 >= 0` and `0 < D1 <= 3 / (2 C10 + 8 C01)`.
+    pub fn from_c10_c01_d1(
+        c10: impl Into<Field<f64>>,
+        c01: impl Into<Field<f64>>,
+        d1: impl Into<Field<f64>>,
+    ) -> Result<Self, EnergyError> {
+        let (c10, c01, d1) = (c10.into(), c01.into(), d1.into());
+        check_rubber(Self::NAME, &c10, Some(&c01), &d1)?;
+        let named = [("c10", &c10), ("c01", &c01), ("d1", &d1)];
+        let [mu1, mu2, mu3] = combine(Self::NAME, named, |entry, [c10, c01, d1]| {
+            let mu3 = 1.0 / d1 - (2.0 * c10 + 8.0 * c01) / 3.0;
+            if mu3 >= 0.0 {
+                return Ok([c10, c01, mu3]);
+            }
+            let requirement =
+                "it must be at most 3 / (2 C10 + 8 C01): the material would be more compressible than this law can be";
+            Err(EnergyError::Parameter { owner: Self::NAME, name: "d1", value: d1, entry, requirement })
+        })?;
+        Self::new(mu1, mu2, mu3)
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 use nastic_tensor::{Mat3, Vec3};
 
-use super::engineering::shear_bulk;
+use super::engineering::{check_rubber, shear_bulk};
 use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
 
 /// Compressible neo-Hookean law, polyconvex form.
@@ -15,7 +15,7 @@ use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Mod
 /// ratio 0. `W -> inf` as `J -> 0`. A fibre tension keeps it polyconvex exactly up to `m = mu`.
 ///
 /// **Parameters.** `mu`, `lambda` in Pa, each a [`Field`]; or [`from_shear_bulk`](Self::from_shear_bulk),
-/// [`from_young_poisson`](Self::from_young_poisson).
+/// [`from_young_poisson`](Self::from_young_poisson), [`from_c10_d1`](Self::from_c10_d1).
 ///
 /// **Source.** A member of the family of P. G. Ciarlet, *Mathematical Elasticity*, vol. I (1988), section 4.10.
 #[derive(Clone, Debug)]
@@ -57,6 +57,25 @@ impl NeoHooke {
             Err(EnergyError::Parameter { owner: Self::NAME, name: "bulk", value, entry, requirement })
         })?;
         Self::new(shear, lambda)
+    }
+
+    /// From the coefficients C10 (Pa) and D1 (1/Pa) of `C10 (I1' - 3) + (J-1)^2 / D1`, by their small-strain moduli: `mu = 2 C10`,
+    /// `lambda = 2 / D1 - 4 C10 / 3`. Where `J = 1` both laws have the same energy; elsewhere they differ.
+    ///
+    /// # Errors
+    /// [`EnergyError::Parameter`] unless `C10 > 0` and `0 < D1 <= 3 / (2 C10)` (Poisson's ratio at least 0).
+    pub fn from_c10_d1(c10: impl Into<Field<f64>>, d1: impl Into<Field<f64>>) -> Result<Self, EnergyError> {
+        let (c10, d1) = (c10.into(), d1.into());
+        check_rubber(Self::NAME, &c10, None, &d1)?;
+        let [mu, lambda] = combine(Self::NAME, [("c10", &c10), ("d1", &d1)], |entry, [c10, d1]| {
+            let lambda = 2.0 / d1 - 4.0 * c10 / 3.0;
+            if lambda >= 0.0 {
+                return Ok([2.0 * c10, lambda]);
+            }
+            let requirement = "it must be at most 3 / (2 C10): take neo_hooke_isochoric beyond that";
+            Err(EnergyError::Parameter { owner: Self::NAME, name: "d1", value: d1, entry, requirement })
+        })?;
+        Self::new(mu, lambda)
     }
 
     /// From Young's modulus (Pa) and Poisson's ratio.

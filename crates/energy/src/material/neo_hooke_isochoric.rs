@@ -1,7 +1,7 @@
 use nastic_tensor::{Mat3, Vec3};
 
-use super::engineering::shear_bulk;
-use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place};
+use super::engineering::{check_rubber, shear_bulk};
+use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
 
 /// Neo-Hookean law split into isochoric and volumetric parts, the law of many published benchmarks.
 ///
@@ -15,7 +15,8 @@ use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Mod
 /// **Convexity.** Polyconvex for `mu > 0`, `kappa > 0`, which are required; `W -> inf` as `J -> 0`. No positive fibre
 /// tension keeps it polyconvex, since `W_FF` fades as `J` grows.
 ///
-/// **Parameters.** `mu`, `kappa` in Pa, each a [`Field`]; or [`from_young_poisson`](Self::from_young_poisson).
+/// **Parameters.** `mu`, `kappa` in Pa, each a [`Field`]; or [`from_young_poisson`](Self::from_young_poisson),
+/// [`from_c10_d1`](Self::from_c10_d1).
 ///
 /// **Source.** J. C. Simo & T. J. R. Hughes, *Computational Inelasticity* (1998), section 9.2.
 #[derive(Clone, Debug)]
@@ -42,6 +43,18 @@ impl NeoHookeIsochoric {
     /// As there.
     pub fn from_shear_bulk(shear: impl Into<Field<f64>>, bulk: impl Into<Field<f64>>) -> Result<Self, EnergyError> {
         Self::named(["shear", "bulk"], shear.into(), bulk.into())
+    }
+
+    /// From the coefficients C10 (Pa) and D1 (1/Pa) of `C10 (I1' - 3) + (J-1)^2 / D1`: `mu = 2 C10`, `kappa = 2 / D1`. The isochoric
+    /// part is the same; the volumetric ones agree to second order in `J - 1`.
+    ///
+    /// # Errors
+    /// [`EnergyError::Parameter`] unless both are positive and finite.
+    pub fn from_c10_d1(c10: impl Into<Field<f64>>, d1: impl Into<Field<f64>>) -> Result<Self, EnergyError> {
+        let (c10, d1) = (c10.into(), d1.into());
+        check_rubber(Self::NAME, &c10, None, &d1)?;
+        let [mu, kappa] = combine(Self::NAME, [("c10", &c10), ("d1", &d1)], |_, [c10, d1]| Ok([2.0 * c10, 2.0 / d1]))?;
+        Self::new(mu, kappa)
     }
 
     /// From Young's modulus (Pa) and Poisson's ratio.

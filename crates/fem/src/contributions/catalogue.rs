@@ -48,6 +48,8 @@ pub struct Key {
 pub enum KeyKind {
     /// The name of a surface; needed.
     Surface,
+    /// The name of a surface, or names of several that stand for their union; needed.
+    Union,
     /// Names of surfaces; none if left out.
     Surfaces,
     /// True or false; false if left out.

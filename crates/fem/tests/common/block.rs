@@ -41,7 +41,7 @@ impl Block {
         let mut solid = Solid::on(self.disc.clone()).material("body", case.law.clone())?;
         for (free, &corner) in self.corners.iter().enumerate() {
             let held = [0, 1, 2].map(|c| (c >= free && c < self.disc.dim()).then_some(0.0));
-            solid = solid.displace(&set_name(corner), held)?;
+            solid = solid.displace(set_name(corner), held)?;
         }
         Ok(solid)
     }
@@ -58,7 +58,7 @@ impl Block {
     pub fn pulled(&self, case: &Case, tractions: &[(&str, Vec3)]) -> Outcome<(Solid, State)> {
         let mut solid = self.solid(case)?;
         for (axis, traction) in tractions {
-            solid = solid.traction(&format!("{axis}+"), *traction)?.traction(&format!("{axis}-"), -traction)?;
+            solid = solid.traction(format!("{axis}+"), *traction)?.traction(format!("{axis}-"), -traction)?;
         }
         let state = solid.solve(&solid.controls(), &STRICT)?;
         Ok((solid, state))

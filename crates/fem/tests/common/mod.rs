@@ -134,7 +134,7 @@ pub fn prescribe(mut solid: Solid, nodes: &[u32], u: impl Fn(Vec3) -> Vec3) -> O
     for &node in nodes {
         let at = u(Vec3::from(solid.mesh().points()[node as usize]));
         let z = (solid.mesh().dim() == 3).then_some(at.z);
-        solid = solid.displace(&set_name(node), [Some(at.x), Some(at.y), z])?;
+        solid = solid.displace(set_name(node), [Some(at.x), Some(at.y), z])?;
     }
     Ok(solid)
 }

@@ -5,7 +5,7 @@ use super::cell::Cells;
 use super::patch_space::Conversion;
 use super::tree::Aabb;
 use super::{SpatialError, V};
-use crate::{CellKind, Mesh};
+use crate::{CellKind, GroupNames, Mesh};
 
 /// Facets are cut until they sag no more than this fraction of the diagonal.
 const FLATNESS: f64 = 1e-4;
@@ -59,16 +59,22 @@ impl Shape {
     /// # Errors
     /// A position count that is not the node count, a position that is not finite, an unknown or empty region.
     pub fn new(mesh: &Mesh, positions: &[[f64; 3]], region: Option<&str>) -> Result<Self, SpatialError> {
+        Self::of(mesh, positions, region.map(GroupNames::from).as_ref())
+    }
+
+    /// The same of the union of regions; of all cells without any.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(mesh: &Mesh, positions: &[[f64; 3]], regions: Option<&GroupNames>) -> Result<Self, SpatialError> {
         check(mesh, positions)?;
-        let cells: Vec<u32> = match region {
-            Some(name) => mesh.region(name)?.to_vec(),
+        let cells: Vec<u32> = match regions {
+            Some(names) => mesh.cells_of(names)?,
             None => (0..mesh.cells() as u32).collect(),
         };
         if cells.is_empty() {
-            return Err(SpatialError::Empty {
-                mesh: mesh.name().into(),
-                region: region.unwrap_or("(all cells)").into(),
-            });
+            let region = regions.map_or_else(|| "(all cells)".to_owned(), ToString::to_string);
+            return Err(SpatialError::Empty { mesh: mesh.name().into(), region });
         }
         let mut conversions = BTreeMap::new();
         let mut shape = Self {

@@ -14,7 +14,7 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
         let place = match &actuation.means {
             Means::Law { row, region, parameters: given } => {
                 let values = parameters(given, &catalogue_of(row.forms), units);
-                if values.is_empty() { region.clone() } else { format!("{region}; {values}") }
+                if values.is_empty() { region.to_string() } else { format!("{region}; {values}") }
             }
             Means::Contribution { values, .. } => {
                 let told = |(key, names): (&&str, &Vec<String>)| format!("{key} {}", names.join(", "));

@@ -6,7 +6,7 @@ use crate::schema::actuation::Actuation;
 use crate::schema::catalogue::SlotName;
 use crate::schema::control::{Control, Start};
 use crate::schema::cost::Cost;
-use crate::schema::field::{Parameter, VectorField, check_unit};
+use crate::schema::field::{Parameter, check_unit};
 use crate::schema::read::Reader;
 use crate::syntax::{At, nearest, quoted};
 
@@ -74,8 +74,7 @@ fn check_scalar(control: &Control, slot: &SlotName, reader: &mut Reader<'_>) {
             reader.complain_at(&control.at.key("direction"), message);
         }
         Some(direction) => {
-            let formulas = direction.entries().iter().map(|entry| Formula::number(*entry)).collect();
-            check_unit(&VectorField::Formulas(formulas), &control.at.key("direction"), reader);
+            check_unit(&direction.field(), &control.at.key("direction"), reader);
         }
         None => {}
     }

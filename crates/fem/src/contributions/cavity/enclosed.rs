@@ -39,7 +39,7 @@ pub(super) struct Patch<'a> {
 
 impl Enclosed {
     pub fn new(mesh: &Arc<Mesh>, cavity: &Cavity) -> Result<Self, FemError> {
-        let surface = mesh.surface(&cavity.surface)?;
+        let surface = mesh.facets_of(&cavity.surface)?;
         let planes = cavity.symmetry.iter().map(|name| Plane::of(mesh, name)).collect::<Result<Vec<_>, _>>()?;
         // o can lie on one plane across an axis alone; the cap on another one would be missing from the volume.
         let parallel =
@@ -51,7 +51,7 @@ impl Enclosed {
             );
             return Err(FemError::Meaningless { what });
         }
-        let open = open_edges(mesh, surface, &planes);
+        let open = open_edges(mesh, &surface, &planes);
         if !open.is_empty() && !cavity.lid {
             let what = format!(
                 "surface \"{}\" of cavity \"{}\" is open at {} edges; close it by a lid, or name the planes of symmetry on \
@@ -63,7 +63,7 @@ impl Enclosed {
             return Err(FemError::Meaningless { what });
         }
         let mut facets: Vec<(CellKind, Vec<Vec<u32>>)> = Vec::new();
-        for &facet in surface {
+        for &facet in &surface {
             let (kind, nodes) = mesh.facet_nodes(facet);
             match facets.iter_mut().find(|(known, _)| *known == kind) {
                 Some((_, all)) => all.push(nodes),

@@ -11,7 +11,7 @@ use crate::error::{FemError, InvertedAt};
 use enclosed::{Enclosed, Patch};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
-use nastic_mesh::Mesh;
+use nastic_mesh::{GroupNames, Mesh};
 use std::sync::Arc;
 
 /// A cavity under a pressure p that follows the surface: potential `-p V(u)`, with the enclosed volume
@@ -30,15 +30,15 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cavity {
     name: String,
-    surface: String,
+    surface: GroupNames,
     lid: bool,
     symmetry: Vec<String>,
 }
 
 impl Cavity {
-    /// The room behind a named surface; `name` is that of the control.
-    pub fn new(name: &str, surface: &str) -> Self {
-        Cavity { name: name.to_owned(), surface: surface.to_owned(), lid: false, symmetry: Vec::new() }
+    /// The room behind a named surface, or behind several that bound it together; `name` is that of the control.
+    pub fn new(name: &str, surface: impl Into<GroupNames>) -> Self {
+        Cavity { name: name.to_owned(), surface: surface.into(), lid: false, symmetry: Vec::new() }
     }
 
     /// Closes every rim by a lid.
@@ -79,7 +79,11 @@ impl Cavity {
 pub(super) const FORM: Form = Form {
     about: "A cavity under pressure, behind a closed surface of the body.",
     keys: &[
-        Key { name: "surface", about: "Surface of the mesh that bounds the cavity.", kind: KeyKind::Surface },
+        Key {
+            name: "surface",
+            about: "Surface of the mesh that bounds the cavity, or several that do so together.",
+            kind: KeyKind::Union,
+        },
         Key {
             name: "lid",
             about: "Whether openings of the surface are closed by a lid that loads their rims.",
@@ -93,7 +97,7 @@ pub(super) const FORM: Form = Form {
     ],
     slots: &SLOTS,
     add: |solid, name, values| {
-        let mut cavity = Cavity::new(name, values.name("surface"));
+        let mut cavity = Cavity::new(name, values.names.get("surface").cloned().unwrap_or_default());
         cavity.lid = values.flags.contains("lid");
         cavity.symmetry = values.names.get("symmetry").cloned().unwrap_or_default();
         solid.cavity(cavity)

@@ -1,0 +1,71 @@
+//! What can be said of a case that is not sound, so that one report tells the mistakes of all layers: files, names that the mesh
+//! lacks, parameters out of range, probes outside the body.
+
+use super::context::Context;
+use super::{actuation, cost, load, material, mesh, place, probe, support, unsupported};
+use crate::quantity::Want;
+use crate::schema::{Case, GroupNames, Read, Reader};
+use crate::syntax::{At, Document, Node, Value};
+use nastic_fem::{Discretization, Solid};
+use nastic_mesh::Mesh;
+
+/// Blocks whose entries name groups of the mesh.
+const BLOCKS: [&str; 5] = ["materials", "supports", "loads", "actuation", "costs"];
+
+/// Looks at everything that can be read of a case with mistakes of form; what is found joins the context's problems.
+pub(super) fn look(case: &Case, document: &Document, context: &mut Context<'_>) {
+    unsupported::check(case, context);
+    cost::load_targets(case, context);
+    for load_case in &case.load_cases {
+        cost::load_targets(&Case { costs: load_case.costs.clone(), ..case.clone() }, context);
+    }
+    let Some(mesh) = mesh::body(case, context) else { return };
+    names(document, &mesh, context);
+    probe::locate(case, &mesh, context);
+    let Some(disc) = context.take(&mesh::at(case), Discretization::new(mesh)) else { return };
+    let mut solid = Solid::on(disc);
+    material::add(case, &mut solid, context);
+    actuation::add(case, &mut solid, context);
+    support::add(case, &mut solid, context);
+    load::add(case, &mut solid, context);
+}
+
+/// Complains about every name that the mesh lacks, also in blocks with other mistakes.
+pub(super) fn names(document: &Document, mesh: &Mesh, context: &mut Context<'_>) {
+    let root = document.root();
+    blocks(root, &At::root(), mesh, context);
+    let load_cases = At::root().key("load_cases");
+    let count = root.find(load_cases.as_str()).map_or(0, entries);
+    for i in 0..count {
+        let at = load_cases.index(i);
+        if let Some(node) = root.find(at.as_str()) {
+            blocks(node, &at, mesh, context);
+        }
+    }
+}
+
+/// The blocks of the case, or of a load case, whose node is given.
+fn blocks(node: &Node, at: &At, mesh: &Mesh, context: &mut Context<'_>) {
+    for block in BLOCKS {
+        let count = node.find(block).map_or(0, entries);
+        for i in 0..count {
+            let own = At::root().key(block).index(i);
+            let at = at.key(block).index(i);
+            for key in ["surface", "region", "nodes"] {
+                let Some(named) = node.find(own.key(key).as_str()) else { continue };
+                let at = at.key(key);
+                let mut silent = Reader::new(context.document, context.units);
+                let Some(names) = GroupNames::read(named, &at, Want::ANY, &mut silent) else { continue };
+                let _ = match key {
+                    "surface" => place::facets(mesh, &names, &at, context).map(|_| ()),
+                    "region" => place::cells(mesh, &names, &at, context).map(|_| ()),
+                    _ => place::node_sets(mesh, &names, &at, context).map(|_| ()),
+                };
+            }
+        }
+    }
+}
+
+fn entries(node: &Node) -> usize {
+    if let Value::Array(entries) = &node.value { entries.len() } else { 0 }
+}

@@ -1,0 +1,36 @@
+//! Files that other programs make of bodies, and how each becomes a mesh that is read here.
+
+use std::path::Path;
+
+/// What to do with a file of this name; of a format that is not known, which names are read.
+pub(crate) fn advice(file: &Path) -> String {
+    let name = file.display();
+    let stem = file.with_extension("").display().to_string();
+    match extension(file).as_str() {
+        "inp" | "vtk" | "xdmf" | "xmf" | "med" | "bdf" | "nas" | "fem" | "e" | "exo" | "ex2" | "su2" | "mesh"
+        | "avs" => format!(
+            "convert it, for instance by Python's meshio: `meshio convert {name} {stem}.vtu`. That keeps nodes and cells, but not the \
+             names of sets: where the case names regions or surfaces, save the mesh from Gmsh as .msh, with physical groups of those names"
+        ),
+        "unv" | "cgns" => {
+            format!("convert it by Gmsh: `gmsh {name} -save -o {stem}.msh`; its groups become physical groups")
+        }
+        "stl" | "obj" | "ply" | "off" => format!(
+            "this is a surface, and a body of cells is wanted: fill it by Gmsh, with a script {stem}.geo of the lines `Merge \"{name}\"; \
+             Surface Loop(1) = {{1}}; Volume(1) = {{1}}; Physical Volume(\"body\") = {{1}}; Physical Surface(\"skin\") = {{1}};` and \
+             `gmsh -3 {stem}.geo -order 2 -o {stem}.msh`"
+        ),
+        "step" | "stp" | "iges" | "igs" | "brep" => format!(
+            "this is a geometry: mesh it by Gmsh, with a script {stem}.geo of the lines `SetFactory(\"OpenCASCADE\"); Merge \"{name}\"; \
+             Physical Volume(\"body\") = {{1}}; Physical Surface(\"clamp\") = {{2}};` (its numbers are shown by `gmsh {name}`) and \
+             `gmsh -3 {stem}.geo -order 2 -o {stem}.msh`"
+        ),
+        "geo" => format!("this is a script of Gmsh: mesh it by `gmsh -3 {name} -o {stem}.msh` (-2 for plane strain)"),
+        _ => "the name must end in .msh (Gmsh 2.2 or 4.1) or .vtu (VTK XML unstructured grid)".to_owned(),
+    }
+}
+
+/// The ending of a file's name, in lower case.
+pub(crate) fn extension(file: &Path) -> String {
+    file.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
