@@ -31,6 +31,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &NEARLY_SINGULAR,
     &NOT_COUNTED,
     &BRANCH_CHANGE,
+    &BRANCH_UNKNOWN,
     &NO_MOVEMENT,
     &ALL_ON_BOUNDS,
     &OTHER_SIGN,
@@ -126,7 +127,14 @@ pub const NOT_COUNTED: WarningKind = WarningKind {
 pub const BRANCH_CHANGE: WarningKind = WarningKind {
     code: "branch_change",
     about: "an equilibrium lies on another branch than the one before it: the body has snapped, and the cost jumps between them",
-    advice: "begin on the branch you want, or bound the control so that it stays there; nastic solve --path shows where it turns back",
+    advice: "begin on the branch you want, or bound the control so that it stays there; nastic solve --ramp between the two controls shows the jump",
+};
+
+/// Nothing is known of their branches.
+pub const BRANCH_UNKNOWN: WarningKind = WarningKind {
+    code: "branch_unknown",
+    about: "whether an equilibrium lies on the branch of the one before it is not known: the cost may jump between them",
+    advice: "compare the two: nastic solve --ramp between the two controls",
 };
 
 /// Nothing moved.

@@ -232,9 +232,41 @@ fn an_optimum_on_another_branch() {
     let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let changed: Vec<bool> = history.lines().map(|line| line.contains("\"branch_changed\":true")).collect();
     assert!(changed.iter().enumerate().all(|(trial, changed)| *changed == (trial == 1)), "{history}");
+    // Of several starts each has its own.
+    let outcome = Place::new().run(Command::Optimize, &lower, &["optimizer/starts=2"]).unwrap();
+    let places: Vec<&str> =
+        outcome.result["warnings"].as_array().unwrap().iter().filter_map(|w| w["place"].as_str()).collect();
+    assert!(codes(&outcome).iter().all(|code| code == "branch_change"), "{}", outcome.result["warnings"]);
+    assert_eq!(places[0], "start 1 of 2", "{places:?}");
     // A start below is on that branch.
     let below = with(&lower, r#""start": "1 mT""#, r#""start": "-2 mT""#);
     assert_eq!(codes(&run(Command::Optimize, &below)), [""; 0]);
+}
+
+/// Also where no tangent had to be shifted, on whatever mesh, and back upwards.
+#[test]
+fn optima_on_other_branches_without_a_shifted_tangent() {
+    for (cells, start, target) in
+        [("[20, 1]", "-5 mT", "Y + 0.1"), ("[60, 1]", "-5 mT", "Y + 0.1"), ("[60, 1]", "1 mT", "Y - 0.05")]
+    {
+        let case = with(SNAPPING, "Y + 0.024", target);
+        let set = [&format!("mesh/box/cells={cells}"), &format!("controls/0/start={start}"), "optimizer/verify=false"];
+        let outcome = Place::new().run(Command::Optimize, &case, &set.map(|x| x as &str)).unwrap();
+        assert_eq!(codes(&outcome)[0], "branch_change", "{cells}, {start}: {}", outcome.result["warnings"]);
+    }
+}
+
+/// Rows of a ramp between which the strip snaps; the field there is that at which a path turns back.
+#[test]
+fn a_ramp_over_a_jump() {
+    let place = Place::new();
+    let options = Options { analysis: Analysis::Ramp("field=1 mT:-2 mT:13".to_owned()), ..place.options(&[]) };
+    let outcome = place.run_with(Command::Solve, SNAPPING, &Console::silent(), &options).unwrap();
+    assert_eq!(codes(&outcome), ["branch_change"], "{}", outcome.result["warnings"]);
+    let jumps = outcome.result["ramp"]["jumps"].as_array().unwrap();
+    assert_eq!(jumps.len(), 1, "{jumps:?}");
+    let at = |key: &str| jumps[0][key].as_f64().unwrap();
+    assert!(at("from") > at("to") && (at("to")..at("from")).contains(&-5.5e-4), "{jumps:?}");
 }
 
 /// At its buckling load, which ramps bisect, the tangent of a straight strip is singular to working precision.

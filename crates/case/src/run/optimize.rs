@@ -19,6 +19,7 @@ use super::session::Session;
 use crate::lower::CaseProblem;
 use crate::result::files::Directory;
 use crate::warning::{INPUT, Warning};
+use branch_changes::BranchChanges;
 use finished_run::FinishedRun;
 use journal::{Journal, Written};
 use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
@@ -209,7 +210,7 @@ fn minimize(
     start: EnsemblePoint,
     mut recorder: Recorder<'_>,
     mut saved: Option<usize>,
-) -> FinishedRun {
+) -> (FinishedRun, BranchChanges) {
     let every = session.problem.case.output.checkpoint;
     let stop = loop {
         let done = run.progress().counts.iterations;
@@ -224,7 +225,7 @@ fn minimize(
         }
     };
     let trials = recorder.finish();
-    FinishedRun { start, best: run.finish(stop), work: trials.work, changes: trials.changes }
+    (FinishedRun { start, best: run.finish(stop), work: trials.work }, trials.changes)
 }
 
 /// Why it ended, for people.

@@ -6,6 +6,7 @@ mod modes;
 mod path;
 mod ramp;
 mod ramp_failure;
+mod ramp_jumps;
 mod series;
 
 use super::analysis::Analysis;

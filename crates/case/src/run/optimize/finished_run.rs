@@ -1,12 +1,11 @@
 //! [`FinishedRun`]: a run from one start, as a value and as bytes.
 
-use super::branch_changes::BranchChanges;
 use nastic_control::{Ensemble, EnsemblePoint, read_report, write_report};
 use nastic_fem::SolveReport;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{Best, Failed, Objective, Request, SavedRunError};
 
-const MAGIC: &str = "nastic-finished-run-2";
+const MAGIC: &str = "nastic-finished-run-1";
 
 /// A run from one start.
 pub(super) struct FinishedRun {
@@ -15,8 +14,6 @@ pub(super) struct FinishedRun {
     pub best: Best<EnsemblePoint>,
     /// Work of all trials, by member.
     pub work: Vec<SolveReport>,
-    /// Trials that led to another branch of equilibria.
-    pub changes: BranchChanges,
 }
 
 impl FinishedRun {
@@ -25,7 +22,6 @@ impl FinishedRun {
         write_start(&self.start, ensemble, &mut out);
         out.bytes(&self.best.save(ensemble));
         write_work(&self.work, &mut out);
-        self.changes.write(&mut out);
         out.finish()
     }
 
@@ -34,9 +30,8 @@ impl FinishedRun {
         let start = read_start(&mut input, ensemble)?;
         let best = Best::load(ensemble, &input.list().map_err(Failed::new)?)?;
         let work = read_work(&mut input).map_err(Failed::new)?;
-        let changes = BranchChanges::read(&mut input).map_err(Failed::new)?;
         input.finish().map_err(Failed::new)?;
-        Ok(Self { start, best, work, changes })
+        Ok(Self { start, best, work })
     }
 }
 

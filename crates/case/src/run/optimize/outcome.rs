@@ -41,7 +41,7 @@ pub(super) fn report(
     entries_of_starts: &[Value],
     resumable: Option<Written>,
 ) -> Result<Vec<Inspection>, RunError> {
-    let FinishedRun { start, best, work, .. } = ended;
+    let FinishedRun { start, best, work } = ended;
     let found = session.inspect("optimum", &best.point);
     let problem = &session.problem;
     let reports = member_report::of_inspected(problem, &best.point, &found);

@@ -4,6 +4,7 @@ use super::super::OnTrial;
 use super::super::error::RunError;
 use super::super::session::Session;
 use super::super::table::Table;
+use super::branch_changes::Before;
 use super::journal::Journal;
 use super::run_trials::RunTrials;
 use crate::console::Console;
@@ -35,6 +36,10 @@ pub(super) struct Recorder<'s> {
     start: (usize, usize),
     table: Table,
     trials: RunTrials,
+    /// The last accepted point.
+    before: Option<Before>,
+    /// Whether what belongs to the last accepted trial was not found because the run is cancelled.
+    broken_off: bool,
     last: Instant,
 }
 
@@ -54,18 +59,22 @@ impl<'s> Recorder<'s> {
             start: (index, problem.case.optimizer.starts),
             table,
             trials: RunTrials::new(problem.members().count(), problem.leads().count()),
+            before: None,
+            broken_off: false,
             last: Instant::now(),
         }
     }
 
     /// Takes up what an earlier program told of the same start, up to this point.
     pub fn restore(&mut self, trials: RunTrials, point: &EnsemblePoint) {
-        self.trials = trials;
-        self.trials.changes.follow(point);
+        (self.trials, self.before) = (trials, Some(Before::new(point)));
     }
 
-    /// Writes a scheduled checkpoint.
+    /// Writes a scheduled checkpoint, unless something that belongs into it was broken off.
     pub fn save(&mut self, run: &RunState) {
+        if self.broken_off {
+            return;
+        }
         self.journal.save(run, &self.trials);
     }
 
@@ -95,8 +104,9 @@ impl<'s> Recorder<'s> {
             }
             if let Some(point) = trial.point.filter(|_| trial.accepted) {
                 line.insert("inertia".into(), json!(self.inertia(point)));
-                if trial.reason != Reason::Stage && self.trials.changes.add(self.problem, point, trial.iteration) {
-                    line.insert("branch_changed".into(), json!(true));
+                let changed = self.changes_branch(point, trial);
+                if changed != Some(false) {
+                    line.insert("branch_changed".into(), json!(changed));
                 }
                 for kind in [FigureKind::RootMeanSquareDistance, FigureKind::LargestDistance] {
                     let distance = self.tracked(point, kind);
@@ -114,6 +124,18 @@ impl<'s> Recorder<'s> {
         self.snapshot(trial);
         self.keep(trial);
         self.on_trial.tell(&line);
+    }
+
+    /// Whether an accepted point lies on another branch than the one before; `None` where that is not known.
+    fn changes_branch(&mut self, point: &EnsemblePoint, trial: &Trial<'_, EnsemblePoint>) -> Option<bool> {
+        // The start, which a resumed run tells of once more, and the point of a new stage have none before them.
+        let fresh = trial.iteration == 0 || trial.reason == Reason::Stage;
+        let before = self.before.replace(Before::new(point)).filter(|_| !fresh);
+        let Some(before) = before else { return Some(false) };
+        let changed = self.trials.changes.add((self.problem, &self.cancel), &before, point, trial.iteration);
+        self.last = Instant::now();
+        self.broken_off |= changed.is_err();
+        changed.ok().flatten()
     }
 
     /// The true distance of an accepted state: the largest of all members.

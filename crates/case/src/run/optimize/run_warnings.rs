@@ -5,7 +5,7 @@ use crate::lower::ControlField;
 use crate::result::summary;
 use crate::run::number::{count, scientific, short};
 use crate::run::session::Session;
-use crate::warning::{ALL_ON_BOUNDS, BRANCH_CHANGE, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
+use crate::warning::{ALL_ON_BOUNDS, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
 use nastic_control::{EnsembleBlock, EnsembleWorkspace, Evaluated};
 use nastic_numeric::vector::{norm, sub};
 use nastic_opt::DEFAULT_ACCURACY;
@@ -28,7 +28,6 @@ pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, interrupted: bo
         found.extend(movement(run));
     }
     found.extend(terms(session, run));
-    found.extend(branches(run));
     if problem.case.optimizer.verify && !interrupted {
         found.extend(cold(session, run));
     }
@@ -120,12 +119,4 @@ fn cold(session: &Session<'_>, run: &FinishedRun) -> Option<Warning> {
             format!("displacements differ by {most:.1e} of their norm, the cost is {other} instead of {cost}");
         Warning::new(&NOT_VERIFIED, message)
     })
-}
-
-/// Iterations that led to another branch of equilibria.
-fn branches(run: &FinishedRun) -> Option<Warning> {
-    let changes = &run.changes;
-    let more =
-        if changes.count > 1 { format!(" (the first of {} such iterations)", changes.count) } else { String::new() };
-    (changes.count > 0).then(|| Warning::new(&BRANCH_CHANGE, format!("{}{more}", changes.first)))
 }

@@ -1,5 +1,6 @@
 //! One run after the other from several starts, of which the best is kept.
 
+use super::branch_changes::BranchChanges;
 use super::checkpoint::{Fixed, Position, read_json};
 use super::finished_run::{FinishedRun, read_start, write_start};
 use super::journal::Journal;
@@ -81,7 +82,7 @@ impl Starts {
         let mut recorder = Recorder::new(session, journal, index);
         recorder.restore(trials.run, run.point());
         let ended = minimize(session, run, start, recorder, Some(iteration));
-        self.add(seed(session, index), ended, fixed.certificate);
+        self.add(session, index, ended, fixed.certificate);
         self.run_rest(session, optimizer, &fixed.gradient_check, journal)
     }
 
@@ -164,17 +165,25 @@ impl Starts {
         journal.begin_start(&fixed);
         let run = begin_run(session, optimizer, begun)?;
         let ended = minimize(session, run, start, Recorder::new(session, journal, index), None);
-        self.add(seed(session, index), ended, fixed.certificate);
+        self.add(session, index, ended, fixed.certificate);
         Ok(())
     }
 
-    fn add(&mut self, seed: Option<u64>, ended: FinishedRun, certificate: Value) {
-        let index = self.entries.len();
+    fn add(
+        &mut self,
+        session: &Session<'_>,
+        index: usize,
+        (ended, changes): (FinishedRun, BranchChanges),
+        certificate: Value,
+    ) {
+        let found = changes.warnings(session, index);
+        found.iter().for_each(|warning| session.say_warning(warning));
+        self.warnings.extend(found);
         self.interrupted |= ended.best.stop.is_interrupted();
         if let Stop::Aborted(why) = &ended.best.stop {
             self.abort(why);
         }
-        self.entries.push(entry(seed, &ended, certificate));
+        self.entries.push(entry(seed(session, index), &ended, certificate));
         if self.best.as_ref().is_none_or(|(_, best)| ended.best.cost < best.best.cost) {
             self.best = Some((index, ended));
         }

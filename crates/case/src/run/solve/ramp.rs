@@ -1,6 +1,7 @@
 //! `nastic solve --ramp CONTROL=FROM:TO:N`: equilibria with one control going from one value to another.
 
 use super::ramp_failure::RampFailure;
+use super::ramp_jumps::jumps;
 use super::say_files;
 use super::series::{Row, Series};
 use crate::expression::{Formula, dimension_of};
@@ -137,7 +138,9 @@ impl Asked {
         let ramp = model.ramp((&first, &last), self.count, &how, &mut Workspace::default(), &mut found);
         let ramp = ramp.map_err(|error| failed(error.into()))?;
         let critical = critical(session, &ramp, from, to, &field.unit);
-        let warnings = series.inspect();
+        let mut warnings = series.inspect();
+        let (jumps, told_of_jumps) = jumps(&series, &how);
+        warnings.extend(told_of_jumps);
 
         let mut chart = series.chart(false);
         for point in &ramp.critical {
@@ -158,7 +161,7 @@ impl Asked {
         }
         let entry = json!({
             "control": field.name, "unit": field.unit, "from": from, "to": to, "points": series.points(),
-            "critical": critical, "failed": told,
+            "critical": critical, "jumps": jumps, "failed": told,
         });
         Ok((entry, files, failure, warnings))
     }

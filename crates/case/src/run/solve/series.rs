@@ -7,7 +7,7 @@ use crate::result::{snapshot, summary};
 use crate::run::error::RunError;
 use crate::run::number::short;
 use crate::run::solve::title;
-use crate::warning::{BRANCH_CHANGE, Warning};
+use crate::warning::Warning;
 use nastic_control::{ControlError, StateFields};
 use nastic_fem::{Instant, State};
 use nastic_io::write_atomically;
@@ -65,12 +65,7 @@ impl<'p> Series<'p> {
         let mut told: Vec<(Warning, usize)> = Vec::new();
         for (row, found) in self.rows.iter().zip(&self.found) {
             let at = format!("{} at {}", self.name, short(row.parameter));
-            let mut own = found.warnings(member, &at);
-            if row.state.report.restarts > 0 {
-                let message = "found from rest, as the way from the row before led nowhere";
-                own.push(Warning::new(&BRANCH_CHANGE, message).of(at));
-            }
-            for warning in own {
+            for warning in found.warnings(member, &at) {
                 match told.iter_mut().find(|(known, _)| known.kind == warning.kind) {
                     Some((_, count)) => *count += 1,
                     None => told.push((warning, 1)),
