@@ -14,4 +14,5 @@ pub mod result;
 pub mod run;
 pub mod schema;
 pub mod syntax;
+pub mod template;
 pub mod warning;

@@ -5,28 +5,40 @@
 mod common;
 
 use common::{Place, with};
+use nastic_case::lower::CaseProblem;
 use nastic_case::schema::Command;
+use nastic_case::syntax::Document;
 use serde_json::Value;
+use std::sync::Arc;
 
 /// A strip of four unit squares with the regions "a" (two of them), "b" and "c", and a curve along each side: "low" and
 /// "high" along x, "left" and "right" at the ends.
 fn strip() -> String {
+    strip_with(&[1, 1, 2, 3], false)
+}
+
+/// The same with other regions, 1 to 3, and 0 for a square without one; on request all squares are in "all" too.
+fn strip_with(regions: &[usize; 4], all: bool) -> String {
     let mut nodes = String::new();
     for k in 0..5 {
         nodes += &format!("{} {k} 0 0\n{} {k} 1 0\n", 2 * k + 1, 2 * k + 2);
     }
     let mut elements: Vec<String> = vec!["1 2 4 4 1 2".into(), "1 2 5 5 9 10".into()];
-    for (k, region) in [1, 1, 2, 3].into_iter().enumerate() {
+    for (k, region) in regions.iter().enumerate() {
         let [a, b, c, d] = [2 * k + 1, 2 * k + 3, 2 * k + 4, 2 * k + 2];
-        elements.push(format!("3 2 {region} {region} {a} {b} {c} {d}"));
+        let tags = [(*region > 0).then_some(*region), all.then_some(8)];
+        elements.extend(tags.iter().flatten().map(|tag| format!("3 2 {tag} {tag} {a} {b} {c} {d}")));
         elements.push(format!("1 2 6 6 {a} {b}"));
         elements.push(format!("1 2 7 7 {c} {d}"));
     }
     let elements: Vec<String> = elements.iter().enumerate().map(|(k, e)| format!("{} {e}", k + 1)).collect();
-    let names = [(2, 1, "a"), (2, 2, "b"), (2, 3, "c"), (1, 4, "left"), (1, 5, "right"), (1, 6, "low"), (1, 7, "high")];
-    let names = names.map(|(dim, tag, name)| format!("{dim} {tag} \"{name}\"\n")).concat();
+    let mut names = vec![(1, 4, "left"), (1, 5, "right"), (1, 6, "low"), (1, 7, "high")];
+    names.extend([(2, 1, "a"), (2, 2, "b"), (2, 3, "c")].into_iter().filter(|(_, tag, _)| regions.contains(tag)));
+    names.extend(all.then_some((2, 8, "all")));
+    let count = names.len();
+    let names: String = names.iter().map(|(dim, tag, name)| format!("{dim} {tag} \"{name}\"\n")).collect();
     format!(
-        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n7\n{names}$EndPhysicalNames\n$Nodes\n10\n{nodes}$EndNodes\n\
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{count}\n{names}$EndPhysicalNames\n$Nodes\n10\n{nodes}$EndNodes\n\
          $Elements\n{}\n{}\n$EndElements\n",
         elements.len(),
         elements.join("\n")
@@ -157,4 +169,44 @@ fn every_unknown_name_of_a_list_is_told() {
     assert!(found.ends_with("supports/0/surface: \"x-\" is named twice"), "{found}");
     let found = common::problems(&with(common::BAR, r#""surface": "x-""#, r#""surface": []"#));
     assert!(found.ends_with("supports/0/surface: a list of names needs at least one"), "{found}");
+}
+
+/// A control by region on a mesh: the regions that have an unknown, or what is wrong.
+fn unknowns(mesh: &str, region: &str) -> Result<Vec<String>, String> {
+    let place = Place::new();
+    place.write("strip.msh", mesh);
+    let text = format!(
+        r#"{{ "nastic": 1, "mesh": "strip.msh",
+        "materials": [ {{ "region": REGIONS, "law": "neo_hooke", "young": "100 kPa", "poisson": 0.3 }} ],
+        "supports": [ {{ "surface": "left", "fix": "all" }} ],
+        "actuation": [ {{ "name": "swelling", "kind": "turgor", "region": {region} }} ],
+        "controls": [ {{ "of": "swelling", "space": "region", "start": "1 kPa * X / 1 m", "lower": 0, "upper": "5 kPa" }} ] }}"#
+    );
+    let all = if mesh.contains("\"all\"") { "\"all\"" } else { "[\"a\", \"b\", \"c\"]" };
+    let file = place.write("case.json", &text.replace("REGIONS", all));
+    let document = Document::open(&file).unwrap();
+    let problem = CaseProblem::lower(document, Arc::default()).map_err(|problems| problems.to_string())?;
+    let map = &problem.member(0).layout().blocks()[0].map;
+    assert_eq!(problem.start.len(), map.len());
+    Ok((0..map.len()).map(|k| format!("{} {}", map.region(k), problem.start[k].round())).collect())
+}
+
+/// Starts are evaluated at the centres of the regions: x = 1 of a, 2.5 of b, 3.5 of c.
+#[test]
+fn a_control_by_region_follows_the_regions_named() {
+    let (plain, double) = (strip(), strip_with(&[1, 1, 2, 3], true));
+    assert_eq!(unknowns(&plain, r#"["a", "c"]"#).unwrap(), ["a 1000", "c 3500"]);
+    assert_eq!(unknowns(&plain, r#""b""#).unwrap(), ["b 2500"]);
+    // A group of all cells changes nothing, and stands for the regions that divide it.
+    assert_eq!(unknowns(&double, r#"["a", "c"]"#).unwrap(), ["a 1000", "c 3500"]);
+    assert_eq!(unknowns(&double, r#""b""#).unwrap(), ["b 2500"]);
+    assert_eq!(unknowns(&double, r#""all""#).unwrap(), ["a 1000", "b 2500", "c 3500"]);
+}
+
+#[test]
+fn a_control_by_region_is_refused_where_regions_leave_it_open() {
+    let found = unknowns(&strip_with(&[1, 1, 2, 3], true), r#"["all", "b"]"#).unwrap_err();
+    assert!(found.contains("controls/0: regions \"all\" and \"b\" share 1 cells"), "{found}");
+    let found = unknowns(&strip_with(&[1, 1, 0, 0], true), r#""all""#).unwrap_err();
+    assert!(found.contains("controls/0: 2 cells of region \"all\" are in none of its parts (a)"), "{found}");
 }

@@ -56,6 +56,14 @@ fn required_keys_defaults_and_units_are_told() {
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     assert_eq!(schema["required"], json!(["nastic", "mesh", "materials"]));
     assert_eq!(schema["additionalProperties"], false);
+    let told = |key: &str| schema["$defs"]["Control"]["properties"][key]["description"].as_str().unwrap().to_owned();
+    for (key, sign) in [
+        ("start", "A positive tension lengthens"),
+        ("lower", "contracts below zero"),
+        ("upper", "lengthens above zero"),
+    ] {
+        assert!(told(key).contains(sign), "{key}: {}", told(key));
+    }
     let optimizer = &schema["$defs"]["Optimizer"]["properties"];
     assert_eq!(optimizer["method"]["default"], "projected_gradient");
     assert_eq!(optimizer["tolerance"]["default"], 1e-4);

@@ -1,6 +1,8 @@
 //! What may be typed.
 
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand};
+use nastic_case::template::TEMPLATES;
 use std::path::PathBuf;
 
 /// Optimal control of actuated hyperelastic soft bodies.
@@ -25,6 +27,8 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a commented case with its mesh into a new directory, to begin with
+    New(New),
     /// Show how a case is understood: groups, sizes, mesh quality, values with units, conventions. Solves nothing
     Check(Case),
     /// Find the equilibrium at the start controls
@@ -60,6 +64,22 @@ pub enum Command {
     Report(Report),
     /// Print the JSON Schema of case files, for editors
     Schema,
+}
+
+/// A case to begin with.
+#[derive(Debug, Args)]
+pub struct New {
+    /// The directory to make; its last part names the case too. What exists is never replaced
+    #[arg(value_name = "NAME")]
+    pub directory: PathBuf,
+    /// Which: a finger bent by a muscle, a finger with an air chamber, a magnetic strip, a finger of uncertain stiffness
+    #[arg(long, value_name = "TEMPLATE", default_value = "finger", value_parser = templates())]
+    pub template: String,
+}
+
+/// The names of templates.
+fn templates() -> PossibleValuesParser {
+    PossibleValuesParser::new(TEMPLATES.iter().map(|template| PossibleValue::new(template.name).help(template.about)))
 }
 
 /// A case to optimise.

@@ -1,11 +1,12 @@
 //! From arguments to an exit code.
 
-use crate::arguments::{self, Arguments, Case, Command, Optimize, Report, Resume, Running, StopAt};
+use crate::arguments::{self, Arguments, Case, Command, New, Optimize, Report, Resume, Running, StopAt};
 use crate::signals::cancelled_by_signals;
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
 use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, report, resume, run_with};
 use nastic_case::schema;
+use nastic_case::template::{Template, TemplateError};
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
@@ -13,6 +14,7 @@ use std::process::ExitCode;
 pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
     let on_case = |command, case: &Case| on_case(catalogue, command, case, Asked::default());
     match arguments.command {
+        Command::New(new) => begin(&new),
         Command::Check(case) => on_case(schema::Command::Check, &case),
         Command::Solve(solve) => {
             let analysis = match analysis(&solve.analysis) {
@@ -33,6 +35,25 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
         Command::Schema => {
             print(&schema::json_schema(catalogue));
             ExitCode::SUCCESS
+        }
+    }
+}
+
+/// Writes a case to begin with, and says what to type next.
+fn begin(New { directory, template }: &New) -> ExitCode {
+    match Template::named(template).and_then(|template| template.write(directory)) {
+        Ok(case) => {
+            let case = case.display();
+            let _ = writeln!(
+                stdout().lock(),
+                "written     {case}\nnext        nastic check {case}\n            nastic optimize {case}"
+            );
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            complain(&error.to_string());
+            let exit = if matches!(error, TemplateError::Write(_)) { Exit::NotWritten } else { Exit::BadInput };
+            ExitCode::from(exit.code())
         }
     }
 }

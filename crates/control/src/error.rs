@@ -67,11 +67,31 @@ pub enum ControlError {
         /// The space asked for.
         space: &'static str,
     },
-    /// Region space over cells of no region.
-    #[error("cell {cell} is in no named region, so a control by region has no value there; use the space \"cell\"")]
-    NoRegion {
-        /// The cell.
-        cell: usize,
+    /// Region space over regions that overlap.
+    #[error(
+        "regions \"{first}\" and \"{second}\" share {cells} cells, so a control by region has no single value there: give the actuation a \
+         list of regions that do not overlap, or take the space \"uniform\" or \"cell\""
+    )]
+    OverlappingRegions {
+        /// A region.
+        first: String,
+        /// Another.
+        second: String,
+        /// How many cells they share.
+        cells: usize,
+    },
+    /// Region space over a region that others divide in part.
+    #[error(
+        "{cells} cells of region \"{region}\" are in none of its parts ({parts}), so a control by region has no value there: give the \
+         actuation a list of regions that do not overlap, or take the space \"uniform\" or \"cell\""
+    )]
+    UndividedRegion {
+        /// The region.
+        region: String,
+        /// The regions that share some of its cells.
+        parts: String,
+        /// How many cells are in none of them.
+        cells: usize,
     },
     /// A vector of the wrong length.
     #[error("the control vector has {found} entries where the problem has {expected}")]

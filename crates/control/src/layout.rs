@@ -171,7 +171,7 @@ impl Layout {
             return Err(ControlError::ControlledTwice { name: of.to_owned(), other: other.name.clone() });
         }
         let map = match solid.model().controllable()[actuation] {
-            Controllable { cells: Some(cells), .. } => ControlMap::new(solid.discretization(), cells, space)?,
+            Controllable { regions: Some(regions), .. } => ControlMap::new(solid.discretization(), regions, space)?,
             Controllable { measure, .. } if space == Space::Uniform => ControlMap::whole(measure),
             _ => return Err(ControlError::OneNumber { name: of.to_owned(), space: space.name() }),
         };

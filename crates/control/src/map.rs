@@ -2,14 +2,15 @@
 
 use crate::error::ControlError;
 use nastic_fem::Discretization;
-use std::collections::BTreeMap;
+use nastic_mesh::{GroupNames, Mesh};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How a control field varies over the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Space {
     /// One value.
     Uniform,
-    /// One value per named region.
+    /// One value per region that the actuation names, or that divides the one it names.
     Region,
     /// One value per cell.
     Cell,
@@ -92,28 +93,30 @@ impl ControlMap {
         self.measure.as_ref().map_or(disc.points().weights(), |measure| measure.as_slice())
     }
 
-    /// The map of a space over the given cells.
+    /// The map of a space over the cells of regions. In the region space each of them has an unknown; a single region that others
+    /// of the mesh divide has one for each of those.
     ///
     /// # Errors
-    /// [`ControlError::NoRegion`] in the region space where a cell belongs to none.
-    pub fn new(disc: &Discretization, cells: &[u32], space: Space) -> Result<Self, ControlError> {
+    /// An unknown name; in the region space [`ControlError::OverlappingRegions`] where a cell would have two unknowns, and
+    /// [`ControlError::UndividedRegion`] where it would have none.
+    pub fn new(disc: &Discretization, regions: &GroupNames, space: Space) -> Result<Self, ControlError> {
         let mesh = disc.mesh();
+        let cells = mesh.cells_of(regions)?;
         let mut acts = vec![false; mesh.cells()];
         cells.iter().for_each(|&c| acts[c as usize] = true);
-        let regions: Vec<String> = mesh.regions().keys().cloned().collect();
-        let region_of = (space == Space::Region).then(|| region_of_cells(disc));
+        let region_of = (space == Space::Region).then(|| region_of_cells(mesh, regions, &cells)).transpose()?;
         let mut map = ControlMap {
             space,
             starts: vec![0],
             unknowns: vec![],
             shapes: vec![],
             entities: vec![],
-            regions,
+            regions: mesh.regions().keys().cloned().collect(),
             positions: vec![],
             measure: None,
         };
         let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
-        for entity in entities(disc, cells, space, region_of.as_deref())? {
+        for entity in entities(mesh, &cells, space, region_of.as_deref()) {
             let next = numbers.len() as u32;
             numbers.entry(entity).or_insert(next);
         }
@@ -261,41 +264,48 @@ impl ControlMap {
     }
 }
 
-/// The first region (by name) of every cell, `u32::MAX` for none.
-fn region_of_cells(disc: &Discretization) -> Vec<u32> {
-    let mut of = vec![u32::MAX; disc.mesh().cells()];
-    for (r, cells) in disc.mesh().regions().values().enumerate() {
-        for &cell in cells {
-            if of[cell as usize] == u32::MAX {
-                of[cell as usize] = r as u32;
-            }
+/// Number of the region, among those of the mesh, that gives each cell of an actuation its value.
+fn region_of_cells(mesh: &Mesh, named: &GroupNames, cells: &[u32]) -> Result<Vec<u32>, ControlError> {
+    let acts: BTreeSet<u32> = cells.iter().copied().collect();
+    let shared = |of: &[u32]| of.iter().filter(|cell| acts.contains(cell)).count();
+    let is_named = |name: &str| named.iter().any(|one| one == name);
+    // A region that has all the cells does not divide them, one that has none has nothing to do with them.
+    let divides = |name: &str, of: &[u32]| !is_named(name) && shared(of) > 0 && shared(of) < acts.len();
+    let divided = !named.are_several() && mesh.regions().iter().any(|(name, of)| divides(name, of));
+    let parts = mesh.regions().iter().enumerate();
+    let parts = parts.filter(|(_, (name, of))| if divided { divides(name, of) } else { is_named(name) });
+    let parts: Vec<(u32, &String, &Vec<u32>)> = parts.map(|(r, (name, of))| (r as u32, name, of)).collect();
+    let mut of_cell = vec![u32::MAX; mesh.cells()];
+    for (k, (r, name, of)) in parts.iter().enumerate() {
+        let own: BTreeSet<u32> = of.iter().filter(|cell| acts.contains(cell)).copied().collect();
+        let clash = parts[..k].iter().find(|(_, _, other)| other.iter().any(|cell| own.contains(cell)));
+        if let Some((_, first, other)) = clash {
+            let cells = other.iter().filter(|cell| own.contains(cell)).count();
+            let (first, second) = ((*first).clone(), (*name).clone());
+            return Err(ControlError::OverlappingRegions { first, second, cells });
         }
+        own.iter().for_each(|&cell| of_cell[cell as usize] = *r);
     }
-    of
+    let bare = cells.iter().filter(|&&cell| of_cell[cell as usize] == u32::MAX).count();
+    if bare > 0 {
+        let parts: Vec<&str> = parts.iter().map(|(_, name, _)| name.as_str()).collect();
+        let (region, parts) = (named.to_string(), parts.join(", "));
+        return Err(ControlError::UndividedRegion { region, parts, cells: bare });
+    }
+    Ok(of_cell)
 }
 
-fn entities(
-    disc: &Discretization,
-    cells: &[u32],
-    space: Space,
-    region_of: Option<&[u32]>,
-) -> Result<Vec<u32>, ControlError> {
-    Ok(match (space, region_of) {
+fn entities(mesh: &Mesh, cells: &[u32], space: Space, region_of: Option<&[u32]>) -> Vec<u32> {
+    match (space, region_of) {
         (Space::Cell, _) => cells.to_vec(),
         (Space::Node, _) => {
             let corners = |&c: &u32| {
-                let cell = disc.mesh().cell(c as usize);
+                let cell = mesh.cell(c as usize);
                 cell.nodes[..cell.kind.corners()].to_vec()
             };
             cells.iter().flat_map(corners).collect()
         }
-        (Space::Region, Some(region_of)) => {
-            let of = |&c: &u32| match region_of[c as usize] {
-                u32::MAX => Err(ControlError::NoRegion { cell: c as usize }),
-                r => Ok(r),
-            };
-            cells.iter().map(of).collect::<Result<_, _>>()?
-        }
+        (Space::Region, Some(region_of)) => cells.iter().map(|&cell| region_of[cell as usize]).collect(),
         _ => vec![0],
-    })
+    }
 }

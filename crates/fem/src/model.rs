@@ -12,6 +12,7 @@ use crate::discretization::supports::Supports;
 use crate::error::{FemError, InvertedAt};
 use nastic_energy::Slot;
 use nastic_linear::{Solver, SparseMatrix, Symmetry};
+use nastic_mesh::GroupNames;
 use std::sync::Arc;
 
 /// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
@@ -32,7 +33,9 @@ pub struct Controllable<'a> {
     pub name: &'a str,
     /// Its slots.
     pub slots: &'a [Slot],
-    /// The cells it acts on; `None` where one number serves the whole contribution.
+    /// The regions it acts on; `None` where one number serves the whole contribution.
+    pub regions: Option<&'a GroupNames>,
+    /// Their cells; `None` where one number serves the whole contribution.
     pub cells: Option<&'a [u32]>,
     /// Size of what it acts on, where that is no set of cells.
     pub measure: f64,
@@ -102,12 +105,14 @@ impl Model {
         let of_body = self.body.actuations().iter().map(|a| Controllable {
             name: &a.name,
             slots: a.law.slots(),
+            regions: Some(&a.regions),
             cells: Some(&a.cells),
             measure: 0.0,
         });
         let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| Controllable {
             name: c.name(),
             slots: c.slots(),
+            regions: None,
             cells: None,
             measure: c.measure(),
         });

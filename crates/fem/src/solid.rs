@@ -86,8 +86,10 @@ impl Solid {
             let what = format!("there are two actuations named \"{name}\"; rename one");
             return Err(FemError::Meaningless { what });
         }
-        let cells = self.mesh().cells_of(&region.into())?;
-        self.model.body.add_actuation(AttachedActuation { name: name.to_owned(), law: Arc::new(law), cells })?;
+        let regions = region.into();
+        let cells = self.mesh().cells_of(&regions)?;
+        let attached = AttachedActuation { name: name.to_owned(), law: Arc::new(law), regions, cells };
+        self.model.body.add_actuation(attached)?;
         Ok(self)
     }
 

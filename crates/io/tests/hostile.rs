@@ -36,7 +36,9 @@ fn missing_files_and_unknown_endings_are_named() {
     assert!(matches!(error, ReadError::Open { .. }));
     assert!(error.to_string().contains("no/such/mesh.msh"), "{error}");
     let error = read_mesh("mesh.stl", 1.0).unwrap_err().to_string();
-    assert!(error.contains("mesh.stl") && error.contains(".msh") && error.contains(".vtu"), "{error}");
+    assert!(error.contains("mesh.stl: this is a surface") && error.contains("-o mesh.msh"), "{error}");
+    let error = read_mesh("mesh.xyz", 1.0).unwrap_err().to_string();
+    assert!(error.contains("mesh.xyz") && error.contains(".msh") && error.contains(".vtu"), "{error}");
     assert!(matches!(read_gmsh(env!("CARGO_MANIFEST_DIR")), Err(ReadError::Open { .. })));
 }
 

@@ -1,5 +1,6 @@
 //! `nastic optimize`: the main job; `nastic resume` goes on with it.
 
+mod advice;
 mod branch_changes;
 mod checkpoint;
 mod finished_run;

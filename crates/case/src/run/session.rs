@@ -328,6 +328,11 @@ impl<'c> Session<'c> {
         }
     }
 
+    /// Where results go unless `--out` says otherwise.
+    pub fn usual_directory(&self) -> PathBuf {
+        usual_directory(&self.problem)
+    }
+
     /// The error of a checkpoint that is whole but not of this case.
     pub fn unfit_checkpoint(&self, what: &str) -> RunError {
         let file = self.out.as_ref().map(|out| out.file(checkpoint_file::NAME)).unwrap_or_default();
@@ -398,10 +403,15 @@ fn directory(command: &Command, problem: &CaseProblem, options: &Options) -> Opt
     if options.in_memory || matches!(command, Command::Check | Command::Gradcheck) {
         return named;
     }
+    Some(named.unwrap_or_else(|| usual_directory(problem)))
+}
+
+/// What the case says, else `out/CASE` beside it.
+fn usual_directory(problem: &CaseProblem) -> PathBuf {
     let path = Path::new(problem.document.name());
     let stem = path.file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy().into_owned());
     let own = problem.case.output.directory.clone().unwrap_or_else(|| format!("out/{stem}"));
-    Some(named.unwrap_or_else(|| problem.document.resolve(&own)))
+    problem.document.resolve(&own)
 }
 
 impl From<Exit> for u8 {

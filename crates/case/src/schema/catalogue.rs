@@ -173,7 +173,8 @@ pub(crate) fn form_schema(
 
 /// The schema of a slot's fixed value.
 pub(crate) fn slot_schema(slot: &SlotName, definitions: &mut Definitions) -> Json {
-    let about = format!("The {} where it is no control.", slot.key);
+    let sign = if slot.key == "tension" { " A positive one lengthens, a negative one contracts." } else { "" };
+    let about = format!("The {} where it is no control.{sign}", slot.key);
     let schema = if slot.vector {
         VectorField::schema(slot.want, definitions)
     } else {

@@ -8,7 +8,7 @@ use super::super::solve::{say_files, say_members, say_probes, say_stability, tit
 use super::super::states::Shown;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
-use super::{fall, revalued, starts, why};
+use super::{advice, fall, revalued, starts, why};
 use crate::lower::file_name;
 use crate::result::convergence;
 use crate::result::files::Directory;
@@ -19,7 +19,7 @@ use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
-use nastic_opt::{Best, Stop};
+use nastic_opt::Best;
 use serde_json::{Value, json};
 
 /// Writes the states at the start and the targets.
@@ -153,30 +153,7 @@ fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Writ
     say_probes(session, &result);
     match resumable {
         Some(checkpoint) => say_how_to_resume(session, checkpoint),
-        None if !best.stop.is_converged() => say_how_to_go_on(session, &best.stop),
-        None => {}
-    }
-}
-
-/// A run that stopped short can be taken up from its last control.
-fn say_how_to_go_on(session: &Session<'_>, stop: &Stop) {
-    let Some(out) = &session.out else { return };
-    let console = session.console;
-    match stop {
-        stop if stop.is_interrupted() => console.say("to go on    start from the control that was reached:"),
-        Stop::MaxIterations { .. } => {
-            console.say("to go on    raise optimizer/max_iterations, or start from the control that was reached:");
-        }
-        _ => {
-            console.say("to go on    try another optimizer/method or other stages, from the control that was reached:")
-        }
-    }
-    for (k, field) in session.problem.controls.iter().enumerate() {
-        let owner = session.problem.member(session.problem.ensemble.blocks()[k].owner);
-        let file = out.file(&owner.file("optimum.vtu"));
-        let file = std::path::absolute(&file).unwrap_or(file);
-        let start = json!({ "file": file.display().to_string(), "array": field.array });
-        console.say(format!("            --set '{}/start={start}'", field.at));
+        None => advice::say(session, best),
     }
 }
 

@@ -8,6 +8,7 @@ use assembly::Terms;
 use formulation::{Formulation, Standard};
 use nastic_energy::{Actuation, EnergyTerm, Place};
 use nastic_linear::SparseMatrix;
+use nastic_mesh::GroupNames;
 use nastic_tensor::Vec3;
 use std::sync::Arc;
 
@@ -39,7 +40,9 @@ pub struct AttachedActuation {
     pub name: String,
     /// The law.
     pub law: Arc<dyn Actuation>,
-    /// Cells it acts on.
+    /// The regions it acts on.
+    pub regions: GroupNames,
+    /// Their cells.
     pub cells: Vec<u32>,
 }
 

@@ -1,0 +1,177 @@
+//! What to try after an optimisation that stopped before it converged, or whose bounds decided: each with the command.
+
+use super::super::session::Session;
+use crate::lower::Admitted;
+use crate::result::summary;
+use crate::schema::{Cost, SmoothedHausdorff, Stage};
+use nastic_control::EnsemblePoint;
+use nastic_opt::{Best, Stall, Stop};
+use serde_json::{Value, json};
+
+/// The method to take instead of another.
+const QUASI_NEWTON: &str = "lbfgs";
+/// Starts to try where one ended too high.
+const STARTS: usize = 4;
+/// Many of a control's values on bounds: the bounds may decide. Of one that converged, all of them.
+const MANY: f64 = 0.5;
+
+/// One thing to try.
+struct Advice {
+    why: String,
+    command: String,
+}
+
+/// Says what may help, the most likely first.
+pub(super) fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
+    let console = session.console;
+    for (k, advice) in advices(session, best).iter().enumerate() {
+        console.say(format!("{} {}:", if k == 0 { "to go on   " } else { "           " }, advice.why));
+        console.say(format!("              {}", advice.command));
+    }
+}
+
+fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
+    let optimizer = &session.problem.case.optimizer;
+    let from_here = starts_from_here(session);
+    let again = |why: String, set: Vec<String>| Advice { why, command: optimize(session, &set) };
+    let with = |one: String| [vec![one], from_here.clone()].concat();
+    let mut out = Vec::new();
+    match &best.stop {
+        Stop::Converged { .. } => {}
+        stop if stop.is_interrupted() => {
+            out.push(again("start from the control that was reached".into(), from_here.clone()));
+        }
+        Stop::MaxIterations { iterations, .. } => {
+            let set =
+                with(format!("optimizer/max_iterations={}", 2 * (*iterations).max(optimizer.max_iterations).max(1)));
+            out.push(again("raise the limit of iterations, from the control that was reached".into(), set));
+        }
+        Stop::Stalled(Stall::Flat { relative_gradient, .. } | Stall::Stagnation { relative_gradient, .. }) => {
+            let tolerance = loosened(*relative_gradient);
+            let why = format!("if this is good enough, take a tolerance that it meets ({tolerance})");
+            out.push(again(why, with(format!("optimizer/tolerance={tolerance}"))));
+        }
+        Stop::Stalled(Stall::LineSearch { trials, failed, .. }) if 2 * failed >= *trials => {
+            let set = narrowed(session);
+            let why = "most trials had no equilibrium: narrow the bounds to where the body has one".to_owned();
+            out.extend((!set.is_empty()).then(|| again(why, set)));
+            out.push(Advice {
+                why: "see how far the body goes along its path of equilibria".to_owned(),
+                command: format!("nastic solve {} --path", quote(session.problem.document.name())),
+            });
+        }
+        Stop::Stalled(Stall::LineSearch { .. }) => out.push(Advice {
+            why: "no step lowered the cost: test its derivative".to_owned(),
+            command: format!("nastic gradcheck {}", quote(session.problem.document.name())),
+        }),
+        Stop::Stalled(Stall::Stage { stage, .. }) => {
+            let why = format!("stage {} has no value there: stop before it, or put one between", stage + 1);
+            out.push(again(why, [stages_before(session, *stage), from_here.clone()].concat()));
+        }
+        _ => {}
+    }
+    if optimizer.method.name() != QUASI_NEWTON && !best.stop.is_interrupted() && !best.stop.is_converged() {
+        let set = with(format!("optimizer/method={QUASI_NEWTON}"));
+        out.push(again("take the quasi-Newton method, which needs fewer iterations".into(), set));
+    }
+    if let (Stop::Stalled(_), 1) = (&best.stop, optimizer.starts) {
+        let why = "the cost may have other minima: try several starts".to_owned();
+        out.extend(bounded(session).then(|| again(why, vec![format!("optimizer/starts={STARTS}")])));
+    }
+    out.extend(widened(session, best));
+    out
+}
+
+/// `nastic optimize` with the overrides of this run and others.
+fn optimize(session: &Session<'_>, set: &[String]) -> String {
+    let path = |setting: &str| setting.split_once('=').map_or("", |(path, _)| path).to_owned();
+    let replaced = |old: &String| set.iter().any(|new| path(new) == path(old));
+    let kept = session.settings.iter().filter(|old| !replaced(old));
+    let settings = kept.chain(set).map(|setting| format!(" --set {}", quote(setting)));
+    let out = session.out.as_ref().map(|out| out.path()).filter(|out| *out != session.usual_directory());
+    let out = out.map_or_else(String::new, |out| format!(" --out {}", quote(&out.display().to_string())));
+    format!("nastic optimize {}{out}{}", quote(session.problem.document.name()), settings.collect::<String>())
+}
+
+/// Settings that let every control start where it has come to.
+fn starts_from_here(session: &Session<'_>) -> Vec<String> {
+    let Some(out) = &session.out else { return vec![] };
+    let file = out.file("controls.json");
+    let file = std::path::absolute(&file).unwrap_or(file);
+    let start = json!({ "file": file.display().to_string() });
+    session.problem.controls.iter().map(|field| format!("{}/start={start}", field.at)).collect()
+}
+
+/// The stages of every cost that has some, up to this one.
+fn stages_before(session: &Session<'_>, stage: usize) -> Vec<String> {
+    let costs = session.problem.case.costs.iter().filter_map(|cost| match cost {
+        Cost::SmoothedHausdorff(block) if block.stages.len() > stage => Some(block),
+        _ => None,
+    });
+    let values = |stage: &Stage| json!({ "alpha": stage.alpha, "beta": stage.beta, "gamma": stage.gamma });
+    let of = |block: &SmoothedHausdorff| {
+        let stages: Value = block.stages[..stage.max(1)].iter().map(values).collect();
+        format!("{}/stages={stages}", block.at)
+    };
+    costs.map(of).collect()
+}
+
+/// Bounds of scalars at half their distance from zero.
+fn narrowed(session: &Session<'_>) -> Vec<String> {
+    let bounds = session.problem.controls.iter().filter_map(|field| match field.admitted {
+        Admitted::Between { lower, upper } => {
+            Some([("lower", lower), ("upper", upper)].map(|(key, v)| (field, key, v)))
+        }
+        _ => None,
+    });
+    let finite = bounds.flatten().filter(|(.., value)| value.is_finite() && *value != 0.0);
+    finite.map(|(field, key, value)| format!("{}/{key}={}", field.at, 0.5 * value)).collect()
+}
+
+/// Wider bounds, where most values of a control lie on them.
+fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> {
+    let problem = &session.problem;
+    let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
+    let set: Vec<String> = fields
+        .filter_map(|(block, field)| {
+            let components = summary::owner(problem, block).components;
+            let m = block.of(&best.m);
+            let on_bounds = summary::active(m, components, field) * components;
+            let Admitted::Between { lower, upper } = field.admitted else { return None };
+            let at = |bound: f64| m.iter().filter(|value| **value == bound).count();
+            let (key, bound) = if at(lower) > at(upper) { ("lower", lower) } else { ("upper", upper) };
+            let share = if best.stop.is_converged() { 1.0 } else { MANY };
+            let many = on_bounds as f64 >= share * m.len() as f64 && !m.is_empty();
+            let borne = field.limit.is_none_or(|limit| 2.0 * bound <= limit);
+            (many && borne && bound.is_finite() && bound != 0.0).then(|| format!("{}/{key}={}", field.at, 2.0 * bound))
+        })
+        .collect();
+    let why = "most values lie on a bound: widen it, if the body bears that".to_owned();
+    (!set.is_empty()).then(|| Advice { why, command: optimize(session, &set) })
+}
+
+/// Whether random starts can be drawn: every control is bounded.
+fn bounded(session: &Session<'_>) -> bool {
+    session.problem.controls.iter().all(|field| match field.admitted {
+        Admitted::Between { lower, upper } => lower.is_finite() && upper.is_finite(),
+        Admitted::Norm(_) | Admitted::MaxNorm(_) => true,
+        Admitted::Any => false,
+    })
+}
+
+/// The next tolerance with one digit above what was reached.
+fn loosened(relative_gradient: f64) -> String {
+    let exponent = relative_gradient.max(1e-300).log10().floor();
+    let digit = (relative_gradient / 10f64.powf(exponent)).ceil().max(1.0) + 1.0;
+    if digit >= 10.0 { format!("1e{}", exponent + 1.0) } else { format!("{digit}e{exponent}") }
+}
+
+/// As a shell takes it.
+fn quote(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-=+:@".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
+    }
+}

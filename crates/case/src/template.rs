@@ -1,0 +1,98 @@
+//! Commented cases to begin with: `nastic new`.
+
+use nastic_io::{WriteError, write_atomically};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A case with its mesh, for a directory of its own.
+#[derive(Debug)]
+pub struct Template {
+    /// Its name.
+    pub name: &'static str,
+    /// What it shows, in a few words.
+    pub about: &'static str,
+    /// The case, with comments.
+    case: &'static str,
+    /// The files it names.
+    files: &'static [(&'static str, &'static [u8])],
+}
+
+/// All of them.
+pub const TEMPLATES: &[Template] = &[
+    Template {
+        name: "finger",
+        about: "a finger bent by a muscle: the tension of every cell that brings its end to a target",
+        case: include_str!("../templates/finger.json"),
+        files: &[],
+    },
+    Template {
+        name: "chamber",
+        about: "a finger with an air chamber: the pressure that bends it to a target",
+        case: include_str!("../templates/chamber.json"),
+        files: &[("finger.msh", include_bytes!("../../../meshes/finger.msh"))],
+    },
+    Template {
+        name: "magnet",
+        about: "a magnetic strip: remanence and field that lift its end",
+        case: include_str!("../templates/magnet.json"),
+        files: &[],
+    },
+    Template {
+        name: "robust",
+        about: "a finger of uncertain stiffness: one tension for all scenarios",
+        case: include_str!("../templates/robust.json"),
+        files: &[],
+    },
+];
+
+/// Why a template was not written.
+#[derive(Debug, Error)]
+pub enum TemplateError {
+    /// No template has this name.
+    #[error("there is no template \"{name}\"; take one of {}", names())]
+    Unknown {
+        /// The name asked for.
+        name: String,
+    },
+    /// Nothing is replaced.
+    #[error("{} exists already and is left as it is: choose another name", path.display())]
+    Exists {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+fn names() -> String {
+    TEMPLATES.iter().map(|template| template.name).collect::<Vec<_>>().join(", ")
+}
+
+impl Template {
+    /// The template of that name.
+    ///
+    /// # Errors
+    /// [`TemplateError::Unknown`] with the names there are.
+    pub fn named(name: &str) -> Result<&'static Self, TemplateError> {
+        let found = TEMPLATES.iter().find(|template| template.name == name);
+        found.ok_or_else(|| TemplateError::Unknown { name: name.to_owned() })
+    }
+
+    /// Writes the case and its files into a new directory; the case file, called as the directory.
+    ///
+    /// # Errors
+    /// [`TemplateError::Exists`] where there is anything of that name; [`TemplateError::Write`].
+    pub fn write(&self, directory: &Path) -> Result<PathBuf, TemplateError> {
+        if directory.symlink_metadata().is_ok() {
+            return Err(TemplateError::Exists { path: directory.to_owned() });
+        }
+        for (name, content) in self.files {
+            write_atomically(directory.join(name), |out| out.write_all(content))?;
+        }
+        let stem = directory.file_name().map_or_else(|| self.name.into(), |name| name.to_string_lossy().into_owned());
+        let case = directory.join(format!("{stem}.json"));
+        write_atomically(&case, |out| out.write_all(self.case.as_bytes()))?;
+        Ok(case)
+    }
+}
