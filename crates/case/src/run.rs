@@ -20,22 +20,27 @@ mod error;
 mod gradcheck;
 mod gradient;
 mod number;
+mod on_trial;
 mod optimize;
 mod report;
 mod resume;
 mod session;
 mod solve;
+mod states;
 mod table;
 
 pub use analysis::Analysis;
 pub use error::{Exit, RunError};
 pub use gradcheck::{GradientTest, test_gradient};
+pub use on_trial::OnTrial;
 pub use report::report;
+pub use states::{ShowError, States};
 
 use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::result::{Missed, expectation, failure};
 use crate::schema::Command;
+use crate::syntax::Document;
 use crate::warning::Warning;
 use nastic_control::ControlError;
 use serde_json::{Value, json};
@@ -43,12 +48,15 @@ use session::Session;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 /// What a user may choose beside the case.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Directory of all results; that of the case if absent.
     pub out: Option<PathBuf>,
+    /// Whether nothing is written unless `out` says where, by any command.
+    pub in_memory: bool,
     /// Number of threads; all processors if absent. Results do not depend on it.
     pub threads: Option<usize>,
     /// Overrides `path=value`, in order.
@@ -61,6 +69,8 @@ pub struct Options {
     pub restart: bool,
     /// What `solve` computes.
     pub analysis: Analysis,
+    /// Told of every trial of an optimisation.
+    pub on_trial: OnTrial,
     /// Once raised, the command stops as soon as it can, keeping what it has.
     pub cancel: Arc<AtomicBool>,
 }
@@ -97,16 +107,37 @@ pub fn run_with(
     console: &Console,
 ) -> Result<Outcome, RunError> {
     pool(options.threads)?.install(|| {
-        let mut session = Session::open(catalogue, command, case, options, console)?;
-        let exit = match &session.command {
-            Command::Check => check::run(&mut session),
-            Command::Solve => solve::run(&mut session, &options.analysis),
-            Command::Gradient => gradient::run(&mut session),
-            Command::Gradcheck => gradcheck::run(&mut session),
-            Command::Optimize => optimize::begin(&mut session, options.restart),
-        };
-        conclude(session, exit, options.analysis.has_one_state())
+        let session = Session::open(catalogue, command, case, options, console)?;
+        execute(session, options).map(|(outcome, _)| outcome)
     })
+}
+
+/// Runs a command on a case that was read or made by a program; also the states that it found, as values: of `solve` and `gradient` those
+/// at the start controls, of `optimize` the best. None of the commands that have no such state (`check`, `gradcheck`, a path).
+///
+/// # Errors
+/// As [`run`].
+pub fn run_document(
+    command: Command,
+    document: Document,
+    options: &Options,
+    console: &Console,
+) -> Result<(Outcome, Option<States>), RunError> {
+    pool(options.threads)?.install(|| {
+        let session = Session::open_document(command, document, options, console, Instant::now())?;
+        execute(session, options)
+    })
+}
+
+fn execute(mut session: Session<'_>, options: &Options) -> Result<(Outcome, Option<States>), RunError> {
+    let exit = match &session.command {
+        Command::Check => check::run(&mut session),
+        Command::Solve => solve::run(&mut session, &options.analysis),
+        Command::Gradient => gradient::run(&mut session),
+        Command::Gradcheck => gradcheck::run(&mut session),
+        Command::Optimize => optimize::begin(&mut session, options.restart),
+    };
+    conclude(session, exit, options.analysis.has_one_state())
 }
 
 /// Goes on with an optimisation from the last checkpoint in its output directory. The result is that of [`run`] without
@@ -125,8 +156,9 @@ pub fn resume(
         let (mut session, position) = resume::open(catalogue, directory, options.cancel.clone(), console)?;
         session.strict = options.strict;
         session.report = !options.no_report;
+        session.on_trial = options.on_trial.clone();
         let exit = optimize::resume(&mut session, position);
-        conclude(session, exit, true)
+        conclude(session, exit, true).map(|(outcome, _)| outcome)
     })
 }
 
@@ -140,7 +172,11 @@ fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, RunError> {
     pool.build().map_err(|error| RunError::Threads(error.to_string()))
 }
 
-fn conclude(session: Session<'_>, exit: Result<Exit, RunError>, usual: bool) -> Result<Outcome, RunError> {
+fn conclude(
+    session: Session<'_>,
+    exit: Result<Exit, RunError>,
+    usual: bool,
+) -> Result<(Outcome, Option<States>), RunError> {
     session.console.clear();
     match exit {
         Ok(exit) => close(session, exit, usual),
@@ -173,7 +209,7 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
 }
 
 /// Judges expectations and writes the result.
-fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<Outcome, RunError> {
+fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, Option<States>), RunError> {
     let mut exit = exit;
     session.finish_clock();
     let expect = &session.problem.case.expect;
@@ -206,5 +242,7 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<Outcome, R
     if let Some(out) = &session.out {
         session.console.say(format!("results     {}", out.path().display()));
     }
-    Ok(Outcome { exit, result: session.result_value(), missed })
+    let outcome = Outcome { exit, result: session.result_value(), missed };
+    let Session { problem, shown, .. } = session;
+    Ok((outcome, shown.map(|shown| States::new(problem, shown))))
 }

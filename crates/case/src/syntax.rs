@@ -10,10 +10,9 @@ mod setting;
 pub(crate) mod nearest;
 mod quote;
 
-pub(crate) use quote::quoted;
-
 pub use diagnostic::{Diagnostic, Diagnostics};
 pub use document::Document;
 pub use node::{Node, Place, Property, Value};
 pub use path::At;
+pub use quote::quoted;
 pub use setting::Setting;

@@ -68,6 +68,7 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, asked: 
         analysis: asked.analysis,
         restart: asked.restart,
         cancel: cancelled_by_signals(),
+        ..Options::default()
     };
     answer(name, running, run_with(catalogue, command, &case.case, &options, &console(running)))
 }

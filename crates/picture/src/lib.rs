@@ -183,6 +183,11 @@ impl Body {
     }
 }
 
+/// A picture that cannot be drawn: what is wrong with its inputs.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("cannot draw the picture: {0}")]
+pub struct PictureError(String);
+
 impl Picture {
     /// An empty picture of 1600 x 1000 pixels.
     pub fn new(title: &str) -> Self {
@@ -241,7 +246,7 @@ impl Picture {
         let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
         match ending.as_deref() {
             Some("png") => {
-                let bytes = self.png().map_err(|what| bad(what, "see the picture's inputs"))?;
+                let bytes = self.png().map_err(|PictureError(what)| bad(what, "see the picture's inputs"))?;
                 write_atomically(path, |out| out.write_all(&bytes))
             }
             Some("svg") => {
@@ -252,12 +257,17 @@ impl Picture {
         }
     }
 
-    fn png(&self) -> Result<Vec<u8>, String> {
-        let scene = scene::Scene::new(self)?;
+    /// The picture as a PNG.
+    ///
+    /// # Errors
+    ///
+    /// No bodies, positions or values of the wrong number, positions that are not finite, or a view of length zero.
+    pub fn png(&self) -> Result<Vec<u8>, PictureError> {
+        let scene = scene::Scene::new(self).map_err(PictureError)?;
         let frame = frame::Frame::new(self, &scene);
         let mut image = raster::render(&scene, self.width as usize, self.height as usize);
         text::draw(&mut image, &frame.marks);
-        png::encode(&image).map_err(|error| error.to_string())
+        png::encode(&image).map_err(|error| PictureError(error.to_string()))
     }
 
     fn svg(&self) -> Result<String, String> {

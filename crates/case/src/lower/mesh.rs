@@ -21,11 +21,26 @@ pub(super) fn at(case: &Case) -> At {
 
 /// Reads or makes a mesh, once; what was mended is noted.
 pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Arc<Mesh>> {
+    if let MeshSource::File(file) = source
+        && let Some(mesh) = context.document.mesh(&file.file)
+    {
+        return given(mesh, file.scale, at, context);
+    }
     let key = match source {
         MeshSource::File(file) => format!("{} {}", file.file, file.scale),
         MeshSource::Box(block) => format!("{:?} {:?} {}", block.size, block.cells, block.element.0.name()),
     };
     context.mesh(key, |context| make(source, at, context))
+}
+
+/// A mesh that a program made.
+fn given(mesh: &Arc<Mesh>, scale: f64, at: &At, context: &mut Context<'_>) -> Option<Arc<Mesh>> {
+    if scale != 1.0 {
+        context.complain(&at.key("scale"), "a mesh that is given as arrays has no scale: multiply its points");
+        return None;
+    }
+    mesh.notes().iter().for_each(|note| context.note(format!("{}: {note}", mesh.name())));
+    Some(mesh.clone())
 }
 
 fn make(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Mesh> {

@@ -20,6 +20,14 @@ pub(crate) struct Drawing<'a> {
 
 /// Writes `picture.png` and `picture.svg`; their names begin with the member's load case.
 pub(crate) fn write(member: CaseMember<'_>, drawing: &Drawing<'_>, to: &Directory) -> Result<(), WriteError> {
+    let picture = compose(member, drawing);
+    let write = |name: &str| picture.write(to.file(&member.case_file(name)));
+    let (png, svg) = rayon::join(|| write("picture.png"), || write("picture.svg"));
+    png.and(svg)
+}
+
+/// The picture of a member.
+pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Picture {
     let mut picture =
         Picture::new(&drawing.title).subtitle(&drawing.subtitle).length_unit(member.problem().units().length().symbol);
     if let Some((label, ghost)) = drawing.ghost {
@@ -31,10 +39,7 @@ pub(crate) fn write(member: CaseMember<'_>, drawing: &Drawing<'_>, to: &Director
         }
     }
     let (label, body) = drawing.body;
-    picture = picture.body(Body::of(label, body).appearance(appearance(member, body)));
-    let write = |name: &str| picture.write(to.file(&member.case_file(name)));
-    let (png, svg) = rayon::join(|| write("picture.png"), || write("picture.svg"));
-    png.and(svg)
+    picture.body(Body::of(label, body).appearance(appearance(member, body)))
 }
 
 /// Coloured by the first scalar control, else by J.

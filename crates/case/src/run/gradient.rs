@@ -4,7 +4,7 @@ use super::check_gradient;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
 use super::session::Session;
-use super::solve::{say_cost, say_files, say_members, say_probes, write_collections, write_targets};
+use super::solve::{say_cost, say_files, say_members, say_probes, show, write_collections, write_targets};
 use crate::lower::CaseProblem;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
@@ -26,6 +26,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     report(session, &point, &derivative, &found)?;
     let certificate = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
     session.timed("write", |session| write(session, &point, &derivative, &found))?;
+    show(session, point, Some(derivative), found);
     Ok(if certificate.verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
 }
 

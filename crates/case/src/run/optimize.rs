@@ -118,7 +118,7 @@ pub(super) fn resume(session: &mut Session<'_>, position: Option<Position>) -> R
 /// Reports what was found, then what could not be written on the way.
 fn conclude(
     session: &mut Session<'_>,
-    (starts, ran): (Starts, Result<(), RunError>),
+    (mut starts, ran): (Starts, Result<(), RunError>),
     journal: Journal,
     began: Instant,
 ) -> Result<Exit, RunError> {
@@ -128,25 +128,27 @@ fn conclude(
     ran?;
     let written = journal.written();
     let unwritten = journal.finish();
-    let Some((index, ended)) = &starts.best else { return Err(RunError::Cancelled) };
+    let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
     let resumable = written.filter(|_| starts.interrupted);
-    run_warnings::warn(session, ended, starts.interrupted);
-    let reported = outcome::report(session, (*index, ended), &starts.entries, resumable);
-    let unwritten = reported.and(unwritten);
-    if let (Err(error), Some(written)) = (&unwritten, written)
+    run_warnings::warn(session, &ended, starts.interrupted);
+    let reported = outcome::report(session, (index, &ended), &starts.entries, resumable);
+    let reported = reported.and_then(|found| unwritten.map(|()| found));
+    if let (Err(error), Some(written)) = (&reported, written)
         && error.exit() == Exit::NotWritten
         && !starts.interrupted
     {
         outcome::say_how_to_resume(session, written);
     }
-    unwritten?;
+    let found = reported?;
+    let converged = ended.best.stop.is_converged();
+    outcome::show(session, ended, found);
     if let Some(why) = starts.aborted {
         session.console.say(format!("failed      {why}"));
         session.put("error", json!(why));
         return Ok(Exit::ForwardFailed);
     }
     session.ended = !starts.interrupted;
-    let done = ended.best.stop.is_converged() && !starts.interrupted;
+    let done = converged && !starts.interrupted;
     Ok(if done { Exit::Done } else { Exit::NotConverged })
 }
 

@@ -2,7 +2,8 @@
 
 use super::ensemble_progress::EnsembleProgress;
 use super::error::{Exit, RunError};
-use super::{Options, number};
+use super::states::Shown;
+use super::{OnTrial, Options, number};
 use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
@@ -45,6 +46,10 @@ pub(super) struct Session<'c> {
     pub report: bool,
     /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
     pub ended: bool,
+    /// Told of every trial of an optimisation.
+    pub on_trial: OnTrial,
+    /// The states that were found.
+    pub shown: Option<Shown>,
     result: Map<String, Value>,
     phases: Vec<(&'static str, f64)>,
     began: Instant,
@@ -60,14 +65,26 @@ impl<'c> Session<'c> {
         console: &'c Console,
     ) -> Result<Self, RunError> {
         let began = Instant::now();
-        let mut document = Document::open(path)?.with_catalogue(catalogue);
+        let document = Document::open(path)?.with_catalogue(catalogue);
+        Self::open_document(command, document, options, console, began)
+    }
+
+    /// Lowers a case that was read; `began` is when that began.
+    pub fn open_document(
+        command: Command,
+        mut document: Document,
+        options: &Options,
+        console: &'c Console,
+        began: Instant,
+    ) -> Result<Self, RunError> {
         for option in &options.set {
             document.set(option)?;
         }
         let mut session = Self::of(command, document, options.set.clone(), options.cancel.clone(), console, began)?;
         session.strict = options.strict;
         session.report = !options.no_report;
-        session.out = directory(&session.command, &session.problem, path, options).map(Directory::claim).transpose()?;
+        session.on_trial = options.on_trial.clone();
+        session.out = directory(&session.command, &session.problem, options).map(Directory::claim).transpose()?;
         Ok(session)
     }
 
@@ -117,6 +134,8 @@ impl<'c> Session<'c> {
             settings,
             report: true,
             ended: false,
+            on_trial: OnTrial::default(),
+            shown: None,
             result: Map::new(),
             phases: vec![("read", began.elapsed().as_secs_f64())],
             began,
@@ -363,11 +382,12 @@ impl<'c> Session<'c> {
 
 /// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where
 /// they are told to.
-fn directory(command: &Command, problem: &CaseProblem, path: &Path, options: &Options) -> Option<PathBuf> {
+fn directory(command: &Command, problem: &CaseProblem, options: &Options) -> Option<PathBuf> {
     let named = options.out.clone();
-    if matches!(command, Command::Check | Command::Gradcheck) {
+    if options.in_memory || matches!(command, Command::Check | Command::Gradcheck) {
         return named;
     }
+    let path = Path::new(problem.document.name());
     let stem = path.file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy().into_owned());
     let own = problem.case.output.directory.clone().unwrap_or_else(|| format!("out/{stem}"));
     Some(named.unwrap_or_else(|| problem.document.resolve(&own)))

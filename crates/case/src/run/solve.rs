@@ -12,6 +12,7 @@ use super::analysis::Analysis;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short, vector};
 use super::session::Session;
+use super::states::Shown;
 use crate::lower::{CaseMember, CaseProblem, TargetShape, file_name};
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
@@ -48,10 +49,29 @@ fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, R
     };
     modes::report(session, &modes);
     session.timed("write", |session| write(session, &point, &found, &modes))?;
-    if let Analysis::Equilibria(count) = analysis {
-        return equilibria::run(session, &point, *count);
-    }
-    Ok(Exit::Done)
+    let exit = match analysis {
+        Analysis::Equilibria(count) => equilibria::run(session, &point, *count)?,
+        _ => Exit::Done,
+    };
+    show(session, point, None, found);
+    Ok(exit)
+}
+
+/// Keeps the equilibria at the start controls for whoever runs the command.
+pub(super) fn show(
+    session: &mut Session<'_>,
+    point: EnsemblePoint,
+    derivative: Option<Vec<f64>>,
+    inspections: Vec<Inspection>,
+) {
+    let subtitle =
+        subtitle(session, point.members.iter().map(|at| at.state.report.min_j).fold(f64::INFINITY, f64::min));
+    session.shown = Some(Shown { what: "equilibrium", subtitle, point, derivative, start: None, inspections });
+}
+
+/// The line below the title of a picture.
+fn subtitle(session: &Session<'_>, min_j: f64) -> String {
+    format!("equilibrium at the start control, min J {}{}", short(min_j), session.warned())
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
@@ -256,11 +276,7 @@ fn write(
         if member.part().scenario() == 0 {
             let drawing = Drawing {
                 title: title(member),
-                subtitle: format!(
-                    "equilibrium at the start control, min J {}{}",
-                    short(at.state.report.min_j),
-                    session.warned()
-                ),
+                subtitle: subtitle(session, at.state.report.min_j),
                 body: ("equilibrium", &shot),
                 ghost: None,
             };

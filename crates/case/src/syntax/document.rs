@@ -6,6 +6,8 @@ use super::parse::parse;
 use super::path::At;
 use super::setting::{Setting, complaint};
 use crate::catalogue::Catalogue;
+use nastic_mesh::Mesh;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -21,6 +23,8 @@ pub struct Document {
     problems: Vec<Diagnostic>,
     /// The names that may stand in it.
     catalogue: Arc<Catalogue>,
+    /// Meshes that stand for files of these names.
+    meshes: Arc<BTreeMap<String, Arc<Mesh>>>,
 }
 
 impl Document {
@@ -48,9 +52,37 @@ impl Document {
     pub fn parse(name: &str, text: &str) -> Result<Self, Diagnostics> {
         let mut problems = Vec::new();
         match parse(name, text, &mut problems) {
-            Some(root) => Ok(Self { name: name.to_string(), root, problems, catalogue: Arc::default() }),
+            Some(root) => {
+                Ok(Self { name: name.to_string(), root, problems, catalogue: Arc::default(), meshes: Arc::default() })
+            }
             None => Err(Diagnostics::new(problems)),
         }
+    }
+
+    /// A case that a program made; `name` as in [`Self::parse`]. Problems have no lines.
+    #[must_use]
+    pub fn from_json(name: &str, case: &serde_json::Value) -> Self {
+        Self {
+            name: name.to_string(),
+            root: Node::from_json(case),
+            problems: Vec::new(),
+            catalogue: Arc::default(),
+            meshes: Arc::default(),
+        }
+    }
+
+    /// With meshes that a program made, in the place of files of these names. A name belongs to the case's identity (its hash):
+    /// other meshes should have other names.
+    #[must_use]
+    pub fn with_meshes(mut self, meshes: BTreeMap<String, Arc<Mesh>>) -> Self {
+        self.meshes = Arc::new(meshes);
+        self
+    }
+
+    /// The mesh that stands for a file.
+    #[must_use]
+    pub fn mesh(&self, file: &str) -> Option<&Arc<Mesh>> {
+        self.meshes.get(file)
     }
 
     /// To be read with these names; with the standard ones if never called.
@@ -151,7 +183,10 @@ impl Document {
         out
     }
 
-    pub(crate) fn problems(&self) -> &[Diagnostic] {
+    /// Problems that do not keep the rest from being read: keys given twice, numbers out of range. Whoever reads the case
+    /// reports them too.
+    #[must_use]
+    pub fn problems(&self) -> &[Diagnostic] {
         &self.problems
     }
 

@@ -85,6 +85,28 @@ impl Node {
         }
     }
 
+    /// A value that was written nowhere, with line 0.
+    #[must_use]
+    pub fn from_json(value: &serde_json::Value) -> Self {
+        use serde_json::Value as Json;
+        let place = Place::Text { line: 0, column: 0 };
+        let property = |(key, value): (&String, &Json)| Property {
+            key: key.clone(),
+            place: place.clone(),
+            node: Self::from_json(value),
+        };
+        let own = match value {
+            Json::Null => Value::Null,
+            Json::Bool(value) => Value::Bool(*value),
+            // Every number of this library reads as one: it keeps no digits beyond.
+            Json::Number(value) => Value::Number(value.as_f64().unwrap_or(f64::NAN)),
+            Json::String(text) => Value::Text(text.clone()),
+            Json::Array(entries) => Value::Array(entries.iter().map(Self::from_json).collect()),
+            Json::Object(members) => Value::Object(members.iter().map(property).collect()),
+        };
+        Self { value: own, place }
+    }
+
     /// The same value without its place; numbers without a fraction become integers.
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {

@@ -4,7 +4,7 @@
 const LONGEST: usize = 80;
 
 /// In quotes, on one line, without control characters: what is quoted cannot disturb the terminal.
-pub(crate) fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     let long = text.chars().count() > LONGEST;
     let shown: String = text.chars().take(LONGEST).collect();
     let shown = shown.chars().map(visible).collect::<String>();

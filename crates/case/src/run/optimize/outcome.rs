@@ -5,6 +5,7 @@ use super::super::gradient::write_states;
 use super::super::number::{count, short};
 use super::super::session::Session;
 use super::super::solve::{say_files, say_members, say_probes, say_stability, title, write_collections, write_targets};
+use super::super::states::Shown;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
 use super::{fall, revalued, starts, why};
@@ -39,7 +40,7 @@ pub(super) fn report(
     (index, ended): (usize, &FinishedRun),
     entries_of_starts: &[Value],
     resumable: Option<Written>,
-) -> Result<(), RunError> {
+) -> Result<Vec<Inspection>, RunError> {
     let FinishedRun { start, best, work } = ended;
     let found = session.inspect("optimum", &best.point);
     let problem = &session.problem;
@@ -82,7 +83,21 @@ pub(super) fn report(
     session.console.say("");
     starts::say(session, entries_of_starts, index);
     say(session, best, resumable);
-    session.timed("write", |session| write(session, ended, &found, (index, entries_of_starts.len())))
+    session.timed("write", |session| write(session, ended, &found, (index, entries_of_starts.len())))?;
+    Ok(found)
+}
+
+/// The line below the title of a picture.
+fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
+    format!("{}; cost {}{}", why(&best.stop), short(best.cost), session.warned())
+}
+
+/// Keeps the best states for whoever runs the command.
+pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: Vec<Inspection>) {
+    let FinishedRun { start, best, .. } = ended;
+    let subtitle = subtitle(session, &best);
+    let (derivative, start) = (Some(best.derivative), Some(start));
+    session.shown = Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
 }
 
 fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Written>) {
@@ -198,7 +213,7 @@ fn write(
         let (begin, end) = (shot(start)?, shot(&best.point)?);
         let drawing = Drawing {
             title: title(member),
-            subtitle: format!("{}; cost {}{}", why(&best.stop), short(best.cost), session.warned()),
+            subtitle: subtitle(session, best),
             body: ("optimum", &end),
             ghost: Some(("start", &begin)),
         };

@@ -1,5 +1,6 @@
 //! Trial by trial: the table, `history.jsonl`, snapshots of iterations, `iterates.bin`.
 
+use super::super::OnTrial;
 use super::super::error::RunError;
 use super::super::session::Session;
 use super::super::table::Table;
@@ -29,6 +30,7 @@ pub(super) struct Recorder<'s> {
     cancel: Arc<AtomicBool>,
     out: Option<Directory>,
     journal: &'s mut Journal,
+    on_trial: OnTrial,
     /// Which start of how many.
     start: (usize, usize),
     table: Table,
@@ -53,6 +55,7 @@ impl<'s> Recorder<'s> {
             cancel: session.cancel.clone(),
             out: session.out.clone(),
             journal,
+            on_trial: session.on_trial.clone(),
             start: (index, problem.case.optimizer.starts),
             table,
             work: problem.members().map(|_| SolveReport::default()).collect(),
@@ -113,6 +116,7 @@ impl<'s> Recorder<'s> {
         self.journal.add_line(&line);
         self.snapshot(trial);
         self.keep(trial);
+        self.on_trial.tell(&line);
     }
 
     /// The true distance of an accepted state: the largest of all members.
