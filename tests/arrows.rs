@@ -25,6 +25,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &["numeric", "tensor", "energy", "mesh", "io", "picture", "report", "fem", "opt", "uncertainty", "control"],
     ),
     ("cli", &["case"]),
+    ("python", &["mesh", "opt", "control", "case"]),
     (
         "nastic",
         &[

@@ -1,0 +1,148 @@
+"""Cases: dictionaries with the keys of case files."""
+
+from __future__ import annotations
+
+import copy
+import json
+import os
+from pathlib import Path
+from typing import Any, Callable, Mapping
+
+import numpy as np
+
+from . import _nastic
+from .errors import CaseError, GradientError, SolveError
+from .mesh import Mesh
+from .problem import Problem
+from .result import Result
+
+#: Exit codes of the program that are errors here (docs/results.md).
+_FORWARD_FAILED, _GRADIENT_WRONG = 3, 5
+
+
+class Case(dict[str, Any]):
+    """A case: a dictionary with the keys of docs/case-files.md.
+
+    Beside what JSON knows, values may be NumPy numbers and arrays, paths, and, where a mesh may stand, a `nastic.Mesh`. File names
+    count from `directory`. `name` is what messages call the case.
+
+    Commands work on the case as it is when they are called, release the interpreter lock and are ended by Ctrl-C. They write nothing,
+    unless `out` names a directory, which then holds the files of docs/results.md. `threads`: their number, all processors if None; results
+    do not depend on it. They raise CaseError (with all problems found), SolveError, OutputError.
+    """
+
+    def __init__(
+        self, case: Mapping[str, Any] | None = None, /, *, directory: str | os.PathLike[str] = ".", name: str = "case"
+    ) -> None:
+        super().__init__(copy.deepcopy(dict(case or {})))
+        self.directory = Path(directory)
+        self.name = name
+
+    def copy(self) -> Case:
+        """A deep copy."""
+        return Case(self, directory=self.directory, name=self.name)
+
+    __copy__ = copy
+
+    def __repr__(self) -> str:
+        return f"nastic.Case({super().__repr__()}, directory={str(self.directory)!r}, name={self.name!r})"
+
+    def check(self, *, threads: int | None = None) -> Result:
+        """Reads everything the case names and says what was understood, in `log` and `result`; solves nothing."""
+        return self._run("check", None, threads)
+
+    def solve(
+        self, *, out: str | os.PathLike[str] | None = None, threads: int | None = None, report: bool = True
+    ) -> Result:
+        """The equilibrium at the start controls. `report`: whether `out` gets the page `report.html`."""
+        return self._run("solve", out, threads, report=report)
+
+    def gradient(self, *, out: str | os.PathLike[str] | None = None, threads: int | None = None) -> Result:
+        """Cost and gradient at the start controls, with a short check by differences; GradientError if that fails."""
+        return self._run("gradient", out, threads)
+
+    def optimize(
+        self,
+        *,
+        callback: Callable[[dict[str, Any]], object] | None = None,
+        out: str | os.PathLike[str] | None = None,
+        threads: int | None = None,
+        report: bool = True,
+        restart: bool = False,
+    ) -> Result:
+        """The best control. Stopping before convergence is no error: see `Result.converged`.
+
+        `callback` is called after every trial with its line of `history.jsonl` as a dictionary (`trial`, `iteration`, `accepted`, `cost`,
+        `gradient_norm`, ..). An exception in it ends the run, and is raised here once what was found is written to `out`, if there is one.
+        `restart`: whether the checkpoint of an interrupted optimisation in `out` may be replaced.
+        """
+        history: list[dict[str, Any]] = []
+
+        def told(line: str) -> None:
+            trial = json.loads(line)
+            history.append(trial)
+            if callback is not None:
+                callback(copy.copy(trial))
+
+        return self._run("optimize", out, threads, report=report, restart=restart, history=history, callback=told)
+
+    def problem(self, *, threads: int | None = None, accuracy: float = 1e-8, stage: int | None = None) -> Problem:
+        """The cost as a function of the control vector, for optimisers of others.
+
+        `accuracy`: relative accuracy asked of states. `stage`: the continuation stage whose cost is evaluated, the last if None.
+        """
+        return Problem(self, threads=threads, accuracy=accuracy, stage=stage)
+
+    def _document(self) -> tuple[str, str, dict[str, _nastic.Mesh]]:
+        """Name, JSON text, and the meshes that stand for files."""
+        meshes: dict[str, _nastic.Mesh] = {}
+
+        def plain(value: object) -> Any:
+            if isinstance(value, Mesh):
+                meshes[value._key] = value._mesh
+                return value._key
+            if isinstance(value, (np.generic, np.ndarray)):
+                return value.tolist()
+            if isinstance(value, os.PathLike):
+                return os.fspath(value)
+            raise TypeError(f"a case holds what JSON knows, NumPy numbers, paths and meshes, but no {type(value).__name__}")
+
+        try:
+            text = json.dumps(self, default=plain, allow_nan=False)
+        except (TypeError, ValueError, RecursionError) as error:
+            raise CaseError(f"{self.name}: {error}") from error
+        return str(self.directory / self.name), text, meshes
+
+    def _run(
+        self,
+        command: str,
+        out: str | os.PathLike[str] | None,
+        threads: int | None,
+        *,
+        report: bool = True,
+        restart: bool = False,
+        history: list[dict[str, Any]] | None = None,
+        callback: Callable[[str], None] | None = None,
+    ) -> Result:
+        out = None if out is None else Path(out)
+        code, text, log, states = _nastic.run(
+            command, *self._document(), out=out, threads=threads, report=report, restart=restart, callback=callback
+        )
+        result = Result._of(json.loads(text), log, out, history or [], states)
+        if code == _FORWARD_FAILED:
+            raise SolveError(result.result.get("error", "no equilibrium was found"), result=result)
+        if code == _GRADIENT_WRONG:
+            check = result.result.get("gradient_check", {})
+            raise GradientError(f"the gradient does not belong to the cost: mismatch {check.get('mismatch')}", result=result)
+        return result
+
+
+def load(path: str | os.PathLike[str]) -> Case:
+    """Reads a case file: JSON with comments, which are lost. CaseError with the line if it is none."""
+    path = Path(path)
+    return Case(json.loads(_nastic.read(path)), directory=path.parent, name=path.name)
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of cases."""
+    return json.loads(_nastic.schema())

@@ -1,0 +1,47 @@
+"""The cost of a problem as a JAX function (needs the package jax)."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .problem import Problem
+
+
+def cost(problem: Problem) -> Callable[[jax.Array], jax.Array]:
+    """j(m) for JAX: works under `jax.grad`, `jax.value_and_grad`, `jax.jit` and, one vector after the other, `jax.vmap`.
+
+    Its derivative in reverse mode is `problem.gradient`; there is none in forward mode, and no second one. Values are computed in
+    double precision and returned in the precision of m: set `jax_enable_x64` for all digits.
+    """
+
+    def shape(*dimensions: int, like: jax.Array) -> jax.ShapeDtypeStruct:
+        return jax.ShapeDtypeStruct(dimensions, like.dtype)
+
+    def value(m: jax.Array) -> np.ndarray:
+        return np.asarray(problem.value(np.asarray(m)), dtype=m.dtype)
+
+    def both(m: jax.Array) -> tuple[np.ndarray, np.ndarray]:
+        found, gradient = problem.value_and_gradient(np.asarray(m))
+        return np.asarray(found, dtype=m.dtype), gradient.astype(m.dtype)
+
+    @jax.custom_vjp
+    def of(m: jax.Array) -> jax.Array:
+        return jax.pure_callback(value, shape(like=m), m, vmap_method="sequential")
+
+    def forward(m: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return jax.pure_callback(both, (shape(like=m), shape(len(problem), like=m)), m, vmap_method="sequential")
+
+    def backward(gradient: jax.Array, by_value: jax.Array) -> tuple[jax.Array]:
+        return (by_value * gradient,)
+
+    of.defvjp(forward, backward)
+
+    def floating(m: jax.Array) -> jax.Array:
+        m = jnp.asarray(m)
+        return of(m if jnp.issubdtype(m.dtype, jnp.floating) else m.astype(float))
+
+    return floating

@@ -1,0 +1,119 @@
+"""The cost of a case as a function of its control vector."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _nastic
+from .errors import CaseError
+
+if TYPE_CHECKING:
+    from .case import Case
+
+
+@dataclass(frozen=True)
+class Control:
+    """The place of a control field in the control vector."""
+
+    name: str
+    #: Its entries: `m[control.slice]`.
+    slice: slice
+    #: "uniform", "region", "cell" or "node".
+    space: str
+    #: Numbers per unknown; entries are in the order of unknowns, components of a vector one after the other.
+    components: int
+    unit: str
+    #: Length that its vectors must have; the bounds of the problem do not say it.
+    norm: float | None
+    #: Length that its vectors may have; the bounds of the problem do not say it.
+    max_norm: float | None
+
+
+class Problem:
+    """j(m), the cost of a case (`Case.problem` makes one), and its gradient.
+
+    **gradient** is the vector of partial derivatives dj/dm_i, in the Euclidean sense: what SciPy, JAX and PyTorch call a gradient, and what
+    `derivative.json` holds. It is not the Riesz image in the control's inner product, which is what VTU files call `gradient_NAME`.
+
+    The last evaluated control is kept with its states: `value(m)` and then `gradient(m)` solve for the equilibrium once, and
+    the next control starts from there. Values depend on that history within `accuracy`, and the same history gives the same bits;
+    `reset` forgets it. Nothing keeps m within its bounds here. The interpreter lock is released during computation, Ctrl-C ends it;
+    calls from several threads wait for each other.
+
+    Methods raise CaseError for a vector that does not fit and SolveError where there is no equilibrium.
+    """
+
+    def __init__(
+        self, case: Case, *, threads: int | None = None, accuracy: float = 1e-8, stage: int | None = None
+    ) -> None:
+        name, text, meshes = case._document()
+        self._problem = _nastic.Problem(name, text, meshes, threads=threads, accuracy=accuracy, stage=stage)
+        #: The control vector to start from.
+        self.start: NDArray[np.float64] = self._problem.start()
+        #: Bounds of every entry, infinite where there are none.
+        self.lower: NDArray[np.float64]
+        self.upper: NDArray[np.float64]
+        self.lower, self.upper = self._problem.bounds()
+        #: The control fields by name, in the order of the vector.
+        self.layout: dict[str, Control] = {one["name"]: _control(**one) for one in self._problem.layout()}
+        #: Number of continuation stages of the costs, and the one that is evaluated: the last, unless chosen otherwise.
+        self.stages: int
+        self.stage: int
+        self.stages, self.stage = self._problem.stages()
+        for array in (self.start, self.lower, self.upper):
+            array.flags.writeable = False
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+    def __repr__(self) -> str:
+        fields = ", ".join(f"{c.name} ({c.space}: {c.slice.stop - c.slice.start})" for c in self.layout.values())
+        return f"nastic.Problem({len(self)} control values: {fields})"
+
+    def value(self, m: ArrayLike) -> float:
+        """The cost j(m)."""
+        return self._problem.value(self._vector(m))
+
+    def gradient(self, m: ArrayLike) -> NDArray[np.float64]:
+        """The partial derivatives dj/dm_i at m, by one adjoint solve; `[len(m)]`."""
+        return self.value_and_gradient(m)[1]
+
+    def value_and_gradient(self, m: ArrayLike) -> tuple[float, NDArray[np.float64]]:
+        """Both at once, as `scipy.optimize.minimize(.., jac=True)` wants them."""
+        return self._problem.value_and_gradient(self._vector(m))
+
+    def reset(self) -> None:
+        """Forgets all states: the next control is evaluated from rest."""
+        self._problem.reset()
+
+    @property
+    def evaluations(self) -> int:
+        """How many controls have been evaluated: states solved for, those that failed not counted."""
+        return self._problem.evaluations()
+
+    def split(self, m: ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """The parts of a control vector, or of a gradient, by name: `[unknowns]`, of vectors `[unknowns][components]`."""
+        m = np.asarray(m, dtype=np.float64)
+        if m.shape != self.start.shape:
+            raise CaseError(f"the control vector has the shape {self.start.shape}, found {m.shape}")
+        fields = self.layout.values()
+        return {c.name: m[c.slice].reshape(-1, c.components) if c.components > 1 else m[c.slice] for c in fields}
+
+    def _vector(self, m: ArrayLike) -> NDArray[np.float64]:
+        m = np.ascontiguousarray(m, dtype=np.float64)
+        if m.shape != self.start.shape:
+            raise CaseError(f"the control vector has the shape {self.start.shape}, found {m.shape}")
+        if not np.isfinite(m).all():
+            at = int(np.flatnonzero(~np.isfinite(m))[0])
+            raise CaseError(f"entry {at} of the control vector is {m[at]}: all must be finite")
+        return m
+
+
+def _control(
+    *, name: str, first: int, len: int, space: str, components: int, unit: str, norm: float | None, max_norm: float | None
+) -> Control:
+    return Control(name, slice(first, first + len), space, components, unit, norm, max_norm)

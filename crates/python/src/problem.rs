@@ -1,0 +1,189 @@
+//! The cost as a function of the control vector.
+
+use crate::error;
+use crate::interrupt::interruptible;
+use crate::mesh::Mesh;
+use crate::run::document;
+use nastic_case::lower::{Admitted, CaseProblem};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use nastic_opt::{Failed, Objective, Request};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Cost and derivative of a case at any control vector.
+#[pyclass(frozen, module = "nastic._nastic")]
+pub(crate) struct Problem {
+    problem: CaseProblem,
+    threads: rayon::ThreadPool,
+    cancel: Arc<AtomicBool>,
+    accuracy: f64,
+    stage: usize,
+    history: Mutex<History>,
+}
+
+/// What one evaluation leaves for the next.
+#[derive(Default)]
+struct History {
+    workspace: EnsembleWorkspace,
+    /// The last evaluated point: answers for its control, and the next one starts from its states.
+    last: Option<EnsemblePoint>,
+    /// The derivative there, once it was asked for.
+    derivative: Option<Vec<f64>>,
+    /// Controls that were evaluated, from the beginning on.
+    evaluations: usize,
+}
+
+impl History {
+    /// The cost; solves unless the last point has the same control.
+    fn value(&mut self, of: &Problem, m: &[f64]) -> Result<f64, Failed> {
+        if !self.last.as_ref().is_some_and(|point| point.m == m) {
+            let how = Request { near: self.last.as_ref(), accuracy: of.accuracy, stage: of.stage };
+            let point = of.problem.ensemble.evaluate(m, &how, &mut self.workspace)?;
+            (self.last, self.derivative) = (Some(point), None);
+            self.evaluations += 1;
+        }
+        Ok(self.last.as_ref().map_or(f64::NAN, |point| of.problem.ensemble.value(point)))
+    }
+
+    /// Cost and derivative; the adjoint is solved once.
+    fn derivative(&mut self, of: &Problem, m: &[f64]) -> Result<(f64, Vec<f64>), Failed> {
+        let value = self.value(of, m)?;
+        if let (None, Some(point)) = (&self.derivative, &mut self.last) {
+            self.derivative = Some(of.problem.ensemble.derivative(point, &mut self.workspace)?);
+        }
+        Ok((value, self.derivative.clone().unwrap_or_default()))
+    }
+}
+
+impl Problem {
+    /// Works on the history without the interpreter lock.
+    fn at<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut History) -> Result<T, Failed> + Send) -> PyResult<T> {
+        let done = interruptible(py, &self.cancel, None, move |_lines| {
+            // A panic leaves a history that is whole: its fields are replaced one by one, the point first.
+            let mut history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
+            let history: &mut History = &mut history;
+            self.threads.install(|| work(history))
+        })?;
+        done.map_err(|failed| error::of_evaluation(py, &failed))
+    }
+}
+
+#[pymethods]
+impl Problem {
+    #[new]
+    #[pyo3(signature = (name, case, meshes, *, threads, accuracy, stage))]
+    fn new(
+        py: Python<'_>,
+        name: &str,
+        case: &str,
+        meshes: BTreeMap<String, Py<Mesh>>,
+        threads: Option<usize>,
+        accuracy: f64,
+        stage: Option<usize>,
+    ) -> PyResult<Self> {
+        let document = document(py, name, case, meshes)?;
+        if !(accuracy > 0.0 && accuracy < 1.0) {
+            return Err(error::input(py, format!("accuracy is {accuracy}; it must lie between 0 and 1, such as 1e-8")));
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+        let threads = pool.map_err(|problem| error::input(py, format!("threads: {problem}")))?;
+        let cancel = Arc::new(AtomicBool::new(false));
+        let flag = cancel.clone();
+        let lowered = py.detach(|| threads.install(|| CaseProblem::lower(document, flag)));
+        let problem = lowered.map_err(|found| error::problems(py, &found))?;
+        let missing = match () {
+            () if problem.start.is_empty() => Some(("controls", "a problem needs controls, and the case has none")),
+            () if !problem.has_costs() => Some(("costs", "a problem needs costs, and the case has none")),
+            () => None,
+        };
+        if let Some((key, message)) = missing {
+            return Err(error::problems(py, &problem.complain(key, message)));
+        }
+        let stages = problem.stages();
+        let stage = stage.unwrap_or(stages - 1);
+        if stage >= stages {
+            return Err(error::input(py, format!("stage {stage}: the costs have {stages} stages, numbered from 0")));
+        }
+        Ok(Self { problem, threads, cancel, accuracy, stage, history: Mutex::default() })
+    }
+
+    /// The cost at `m`.
+    fn value(&self, py: Python<'_>, m: PyReadonlyArray1<'_, f64>) -> PyResult<f64> {
+        let m: Vec<f64> = m.as_array().to_vec();
+        self.at(py, move |history| history.value(self, &m))
+    }
+
+    /// The cost at `m`, and its derivative.
+    fn value_and_gradient<'py>(
+        &self,
+        py: Python<'py>,
+        m: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<(f64, Bound<'py, PyArray1<f64>>)> {
+        let m: Vec<f64> = m.as_array().to_vec();
+        let (value, derivative) = self.at(py, move |history| history.derivative(self, &m))?;
+        Ok((value, PyArray1::from_vec(py, derivative)))
+    }
+
+    /// Forgets all states: the next evaluation starts from rest.
+    fn reset(&self, py: Python<'_>) -> PyResult<()> {
+        self.at(py, |history| {
+            *history = History { evaluations: history.evaluations, ..History::default() };
+            Ok(())
+        })
+    }
+
+    /// How many controls were evaluated so far.
+    fn evaluations(&self, py: Python<'_>) -> PyResult<usize> {
+        self.at(py, |history| Ok(history.evaluations))
+    }
+
+    /// The control vector to start from.
+    fn start<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.problem.start)
+    }
+
+    /// Lower and upper bounds of all entries, infinite where there are none.
+    fn bounds<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
+        let of = |(block, field): (&nastic_control::EnsembleBlock, &nastic_case::lower::ControlField)| {
+            let none = (f64::NEG_INFINITY, f64::INFINITY);
+            let at = |k: usize| field.bounds.as_ref().map_or(none, |bounds| bounds.at(k));
+            (0..block.len).map(at).collect::<Vec<_>>()
+        };
+        let blocks = self.problem.ensemble.blocks().iter().zip(&self.problem.controls);
+        let (lower, upper): (Vec<f64>, Vec<f64>) = blocks.flat_map(of).unzip();
+        (PyArray1::from_vec(py, lower), PyArray1::from_vec(py, upper))
+    }
+
+    /// The control fields: `name`, `first`, `len`, `space`, `components`, `unit`, `norm`, `max_norm`.
+    fn layout<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let out = PyList::empty(py);
+        for (block, field) in self.problem.ensemble.blocks().iter().zip(&self.problem.controls) {
+            let own = &self.problem.member(block.owner).layout().blocks()[block.field];
+            let (norm, max_norm) = match field.admitted {
+                Admitted::Norm(length) => (Some(length), None),
+                Admitted::MaxNorm(length) => (None, Some(length)),
+                _ => (None, None),
+            };
+            let one = PyDict::new(py);
+            one.set_item("name", &field.name)?;
+            one.set_item("first", block.first)?;
+            one.set_item("len", block.len)?;
+            one.set_item("space", own.map.space().name())?;
+            one.set_item("components", own.components)?;
+            one.set_item("unit", &field.unit)?;
+            one.set_item("norm", norm)?;
+            one.set_item("max_norm", max_norm)?;
+            out.append(one)?;
+        }
+        Ok(out)
+    }
+
+    /// Number of stages of the costs, and the one that is evaluated.
+    fn stages(&self) -> (usize, usize) {
+        (self.problem.stages(), self.stage)
+    }
+}

@@ -1,0 +1,120 @@
+//! The commands on cases that Python holds.
+
+use crate::error;
+use crate::interrupt::{interruptible, tell};
+use crate::mesh::Mesh;
+use crate::states::States;
+use nastic_case::catalogue::Catalogue;
+use nastic_case::console::Console;
+use nastic_case::run::{OnTrial, Options, run_document};
+use nastic_case::schema::{Command, json_schema};
+use nastic_case::syntax::{Diagnostics, Document};
+use pyo3::prelude::*;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
+
+/// A case file as JSON text, without comments.
+#[pyfunction]
+pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<String> {
+    let document = py.detach(|| {
+        let document = Document::open(&path)?;
+        Diagnostics::new(document.problems().to_vec()).into_result()?;
+        Ok::<_, Diagnostics>(document)
+    });
+    Ok(document.map_err(|found| error::problems(py, &found))?.canonical())
+}
+
+/// The JSON Schema of cases.
+#[pyfunction]
+pub(crate) fn schema() -> String {
+    json_schema(&Catalogue::standard()).to_string()
+}
+
+/// The document of a case that Python holds. `name`: the file it came from, or a name in the directory that file names count from.
+pub(crate) fn document(
+    py: Python<'_>,
+    name: &str,
+    case: &str,
+    meshes: BTreeMap<String, Py<Mesh>>,
+) -> PyResult<Document> {
+    let value = serde_json::from_str(case).map_err(|problem| error::input(py, format!("{name}: {problem}")))?;
+    let meshes = meshes.into_iter().map(|(name, mesh)| (name, mesh.get().mesh.clone())).collect();
+    Ok(Document::from_json(name, &value).with_meshes(meshes))
+}
+
+/// Runs a command: exit code, result as JSON text, what was said, and the states that were found.
+#[pyfunction]
+#[pyo3(signature = (command, name, case, meshes, *, out, threads, report, restart, callback))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn run(
+    py: Python<'_>,
+    command: &str,
+    name: &str,
+    case: &str,
+    meshes: BTreeMap<String, Py<Mesh>>,
+    out: Option<PathBuf>,
+    threads: Option<usize>,
+    report: bool,
+    restart: bool,
+    callback: Option<Py<PyAny>>,
+) -> PyResult<(u8, String, String, Option<States>)> {
+    let command = match command {
+        "check" => Command::Check,
+        "solve" => Command::Solve,
+        "gradient" => Command::Gradient,
+        "optimize" => Command::Optimize,
+        other => return Err(error::input(py, format!("there is no command \"{other}\""))),
+    };
+    let document = document(py, name, case, meshes)?;
+    let cancel = Arc::new(AtomicBool::new(false));
+    let said = Said::default();
+    let console = Console::new(said.clone());
+    let options = Options {
+        out,
+        in_memory: true,
+        threads,
+        no_report: !report,
+        restart,
+        cancel: cancel.clone(),
+        ..Options::default()
+    };
+    let is_told = callback.is_some();
+    let ran = interruptible(py, &cancel, callback.as_ref(), move |lines| {
+        let on_trial = match is_told {
+            true => {
+                let lines = lines.clone();
+                OnTrial::call(move |line| tell(&lines, line.to_string()))
+            }
+            false => OnTrial::default(),
+        };
+        run_document(command, document, &Options { on_trial, ..options }, &console)
+    })?;
+    let (outcome, states) = ran.map_err(|problem| error::of_run(py, &problem))?;
+    Ok((outcome.exit.code(), outcome.result.to_string(), said.text(), states.map(|states| States { states })))
+}
+
+/// What a command said.
+#[derive(Clone, Default)]
+struct Said(Arc<Mutex<Vec<u8>>>);
+
+impl Said {
+    fn text(&self) -> String {
+        self.0.lock().map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default()
+    }
+}
+
+impl Write for Said {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if let Ok(mut own) = self.0.lock() {
+            own.extend_from_slice(bytes);
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
