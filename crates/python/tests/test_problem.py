@@ -1,0 +1,192 @@
+"""The cost as a function: values, gradients, and what drives it."""
+
+import threading
+
+import nastic
+import numpy as np
+import pytest
+from conftest import ROOT
+
+
+def test_values_and_gradients_are_those_of_the_command(bar):
+    problem, found = bar.problem(), bar.gradient()
+    value, gradient = problem.value_and_gradient(problem.start)
+    assert value == pytest.approx(found.result["cost"]["total"], rel=1e-7)
+    assert np.allclose(gradient, found.gradient["tension"], rtol=1e-6)
+    assert np.array_equal(problem.start, found.controls["tension"])
+
+
+def test_the_gradient_is_that_of_differences(bar):
+    problem = bar.problem(accuracy=1e-12)
+    m = problem.start - 1e4
+    gradient = problem.gradient(m)
+    direction = np.cos(np.arange(len(m)))
+    step = 20.0
+    quotient = (problem.value(m + step * direction) - problem.value(m - step * direction)) / (2 * step)
+    assert quotient == pytest.approx(gradient @ direction, rel=1e-6)
+
+
+def test_value_and_then_gradient_solve_once(bar):
+    problem = bar.problem()
+    m = problem.start
+    value = problem.value(m)
+    problem.gradient(m)
+    problem.gradient(m.copy())
+    assert problem.value_and_gradient(m)[0] == value and problem.evaluations == 1
+    problem.value(m + 1)
+    assert problem.evaluations == 2
+    problem.reset()
+    assert problem.value(m) == value and problem.evaluations == 3
+
+
+def test_the_same_history_gives_the_same_bits(bar):
+    def history(problem):
+        return [problem.value_and_gradient(problem.start - 5e3 * k) for k in range(4)]
+
+    first, second = history(bar.problem(threads=1)), history(bar.problem(threads=2))
+    for (a, da), (b, db) in zip(first, second):
+        assert a == b and np.array_equal(da, db)
+    # From the last state, not from rest: the same within the accuracy asked of states.
+    fresh = bar.problem()
+    assert fresh.value(fresh.start - 15e3) == pytest.approx(first[3][0], rel=1e-6)
+
+
+def test_the_layout_says_what_the_vector_holds(bar):
+    bar["actuation"].append({"name": "pressure", "kind": "turgor", "region": "body"})
+    bar["controls"].append({"of": "pressure", "space": "uniform", "start": 10, "lower": -5})
+    problem = bar.problem()
+    tension, pressure = problem.layout["tension"], problem.layout["pressure"]
+    assert (tension.slice, tension.space, tension.components, tension.unit) == (slice(0, 8), "cell", 1, "Pa")
+    assert (pressure.slice, pressure.space) == (slice(8, 9), "uniform")
+    assert len(problem) == 9 and problem.start[pressure.slice] == [10]
+    assert (problem.lower[:8] == -100e3).all() and problem.lower[8] == -5
+    assert (problem.upper[:8] == 0).all() and problem.upper[8] == np.inf
+    assert {name: part.shape for name, part in problem.split(problem.start).items()} == {"tension": (8,), "pressure": (1,)}
+    with pytest.raises(ValueError):
+        problem.start[0] = 1
+
+
+def test_vectors_of_a_length_are_no_box():
+    problem = nastic.load(ROOT / "examples/cases/t_two_loads.json").problem()
+    lengths = {name: (c.components, c.norm is not None, c.max_norm is not None) for name, c in problem.layout.items()}
+    assert any(norm for _, norm, _ in lengths.values())
+    vectors = [c for c in problem.layout.values() if c.components > 1]
+    assert vectors and all(problem.split(problem.start)[c.name].shape[1] == c.components for c in vectors)
+    assert all(np.isinf(problem.lower[c.slice]).all() for c in vectors)
+
+
+def test_the_last_stage_is_the_one_that_counts():
+    case = nastic.load(ROOT / "examples/cases/cantilever_arc.json")
+    first, last = case.problem(stage=0), case.problem()
+    assert first.stages == last.stages == len(case["costs"][0]["stages"]) and last.stage == last.stages - 1
+    with pytest.raises(nastic.CaseError, match="stage 9: the costs have"):
+        case.problem(stage=9)
+
+
+@pytest.mark.parametrize(
+    ("vector", "message"),
+    [(np.zeros(7), r"shape \(8,\), found \(7,\)"), (np.zeros((8, 1)), "shape"), (np.full(8, np.nan), "entry 0 .* nan")],
+)
+def test_vectors_that_do_not_fit_are_refused(bar, vector, message):
+    with pytest.raises(nastic.CaseError, match=message):
+        bar.problem().value(vector)
+
+
+def test_a_control_without_equilibrium_is_an_error_and_the_next_one_is_not(bar):
+    problem = bar.problem()
+    value = problem.value(problem.start)
+    with pytest.raises(nastic.SolveError) as caught:
+        problem.value(problem.start + 1e8)
+    assert caught.value.kind in ("no_convergence", "inverted", "linear")
+    assert problem.value(problem.start - 1) == pytest.approx(value, rel=1e-3)
+
+
+def test_a_case_without_controls_or_costs_is_no_problem(bar):
+    for key in ("controls", "costs"):
+        case = bar.copy()
+        del case[key]
+        if key == "controls":
+            del case["costs"][1]
+            case["actuation"][0]["tension"] = "-10 kPa"
+        with pytest.raises(nastic.CaseError, match=f"a problem needs {key}"):
+            case.problem()
+    with pytest.raises(nastic.CaseError, match="accuracy is 2"):
+        bar.problem(accuracy=2)
+
+
+def test_scenarios_are_a_problem_too(two_loads):
+    two_loads["risk"] = {"mean_deviation": {"lambda": 0.5}}
+    problem = two_loads.problem()
+    m, step = problem.start, 20.0 * np.sin(np.arange(8.0))
+    quotient = (problem.value(m + step) - problem.value(m - step)) / 2
+    assert quotient == pytest.approx(problem.gradient(m) @ step, rel=1e-5)
+
+
+def test_threads_of_python_take_turns(bar):
+    problem = bar.problem()
+    found = {}
+
+    def evaluate(k):
+        found[k] = problem.value(problem.start - 100.0 * k)
+
+    threads = [threading.Thread(target=evaluate, args=(k,)) for k in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    fresh = bar.problem()
+    assert all(found[k] == pytest.approx(fresh.value(fresh.start - 100.0 * k), rel=1e-6) for k in range(6))
+
+
+def test_scipy_reaches_what_optimize_reaches(bar):
+    optimize = pytest.importorskip("scipy.optimize", reason="SciPy is not installed")
+    best = bar.optimize()
+    problem = bar.problem()
+    bounds = optimize.Bounds(problem.lower, problem.upper)
+    # Scaled, so that L-BFGS-B's stopping tests see numbers of the size of one.
+    scale, cost = 1e5, problem.value(problem.start)
+
+    def function(x):
+        value, gradient = problem.value_and_gradient(scale * x)
+        return value / cost, scale / cost * gradient
+
+    box = optimize.Bounds(bounds.lb / scale, bounds.ub / scale)
+    found = optimize.minimize(
+        function, problem.start / scale, jac=True, bounds=box, method="L-BFGS-B", options={"ftol": 1e-12, "gtol": 1e-7}
+    )
+    assert found.success
+    assert cost * found.fun == pytest.approx(best.result["cost"]["total"], rel=1e-6)
+    assert best.result["cost"]["total"] < 0.2 * cost
+    assert np.abs(scale * found.x - best.controls["tension"]).max() < 2e3
+
+
+def test_jax_differentiates_the_cost(bar):
+    jax = pytest.importorskip("jax", reason="JAX is not installed")
+    import nastic.jax
+
+    jax.config.update("jax_enable_x64", True)
+    problem = bar.problem()
+    cost = nastic.jax.cost(problem)
+    m = jax.numpy.asarray(problem.start)
+    value, gradient = jax.jit(jax.value_and_grad(lambda m: 2 * cost(m - 100.0)))(m)
+    expected, by_control = problem.value_and_gradient(problem.start - 100.0)
+    assert float(value) == pytest.approx(2 * expected, rel=1e-9)
+    assert np.allclose(gradient, 2 * by_control, rtol=1e-9)
+    both = jax.vmap(cost)(jax.numpy.stack([m, m - 100.0]))
+    assert np.allclose(both, [problem.value(problem.start), expected], rtol=1e-7)
+
+
+def test_torch_differentiates_the_cost(bar):
+    torch = pytest.importorskip("torch", reason="PyTorch is not installed")
+    import nastic.torch
+
+    problem = bar.problem()
+    cost = nastic.torch.cost(problem)
+    m = torch.tensor(problem.start, requires_grad=True)
+    (2 * cost(m - 100.0)).backward()
+    expected, by_control = problem.value_and_gradient(problem.start - 100.0)
+    assert np.allclose(m.grad.numpy(), 2 * by_control, rtol=1e-9)
+    evaluations = problem.evaluations
+    with torch.no_grad():
+        assert float(cost(m - 100.0)) == pytest.approx(expected, rel=1e-9)
+    assert problem.evaluations == evaluations
