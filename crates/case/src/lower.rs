@@ -34,7 +34,7 @@ pub use probe::LocatedProbe;
 pub(crate) use variant::file_name;
 
 use crate::quantity::Units;
-use crate::schema::Case;
+use crate::schema::{Case, Unstable};
 use crate::syntax::{At, Diagnostics, Document};
 use crate::warning::Warning;
 use context::{Context, Found};
@@ -142,6 +142,13 @@ impl CaseProblem {
     pub fn optimizer(&self) -> Result<Box<dyn Optimizer>, Diagnostics> {
         optimizer::build(&self.case)
             .ok_or_else(|| self.document.complain(&self.case.optimizer.at.key("method"), "not supported yet").into())
+    }
+
+    /// Lets unstable equilibria fail where the case says so (`"unstable": "refuse"`): for whoever optimises.
+    pub fn refuse_unstable_if_asked(&mut self) {
+        if self.case.optimizer.unstable == Unstable::Refuse {
+            self.ensemble.refuse_unstable(true);
+        }
     }
 
     /// The inner product of controls.

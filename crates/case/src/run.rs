@@ -106,7 +106,7 @@ pub fn run_with(
     options: &Options,
     console: &Console,
 ) -> Result<Outcome, RunError> {
-    pool(options.threads)?.install(|| {
+    thread_pool(options.threads)?.install(|| {
         let session = Session::open(catalogue, command, case, options, console)?;
         execute(session, options).map(|(outcome, _)| outcome)
     })
@@ -123,7 +123,7 @@ pub fn run_document(
     options: &Options,
     console: &Console,
 ) -> Result<(Outcome, Option<States>), RunError> {
-    pool(options.threads)?.install(|| {
+    thread_pool(options.threads)?.install(|| {
         let session = Session::open_document(command, document, options, console, Instant::now())?;
         execute(session, options)
     })
@@ -152,7 +152,7 @@ pub fn resume(
     options: &Options,
     console: &Console,
 ) -> Result<Outcome, RunError> {
-    pool(options.threads)?.install(|| {
+    thread_pool(options.threads)?.install(|| {
         let (mut session, position) = resume::open(catalogue, directory, options.cancel.clone(), console)?;
         session.strict = options.strict;
         session.report = !options.no_report;
@@ -162,8 +162,11 @@ pub fn resume(
     })
 }
 
-/// The threads of a command. What the environment limits is read before anything is done.
-fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, RunError> {
+/// The threads of a command, all processors if `None`. What the environment limits (memory) is read before anything is done.
+///
+/// # Errors
+/// [`RunError::MemoryLimit`], [`RunError::Threads`].
+pub fn thread_pool(threads: Option<usize>) -> Result<rayon::ThreadPool, RunError> {
     nastic_fem::memory_limit()?;
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = threads {

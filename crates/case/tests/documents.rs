@@ -5,8 +5,9 @@
 mod common;
 
 use common::{BAR, Place};
+use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{OnTrial, Options, Outcome, RunError, States, run_document};
+use nastic_case::run::{OnTrial, Options, Outcome, RunError, States, resume, run_document};
 use nastic_case::schema::Command;
 use nastic_case::syntax::Document;
 use nastic_mesh::{CellKind, box_mesh};
@@ -81,6 +82,23 @@ fn whoever_is_told_may_stop_the_run() {
     let (outcome, _) = run(Command::Optimize, &bar(), &Options { on_trial, cancel, ..in_memory() }).unwrap();
     assert_eq!(outcome.result["iterations"], 1);
     assert_eq!(outcome.result["converged"], false);
+}
+
+#[test]
+fn an_interrupted_run_of_an_unchanged_file_is_resumed_from_the_file() {
+    let place = Place::new();
+    let mut case = bar();
+    case["output"] = json!({ "checkpoint": 1 });
+    let file = place.write("bar.json", &case.to_string());
+    let (cancel, out) = (Arc::new(AtomicBool::new(false)), Some(place.path("out")));
+    let raised = cancel.clone();
+    let on_trial = OnTrial::call(move |line| raised.store(line["iteration"] == 2, Ordering::Relaxed));
+    let document = Document::from_json(&file.display().to_string(), &case);
+    let options = Options { on_trial, cancel, out, ..in_memory() };
+    run_document(Command::Optimize, document, &options, &Console::silent()).unwrap();
+    let resumed = resume(&Catalogue::standard(), &place.path("out"), &in_memory(), &Console::silent()).unwrap();
+    let (whole, _) = run(Command::Optimize, &case, &in_memory()).unwrap();
+    assert_eq!(resumed.result["cost"], whole.result["cost"]);
 }
 
 #[test]

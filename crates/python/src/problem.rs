@@ -5,6 +5,7 @@ use crate::interrupt::interruptible;
 use crate::mesh::Mesh;
 use crate::run::document;
 use nastic_case::lower::{Admitted, CaseProblem};
+use nastic_case::run::thread_pool;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{Failed, Objective, Request};
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -89,12 +90,12 @@ impl Problem {
         if !(accuracy > 0.0 && accuracy < 1.0) {
             return Err(error::input(py, format!("accuracy is {accuracy}; it must lie between 0 and 1, such as 1e-8")));
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-        let threads = pool.map_err(|problem| error::input(py, format!("threads: {problem}")))?;
+        let threads = thread_pool(threads).map_err(|problem| error::of_run(py, &problem))?;
         let cancel = Arc::new(AtomicBool::new(false));
         let flag = cancel.clone();
         let lowered = py.detach(|| threads.install(|| CaseProblem::lower(document, flag)));
-        let problem = lowered.map_err(|found| error::problems(py, &found))?;
+        let mut problem = lowered.map_err(|found| error::problems(py, &found))?;
+        problem.refuse_unstable_if_asked();
         let missing = match () {
             () if problem.start.is_empty() => Some(("controls", "a problem needs controls, and the case has none")),
             () if !problem.has_costs() => Some(("costs", "a problem needs costs, and the case has none")),

@@ -13,7 +13,7 @@ use crate::result::failure;
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
-use crate::schema::{Command, Unstable};
+use crate::schema::Command;
 use crate::syntax::Document;
 use crate::warning::Warning;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
@@ -111,8 +111,8 @@ impl<'c> Session<'c> {
         began: Instant,
     ) -> Result<Self, RunError> {
         let mut problem = CaseProblem::lower(document, cancel.clone())?;
-        if command == Command::Optimize && problem.case.optimizer.unstable == Unstable::Refuse {
-            problem.ensemble.refuse_unstable(true);
+        if command == Command::Optimize {
+            problem.refuse_unstable_if_asked();
         }
         if problem.members().nth(1).is_some() {
             problem.ensemble.watch(EnsembleProgress::new(&problem, console).watcher());
