@@ -12,7 +12,7 @@ def test_values_and_gradients_are_those_of_the_command(bar):
     problem, found = bar.problem(), bar.gradient()
     value, gradient = problem.value_and_gradient(problem.start)
     assert value == pytest.approx(found.result["cost"]["total"], rel=1e-7)
-    assert np.allclose(gradient, found.gradient["tension"], rtol=1e-6)
+    assert np.allclose(gradient, found.gradient["tension"], rtol=1e-6, atol=0)
     assert np.array_equal(problem.start, found.controls["tension"])
 
 
@@ -35,8 +35,9 @@ def test_value_and_then_gradient_solve_once(bar):
     assert problem.value_and_gradient(m)[0] == value and problem.evaluations == 1
     problem.value(m + 1)
     assert problem.evaluations == 2
+    problem.value(m)
     problem.reset()
-    assert problem.value(m) == value and problem.evaluations == 3
+    assert problem.value(m) == value and problem.evaluations == 4
 
 
 def test_the_same_history_gives_the_same_bits(bar):
@@ -171,12 +172,12 @@ def test_jax_differentiates_the_cost(bar):
     value, gradient = jax.jit(jax.value_and_grad(lambda m: 2 * cost(m - 100.0)))(m)
     expected, by_control = problem.value_and_gradient(problem.start - 100.0)
     assert float(value) == pytest.approx(2 * expected, rel=1e-9)
-    assert np.allclose(gradient, 2 * by_control, rtol=1e-9)
+    assert np.allclose(gradient, 2 * by_control, rtol=1e-9, atol=0)
     both = jax.vmap(cost)(jax.numpy.stack([m, m - 100.0]))
-    assert np.allclose(both, [problem.value(problem.start), expected], rtol=1e-7)
+    assert np.allclose(both, [problem.value(problem.start), expected], rtol=1e-7, atol=0)
 
 
-def test_torch_differentiates_the_cost(bar):
+def test_torch_differentiates_the_cost(bar, monkeypatch):
     torch = pytest.importorskip("torch", reason="PyTorch is not installed")
     import nastic.torch
 
@@ -185,8 +186,8 @@ def test_torch_differentiates_the_cost(bar):
     m = torch.tensor(problem.start, requires_grad=True)
     (2 * cost(m - 100.0)).backward()
     expected, by_control = problem.value_and_gradient(problem.start - 100.0)
-    assert np.allclose(m.grad.numpy(), 2 * by_control, rtol=1e-9)
-    evaluations = problem.evaluations
+    assert np.allclose(m.grad.numpy(), 2 * by_control, rtol=1e-9, atol=0)
+    # No adjoint where no gradient is wanted.
+    monkeypatch.delattr(nastic.Problem, "value_and_gradient")
     with torch.no_grad():
         assert float(cost(m - 100.0)) == pytest.approx(expected, rel=1e-9)
-    assert problem.evaluations == evaluations
