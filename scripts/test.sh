@@ -3,19 +3,19 @@
 #
 #   scripts/test.sh [ARGUMENTS OF cargo test]        scripts/test.sh -p nastic-mesh quadrature
 #
-# Some tests read results back with Python's vtk, meshio and jsonschema. These are installed into target/python when
+# Some tests read results back with Python's vtk, meshio, jsonschema and gmsh. These are installed into target/python when
 # python3 is there; without them (no Python, no network) those tests are skipped, and this says so. NASTIC_PYTHON names
 # another Python to use. NASTIC_REQUIRE_PYTHON=1 makes a missing one an error.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-imports="import vtk, meshio, jsonschema"
+imports="import vtk, meshio, jsonschema, gmsh"
 venv="$PWD/target/python"
 
 find_python() {
   if [ -n "${NASTIC_PYTHON:-}" ]; then
     "$NASTIC_PYTHON" -c "$imports" && return
-    echo "NASTIC_PYTHON is $NASTIC_PYTHON, which cannot import vtk, meshio and jsonschema" >&2
+    echo "NASTIC_PYTHON is $NASTIC_PYTHON, which cannot import vtk, meshio, jsonschema and gmsh" >&2
     exit 1
   fi
   if "$venv/bin/python" -c "$imports" 2>/dev/null; then
@@ -27,7 +27,7 @@ find_python() {
     return
   fi
   command -v python3 >/dev/null || { why="python3 is not installed"; return 1; }
-  echo "Installing vtk, meshio and jsonschema into target/python (once; about 200 MB) ..."
+  echo "Installing vtk, meshio, jsonschema and gmsh into target/python (once; about 200 MB) ..."
   mkdir -p target
   local log="target/python.log"
   rm -rf "$venv"
@@ -43,10 +43,10 @@ if find_python; then
   export PATH="$(dirname "$NASTIC_PYTHON"):$PATH"
   echo "Results are read back with $NASTIC_PYTHON"
 elif [ "${NASTIC_REQUIRE_PYTHON:-0}" = 1 ]; then
-  echo "FAILED: Python's vtk, meshio and jsonschema are required here, but $why" >&2
+  echo "FAILED: Python's vtk, meshio, jsonschema and gmsh are required here, but $why" >&2
   exit 1
 else
-  echo "SKIPPED: the tests that read results back with vtk, meshio and jsonschema, because $why"
+  echo "SKIPPED: the tests that read results back with vtk, meshio, jsonschema and gmsh, because $why"
 fi
 
 if [ $# -eq 0 ]; then set -- --workspace; fi
