@@ -19,7 +19,7 @@ mod ensemble_progress;
 mod error;
 mod gradcheck;
 mod gradient;
-mod number;
+pub(crate) mod number;
 mod on_trial;
 mod optimize;
 mod report;

@@ -23,6 +23,8 @@ pub const WARNINGS: &[&WarningKind] = &[
     &BOUNDS,
     &UNITS,
     &LOCKING,
+    &EXTREME_DEFORMATION,
+    &TRUNCATED_FIELD,
     &CELL_SHAPE,
     &UNMATCHED_INTERFACE,
     &HAUSDORFF_LENGTH,
@@ -38,6 +40,20 @@ pub const WARNINGS: &[&WarningKind] = &[
     &SELF_INTERSECTION,
     &NOT_VERIFIED,
 ];
+
+/// More than a material bears.
+pub const EXTREME_DEFORMATION: WarningKind = WarningKind {
+    code: "extreme_deformation",
+    about: "the body is deformed far beyond what its law was measured for",
+    advice: "check the units of loads, actuations and moduli (nastic check prints them), or bound the control more narrowly",
+};
+
+/// A random field without most of its variance.
+pub const TRUNCATED_FIELD: WarningKind = WarningKind {
+    code: "truncated_field",
+    about: "the modes kept of a random field hold less than half of its variance: the parameter varies far less than asked for",
+    advice: "keep more modes, or choose a longer correlation length: below the size of the cells it has no effect",
+};
 
 /// A block that has no effect or a double one.
 pub const INPUT: WarningKind =

@@ -313,3 +313,42 @@ fn the_page_of_warnings_is_complete() {
     let known: Vec<&str> = WARNINGS.iter().map(|kind| kind.code).collect();
     assert_eq!(told, known);
 }
+
+/// Loads and pressures of many times the modulus have equilibria, which no material has.
+#[test]
+fn a_body_deformed_beyond_any_material() {
+    let solve = |swelling: &str, traction: &str| {
+        let case = format!(
+            r#"{{ "nastic": 1, "mesh": {{ "box": {{ "size": [1.0, 0.5], "cells": [2, 1], "element": "quad9" }} }},
+              "materials": [ {{ "region": "body", "law": "neo_hooke", "young": "1 MPa", "poisson": 0.3 }} ],
+              "supports": [ {{ "surface": "x-", "fix": "all" }} ],
+              "loads": [ {{ "surface": "x+", "traction": ["{traction}", 0] }} ],
+              "actuation": [ {{ "name": "swelling", "kind": "turgor", "region": "body", "pressure": "{swelling}" }} ] }}"#
+        );
+        run(Command::Solve, &case)
+    };
+    let compressed = solve("-8 MPa", "0 Pa");
+    assert_eq!(codes(&compressed), ["extreme_deformation"], "{}", compressed.result["warnings"]);
+    assert!(message(&compressed, "extreme_deformation").contains("the smallest J is 0."));
+    let stretched = solve("0.1 MPa", "20 MPa");
+    let told = message(&stretched, "extreme_deformation");
+    assert!(told.contains("times the size of the body"), "{told}");
+    assert_eq!(codes(&solve("-0.2 MPa", "0.3 MPa")), [""; 0]);
+}
+
+/// Cells of 0.25 m know nothing of a correlation length of a millimetre.
+#[test]
+fn a_random_field_that_is_cut_off() {
+    let check = |length: &str| {
+        let random = format!(
+            r#""scenarios": {{ "random": [ {{ "path": "materials/0/young",
+              "lognormal": {{ "mean": "1 MPa", "deviation": "0.2 MPa", "length": "{length}", "modes": 2 }} }} ],
+              "rule": {{ "gauss": 2 }} }}, "costs": ["#
+        );
+        run(Command::Check, &with(SNAPPING, r#""costs": ["#, &random))
+    };
+    let short = check("1 mm");
+    assert_eq!(codes(&short), ["truncated_field"], "{}", short.result["warnings"]);
+    assert!(message(&short, "truncated_field").contains("2 modes hold 10.0 % of the field's variance"));
+    assert_eq!(codes(&check("1 m")), [""; 0]);
+}

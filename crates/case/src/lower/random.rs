@@ -6,6 +6,7 @@ use super::scenario::Scenario;
 use super::variant::{read, set_field};
 use crate::schema::{Case, Inadmissible, Parameter, RandomParameter, RandomScenarios, Rule};
 use crate::syntax::{At, Document, Node, Place, Setting, Value};
+use crate::warning::TRUNCATED_FIELD;
 use nastic_energy::{EnergyError, Field};
 use nastic_fem::Discretization;
 use nastic_mesh::GroupNames;
@@ -73,6 +74,8 @@ enum Kind {
 }
 
 /// Share of the variance that the modes of a field hold where their number is left out.
+/// Modes that hold less than this share of the variance make another field of it.
+const HALF: f64 = 0.5;
 const ENERGY: f64 = 0.9;
 
 impl Variable {
@@ -105,7 +108,11 @@ impl Variable {
                         let field = context.take(&one.at.key("lognormal"), field)?;
                         let share = 100.0 * field.captured();
                         let count = field.modes().len();
-                        context.note(format!("{}: {count} modes hold {share:.1} % of the field's variance", one.path));
+                        let held = format!("{}: {count} modes hold {share:.1} % of the field's variance", one.path);
+                        match field.captured() < HALF {
+                            true => context.warn(&TRUNCATED_FIELD, &one.at.key("lognormal"), held),
+                            false => context.note(held),
+                        }
                         Kind::Field(Box::new(field))
                     }
                 }

@@ -1,15 +1,24 @@
 //! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
 
 use crate::lower::{CaseMember, CaseProblem};
-use crate::warning::{CELL_SHAPE, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning};
+use crate::run::number::short;
+use crate::warning::{
+    CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
+};
 use nastic_control::EnsemblePoint;
 use nastic_fem::{State, StateError};
 use nastic_mesh::spatial::{SelfIntersection, Shape};
+use nastic_numeric::vector::norm;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 /// Below this scaled Jacobian a cell is badly shaped.
 const POOR: f64 = 0.05;
+
+/// Displacements of so many times the body's diagonal stretch it as much.
+const FAR: f64 = 3.0;
+/// Below this J a material is compressed to a fifth of its volume.
+const COMPRESSED: f64 = 0.2;
 
 /// What was found in the state of one member.
 #[derive(Debug, Clone)]
@@ -22,6 +31,8 @@ pub(crate) struct Inspection {
     overlap: f64,
     /// Cells that the deformation made badly shaped, and the lowest scaled Jacobian among them with its cell.
     distorted: (usize, Option<(u32, f64)>),
+    /// What of the deformation is beyond any material.
+    extremes: Vec<String>,
 }
 
 /// Why negative pivots were not counted.
@@ -78,6 +89,7 @@ impl Inspection {
             overlap: overlap(member, state, &intersection),
             intersection,
             distorted: (distorted.len(), lowest),
+            extremes: extremes(member, state),
         }
     }
 
@@ -116,6 +128,9 @@ impl Inspection {
                 format!("{count} cells have a scaled Jacobian below {POOR}, the lowest is {lowest:.3} (cell {cell})");
             out.push(Warning::new(&CELL_SHAPE, message));
         }
+        if !self.extremes.is_empty() {
+            out.push(Warning::new(&EXTREME_DEFORMATION, self.extremes.join("; ")));
+        }
         let name = member.name();
         let place = if name.is_empty() { what.to_owned() } else { format!("{name}: {what}") };
         out.into_iter().map(|warning| warning.of(place.clone())).collect()
@@ -142,6 +157,25 @@ fn positions(points: &[[f64; 3]], u: &[f64], dim: usize) -> Vec<[f64; 3]> {
     points.iter().zip(u.chunks_exact(dim)).map(moved).collect()
 }
 
+/// Displacements and compressions that no law was measured for.
+fn extremes(member: CaseMember<'_>, state: &State) -> Vec<String> {
+    let (mesh, min_j) = (member.mesh(), state.report.min_j);
+    let farthest = state.u.chunks_exact(mesh.dim()).map(norm).fold(0.0, f64::max);
+    let sizes = farthest / mesh.diagonal();
+    let mut out = Vec::new();
+    if sizes > FAR {
+        let (unit, farthest) = (member.problem().units().length().symbol, short(farthest));
+        out.push(format!(
+            "the largest displacement is {farthest} {unit}, {} times the size of the body",
+            short(sizes.round())
+        ));
+    }
+    if min_j > 0.0 && min_j < COMPRESSED {
+        out.push(format!("the smallest J is {min_j:.3}: the material is compressed to this share of its volume"));
+    }
+    out
+}
+
 /// int J dX over the cells whose centres lie in others.
 fn overlap(member: CaseMember<'_>, state: &State, found: &SelfIntersection) -> f64 {
     let disc = member.solid().discretization();
@@ -150,5 +184,6 @@ fn overlap(member: CaseMember<'_>, state: &State, found: &SelfIntersection) -> f
         let (first, count) = points[cell as usize];
         fields.j[cell as usize] * disc.points().weights()[first..first + count].iter().sum::<f64>()
     };
-    found.overlapped.iter().map(volume).sum()
+    // Not `sum`, which is -0.0 of nothing.
+    found.overlapped.iter().map(volume).fold(0.0, |all, one| all + one)
 }
