@@ -1,4 +1,4 @@
-"""Plots of docs/performance.md from the lines of `cargo bench --bench scaling`: python scripts/plots.py scaling.jsonl (matplotlib).
+"""Plots of docs/development/performance.md from the lines of `cargo bench --bench scaling`: python scripts/plots.py scaling.jsonl (matplotlib).
 
 Prints the same figures as Markdown tables.
 """

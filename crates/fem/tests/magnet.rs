@@ -41,7 +41,7 @@ fn gap(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Tips of the elastica in a field across it (docs/verification.md).
+/// Tips of the elastica in a field across it (docs/development/verification.md).
 const ELASTICA: [(f64, [f64; 2]); 7] = [
     (1.0, [0.943567, 0.301721]),
     (2.0, [0.839358, 0.493457]),
@@ -71,7 +71,7 @@ fn magnetised_strips_approach_the_elastica_as_their_height_squared() -> Outcome 
     Ok(())
 }
 
-/// Converged values of second-order elements at `h/L` = 0.1 and 0.05 and `beta = 4` (docs/verification.md).
+/// Converged values of second-order elements at `h/L` = 0.1 and 0.05 and `beta = 4` (docs/development/verification.md).
 #[test]
 fn converged_tips_at_two_heights() -> Outcome {
     for (h, expected) in [(0.1, [0.66879, 0.67687]), (0.05, [0.67047, 0.67172])] {
@@ -84,7 +84,7 @@ fn converged_tips_at_two_heights() -> Outcome {
 }
 
 /// A field against the magnetisation buckles the strip at `beta = (pi/2)^2`, a little earlier for thick ones:
-/// docs/verification.md. The straight state is an equilibrium on both sides; what changes is its inertia.
+/// docs/development/verification.md. The straight state is an equilibrium on both sides; what changes is its inertia.
 #[test]
 fn a_field_against_the_magnetisation_buckles_the_strip() -> Outcome {
     for (h, critical) in [(0.1, 2.46548), (0.05, 2.46693), (0.025, 2.46728)] {

@@ -12,7 +12,7 @@ use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// The fibre cantilever of docs/verification.md, `5 n x n x n` cells.
+/// The fibre cantilever of docs/development/verification.md, `5 n x n x n` cells.
 fn cantilever(kind: CellKind, n: usize) -> Outcome<Solid> {
     Ok(Solid::new(regular(kind, [1.0, 0.2, 0.2], [5 * n, n, n])?)?
         .material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?
@@ -39,7 +39,7 @@ fn residual(solid: &Solid, state: &State) -> Outcome<f64> {
 }
 
 /// Four equal steps of plain Newton take 27 (hex8) and 31 (hex27) iterations, and one step diverges without
-/// globalisation (docs/verification.md).
+/// globalisation (docs/development/verification.md).
 #[test]
 fn the_fiber_cantilever_is_reached_in_one_load_step_or_two() -> Outcome {
     for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27, CellKind::Tet4, CellKind::Tet10] {

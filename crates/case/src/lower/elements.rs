@@ -13,7 +13,7 @@ use nastic_mesh::{CellKind, Column, GroupNames};
 /// Poisson's ratio from which fully integrated first-order quadrilaterals and hexahedra lock.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.4;
 /// Poisson's ratio from which second-order simplices lose 1.6 to 1.8 times what hexahedra and quadrilaterals do
-/// (docs/verification.md), rounding included.
+/// (docs/development/verification.md), rounding included.
 const INCOMPRESSIBLE: f64 = 0.499 - 1e-9;
 /// First-order cells that are so many times too stiff in bending are told of.
 const STIFF: f64 = 1.3;

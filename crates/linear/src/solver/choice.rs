@@ -31,7 +31,7 @@ impl Solver {
     /// three times the cost that multigrid is expected to have.
     ///
     /// The costs compared are the operations of one factorisation, and 400 passes over both triangles of the tangent at
-    /// 19 operations per entry. docs/performance.md has the measurements behind these numbers.
+    /// 19 operations per entry. docs/development/performance.md has the measurements behind these numbers.
     pub fn cheaper(pattern: &Pattern, symbolic: &Symbolic) -> Self {
         let entries = 2.0 * pattern.values() as f64;
         let multigrid = PASSES * FLOPS_PER_ENTRY * entries;
