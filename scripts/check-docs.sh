@@ -13,7 +13,7 @@ while read -r page; do
   here=$(dirname "$page")
   while read -r link; do
     [ -e "$here/$link" ] || complain "$page" "$link"
-  done < <(grep -oE '\]\([^)#:]+' "$page" | sed 's/^](//')
+  done < <(grep -oE '\]\([^)#:]+[)#]' "$page" | sed 's/^](//; s/[)#]$//')
   while read -r path; do
     compgen -G "$path" >/dev/null || complain "$page" "$path"
   done < <(grep -oE '`(crates|tests|docs|examples|scripts|benches|meshes)/[A-Za-z0-9_./*-]+`' "$page" | tr -d '`' | sort -u)
