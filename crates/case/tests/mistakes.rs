@@ -81,7 +81,7 @@ fn words_people_try_are_answered_with_what_to_write() {
         (law, "\"density\": 1, \"law\": \"transverse_mooney_rivlin\"", ["materials/0/density", "\"body_force\""]),
         (law, "\"law\": \"linear_elastic\"", ["unknown law \"linear_elastic\"", "\"neo_hooke\" with"]),
         ("\"fix\":", "\"fixed\": true, \"fix\":", ["supports/0/fixed", "\"fix\": \"all\""]),
-        (kind, "\"kind\": \"muscle\"", ["unknown kind \"muscle\"", "\"fiber_tension\""]),
+        (kind, "\"kind\": \"fibre\"", ["unknown kind \"fibre\"", "\"kind\": \"muscle\""]),
         (kind, "\"kind\": \"air_chamber\"", ["unknown kind \"air_chamber\"", "\"cavity\""]),
         (kind, "\"kind\": \"chamber\"", ["unknown kind \"chamber\"", "\"cavity\""]),
         (kind, "\"kind\": \"tendon\"", ["unknown kind \"tendon\"", "no tendons yet"]),
@@ -176,7 +176,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"fiber_tension\"",
         "\"fibre_tension\"",
         ": actuation/0/kind: unknown kind \"fibre_tension\": did you mean \"fiber_tension\"? (one of: \
-         fiber_tension, turgor, magnet, cavity)",
+         fiber_tension, muscle, turgor, magnet, cavity)",
     );
     one(
         COMPLETE,

@@ -122,7 +122,7 @@ fn names_are_distinct_and_unknown_ones_are_answered() {
         "no law is called `moony_rivlin` (did you mean `mooney_rivlin`?); there are: mooney_rivlin, \
          transverse_mooney_rivlin, neo_hooke, neo_hooke_isochoric"
     );
-    assert!(catalogue::actuation("muscle").unwrap_err().to_string().contains("fiber_tension"));
+    assert!(catalogue::actuation("sinew").unwrap_err().to_string().contains("fiber_tension"));
 }
 
 #[test]

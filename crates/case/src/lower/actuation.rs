@@ -106,6 +106,10 @@ fn fix_slot(
             context.warn(&CONVEXITY, &at, beyond_limit(most, limit, context.units));
         }
     }
+    if key == CONTRACTION && columns.iter().flatten().any(|value| *value < 0.0) {
+        context.complain(&at, MUSCLES_PULL);
+        return None;
+    }
     let mut reduced = reduced;
     for (component, values) in columns.iter().enumerate() {
         let fixed = reduced.fix(index, first + component, values);
@@ -132,6 +136,11 @@ fn fix_number(
     let fixed = reduced.fix(index, slot, &[constant]);
     context.take(&at, fixed)
 }
+
+/// The control of a muscle.
+pub(super) const CONTRACTION: &str = "contraction";
+pub(super) const MUSCLES_PULL: &str = "a muscle only pulls: its contraction is positive or zero; fibres that lengthen are of the kind \"fiber_tension\", \
+     with a positive tension";
 
 /// What to say of a tension above the law's convexity bound.
 pub(super) fn beyond_limit(tension: f64, limit: f64, units: Units) -> String {

@@ -1,6 +1,6 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
-use super::actuation::{beyond_limit, is_built};
+use super::actuation::{CONTRACTION, MUSCLES_PULL, beyond_limit, is_built};
 use super::array::{self, Entity, MeshArray};
 use super::context::Context;
 use super::start;
@@ -176,6 +176,12 @@ impl Lowering<'_> {
         Some((ControlField { at, name, array, load_case: None, unit, admitted, bounds, limit }, start, set))
     }
 
+    /// Whether it is that of a muscle.
+    fn is_contraction(&self) -> bool {
+        let actuation = &self.reduced.solid().model().controllable()[self.block.actuation];
+        actuation.slots.get(self.block.slot).is_some_and(|slot| slot.group == CONTRACTION)
+    }
+
     fn allowed(&self, limit: Option<f64>, context: &mut Context<'_>) -> Option<Allowed> {
         if self.block.components == 1 { self.bounds(limit, context) } else { self.vectors(context) }
     }
@@ -206,6 +212,13 @@ impl Lowering<'_> {
         let lower = self.bound("lower", &self.control.lower, context);
         let upper = self.bound("upper", &self.control.upper, context);
         let (mut lower, mut upper) = (lower?, upper?);
+        if self.is_contraction() {
+            if lower.as_ref().is_some_and(|lower| least(lower) < 0.0) {
+                context.complain(&self.control.at.key("lower"), MUSCLES_PULL);
+                return None;
+            }
+            lower = lower.or(Some(Limit::Uniform(0.0)));
+        }
         if let (Some(most), Some(_)) = (self.control.max_norm, &self.control.direction) {
             let beyond = lower.as_ref().is_some_and(|lower| least(lower) < -most)
                 || upper.as_ref().is_some_and(|upper| greatest(upper) > most);

@@ -263,6 +263,9 @@ pub(super) fn conventions(problem: &CaseProblem) -> Vec<Line> {
             "fibre tension m adds -(m/2)|F a|^2 to the energy: m < 0 contracts the fibre, m > 0 lengthens it",
         ));
     }
+    if problem.case.actuation.iter().any(|a| a.kind() == "muscle") {
+        out.push(line("conventions", "muscle contraction c adds (c/2)|F a|^2 to the energy: c > 0 pulls"));
+    }
     if problem.case.actuation.iter().any(|a| a.kind() == "turgor") {
         out.push(line("conventions", "turgor m adds -m (J - 1) to the energy: m > 0 inflates"));
     }

@@ -19,9 +19,9 @@ object! {
         pub name: Option<String>,
         /// Where its values live.
         pub space: Space,
-        /// Value to start from; zero if left out. A positive tension lengthens, a negative one contracts. Vectors for magnets.
+        /// Value to start from; zero if left out. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
         pub start: Option<Start>,
-        /// Least value of a scalar; unbounded if left out. A tension contracts below zero.
+        /// Least value of a scalar; unbounded if left out, of a muscle 0. A tension contracts below zero.
         pub lower: Option<Parameter>,
         /// Largest value of a scalar; the law's convexity bound if left out. A tension lengthens above zero.
         pub upper: Option<Parameter>,

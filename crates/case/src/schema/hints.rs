@@ -25,9 +25,8 @@ const AIR: &str = "the pressure of an air chamber is an actuation, as it follows
 const FORCE: &str = "forces stand in \"loads\", per reference area or volume: { \"surface\": \"tip\", \
     \"traction\": [0, 0, \"-1 N / 4 cm^2\"] } \
                      (nastic check prints the areas)";
-const MUSCLE: &str = "a muscle is an actuation of the \"kind\": \"fiber_tension\" with a \"direction\"; a \
-    positive tension lengthens, a \
-                      negative one contracts";
+const MUSCLE: &str = "a muscle is an actuation of the \"kind\": \"muscle\" with a \"region\" and a \"direction\"; a \
+    positive \"contraction\" pulls";
 const CHAMBER: &str = "an air chamber is an actuation of the \"kind\": \"cavity\", with the \"surface\" of its walls";
 const TENDON: &str = "nastic has no tendons yet; a thin region with a \"fiber_tension\" along it comes nearest";
 const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with the vectors \"remanence\" (mu0 \

@@ -4,14 +4,16 @@ use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Respon
 
 /// Tension of a fibre family along unit vectors `a(X)`.
 ///
-/// **Energy.** `-(m/2) |F a|^2`, added to the passive energy; `m > 0` lengthens the fibre, `m < 0` contracts it.
+/// **Energy.** `-(m/2) |F a|^2`, added to the passive energy; `m > 0` lengthens the fibre, `m < 0` contracts it. As a
+/// [`muscle`](Self::muscle) its control is the contraction `c = -m`, energy `(c/2) |F a|^2`: positive pulls.
 ///
 /// **Stress and tangent.** `P = -m F a (x) a`, `dP_iJ/dF_kL = -m delta_ik a_J a_L`, `dP/dm = -F a (x) a`.
 ///
 /// **Convexity.** Convex in `F` for `m <= 0`. A positive tension is covered by the passive law up to its
 /// [`fiber_limit`](EnergyTerm::fiber_limit); there is no lower bound by theory.
 ///
-/// **Parameters.** `a`, unit vectors of the reference body, uniform or a [`Field`]; control `tension`, Pa.
+/// **Parameters.** `a`, unit vectors of the reference body, uniform or a [`Field`]; control `tension`, of a muscle
+/// `contraction`, Pa.
 ///
 /// **Source.** Section 4.1 of "Mathematical modeling, analysis and control in soft robotics", SeMA Journal 2023,
 /// doi 10.1007/s40324-023-00334-4. Another published "fibre tension", `-m (|F a| - 1)`, differs by the stretch in the
@@ -19,12 +21,17 @@ use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Respon
 #[derive(Clone, Debug)]
 pub struct FiberTension {
     direction: Field<Vec3>,
+    /// The tension m per control: 1, of a muscle -1.
+    sense: f64,
 }
 
 impl FiberTension {
     /// Name in case files and messages.
     pub const NAME: &str = "fiber_tension";
-    const SLOTS: [Slot; 1] = [Slot::scalar("tension", "Pa")];
+    /// Name of the fibres whose control is their contraction.
+    pub const MUSCLE: &str = "muscle";
+    const TENSION: [Slot; 1] = [Slot::scalar("tension", "Pa")];
+    const CONTRACTION: [Slot; 1] = [Slot::scalar("contraction", "Pa")];
 
     /// Fibres along the unit vector `a` everywhere.
     ///
@@ -39,14 +46,25 @@ impl FiberTension {
     /// # Errors
     /// [`EnergyError::Direction`] with the first vector that is not a unit vector, and where it is.
     pub fn along_field(a: impl Into<Field<Vec3>>) -> Result<Self, EnergyError> {
-        Ok(Self { direction: a.into().unit_directions(Self::NAME, "direction")? })
+        Ok(Self { direction: a.into().unit_directions(Self::NAME, "direction")?, sense: 1.0 })
+    }
+
+    /// The same fibres with their contraction as the control: positive pulls.
+    #[must_use]
+    pub fn muscle(self) -> Self {
+        Self { sense: -1.0, ..self }
+    }
+
+    /// The tension at a point, Pa.
+    fn tension(&self, m: Slots, q: usize) -> f64 {
+        self.sense * m.get(q, 0)
     }
 }
 
 impl EnergyTerm for FiberTension {
     fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         for (q, k) in at.kinematics.iter().enumerate() {
-            let tension = m.get(q, 0);
+            let tension = self.tension(m, q);
             let a = self.direction.at(at.place(q));
             let fa = k.f() * a;
             if want.energy {
@@ -64,7 +82,7 @@ impl EnergyTerm for FiberTension {
     fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         for (q, (g, out)) in change.iter().zip(out).enumerate() {
             let a = self.direction.at(at.place(q));
-            *out -= (g * a) * (a * m.get(q, 0)).transpose();
+            *out -= (g * a) * (a * self.tension(m, q)).transpose();
         }
     }
 
@@ -73,19 +91,20 @@ impl EnergyTerm for FiberTension {
     }
 
     fn direction(&self, at: Place) -> Option<Vec3> {
-        Some(self.direction.at(at))
+        // A contraction needs no bound: the limit is one of tensions.
+        (self.sense > 0.0).then(|| self.direction.at(at))
     }
 }
 
 impl Actuation for FiberTension {
     fn slots(&self) -> &[Slot] {
-        &Self::SLOTS
+        if self.sense > 0.0 { &Self::TENSION } else { &Self::CONTRACTION }
     }
 
     fn stress_by_control(&self, at: &PointBatch, _m: Slots, out: &mut [Mat3]) {
         for (q, k) in at.kinematics.iter().enumerate() {
             let a = self.direction.at(at.place(q));
-            out[q] = -(k.f() * a) * a.transpose();
+            out[q] = -(k.f() * a) * (a * self.sense).transpose();
         }
     }
 }

@@ -96,6 +96,13 @@ pub const ACTUATIONS: &[ActuationRow] = &[
         make: |given| Ok(Arc::new(FiberTension::along_field(given.direction("direction")?)?)),
     },
     ActuationRow {
+        name: FiberTension::MUSCLE,
+        about: "a muscle along `direction`; a positive contraction pulls, a negative one is refused",
+        forms: &[&[Parameter::direction("direction", [0.6, 0.0, 0.8])]],
+        example: Example { controls: &[1.5e5], towards: [[-0.36, 0.0, -0.48], [0.0, 0.0, 0.0], [-0.48, 0.0, -0.64]] },
+        make: |given| Ok(Arc::new(FiberTension::along_field(given.direction("direction")?)?.muscle())),
+    },
+    ActuationRow {
         name: Turgor::NAME,
         about: "pressure inside the material; positive inflates",
         forms: &[&[]],
