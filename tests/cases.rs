@@ -47,7 +47,8 @@ impl std::io::Write for Said {
 
 fn command(command: Command, case: &Path, name: &str, set: &[&str]) -> Result<Outcome, RunError> {
     let set = set.iter().map(|s| (*s).to_owned()).collect();
-    let options = Options { out: Some(scratch(name)), set, ..Options::default() };
+    // What an interrupted test run left there does not count.
+    let options = Options { out: Some(scratch(name)), set, restart: true, ..Options::default() };
     run(command, case, &options, &Console::silent())
 }
 

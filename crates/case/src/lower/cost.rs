@@ -153,8 +153,10 @@ impl Lowering<'_> {
         let mut cost = SmoothedHausdorff::to(target.mesh.clone())
             .phi(phi(&block.phi, diagonal))
             .stages(block.stages.iter().map(|stage| (stage.alpha, stage.beta, stage.gamma)))
-            .quadrature(block.quadrature.unwrap_or_else(|| own_points(solid.mesh())))
             .weight(block.weight);
+        if let Some(points) = block.quadrature {
+            cost = cost.quadrature(points);
+        }
         if let Some(region) = &block.region {
             cost = cost.region(region);
         }
@@ -310,11 +312,6 @@ fn diagonal(mesh: &Mesh, region: Option<&GroupNames>) -> f64 {
         high - low
     };
     (0..3).map(|k| extent(k).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Gauss points per direction of the solid's own rule.
-fn own_points(mesh: &Mesh) -> usize {
-    mesh.blocks().iter().map(|block| block.kind.order() + 1).max().unwrap_or(2)
 }
 
 /// A term under the name the case gives it.

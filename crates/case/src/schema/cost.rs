@@ -42,7 +42,7 @@ object! {
         pub phi: Phi,
         /// Exponents, sharpened from stage to stage.
         pub stages: Vec<Stage>,
-        /// Gauss points per direction of the cost's own rule; the solid's rule if left out.
+        /// Gauss points per direction on body and target; the fewest that resolve the smallest length of the stages if left out.
         pub quadrature: Option<usize> as POSITIVE,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,

@@ -46,7 +46,7 @@ impl fmt::Display for Diagnostic {
 pub struct Diagnostics(Vec<Diagnostic>);
 
 impl Diagnostics {
-    /// In the order of lines, each problem once.
+    /// In the order of lines, each problem once, at the deepest of the paths it is told of.
     #[must_use]
     pub fn new(mut list: Vec<Diagnostic>) -> Self {
         list.sort_by_key(|problem| (problem.line, problem.column));
@@ -56,6 +56,13 @@ impl Diagnostics {
                 kept.push(problem);
             }
         }
+        let deeper = |one: &Diagnostic, other: &Diagnostic| {
+            let inside = other.path.strip_prefix(&one.path).is_some_and(|rest| rest.starts_with('/'));
+            inside && (&one.file, &one.message) == (&other.file, &other.message)
+        };
+        let told_deeper: Vec<bool> = kept.iter().map(|one| kept.iter().any(|other| deeper(one, other))).collect();
+        let mut told_deeper = told_deeper.into_iter();
+        kept.retain(|_| !told_deeper.next().unwrap_or_default());
         Self(kept)
     }
 

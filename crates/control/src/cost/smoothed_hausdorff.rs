@@ -34,7 +34,8 @@ pub struct SmoothedHausdorff {
     region: Option<GroupNames>,
     phi: Phi,
     stages: Vec<(f64, f64, f64)>,
-    quadrature: usize,
+    /// Gauss points per direction; chosen by the length to resolve where none are given.
+    quadrature: Option<usize>,
     weight: f64,
 }
 
@@ -42,13 +43,13 @@ pub struct SmoothedHausdorff {
 const DEFAULT_LENGTH: f64 = 0.1;
 
 impl SmoothedHausdorff {
-    /// To the whole of a target mesh, with `phi = exp(-r/l)`, l a tenth of the target's diagonal, two Gauss points per
-    /// direction, and the stages (alpha, beta, gamma) = (1, 4, 4), (4, 16, 8).
+    /// To the whole of a target mesh, with `phi = exp(-r/l)`, l a tenth of the target's diagonal, and the stages
+    /// (alpha, beta, gamma) = (1, 4, 4), (4, 16, 8).
     pub fn to(target: impl Into<Arc<Mesh>>) -> Self {
         let target = target.into();
         let phi = Phi::Exponential { length: DEFAULT_LENGTH * target.diagonal() };
         let stages = vec![(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)];
-        SmoothedHausdorff { target, target_region: None, region: None, phi, stages, quadrature: 2, weight: 1.0 }
+        SmoothedHausdorff { target, target_region: None, region: None, phi, stages, quadrature: None, weight: 1.0 }
     }
 
     /// Only this region of the target, or the union of several.
@@ -80,9 +81,10 @@ impl SmoothedHausdorff {
         self
     }
 
-    /// Gauss points per direction, on body and target.
+    /// Gauss points per direction, on body and target. Without it, on each of the two the fewest whose mean spacing is no
+    /// more than the smallest length that a stage resolves, `l/alpha`: the value costs a sum over all pairs of points.
     pub fn quadrature(mut self, points: usize) -> Self {
-        self.quadrature = points;
+        self.quadrature = Some(points);
         self
     }
 
@@ -109,21 +111,17 @@ impl SmoothedHausdorff {
         if self.stages.is_empty() {
             return Err(fail("smoothed_hausdorff needs at least one stage (alpha, beta, gamma)".to_owned()));
         }
-        if self.quadrature == 0 || self.quadrature > 20 {
-            return Err(fail(format!("smoothed_hausdorff: quadrature {} is not within 1 to 20", self.quadrature)));
+        if let Some(points) = self.quadrature.filter(|points| *points == 0 || *points > MOST) {
+            return Err(fail(format!("smoothed_hausdorff: quadrature {points} is not within 1 to {MOST}")));
         }
         let stages = self.stages.iter().map(|&(alpha, beta, gamma)| Smoothing::new(self.phi, alpha, beta, gamma));
         let stages = stages.collect::<Result<Vec<_>, _>>().map_err(|e| fail(e.to_string()))?;
-        let body = sample(solid.mesh(), self.region.as_ref(), self.quadrature)?;
-        let target = sample(&self.target, self.target_region.as_ref(), self.quadrature)?;
-        let positions = target.positions(&self.target, None);
-        let cloud = Cloud::new(positions, target.weights().to_vec()).map_err(|e| fail(e.to_string()))?;
+        let length = stages.iter().map(Smoothing::resolution).fold(f64::INFINITY, f64::min);
+        let (body, body_cloud) = sample(solid.mesh(), self.region.as_ref(), (self.quadrature, length))?;
+        let (_, cloud) = sample(&self.target, self.target_region.as_ref(), (self.quadrature, length))?;
         let shape = Shape::of(&self.target, self.target.points(), self.target_region.as_ref());
         let shape = shape.map_err(|e| fail(e.to_string()))?;
-        let body_spacing = body.positions(solid.mesh(), None);
-        let body_spacing =
-            Cloud::new(body_spacing, body.weights().to_vec()).map_err(|e| fail(e.to_string()))?.spacing();
-        let spacing = body_spacing.max(cloud.spacing());
+        let spacing = body_cloud.spacing().max(cloud.spacing());
         let stages = stages.into_iter().map(Stage::from).collect();
         let (region, target) = (self.region, self.target);
         Ok(BoundHausdorff::new(Setup { body, region, target, cloud, shape, stages, weight, spacing }))
@@ -136,7 +134,15 @@ impl IntoCost for SmoothedHausdorff {
     }
 }
 
-fn sample(mesh: &Mesh, region: Option<&GroupNames>, points: usize) -> Result<QuadraturePoints, ControlError> {
+/// Most Gauss points per direction.
+const MOST: usize = 20;
+
+/// Points of a mesh and their places: so many per direction, or the fewest that resolve a length.
+fn sample(
+    mesh: &Mesh,
+    region: Option<&GroupNames>,
+    (points, length): (Option<usize>, f64),
+) -> Result<(QuadraturePoints, Cloud), ControlError> {
     let cells = match region {
         Some(names) => mesh.cells_of(names)?,
         None => (0..mesh.cells() as u32).collect(),
@@ -144,5 +150,15 @@ fn sample(mesh: &Mesh, region: Option<&GroupNames>, points: usize) -> Result<Qua
     if cells.is_empty() {
         return Err(ControlError::Cost { what: format!("{} has no cells to measure a distance to", mesh.name()) });
     }
-    Ok(QuadraturePoints::of_cells(mesh, cells, |kind| kind.rule_of_points(points))?)
+    let mut count = points.unwrap_or(1);
+    loop {
+        let sampled = QuadraturePoints::of_cells(mesh, cells.clone(), |kind| kind.rule_of_points(count))?;
+        let cloud = Cloud::new(sampled.positions(mesh, None), sampled.weights().to_vec());
+        let cloud = cloud.map_err(|error| ControlError::Cost { what: error.to_string() })?;
+        let resolved = cloud.len() > 1 && cloud.spacing() <= length;
+        if points.is_some() || resolved || count == MOST {
+            return Ok((sampled, cloud));
+        }
+        count += 1;
+    }
 }
