@@ -67,6 +67,8 @@ pub struct Options {
     pub no_report: bool,
     /// Whether `optimize` may replace the checkpoint of an interrupted optimisation, or one that cannot be read.
     pub restart: bool,
+    /// Whether the columns of the table of trials are explained above it.
+    pub explain: bool,
     /// What `solve` computes.
     pub analysis: Analysis,
     /// Told of every trial of an optimisation.
@@ -156,6 +158,7 @@ pub fn resume(
         let (mut session, position) = resume::open(catalogue, directory, options.cancel.clone(), console)?;
         session.strict = options.strict;
         session.report = !options.no_report;
+        session.explain = options.explain;
         session.on_trial = options.on_trial.clone();
         let exit = optimize::resume(&mut session, position);
         conclude(session, exit, true).map(|(outcome, _)| outcome)

@@ -127,6 +127,9 @@ pub struct Running {
     /// Leave out report.html, the page that solve and optimize write at their end
     #[arg(long)]
     pub no_report: bool,
+    /// Say what the columns of the table of trials mean
+    #[arg(long)]
+    pub explain: bool,
     /// Print errors only
     #[arg(long)]
     pub quiet: bool,

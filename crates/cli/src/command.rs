@@ -86,6 +86,7 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, asked: 
         set: case.settings.clone(),
         strict: running.strict,
         no_report: running.no_report,
+        explain: running.explain,
         analysis: asked.analysis,
         restart: asked.restart,
         cancel: cancelled_by_signals(),
@@ -99,6 +100,7 @@ fn on_directory(catalogue: &Catalogue, Resume { directory, running }: &Resume) -
         threads: running.threads.map(usize::from),
         strict: running.strict,
         no_report: running.no_report,
+        explain: running.explain,
         cancel: cancelled_by_signals(),
         ..Options::default()
     };

@@ -44,6 +44,8 @@ pub(super) struct Session<'c> {
     pub settings: Vec<String>,
     /// Whether the page of results is written at the end.
     pub report: bool,
+    /// Whether the columns of the table of trials are explained.
+    pub explain: bool,
     /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
     pub ended: bool,
     /// Told of every trial of an optimisation.
@@ -81,6 +83,7 @@ impl<'c> Session<'c> {
         let mut session = Self::of(command, document, options.set.clone(), options.cancel.clone(), console, began)?;
         session.strict = options.strict;
         session.report = !options.no_report;
+        session.explain = options.explain;
         session.on_trial = options.on_trial.clone();
         session.out = directory(&session.command, &session.problem, options).map(Directory::claim).transpose()?;
         Ok(session)
@@ -131,6 +134,7 @@ impl<'c> Session<'c> {
             warnings: Vec::new(),
             settings,
             report: true,
+            explain: false,
             ended: false,
             on_trial: OnTrial::default(),
             shown: None,

@@ -95,6 +95,9 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
     let (console, result) = (session.console, session.result_value());
     let mut work = SolveReport::default();
     states().for_each(|state| work.add_work(&state.report));
+    if work.newton == 0 && states().all(|state| state.u.iter().all(|u| *u == 0.0)) {
+        console.say("equilibrium the state of rest: nothing deforms the body at the start controls");
+    }
     console.say(format!(
         "equilibrium {} Newton iterations in {} load steps ({} cut), {} factorisations ({} reused), residual {}",
         work.newton,
@@ -110,6 +113,7 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
     say_stability(session, &result);
     say_cost(session, &result);
     say_members(session, &result);
+    say_tracked(session, &result);
     say_probes(session, &result);
     say_reactions(session, &result);
 }
@@ -374,6 +378,20 @@ pub(super) fn write_collections(problem: &CaseProblem, what: &str, out: &Directo
 /// The name of a file without its directories and its extension.
 fn stem(file: &str) -> String {
     Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// How far tracked points are from their targets, and were at the start of an optimisation.
+pub(super) fn say_tracked(session: &Session<'_>, result: &Value) {
+    let unit = session.problem.units().length().symbol;
+    for (name, now) in result["tracking"].as_object().into_iter().flatten() {
+        let of = |key: &str| {
+            let before = result["start"]["tracking"][name][key].as_f64();
+            let before = before.map_or_else(String::new, |before| format!("{} -> ", scientific(before, 3)));
+            format!("{before}{} {unit}", scientific(now[key].as_f64().unwrap_or(f64::NAN), 3))
+        };
+        let (mean, most) = (of("root_mean_square"), of("largest"));
+        session.console.say(format!("distance    {name}: root mean square {mean}, largest {most}"));
+    }
 }
 
 /// The title of pictures.

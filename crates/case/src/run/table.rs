@@ -27,6 +27,29 @@ impl Table {
         out
     }
 
+    /// What the columns hold.
+    pub fn explain(&self) -> Vec<&'static str> {
+        let mut out = vec![
+            "trial       number of the trial, accepted or not",
+            "iter        number of the iteration it ends; - where it was rejected",
+            "cost        value of the cost, as sums of its terms stand below the table",
+            "gradient    norm of the projected gradient over that of the first",
+            "step        length of the step over that of the direction; a rejected trial shortens it",
+            "newton      Newton iterations of the state solve, of all load cases and scenarios",
+            "factor      numeric factorisations, the adjoint's included where it was solved",
+            "min J       smallest ratio of volumes at a quadrature point: 1 undeformed, 0 inverted",
+            "active      share of the controls on their bounds",
+            "seconds     time since the row before",
+        ];
+        if self.stages {
+            out.insert(2, "stage       continuation stage of the cost: costs of different stages do not compare");
+        }
+        if self.distance {
+            out.insert(out.len() - 5, "distance    true Hausdorff distance of an accepted state from the target");
+        }
+        out
+    }
+
     pub fn row(&self, trial: &Trial<'_, EnsemblePoint>, distance: Option<f64>, seconds: f64) -> String {
         let mut out = format!("{:>5}", trial.trial);
         let iteration = if trial.accepted { trial.iteration.to_string() } else { "-".to_owned() };

@@ -4,7 +4,9 @@ use super::super::error::RunError;
 use super::super::gradient::write_states;
 use super::super::number::{count, short};
 use super::super::session::Session;
-use super::super::solve::{say_files, say_members, say_probes, say_stability, title, write_collections, write_targets};
+use super::super::solve::{
+    say_files, say_members, say_probes, say_stability, say_tracked, title, write_collections, write_targets,
+};
 use super::super::states::Shown;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
@@ -130,6 +132,7 @@ fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Writ
             short(number(&result["hausdorff"]["self"]))
         ));
     }
+    say_tracked(session, &result);
     console.say(format!(
         "work        {}, {} ({} failed), {} Newton iterations, {} factorisations ({} reused)",
         count(best.counts.iterations, "iteration"),
@@ -143,9 +146,10 @@ fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Writ
     say_members(session, &result);
     for (name, control) in result["controls"].as_object().into_iter().flatten() {
         console.say(format!(
-            "control     {name} from {} to {}, {} of {} on their bounds",
+            "control     {name} from {} to {}{}, {} of {} on their bounds",
             short(number(&control["min"])),
             short(number(&control["max"])),
+            control["unit"].as_str().map_or_else(String::new, |unit| format!(" {unit}")),
             control["active"],
             control["unknowns"]
         ));

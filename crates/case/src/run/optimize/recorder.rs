@@ -48,6 +48,10 @@ impl<'s> Recorder<'s> {
     pub fn new(session: &'s Session<'_>, journal: &'s mut Journal, index: usize) -> Self {
         let problem = &session.problem;
         let table = Table { distance: has_distance(problem), stages: problem.stages() > 1 };
+        if session.explain {
+            table.explain().into_iter().for_each(|line| session.console.say(line));
+            session.console.say("");
+        }
         session.console.say(table.header());
         Self {
             problem,
