@@ -164,4 +164,5 @@ macro_rules! tutorials {
 
 tutorials! {
     a_first_finger: "1-first-finger.md",
+    targets: "2-targets.md",
 }
