@@ -165,4 +165,5 @@ macro_rules! tutorials {
 tutorials! {
     a_first_finger: "1-first-finger.md",
     targets: "2-targets.md",
+    choices: "3-choices.md",
 }
