@@ -166,4 +166,5 @@ tutorials! {
     a_first_finger: "1-first-finger.md",
     targets: "2-targets.md",
     choices: "3-choices.md",
+    air_chamber: "4-air-chamber.md",
 }
