@@ -167,4 +167,5 @@ tutorials! {
     targets: "2-targets.md",
     choices: "3-choices.md",
     air_chamber: "4-air-chamber.md",
+    magnets: "5-magnets.md",
 }
