@@ -168,4 +168,5 @@ tutorials! {
     choices: "3-choices.md",
     air_chamber: "4-air-chamber.md",
     magnets: "5-magnets.md",
+    uncertainty: "6-uncertainty.md",
 }
