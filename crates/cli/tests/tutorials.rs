@@ -169,4 +169,5 @@ tutorials! {
     air_chamber: "4-air-chamber.md",
     magnets: "5-magnets.md",
     uncertainty: "6-uncertainty.md",
+    own_law: "7-own-law.md",
 }
