@@ -1,4 +1,4 @@
-//! The tutorials do what they say: their files are written, their commands run, and what they show is compared.
+//! The tutorials and the pages on trouble and materials do what they say: their files are written, their commands run, and what they show is compared.
 //!
 //! The first word behind the fence is the language; what follows says what a block is:
 //!
@@ -153,6 +153,11 @@ fn no_page_is_left_out() {
     pages.retain(|name| name != "README.md");
     pages.sort();
     assert_eq!(pages, PAGES);
+}
+
+#[test]
+fn materials() {
+    run_page("../materials.md");
 }
 
 macro_rules! tutorials {
