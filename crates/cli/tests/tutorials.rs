@@ -160,6 +160,11 @@ fn materials() {
     run_page("../materials.md");
 }
 
+#[test]
+fn trouble() {
+    run_page("../trouble.md");
+}
+
 macro_rules! tutorials {
     ($($test:ident: $page:literal),* $(,)?) => {
         const PAGES: &[&str] = &[$($page),*];
