@@ -1,4 +1,4 @@
-//! The tutorials do what they say: their files are written, their commands run, and what they show is compared.
+//! The tutorials and the pages on trouble and materials do what they say: their files are written, their commands run, and what they show is compared.
 //!
 //! The first word behind the fence is the language; what follows says what a block is:
 //!
@@ -155,6 +155,16 @@ fn no_page_is_left_out() {
     assert_eq!(pages, PAGES);
 }
 
+#[test]
+fn materials() {
+    run_page("../materials.md");
+}
+
+#[test]
+fn trouble() {
+    run_page("../trouble.md");
+}
+
 macro_rules! tutorials {
     ($($test:ident: $page:literal),* $(,)?) => {
         const PAGES: &[&str] = &[$($page),*];
@@ -164,4 +174,10 @@ macro_rules! tutorials {
 
 tutorials! {
     a_first_finger: "1-first-finger.md",
+    targets: "2-targets.md",
+    choices: "3-choices.md",
+    air_chamber: "4-air-chamber.md",
+    magnets: "5-magnets.md",
+    uncertainty: "6-uncertainty.md",
+    own_law: "7-own-law.md",
 }
