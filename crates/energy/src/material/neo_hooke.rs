@@ -87,7 +87,8 @@ impl NeoHooke {
         poisson: impl Into<Field<f64>>,
     ) -> Result<Self, EnergyError> {
         let (young, poisson) = (young.into(), poisson.into());
-        let requirement = "it must lie in [0, 1/2): take neo_hooke_isochoric for negative ratios";
+        let requirement =
+            "it must lie in [0, 1/2): 0.49 is nearly incompressible; neo_hooke_isochoric takes negative ratios";
         poisson.require(Self::NAME, "poisson", |nu| (0.0..0.5).contains(&nu), requirement)?;
         let [shear, _] = shear_bulk(Self::NAME, &young, &poisson)?;
         // Not through the bulk modulus: nu = 0 has to give lambda = 0 to the bit.
