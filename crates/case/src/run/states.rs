@@ -87,7 +87,7 @@ impl States {
     pub fn picture(&self, member: CaseMember<'_>) -> Result<Vec<u8>, ShowError> {
         let shot = |point: &EnsemblePoint| {
             let at = &point.members[member.index()];
-            snapshot::snapshot(member, &StateFields::new(&at.state, &at.m))
+            snapshot::plain(member, &StateFields::new(&at.state, &at.m))
         };
         let body = shot(&self.shown.point)?;
         let start = self.shown.start.as_ref().map(shot).transpose()?;

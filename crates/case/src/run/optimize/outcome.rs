@@ -185,7 +185,7 @@ fn write(
     for (k, member) in problem.leads().enumerate() {
         let shot = |point: &EnsemblePoint| {
             let at = &point.members[k];
-            snapshot::snapshot(member, &StateFields::new(&at.state, &at.m))
+            snapshot::plain(member, &StateFields::new(&at.state, &at.m))
         };
         let (begin, end) = (shot(start)?, shot(&best.point)?);
         let drawing = Drawing {
