@@ -38,6 +38,8 @@ pub use report::report;
 pub use states::{ShowError, States};
 pub use sweep::{Sweep, SweepOutcome, sweep};
 
+pub(crate) use number::short;
+
 use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::result::{Missed, expectation, failure};

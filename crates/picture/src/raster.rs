@@ -260,7 +260,7 @@ impl Paint {
             }
             _ => (Vec::new(), (0.0, 0.0)),
         };
-        let front_only = !scene.plane && matches!(shape.fill, Fill::Glass(_));
+        let front_only = !scene.plane && !shape.open && matches!(shape.fill, Fill::Glass(_));
         Self { fill: shape.fill, front_only, shaded: !scene.plane, base, table, range }
     }
 

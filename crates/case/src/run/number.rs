@@ -3,7 +3,7 @@
 use crate::quantity::{Dimension, Units};
 
 /// Six significant digits, without an exponent where that reads well.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if rounded == 0.0 {
         // without the sign that -0.0 has

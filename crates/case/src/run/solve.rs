@@ -73,7 +73,9 @@ pub(super) fn show(
 
 /// The line below the title of a picture.
 fn subtitle(session: &Session<'_>, min_j: f64) -> String {
-    format!("equilibrium at the start control, min J {}{}", short(min_j), session.warned())
+    let result = session.result_value();
+    let distance = picture::distance(&result, session.problem.units().length().symbol);
+    format!("equilibrium at the start control, min J {}{distance}{}", short(min_j), session.warned())
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
@@ -303,11 +305,13 @@ fn write(
         if member.part().scenario() == 0 {
             let drawing = Drawing {
                 title: title(member),
-                subtitle: subtitle(session, at.state.report.min_j),
+                subtitle: subtitle(session, at.state.report.min_j) + picture::arrows(&shot),
                 body: ("equilibrium", &shot),
                 ghost: None,
+                scenarios: Vec::new(),
+                mean: None,
             };
-            picture::write(member, &drawing, &out)?;
+            picture::write(member, picture::compose(member, &drawing), &out)?;
             files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
         }
     }
