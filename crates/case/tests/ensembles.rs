@@ -257,6 +257,13 @@ fn load_cases_stand_inside_scenarios() {
         let mean: f64 = ["0", "1"].iter().map(|s| 0.5 * number(&result, &format!("scenarios/{s}/{path}"))).sum();
         assert!((number(probe, "displacement/2") - mean).abs() <= 1e-14 && number(probe, "deviation/2") > 0.0);
     }
+    let svg = |name: &str| std::fs::read_to_string(place.path("out").join(name)).unwrap();
+    let (together, up) = (svg("picture.svg"), svg("up_picture.svg"));
+    assert!(together.contains("up<") && together.contains("down<") && !up.contains("down<"), "load cases side by side");
+    assert!(
+        up.contains("remanence") && up.contains("mean of the scenarios") && up.contains("1 iteration:"),
+        "what is drawn"
+    );
     assert!(result["probes"]["down"].as_object().is_some_and(|probes| !probes.is_empty()));
     for file in [
         "scenario_000_up_optimum.vtu",

@@ -2,7 +2,7 @@
 
 use super::files::Directory;
 use super::snapshot;
-use crate::lower::{CaseMember, ControlField, TargetShape};
+use crate::lower::{Admitted, CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, Space};
 use nastic_io::WriteError;
 use nastic_mesh::{NamedArray, Snapshot};
@@ -95,7 +95,7 @@ fn target(target: &TargetShape) -> Option<Body> {
     Face::all(&shape.mesh).iter().any(is_drawn).then(|| body.part(marked))
 }
 
-/// One for every controlled field, vectors by their lengths; J where none is controlled.
+/// One for every controlled field, vectors by their lengths; J where none is controlled but vectors of one length.
 fn appearances(member: CaseMember<'_>, body: &Snapshot) -> Vec<Appearance> {
     let fields = member.fields().filter_map(|(block, field)| controlled(block, field, body));
     let mut out: Vec<Appearance> = fields.take(FIELDS).map(Appearance::Field).collect();
@@ -109,6 +109,10 @@ fn appearances(member: CaseMember<'_>, body: &Snapshot) -> Vec<Appearance> {
 }
 
 fn controlled(block: &ControlBlock, field: &ControlField, body: &Snapshot) -> Option<Field> {
+    // Vectors of one length have no colours to tell apart: their arrows say all.
+    if matches!(field.admitted, Admitted::Norm(_)) {
+        return None;
+    }
     let values = |array: &NamedArray| match array.components {
         1 => (array.name.clone(), array.values.clone()),
         n => {

@@ -93,12 +93,12 @@ fn distances(target: &TargetShape, positions: &[[f64; 3]]) -> Option<Vec<f64>> {
         let shape = Shape::of(&target.mesh, target.mesh.points(), target.regions.as_ref()).ok()?;
         return Some(positions.par_iter().map(|x| shape.distance(*x)).collect());
     }
-    let wanted = target.mesh.points().iter().zip(&target.displacement);
-    let distance = |(x, (wanted, (u, matters))): (&[f64; 3], (&[f64; 3], &([f64; 3], bool)))| {
+    let distance = |(node, x): (usize, &[f64; 3])| {
+        let (wanted, (u, matters)) = (target.mesh.points()[node], target.displacement[node]);
         let squared: f64 = (0..3).map(|c| (x[c] - wanted[c] - u[c]).powi(2)).sum();
-        if *matters { squared.sqrt() } else { 0.0 }
+        if matters { squared.sqrt() } else { 0.0 }
     };
-    Some(positions.iter().zip(wanted).map(distance).collect())
+    Some(positions.iter().enumerate().map(distance).collect())
 }
 
 /// A target as it is shown: its mesh, or the body moved to where it is wanted.

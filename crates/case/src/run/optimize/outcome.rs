@@ -4,7 +4,9 @@ use super::super::error::RunError;
 use super::super::gradient::write_states;
 use super::super::number::{count, short};
 use super::super::session::Session;
-use super::super::solve::{say_files, say_members, say_probes, say_stability, title, write_collections, write_targets};
+use super::super::solve::{
+    members_of, say_files, say_members, say_probes, say_stability, title, write_collections, write_targets,
+};
 use super::super::states::Shown;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
@@ -198,7 +200,7 @@ fn write(
         let mean = problem.has_scenarios().then(|| mean(session, member.load_case().unwrap_or(""), &best.point));
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, best) + &left_out(session) + picture::arrows(&end),
+            subtitle: subtitle(session, best) + &distance(session, member) + &left_out(session) + picture::arrows(&end),
             body: ("optimum", &end),
             ghost: Some(("start", &begin)),
             scenarios: others.collect::<Result<_, RunError>>()?,
@@ -229,6 +231,14 @@ fn write(
     }
     say_files(session, files);
     Ok(())
+}
+
+/// The distance of one of several members from its target, for a subtitle; that of all stands there anyway.
+fn distance(session: &Session<'_>, member: CaseMember<'_>) -> String {
+    let result = session.result_value();
+    let own = members_of(&result).into_iter().find(|(name, _)| *name == member.name());
+    let unit = session.problem.units().length().symbol;
+    own.map_or_else(String::new, |(_, entry)| picture::distance(&Value::Object(entry.clone()), unit))
 }
 
 /// Members that pictures leave out, for a subtitle.
