@@ -43,6 +43,12 @@ impl Console {
         self
     }
 
+    /// The same terminal for what passes, and no lines.
+    #[must_use]
+    pub fn passing_alone(&self) -> Self {
+        Self { lines: Arc::default(), passing: self.passing.clone() }
+    }
+
     /// Writes a line and shows it at once.
     pub fn say(&self, line: impl fmt::Display) {
         self.clear();

@@ -2,6 +2,7 @@
 
 pub(crate) mod checkpoint_file;
 pub(crate) mod convergence;
+pub(crate) mod csv;
 pub(crate) mod expectation;
 pub(crate) mod failure;
 pub(crate) mod files;

@@ -15,6 +15,10 @@ fn number(value: &Value, path: &str) -> f64 {
     found.as_f64().unwrap_or_else(|| panic!("{path} is {found}"))
 }
 
+fn singles(snapshot: &nastic_mesh::Snapshot, name: &str) -> Vec<[f64; 1]> {
+    snapshot.point_array(name).unwrap().values.iter().map(|x| [*x]).collect()
+}
+
 #[test]
 fn check_describes_and_solves_nothing() {
     let place = Place::new();
@@ -68,12 +72,32 @@ fn solve_writes_the_equilibrium_with_its_arrays() {
     let snapshot = nastic_io::read_snapshot(place.path("out/start.vtu")).unwrap();
     assert_eq!(snapshot.mesh.points().len(), 20);
     let points: Vec<&str> = snapshot.point_data.iter().map(|a| a.name.as_str()).collect();
-    assert_eq!(points, ["displacement", "tension"]);
+    let detailed = ["reaction", "nodal_cauchy_stress", "nodal_mises", "target_distance"];
+    assert_eq!(points, [&["displacement", "tension"], &detailed[..]].concat());
     let cells: Vec<&str> = snapshot.cell_data.iter().map(|a| a.name.as_str()).collect();
-    assert_eq!(cells, ["J", "P", "cauchy_stress", "mises", "energy", "direction_tension"]);
+    assert_eq!(
+        cells,
+        ["J", "P", "cauchy_stress", "mises", "energy", "direction_tension", "green_strain", "principal_stretches"]
+    );
     let tip = snapshot.mesh.points().iter().position(|x| *x == [1.0, 0.25, 0.25]).unwrap();
     assert_eq!(snapshot.point_array("displacement").unwrap().at(tip)[2], lifted);
     assert_eq!(snapshot.point_array("tension").unwrap().at(tip), [-5e4]);
+    // The tracked end is to be at (X - 0.1, Y, Z + 0.1); other nodes have no target.
+    let moved = snapshot.positions();
+    for (x, (y, [distance])) in
+        snapshot.mesh.points().iter().zip(moved.iter().zip(singles(&snapshot, "target_distance")))
+    {
+        let to = [x[0] - 0.1, x[1], x[2] + 0.1];
+        let wanted = if x[0] == 1.0 { (0..3).map(|c| (y[c] - to[c]).powi(2)).sum::<f64>().sqrt() } else { 0.0 };
+        assert!((distance - wanted).abs() < 1e-7, "{distance}, {wanted} at {x:?}");
+    }
+    let strains = snapshot.cell_array("green_strain").unwrap().values.chunks_exact(9);
+    let stretches = snapshot.cell_array("principal_stretches").unwrap().values.chunks_exact(3);
+    for (strain, stretch) in strains.zip(stretches) {
+        assert!(stretch[0] > stretch[1] && stretch[1] >= stretch[2] && stretch[2] > 0.5, "{stretch:?}");
+        let trace: f64 = stretch.iter().map(|l| 0.5 * (l * l - 1.0)).sum();
+        assert!((trace - strain[0] - strain[4] - strain[8]).abs() < 1e-6, "{strain:?}, {stretch:?}");
+    }
     assert!(place.path("out/picture.png").exists() && place.path("out/picture.svg").exists());
     assert!(place.path("out/target.vtu").exists());
 }
@@ -148,7 +172,19 @@ fn optimize_lowers_the_cost_and_keeps_its_promises() {
     }
     let optimum = nastic_io::read_snapshot(place.path("out/optimum.vtu")).unwrap();
     let points: Vec<&str> = optimum.point_data.iter().map(|a| a.name.as_str()).collect();
-    assert_eq!(points, ["displacement", "adjoint", "tension", "gradient_tension"]);
+    assert_eq!(
+        points,
+        [
+            "displacement",
+            "adjoint",
+            "tension",
+            "gradient_tension",
+            "reaction",
+            "nodal_cauchy_stress",
+            "nodal_mises",
+            "target_distance"
+        ]
+    );
     let collection = std::fs::read_to_string(place.path("out/iterations.pvd")).unwrap();
     assert!(collection.contains("iteration_0000.vtu") && collection.contains("iteration_0004.vtu"), "{collection}");
     assert!(

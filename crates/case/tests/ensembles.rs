@@ -47,6 +47,13 @@ fn scenarios_have_the_numbers_of_the_single_cases() {
     let mean = 0.25 * number(&soft, "cost/total") + 0.75 * number(&stiff, "cost/total");
     assert!((number(&result, "cost/total") - mean).abs() <= 1e-14 * mean);
     assert_eq!(number(&result, "risk/value"), number(&result, "cost/total"));
+    for c in 0..3 {
+        let [a, b] = [&soft, &stiff].map(|single| number(single, &format!("probes/tip/displacement/{c}")));
+        let (mean, spread) = (0.25 * a + 0.75 * b, (0.25_f64 * 0.75).sqrt() * (a - b).abs());
+        assert!((number(&result, &format!("probes/tip/displacement/{c}")) - mean).abs() <= 1e-14, "{c}");
+        let found = number(&result, &format!("probes/tip/deviation/{c}"));
+        assert!((found - spread).abs() <= 1e-14 && (c == 1 || found > 1e-6), "{c}: {found}, {spread}");
+    }
     for risk in ["mean", "mean_deviation", "cvar", "worst_case"] {
         assert!(number(&result, &format!("risk/measures/{risk}/value")) >= mean * (1.0 - 1e-12), "{risk}");
     }
@@ -122,7 +129,19 @@ fn optimize_serves_all_scenarios_and_writes_their_files() {
     }
     let optimum = nastic_io::read_snapshot(place.path("out/scenario_001_optimum.vtu")).unwrap();
     let points: Vec<&str> = optimum.point_data.iter().map(|a| a.name.as_str()).collect();
-    assert_eq!(points, ["displacement", "adjoint", "tension", "gradient_tension"]);
+    assert_eq!(
+        points,
+        [
+            "displacement",
+            "adjoint",
+            "tension",
+            "gradient_tension",
+            "reaction",
+            "nodal_cauchy_stress",
+            "nodal_mises",
+            "target_distance"
+        ]
+    );
     assert!(std::fs::read_to_string(place.path("out/scenarios.pvd")).unwrap().contains("scenario_001_optimum.vtu"));
     let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let last: Value = serde_json::from_str(history.lines().last().unwrap()).unwrap();
@@ -219,7 +238,8 @@ fn a_load_case_has_the_numbers_of_the_case_that_has_it_alone() {
 #[test]
 fn load_cases_stand_inside_scenarios() {
     let place = Place::new();
-    let scenarios = r#""scenarios": [ { "set": {} }, { "set": { "materials/0/mu": "250 kPa" } } ], "optimizer""#;
+    let scenarios = r#""scenarios": [ { "set": {} }, { "set": { "materials/0/mu": "250 kPa" } } ],
+    "probes": [ { "name": "end", "point": [1.0, 0.25, 0.25] } ], "optimizer""#;
     let case = with(MAGNET, r#""optimizer""#, scenarios);
     let result = place.run(Command::Optimize, &case, &["optimizer/max_iterations=1"]).unwrap().result;
     let sum: f64 = ["0", "1"]
@@ -232,6 +252,19 @@ fn load_cases_stand_inside_scenarios() {
         })
         .sum();
     assert!((number(&result, "cost/total") - sum).abs() <= 1e-14 * sum);
+    for (name, probe) in result["probes"]["down"].as_object().unwrap() {
+        let path = format!("load_cases/down/probes/{name}/displacement/2");
+        let mean: f64 = ["0", "1"].iter().map(|s| 0.5 * number(&result, &format!("scenarios/{s}/{path}"))).sum();
+        assert!((number(probe, "displacement/2") - mean).abs() <= 1e-14 && number(probe, "deviation/2") > 0.0);
+    }
+    let svg = |name: &str| std::fs::read_to_string(place.path("out").join(name)).unwrap();
+    let (together, up) = (svg("picture.svg"), svg("up_picture.svg"));
+    assert!(together.contains("up<") && together.contains("down<") && !up.contains("down<"), "load cases side by side");
+    assert!(
+        up.contains("remanence") && up.contains("mean of the scenarios") && up.contains("1 iteration:"),
+        "what is drawn"
+    );
+    assert!(result["probes"]["down"].as_object().is_some_and(|probes| !probes.is_empty()));
     for file in [
         "scenario_000_up_optimum.vtu",
         "scenario_001_down_optimum.vtu",

@@ -58,6 +58,14 @@ pub enum Command {
     /// SIGTERM or kill -9, or for lack of space. The case file and the files it names must be as they were; overrides
     /// (--set) are those of the optimisation.
     Resume(Resume),
+    /// Run a case once for every value of --set PATH=A,B,C, and make a table of all runs
+    ///
+    /// Commas outside of brackets, braces, parentheses and quotes stand between values: --set materials/0/young="90 kPa,110 kPa",
+    /// --set actuation/0/direction=[1,0,0],[0,1,0]. Several such options mean all combinations; an option with one value is fixed.
+    /// Each run has a directory of its own, NAME=VALUE in that of the results, with all its files; beside them are written sweep.csv
+    /// (a row per run), sweep.json, sweep.svg and sweep.pvd (the optima, for ParaView). A run that fails is a row; the exit code is
+    /// that of the worst. Ctrl-C or SIGTERM ends the run at hand and the sweep. What the case expects is left aside.
+    Sweep(Sweep),
     /// Make report.html from the files of a result directory: shapes in 3D, plots, figures, in one page that works offline
     ///
     /// solve and optimize write the same page at their end, unless --no-report is given.
@@ -91,6 +99,31 @@ pub struct Optimize {
     /// read, which is replaced
     #[arg(long)]
     pub restart: bool,
+}
+
+/// A case to run for several values.
+#[derive(Debug, Args)]
+pub struct Sweep {
+    #[command(flatten)]
+    pub case: Case,
+    /// What to run for every value
+    #[arg(long, value_name = "COMMAND", default_value = "optimize")]
+    pub command: SweptCommand,
+    /// Start every optimisation after the first from the controls of the last one before that has some
+    #[arg(long)]
+    pub warm: bool,
+    /// Begin anew where the directory of a run holds the checkpoint of an interrupted optimisation, or one that cannot be read
+    #[arg(long)]
+    pub restart: bool,
+}
+
+/// What a sweep runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SweptCommand {
+    /// The main job.
+    Optimize,
+    /// The equilibrium at the start controls.
+    Solve,
 }
 
 /// An optimisation that was interrupted.

@@ -1,10 +1,13 @@
 //! From arguments to an exit code.
 
-use crate::arguments::{self, Arguments, Case, Command, New, Optimize, Report, Resume, Running, StopAt};
+use crate::arguments::{
+    self, Arguments, Case, Command, New, Optimize, Report, Resume, Running, StopAt, Sweep, SweptCommand,
+};
 use crate::signals::cancelled_by_signals;
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, report, resume, run_with};
+use nastic_case::run;
+use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, report, resume, run_with, sweep};
 use nastic_case::schema;
 use nastic_case::template::{Template, TemplateError};
 use serde_json::{Value, json};
@@ -31,6 +34,7 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
             self::on_case(catalogue, schema::Command::Optimize, &case, asked)
         }
         Command::Resume(interrupted) => on_directory(catalogue, &interrupted),
+        Command::Sweep(swept) => on_values(catalogue, &swept),
         Command::Report(folder) => on_results(&folder),
         Command::Schema => {
             print(&schema::json_schema(catalogue));
@@ -78,9 +82,14 @@ struct Asked {
 }
 
 fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, asked: Asked) -> ExitCode {
-    let name = command.name();
+    let (name, running) = (command.name(), &case.running);
+    let options = options(case, asked);
+    answer(name, running, run_with(catalogue, command, &case.case, &options, &console(running)))
+}
+
+fn options(case: &Case, asked: Asked) -> Options {
     let running = &case.running;
-    let options = Options {
+    Options {
         out: case.out.clone(),
         threads: running.threads.map(usize::from),
         set: case.settings.clone(),
@@ -91,8 +100,26 @@ fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, asked: 
         restart: asked.restart,
         cancel: cancelled_by_signals(),
         ..Options::default()
+    }
+}
+
+/// Runs a case for several values.
+fn on_values(catalogue: &Catalogue, Sweep { case, command, warm, restart }: &Sweep) -> ExitCode {
+    let command = match command {
+        SweptCommand::Optimize => schema::Command::Optimize,
+        SweptCommand::Solve => schema::Command::Solve,
     };
-    answer(name, running, run_with(catalogue, command, &case.case, &options, &console(running)))
+    let options = options(case, Asked { restart: *restart, ..Asked::default() });
+    let asked = run::Sweep { command, warm: *warm };
+    match sweep(catalogue, &asked, &case.case, &options, &console(&case.running)) {
+        Ok(outcome) => {
+            if case.running.json {
+                print(&outcome.result);
+            }
+            ExitCode::from(outcome.exit.code())
+        }
+        Err(error) => failed("sweep", &case.running, &error),
+    }
 }
 
 fn on_directory(catalogue: &Catalogue, Resume { directory, running }: &Resume) -> ExitCode {
@@ -136,14 +163,17 @@ fn answer(command: &str, running: &Running, outcome: Result<Outcome, RunError>) 
             }
             ExitCode::from(outcome.exit.code())
         }
-        Err(error) => {
-            if running.json {
-                print(&as_json(command, &error));
-            }
-            tell(&error);
-            ExitCode::from(error.exit().code())
-        }
+        Err(error) => failed(command, running, &error),
     }
+}
+
+/// Says why a command has no result.
+fn failed(command: &str, running: &Running, error: &RunError) -> ExitCode {
+    if running.json {
+        print(&as_json(command, error));
+    }
+    tell(error);
+    ExitCode::from(error.exit().code())
 }
 
 /// Text for people goes to standard output, what passes to a terminal on standard error.

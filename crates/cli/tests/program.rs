@@ -154,3 +154,20 @@ fn analyses_of_solve_go_one_at_a_time_and_a_failed_ramp_is_three() {
     assert_eq!(code(&failed), 3);
     assert!(failed.stdout.is_empty() && text(&failed.stderr).contains("the ramp stops at"), "{}", text(&failed.stderr));
 }
+
+#[test]
+fn a_sweep_ends_as_its_worst_run_and_prints_its_table() {
+    let place = Place::new(BAR);
+    let sweep = ["sweep", "case.json", "--command", "solve", "--json", "--out", "there"];
+    let output = place.nastic(&[&sweep[..], &["--set", "materials/0/mu1=90 kPa,110 kPa"]].concat());
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["runs"][1]["run"], "mu1=110_kPa");
+    let output = place.nastic(&[&sweep[..], &["--set", "materials/0/mu1=-1,110 kPa"]].concat());
+    assert_eq!(code(&output), 2, "a shear modulus below zero is a row");
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&answer["runs"][0]["exit"], &answer["runs"][1]["exit"]), (&2.into(), &0.into()));
+    let output = place.nastic(&["sweep", "case.json", "--set", "materials/0/mu1=1 kPa"]);
+    assert_eq!(code(&output), 2);
+    assert!(text(&output.stderr).contains("no option has several values"), "{}", text(&output.stderr));
+}

@@ -38,6 +38,22 @@ fn sigint_and_sigterm_keep_what_was_found() {
 }
 
 #[test]
+fn a_sweep_ends_with_the_run_at_hand() {
+    let place = Place::new(BAR);
+    let mut arguments = LONG.to_vec();
+    arguments[0] = "sweep";
+    arguments.extend(["--set", "costs/0/weight=1,2"]);
+    let mut child = start(place.program(&arguments));
+    place.wait_for_lines("out/case/weight=1/history.jsonl", 4, &mut child);
+    assert!(signal(&child, "INT"));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(code(&output), 4, "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("1 run not made"), "{}", text(&output.stdout));
+    assert_eq!(std::fs::read_to_string(place.path("out/case/sweep.csv")).unwrap().lines().count(), 2);
+    assert!(place.path("out/case/weight=1/optimum.vtu").exists() && !place.path("out/case/weight=2").exists());
+}
+
+#[test]
 fn a_program_that_is_to_outlive_its_terminal_does() {
     let place = Place::new(BAR);
     // What nohup does before it starts a program.

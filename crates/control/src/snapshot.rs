@@ -8,6 +8,7 @@ use crate::reduced::Reduced;
 use nastic_energy::SlotGroup;
 use nastic_fem::State;
 use nastic_mesh::{Mesh, MeshError, Snapshot};
+use nastic_tensor::Mat3;
 
 /// A state, and what is known of it.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +21,8 @@ pub struct StateFields<'a> {
     pub adjoint: Option<&'a [f64]>,
     /// Gradient of the cost: the Riesz image of its derivative.
     pub gradient: Option<&'a [f64]>,
+    /// Whether fields are added that look at the state in another way: strains and stretches, smoothed stresses, reactions.
+    pub detailed: bool,
     /// Names of the arrays of the control fields, in their order; their own names where there are none.
     pub names: &'a [&'a str],
 }
@@ -27,7 +30,7 @@ pub struct StateFields<'a> {
 impl<'a> StateFields<'a> {
     /// A state and its control vector.
     pub fn new(state: &'a State, m: &'a [f64]) -> Self {
-        StateFields { state, m, adjoint: None, gradient: None, names: &[] }
+        StateFields { state, m, adjoint: None, gradient: None, detailed: true, names: &[] }
     }
 }
 
@@ -55,10 +58,11 @@ impl Reduced {
 
     /// A state as arrays, for VTU files and pictures.
     ///
-    /// Point data: `displacement`, `adjoint`, nodal controls and `gradient_NAME`. Cell data: the other controls and
+    /// Point data: `displacement`, `adjoint`, `reaction` (of supports), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
+    /// `gradient_NAME`. Cell data: the other controls and
     /// gradients, one value per cell; averages over the reference volume of every scalar slot that nobody controls (under
     /// the actuation's name), of `B_r` and `B_a` (the sums over all magnets), `J`, `P` and `cauchy_stress` (row by row),
-    /// `mises` (of that mean Cauchy stress), `energy` (stored by the passive material), `fiber` and `direction_NAME` of each actuation that has one. Vectors
+    /// `mises` (of that mean Cauchy stress), `green_strain`, `principal_stretches` (of its mean, largest first), `energy` (stored by the passive material), `fiber` and `direction_NAME` of each actuation that has one. Vectors
     /// always have three components, tensors nine. What follows from `J` and `F` is left out where a cell is inverted.
     /// Writers of VTU files add `region`.
     ///
@@ -81,7 +85,7 @@ impl Reduced {
             }
         }
         shot = self.with_actuations(shot, fields.state)?;
-        Ok(self.with_state(shot, fields.state)?)
+        Ok(self.with_state(shot, fields)?)
     }
 
     /// The part of [`snapshot_of`](Self::snapshot_of) that follows a body and its controls from iteration to iteration:
@@ -155,8 +159,8 @@ impl Reduced {
     }
 
     /// What follows from the state alone; a state with an inverted cell has no such thing.
-    fn with_state(&self, shot: Snapshot, state: &State) -> Result<Snapshot, MeshError> {
-        let Ok(fields) = self.solid().cell_fields(state) else { return Ok(shot) };
+    fn with_state(&self, shot: Snapshot, of: &StateFields<'_>) -> Result<Snapshot, MeshError> {
+        let Ok(fields) = self.solid().cell_fields(of.state) else { return Ok(shot) };
         let mises = fields.cauchy.chunks_exact(9).map(von_mises).collect();
         let mut shot = shot
             .with_cells("J", 1, fields.j)?
@@ -167,10 +171,30 @@ impl Reduced {
         for (name, direction) in fields.directions {
             shot = shot.with_cells(&format!("direction_{name}"), 3, direction)?;
         }
-        match fields.fiber {
-            Some(fiber) => shot.with_cells("fiber", 3, fiber),
-            None => Ok(shot),
+        if let Some(fiber) = fields.fiber {
+            shot = shot.with_cells("fiber", 3, fiber)?;
         }
+        if of.detailed { self.with_details(shot, of.state) } else { Ok(shot) }
+    }
+
+    /// Strains and stretches, smoothed stresses, reactions. Those that are means or smoothed are in single precision, which is more
+    /// than their accuracy.
+    fn with_details(&self, shot: Snapshot, state: &State) -> Result<Snapshot, MeshError> {
+        let solid = self.solid();
+        let (Ok(strains), Ok(stresses), Ok(reactions)) =
+            (solid.cell_strains(state), solid.nodal_stresses(state), solid.nodal_reactions(state))
+        else {
+            return Ok(shot);
+        };
+        let stretches = strains.chunks_exact(9).flat_map(principal_stretches).collect();
+        let mises = stresses.chunks_exact(9).map(von_mises).collect();
+        let shot = shot
+            .with_points("reaction", 3, reactions)?
+            .with_points("nodal_cauchy_stress", 9, stresses)?
+            .with_points("nodal_mises", 1, mises)?
+            .with_cells("green_strain", 9, strains)?
+            .with_cells("principal_stretches", 3, stretches)?;
+        Ok(shot.in_single(&["nodal_cauchy_stress", "nodal_mises", "green_strain", "principal_stretches"]))
     }
 }
 
@@ -179,6 +203,13 @@ fn von_mises(stress: &[f64]) -> f64 {
     let mean = (stress[0] + stress[4] + stress[8]) / 3.0;
     let deviator = |k: usize| stress[k] - if k.is_multiple_of(4) { mean } else { 0.0 };
     (1.5 * (0..9).map(|k| deviator(k).powi(2)).sum::<f64>()).sqrt()
+}
+
+/// `(1 + 2 e_i)^(1/2)` of the eigenvalues e_1 >= e_2 >= e_3 of a Green-Lagrange strain, row by row.
+fn principal_stretches(strain: &[f64]) -> [f64; 3] {
+    let mut values: [f64; 3] = Mat3::from_row_slice(strain).symmetric_eigenvalues().into();
+    values.sort_unstable_by(|a, b| b.total_cmp(a));
+    values.map(|e| (1.0 + 2.0 * e).max(0.0).sqrt())
 }
 
 /// A nodal field on all nodes of the mesh: on corners as it is, between them by the corner shape functions, zero where it

@@ -87,3 +87,54 @@ fn a_material_without_fiber_writes_none() -> Outcome {
     assert!(fields.fiber.is_none() && fields.directions.is_empty());
     Ok(())
 }
+
+/// Strain of a known motion, smoothed values of known fields, forces of supports: each against what defines it.
+#[test]
+fn strains_smoothed_values_and_reactions_are_what_they_say() -> Outcome {
+    for kind in [CellKind::Quad8, CellKind::Tet4, CellKind::Hex20, CellKind::Tet10] {
+        let solid = Solid::new(unit(kind, 2)?)?
+            .material("body", nastic_energy::NeoHooke::new(1.0, 2.0)?)?
+            .clamp("x-")?
+            .displace("x+", [Some(0.2), None, None])?;
+        let state = solid.solve(&solid.controls(), &STRICT)?;
+        let (disc, dim) = (solid.discretization(), solid.mesh().dim());
+
+        let f = state.u.len();
+        let shear: Vec<f64> =
+            (0..f).map(|i| if i % dim == 0 { 0.3 * solid.mesh().points()[i / dim][1] } else { 0.0 }).collect();
+        let sheared = nastic_fem::State { u: shear.into(), ..state.clone() };
+        let expected = [0.0, 0.15, 0.0, 0.15, 0.045, 0.0, 0.0, 0.0, 0.0];
+        for strain in solid.cell_strains(&sheared)?.chunks_exact(9) {
+            assert!(common::distance(strain, &expected) < 1e-12, "{kind}: {strain:?}");
+        }
+
+        // A constant comes back at every node; so does the integral of any field, against the corners' functions.
+        let constant = disc.nodal_average(&[2.0, -1.0].repeat(disc.points().len()), 2);
+        assert!(constant.chunks_exact(2).all(|v| common::distance(v, &[2.0, -1.0]) < 1e-12), "{kind}");
+        let at: Vec<f64> = disc.points().positions(solid.mesh(), None).iter().map(|x| x[0]).collect();
+        let smooth = disc.nodal_average(&at, 1);
+        for (node, x) in solid.mesh().points().iter().enumerate() {
+            let (value, most) = (smooth[node], 0.26);
+            assert!((value - x[0]).abs() < most && value > 0.0 && value < 1.0, "{kind}: {value} at {x:?}");
+        }
+        let uniform =
+            nastic_fem::State { u: sheared.u.iter().map(|u| 0.1 * u).collect::<Vec<_>>().into(), ..state.clone() };
+        let cells = solid.cell_fields(&uniform)?.cauchy;
+        for stress in solid.nodal_stresses(&uniform)?.chunks_exact(9) {
+            assert!(common::distance(stress, &cells[..9]) < 1e-12, "{kind}: one stress everywhere");
+        }
+
+        let nodal = solid.nodal_reactions(&state)?;
+        let at = nastic_fem::Instant::new(&state.u, &state.controls, state.load);
+        let force = solid.model().evaluate(&at, nastic_fem::Demand { energy: false, force: true })?.force;
+        for (surface, total) in solid.supports().reactions(&force) {
+            let nodes = solid.nodes_of(surface.as_str())?;
+            let sum: Vec<f64> = (0..3).map(|c| nodes.iter().map(|a| nodal[3 * *a as usize + c]).sum()).collect();
+            assert!(common::distance(&sum, &total) < 1e-12 && total[0].abs() > 0.1, "{kind}: {sum:?}, {total:?}");
+        }
+        let held: Vec<u32> = ["x-", "x+"].iter().flat_map(|s| solid.nodes_of(*s).unwrap_or_default()).collect();
+        let free = |(node, _): &(usize, &[f64])| !held.contains(&(*node as u32));
+        assert!(nodal.chunks_exact(3).enumerate().filter(free).all(|(_, force)| force == [0.0; 3]));
+    }
+    Ok(())
+}

@@ -77,6 +77,25 @@ fn gmsh_groups_survive_the_way_through_vtu() {
 }
 
 #[test]
+fn groups_are_cell_arrays_of_zeros_and_ones_too() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("box.vtu");
+    let mesh = box_mesh([1.0, 1.0, 1.0], [3, 2, 1], CellKind::Hex8).unwrap();
+    let single = (0..6).map(|k| f64::from(k) / 3.0).collect();
+    let written = Snapshot::new(mesh).with_cells("mean", 1, single).unwrap().in_single(&["mean"]);
+    write_vtu(&path, &written).unwrap();
+    for (name, count) in [("region:body", 6), ("surface:x-", 2), ("surface:y+", 3), ("surface:z+", 6)] {
+        let array = read_array(&path, name).unwrap();
+        assert_eq!(array.values.iter().filter(|mark| **mark == 1.0).count(), count, "{name}");
+        assert_eq!(array.values.iter().filter(|mark| **mark == 0.0).count(), 6 - count, "{name}");
+    }
+    let read = read_snapshot(&path).unwrap();
+    assert_same(&read.cell_data, &written.cell_data);
+    assert_eq!(read.cell_array("mean").unwrap().values[1], f64::from(1.0_f32 / 3.0), "rounded once");
+    assert!(std::fs::read_to_string(&path).unwrap().contains(r#"type="Float32" Name="mean""#));
+}
+
+#[test]
 fn many_blocks_of_zlib_come_back() {
     let mesh = box_mesh([1.0, 1.0, 1.0], [40, 40, 40], CellKind::Hex8).unwrap();
     let noise = (0..3 * mesh.points().len()).map(|at| (at as f64).cos()).collect();

@@ -12,6 +12,8 @@ pub struct NamedArray {
     pub components: usize,
     /// `components * entities` numbers.
     pub values: Vec<f64>,
+    /// Whether files hold it in single precision; its values are rounded to that.
+    pub single: bool,
 }
 
 impl NamedArray {
@@ -66,6 +68,16 @@ impl Snapshot {
         Ok(self)
     }
 
+    /// Rounds the fields of these names, nodal and cell-wise, to single precision, in which files then hold them.
+    pub fn in_single(mut self, names: &[&str]) -> Snapshot {
+        let arrays = self.point_data.iter_mut().chain(&mut self.cell_data);
+        for array in arrays.filter(|array| names.contains(&array.name.as_str())) {
+            array.single = true;
+            array.values.iter_mut().for_each(|value| *value = f64::from(*value as f32));
+        }
+        self
+    }
+
     /// The nodal field of that name.
     pub fn point_array(&self, name: &str) -> Option<&NamedArray> {
         self.point_data.iter().find(|array| array.name == name)
@@ -93,7 +105,7 @@ fn array(name: &str, components: usize, values: Vec<f64>, entities: usize) -> Re
     if components == 0 || found != expected {
         return Err(MeshError::ArrayLength { name, found, expected, entities, components });
     }
-    Ok(NamedArray { name, components, values })
+    Ok(NamedArray { name, components, values, single: false })
 }
 
 fn put(arrays: &mut Vec<NamedArray>, array: NamedArray) {

@@ -26,8 +26,7 @@ pub(super) fn arrow(from: [f64; 2], to: [f64; 2], width: f64, colour: Colour) ->
 /// Arrows of all bodies, thinned out where they would cover each other.
 pub(super) fn marks(picture: &Picture, scene: &Scene, unit: f64) -> Vec<Mark> {
     let mut marks = Vec::new();
-    for body in &picture.bodies {
-        let Some(arrows) = &body.arrows else { continue };
+    for (body, arrows) in picture.bodies.iter().flat_map(|body| body.arrows.iter().map(move |own| (body, own))) {
         let longest = arrows.vectors.iter().map(|v| length(*v)).filter(|l| l.is_finite()).fold(0.0, f64::max);
         if longest == 0.0 {
             continue;

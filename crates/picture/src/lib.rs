@@ -13,6 +13,7 @@ mod png;
 mod raster;
 mod scene;
 mod shade;
+mod sheet;
 mod svg;
 mod tessellation;
 mod text;
@@ -27,7 +28,7 @@ pub use chart::{Chart, Curve};
 pub use colour::Colour;
 pub use face::{Face, FacePattern};
 use nastic_io::WriteError;
-use nastic_io::write_atomically;
+pub use sheet::Sheet;
 
 /// Several bodies seen from one place.
 ///
@@ -126,7 +127,8 @@ pub struct Body {
     positions: Vec<[f64; 3]>,
     appearance: Appearance,
     lines: bool,
-    arrows: Option<Arrows>,
+    arrows: Vec<Arrows>,
+    part: Option<Vec<bool>>,
 }
 
 /// Vectors drawn as arrows.
@@ -148,7 +150,8 @@ impl Body {
             positions,
             appearance: Appearance::Solid(Colour::GREY),
             lines: true,
-            arrows: None,
+            arrows: Vec::new(),
+            part: None,
         }
     }
 
@@ -175,10 +178,16 @@ impl Body {
         self
     }
 
+    /// Draws only the faces all of whose nodes are marked, from both sides: a part of the surface. One mark per node.
+    pub fn part(mut self, marked: Vec<bool>) -> Self {
+        self.part = Some(marked);
+        self
+    }
+
     /// Draws one vector per cell from the cell's centre, in front of the surface; the longest is about as long as a
-    /// cell.
+    /// cell. Several such fields are drawn over each other.
     pub fn arrows(mut self, colour: Colour, vectors: Vec<[f64; 3]>) -> Self {
-        self.arrows = Some(Arrows { colour, vectors });
+        self.arrows.push(Arrows { colour, vectors });
         self
     }
 }
@@ -240,21 +249,7 @@ impl Picture {
     /// [`WriteError::System`]; [`WriteError::Content`] for another ending, no bodies, positions or values of the wrong
     /// number, positions that are not finite, or a view of length zero.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
-        let path = path.as_ref();
-        let bad =
-            |what: String, advice: &str| WriteError::Content { file: path.to_owned(), what, advice: advice.to_owned() };
-        let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-        match ending.as_deref() {
-            Some("png") => {
-                let bytes = self.png().map_err(|PictureError(what)| bad(what, "see the picture's inputs"))?;
-                write_atomically(path, |out| out.write_all(&bytes))
-            }
-            Some("svg") => {
-                let text = self.svg().map_err(|what| bad(what, "see the picture's inputs"))?;
-                write_atomically(path, |out| out.write_all(text.as_bytes()))
-            }
-            _ => Err(bad("the ending of the name is not known".to_owned(), "use .png or .svg")),
-        }
+        sheet::write(path.as_ref(), || self.png(), || self.svg())
     }
 
     /// The picture as a PNG.
@@ -263,11 +258,15 @@ impl Picture {
     ///
     /// No bodies, positions or values of the wrong number, positions that are not finite, or a view of length zero.
     pub fn png(&self) -> Result<Vec<u8>, PictureError> {
+        png::encode(&self.image()?).map_err(|error| PictureError(error.to_string()))
+    }
+
+    fn image(&self) -> Result<raster::Image, PictureError> {
         let scene = scene::Scene::new(self).map_err(PictureError)?;
         let frame = frame::Frame::new(self, &scene);
         let mut image = raster::render(&scene, self.width as usize, self.height as usize);
         text::draw(&mut image, &frame.marks);
-        png::encode(&image).map_err(|error| PictureError(error.to_string()))
+        Ok(image)
     }
 
     fn svg(&self) -> Result<String, String> {

@@ -15,14 +15,17 @@ pub(super) struct Image {
 
 /// Samples per pixel along each direction.
 const SAMPLES: usize = 3;
-/// Rows of pixels rendered at a time: bounds the memory.
-const BAND: usize = 32;
+/// Rows of pixels rendered at a time: their samples of a few shapes fit a processor's cache.
+const BAND: usize = 8;
 
 pub(super) fn render(scene: &Scene, width: usize, height: usize) -> Image {
     let mut pixels = vec![[0.0; 3]; width * height];
+    let extents: Vec<[f64; 2]> = scene.shapes.iter().map(extent).collect();
     pixels.par_chunks_mut(BAND * width).enumerate().with_max_len(1).for_each(|(band, pixels)| {
         let (first, rows) = (band * BAND, pixels.len() / width);
-        let layers: Vec<Layer> = scene.shapes.iter().map(|shape| Layer::of(scene, shape, width, first, rows)).collect();
+        let is_seen = |[low, high]: &[f64; 2]| *low <= (first + rows) as f64 && *high >= first as f64;
+        let seen = scene.shapes.iter().zip(&extents).filter(|(_, extent)| is_seen(extent));
+        let layers: Vec<Layer> = seen.map(|(shape, _)| Layer::of(scene, shape, width, first, rows)).collect();
         for (row, pixels) in pixels.chunks_mut(width).enumerate() {
             let behind = Colour(shade::background((first + row) as f64 / height as f64)).linear();
             for (column, out) in pixels.iter_mut().enumerate() {
@@ -31,6 +34,14 @@ pub(super) fn render(scene: &Scene, width: usize, height: usize) -> Image {
         }
     });
     Image { width, height, pixels }
+}
+
+/// The first and the last row of pixels that a shape may touch.
+fn extent(shape: &Shape) -> [f64; 2] {
+    let pieces = shape.pieces.iter().flatten().map(|corner| (corner.at[1], 1.0));
+    let strokes = shape.strokes.iter().flat_map(|stroke| stroke.points.iter().map(|p| (p[1], 1.0 + stroke.width)));
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    pieces.chain(strokes).fold(none, |[low, high], (y, margin)| [low.min(y - margin), high.max(y + margin)])
 }
 
 /// The mean of a pixel's samples.
@@ -260,7 +271,7 @@ impl Paint {
             }
             _ => (Vec::new(), (0.0, 0.0)),
         };
-        let front_only = !scene.plane && matches!(shape.fill, Fill::Glass(_));
+        let front_only = !scene.plane && !shape.open && matches!(shape.fill, Fill::Glass(_));
         Self { fill: shape.fill, front_only, shaded: !scene.plane, base, table, range }
     }
 

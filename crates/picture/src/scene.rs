@@ -2,9 +2,10 @@
 
 use super::camera::Camera;
 use super::colour::{Colour, ColourMap};
+use super::face::Face;
 use super::tessellation::{Surface, SurfaceEdge, SurfacePoint};
-use super::vector::{V3, dot};
-use super::{Appearance, Picture};
+use super::vector::{V3, dot, length, sub};
+use super::{Appearance, Body, Picture};
 
 /// A corner of a flat piece, in the picture.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +47,8 @@ pub(super) struct Shape {
     pub strokes: Vec<Stroke>,
     /// Added to depths, so that coincident surfaces of two bodies do not flicker.
     pub forward: f64,
+    /// Whether it is a part of a surface, which has two sides.
+    pub open: bool,
 }
 
 /// Where and what the colour bar shows.
@@ -70,13 +73,20 @@ pub(super) struct Scene {
     origin: [f64; 2],
 }
 
-/// Pieces along each side of a second-order face.
+/// Most pieces along each side of a second-order face.
 const FINENESS: usize = 4;
+/// Pixels that a piece spans at least, in the mean over a body, in a picture of 1000 pixels' height: smaller ones look no rounder.
+const PIECE: f64 = 14.0;
 
 impl Scene {
     pub fn new(picture: &Picture) -> Result<Self, String> {
         check(picture)?;
-        let all: Vec<V3> = picture.bodies.iter().flat_map(|body| body.positions.iter().copied()).collect();
+        let drawn = |body: &Body, node: usize| body.part.as_ref().is_none_or(|marked| marked[node]);
+        let of = |body: &'_ Body| -> Vec<V3> {
+            let own = body.positions.iter().enumerate().filter(|(node, _)| drawn(body, *node));
+            own.map(|(_, at)| *at).collect()
+        };
+        let all: Vec<V3> = picture.bodies.iter().flat_map(of).collect();
         let plane = picture.bodies.iter().all(|body| body.mesh.dim() == 2) && all.iter().all(|p| p[2] == 0.0);
         let camera = Camera::new(picture.view, plane, &all)?;
         let bar = bar(picture);
@@ -84,22 +94,31 @@ impl Scene {
         let mut scene = Self { camera, shapes: Vec::new(), bar, plane, scale, origin };
         let extent = f64::from(picture.width.max(picture.height));
         for (index, body) in picture.bodies.iter().enumerate() {
-            let surface = Surface::of(body, FINENESS);
+            let whole = |face: &Face| face.nodes.iter().all(|node| drawn(body, *node as usize));
+            let faces: Vec<Face> = Face::all(&body.mesh).into_iter().filter(whole).collect();
+            let surface = Surface::of(body, &faces, scene.fineness(picture, body, &faces));
             let nearer = match body.appearance {
                 Appearance::Glass(_) => 0.0,
                 Appearance::Solid(_) | Appearance::Field(_) => 4e-3,
                 Appearance::Wire(_) => 6e-3,
             };
             let forward = extent * (nearer + 2e-4 * index as f64);
-            scene.shapes.push(scene.shape(
-                &body.appearance,
-                body.lines,
-                &surface,
-                forward,
-                f64::from(picture.height) / 1000.0,
-            ));
+            scene.shapes.push(scene.shape(body, &surface, forward, f64::from(picture.height) / 1000.0));
         }
         Ok(scene)
+    }
+
+    /// Pieces along each side of a body's second-order faces, by the mean size of its faces in the picture.
+    fn fineness(&self, picture: &Picture, body: &Body, faces: &[Face]) -> usize {
+        let size = |face: &Face| {
+            let corners = &face.nodes[..face.kind.corners()];
+            let [first, .., last] = corners else { return 0.0 };
+            let [a, b] = [first, last].map(|node| body.positions[*node as usize]);
+            self.scale * length(sub(a, b))
+        };
+        let mean = faces.iter().map(size).sum::<f64>() / faces.len().max(1) as f64;
+        let pieces = mean / (PIECE * f64::from(picture.height) / 1000.0);
+        (1..FINENESS).find(|pieces_here| pieces <= *pieces_here as f64).unwrap_or(FINENESS)
     }
 
     /// A point in the picture.
@@ -108,27 +127,30 @@ impl Scene {
         [self.origin[0] + self.scale * right, self.origin[1] - self.scale * up, self.scale * near]
     }
 
-    fn shape(&self, appearance: &Appearance, lines: bool, surface: &Surface, forward: f64, thickness: f64) -> Shape {
-        let fill = match appearance {
+    fn shape(&self, body: &Body, surface: &Surface, forward: f64, thickness: f64) -> Shape {
+        let open = body.part.is_some();
+        let fill = match &body.appearance {
             Appearance::Solid(colour) => Fill::Opaque(*colour),
             Appearance::Field(_) => Fill::Mapped,
             Appearance::Glass(colour) => Fill::Glass(*colour),
             Appearance::Wire(_) => Fill::None,
         };
-        let corner = |point: &SurfacePoint| Corner {
-            at: self.place(point.at),
-            normal: self.camera.see(point.normal),
-            value: point.value,
+        let corner = |point: &SurfacePoint| {
+            let normal = self.camera.see(point.normal);
+            // The back of a sheet is lit as its front.
+            let normal = if open && normal[2] < 0.0 { normal.map(|x| -x) } else { normal };
+            Corner { at: self.place(point.at), normal, value: point.value }
         };
         let pieces = surface.pieces.iter().map(|piece| piece.iter().map(corner).collect());
         let pieces = if fill == Fill::None { Vec::new() } else { pieces.collect() };
-        let strokes = surface.edges.iter().filter_map(|edge| self.stroke(appearance, lines, edge, thickness)).collect();
-        Shape { fill, pieces, strokes, forward }
+        let strokes = surface.edges.iter().filter_map(|edge| self.stroke(body, edge, thickness)).collect();
+        Shape { fill, pieces, strokes, forward, open }
     }
 
-    fn stroke(&self, appearance: &Appearance, lines: bool, edge: &SurfaceEdge, thickness: f64) -> Option<Stroke> {
+    fn stroke(&self, body: &Body, edge: &SurfaceEdge, thickness: f64) -> Option<Stroke> {
+        let (appearance, lines, open) = (&body.appearance, body.lines, body.part.is_some());
         let marked = self.is_outline(edge);
-        let hidden = !self.plane && edge.normals.iter().all(|normal| dot(*normal, self.camera.eye) <= 0.0);
+        let hidden = !self.plane && !open && edge.normals.iter().all(|normal| dot(*normal, self.camera.eye) <= 0.0);
         let (colour, opacity, width) = match appearance {
             // Seen through the body, lines of the far side only confuse.
             Appearance::Wire(_) | Appearance::Glass(_) if hidden => return None,
@@ -174,8 +196,11 @@ fn check(picture: &Picture) -> Result<(), String> {
             let nodal = matches!(field.values, super::Values::Nodes(_));
             fits("values", field.values().len(), if nodal { nodes } else { cells })?;
         }
-        if let Some(arrows) = &body.arrows {
+        for arrows in &body.arrows {
             fits("arrows", arrows.vectors.len(), cells)?;
+        }
+        if let Some(marked) = &body.part {
+            fits("marks", marked.len(), nodes)?;
         }
         if let Some(node) = body.positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
             return Err(format!("body \"{}\" has a position that is not finite, at node {node}", body.label));

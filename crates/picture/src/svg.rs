@@ -22,6 +22,18 @@ pub(super) fn flat(title: &str, size: (u32, u32), marks: &[Mark]) -> String {
     finish(head(title, size), marks)
 }
 
+/// Whole drawings, each with the left upper corner at its place.
+pub(super) fn sheet([width, height]: [usize; 2], panels: &[([usize; 2], String)]) -> String {
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\">\n"
+    );
+    for ([x, y], panel) in panels {
+        let _ = write!(out, "<g transform=\"translate({x} {y})\">\n{panel}</g>\n");
+    }
+    out.push_str("</svg>\n");
+    out
+}
+
 fn head(title: &str, (width, height): (u32, u32)) -> String {
     let mut out = String::new();
     let (top, bottom) = (Colour(shade::background(0.0)).hex(), Colour(shade::background(1.0)).hex());
@@ -70,7 +82,7 @@ fn fill(scene: &Scene, shape: &Shape, piece: &[Corner]) -> Option<Item> {
     let [a, b] = [1, piece.len() - 1].map(|k| sub(piece[k].at, piece[0].at));
     let area = a[0] * b[1] - a[1] * b[0];
     // Closed bodies: what faces away is hidden.
-    if area == 0.0 || (!scene.plane && area > 0.0) {
+    if area == 0.0 || (!scene.plane && !shape.open && area > 0.0) {
         return None;
     }
     let mean = |of: &dyn Fn(&Corner) -> f64| piece.iter().map(of).sum::<f64>() / piece.len() as f64;

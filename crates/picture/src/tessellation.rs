@@ -33,13 +33,13 @@ pub(super) struct Surface {
 
 impl Surface {
     /// Cuts second-order faces `fineness` times along each side.
-    pub fn of(body: &Body, fineness: usize) -> Self {
+    pub fn of(body: &Body, faces: &[Face], fineness: usize) -> Self {
         let mut surface = Surface::default();
         let mut edges = BTreeMap::new();
         let mut patterns: BTreeMap<&'static str, FacePattern> = BTreeMap::new();
-        for face in Face::all(&body.mesh) {
+        for face in faces {
             let pattern = patterns.entry(face.kind.name()).or_insert_with(|| FacePattern::of(face.kind, fineness));
-            Piece::new(body, &face).cut(pattern, &mut surface, &mut edges);
+            Piece::new(body, face).cut(pattern, &mut surface, &mut edges);
         }
         surface.edges = edges.into_values().collect();
         surface

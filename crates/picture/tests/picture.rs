@@ -4,7 +4,7 @@
 
 use nastic_io::WriteError;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh, rectangle};
-use nastic_picture::{Appearance, Body, Colour, Field, Picture, View};
+use nastic_picture::{Appearance, Body, Colour, Field, Picture, Sheet, View};
 
 struct Pixels {
     width: usize,
@@ -203,4 +203,60 @@ fn a_single_cell_far_from_the_origin_is_drawn() {
     let image = pixels(&Picture::new("").size(400, 300).body(bare(&mesh, Appearance::Solid(Colour::RED))));
     let red = (0..240).flat_map(|y| (0..300).map(move |x| (x, y))).filter(|(x, y)| is_red(image.at(*x, *y))).count();
     assert!(red > 2000, "{red}");
+}
+
+/// Small faces are cut into fewer pieces: a body of many cells needs no more of them than one of few.
+#[test]
+fn pieces_are_no_smaller_than_the_picture_shows() {
+    let directory = tempfile::tempdir().unwrap();
+    let pieces = |cells: usize| {
+        let mesh = box_mesh([1.0, 0.25, 0.25], [4 * cells, cells, cells], CellKind::Hex20).unwrap();
+        let body = Body::new("bar", mesh).appearance(Appearance::Solid(Colour::BLUE)).lines(false);
+        let path = directory.path().join("bar.svg");
+        Picture::new("bar").body(body).write(&path).unwrap();
+        let seen = std::fs::read_to_string(path).unwrap().matches("stroke-width=\".7\"").count();
+        // Faces that face the eye, of each of three sides at most.
+        seen as f64 / (cells * cells) as f64
+    };
+    let (few, many) = (pieces(1), pieces(16));
+    assert!(few >= 4.0 * many && many >= 4.0, "{few} and {many} pieces for each face of the end");
+}
+
+#[test]
+fn sheets_put_pictures_side_by_side() {
+    let directory = tempfile::tempdir().unwrap();
+    let of = |length: f64, title: &str| {
+        let mesh = box_mesh([length, 0.2, 0.2], [4, 1, 1], CellKind::Hex8).unwrap();
+        Picture::new(title).body(Body::new("bar", mesh))
+    };
+    let size = |bytes: &[u8]| [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()));
+    let alone = Sheet::new(vec![of(1.0, "one")]);
+    assert_eq!(alone.png().unwrap(), of(1.0, "one").png().unwrap(), "one picture is as by itself");
+    for (count, expected) in [(1, [1600, 1000]), (2, [2000, 625]), (3, [2000, 1250]), (5, [3000, 1250])] {
+        let sheet = Sheet::new((0..count).map(|k| of(1.0 + f64::from(k), &format!("number {k}"))).collect());
+        assert_eq!(size(&sheet.png().unwrap()), expected, "{count}");
+        let path = directory.path().join("sheet.svg");
+        sheet.write(&path).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!((0..count).all(|k| text.contains(&format!("number {k}"))), "every title");
+    }
+    assert!(Sheet::new(vec![]).png().unwrap_err().to_string().contains("no pictures"));
+}
+
+#[test]
+fn a_part_of_a_surface_is_drawn_from_both_sides() {
+    let mesh = box_mesh([1.0, 1.0, 1.0], [2, 2, 2], CellKind::Hex8).unwrap();
+    let part = |axis: usize, at: f64| -> Vec<bool> { mesh.points().iter().map(|p| p[axis] == at).collect() };
+    let drawn = |marked: Vec<bool>, eye: [f64; 3]| {
+        let body = Body::new("", mesh.clone()).appearance(Appearance::Solid(Colour::RED)).lines(false).part(marked);
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("part.svg");
+        Picture::new("part").view(View::From(eye)).body(body).write(&path).unwrap();
+        std::fs::read_to_string(path).unwrap().matches("stroke-width=\".7\"").count()
+    };
+    let (front, back) = (drawn(part(0, 1.0), [1.0, 0.3, 0.2]), drawn(part(0, 1.0), [-1.0, 0.3, 0.2]));
+    let whole = drawn(vec![true; mesh.points().len()], [1.0, 0.3, 0.2]);
+    assert!(front > 0 && front == back && whole == 6 * front, "{front}, {back} of {whole}");
+    let refused = Picture::new("").body(Body::new("", mesh.clone()).part(vec![true])).png().unwrap_err().to_string();
+    assert!(refused.contains("1 marks where 27"), "{refused}");
 }

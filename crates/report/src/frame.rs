@@ -16,8 +16,10 @@ pub(crate) enum Amount {
     Shape,
 }
 
-/// Arrays that are no fields of a state to be looked at.
-const LEFT_OUT: [&str; 3] = ["region", "tracked", "displacement"];
+/// Arrays that are no fields of a state to be looked at, or say what others do: the page finds distances for every state that it shows.
+const LEFT_OUT: [&str; 5] = ["region", "tracked", "displacement", "nodal_mises", "target_distance"];
+/// A triple that is no vector.
+const STRETCHES: &str = "principal_stretches";
 /// The field of the length of displacements.
 pub(crate) const DISPLACEMENT: &str = "|u|";
 
@@ -40,6 +42,7 @@ pub(crate) fn of_snapshot(
     let is_shown = |array: &&NamedArray| {
         array.components == 1
             && !LEFT_OUT.contains(&array.name.as_str())
+            && !array.name.starts_with("target_distance_")
             && (amount == Amount::All || array.name == "J")
     };
     for array in shot.point_data.iter().filter(is_shown) {
@@ -52,7 +55,9 @@ pub(crate) fn of_snapshot(
     }
     let mut vectors = Map::new();
     let arrows = surface.arrow_faces();
-    for array in shot.cell_data.iter().filter(|array| array.components == 3 && amount == Amount::All) {
+    for array in
+        shot.cell_data.iter().filter(|array| array.components == 3 && array.name != STRETCHES && amount == Amount::All)
+    {
         let is_carried = material.contains(&array.name) || array.name.starts_with("direction_");
         let of = |face: &u32| {
             let cell = cells[*face as usize];

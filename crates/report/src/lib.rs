@@ -25,6 +25,7 @@ mod summary;
 mod surface;
 mod tables;
 
+pub use carried::carried;
 pub use error::ReportError;
 pub use iterates::{Iterates, IteratesError};
 

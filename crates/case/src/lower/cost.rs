@@ -27,6 +27,8 @@ pub struct TargetShape {
     pub cost: String,
     /// The target's mesh, in the case's units; of a tracking target the body's own.
     pub mesh: Arc<Mesh>,
+    /// The regions of its mesh that are the target; all of it if `None`.
+    pub regions: Option<GroupNames>,
     /// Displacement of the nodes where the mesh is the body's, with a flag for those it matters at; empty otherwise.
     pub displacement: Vec<([f64; 3], bool)>,
 }
@@ -59,7 +61,7 @@ fn load_target(cost: &Block, context: &mut Context<'_>) -> Option<TargetShape> {
         _ => return None,
     };
     let mesh = super::mesh::load(source, &at, context)?;
-    Some(TargetShape { at: cost.at().clone(), cost: cost.name().to_owned(), mesh, displacement: vec![] })
+    Some(TargetShape { at: cost.at().clone(), cost: cost.name().to_owned(), mesh, regions: None, displacement: vec![] })
 }
 
 /// Adds all terms to the problem, with the targets to show; `None` if that cannot be.
@@ -164,7 +166,8 @@ impl Lowering<'_> {
             cost = cost.target_region(region);
         }
         let cost = context.take(&block.at, cost.bind(solid))?;
-        Some((cost, Some(target)))
+        let regions = block.target_region.as_ref().map(GroupNames::from);
+        Some((cost, Some(TargetShape { regions, ..target })))
     }
 
     fn tracking(
@@ -268,7 +271,13 @@ impl Goal {
                 displacement[node as usize] = (u, true);
             }
         }
-        TargetShape { at: block.at().clone(), cost: block.name().to_owned(), mesh: mesh.clone(), displacement }
+        TargetShape {
+            at: block.at().clone(),
+            cost: block.name().to_owned(),
+            mesh: mesh.clone(),
+            regions: None,
+            displacement,
+        }
     }
 }
 

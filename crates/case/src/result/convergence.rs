@@ -1,5 +1,6 @@
 //! The trials of an optimisation as a table, `history.csv`, and as a chart, `convergence.svg`.
 
+use super::csv;
 use super::files::Directory;
 use nastic_io::{WriteError, write_atomically};
 use nastic_picture::{Chart, Curve};
@@ -10,7 +11,7 @@ pub(crate) fn write(out: &Directory, title: &str, start: Option<usize>) -> Resul
     let file = out.file("history.jsonl");
     let text = std::fs::read_to_string(&file).map_err(|source| WriteError::System { file, source })?;
     let trials: Vec<Value> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-    let table = csv(&trials);
+    let table = csv::table(&trials.iter().cloned().map(without_seconds).collect::<Vec<_>>());
     write_atomically(out.file("history.csv"), |out| out.write_all(table.as_bytes()))?;
     let mut files = vec!["history.csv".to_owned()];
     let drawn = trials.iter().filter(|trial| start.is_none_or(|start| trial["start"] == start));
@@ -21,48 +22,12 @@ pub(crate) fn write(out: &Directory, title: &str, start: Option<usize>) -> Resul
     Ok(files)
 }
 
-/// One row per trial, the columns those of `history.jsonl` but for `seconds`; entries of terms and scenarios as `terms/NAME`
-/// and `scenarios/0`.
-fn csv(trials: &[Value]) -> String {
-    let rows: Vec<Vec<(String, String)>> = trials.iter().map(cells).collect();
-    let mut head: Vec<&str> = Vec::new();
-    for (name, _) in rows.iter().flatten() {
-        if !head.contains(&name.as_str()) {
-            head.push(name);
-        }
+/// What does not depend on the clock.
+fn without_seconds(mut trial: Value) -> Value {
+    if let Value::Object(entries) = &mut trial {
+        entries.shift_remove("seconds");
     }
-    let mut text = head.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(",") + "\n";
-    for row in &rows {
-        let cell = |name: &&str| row.iter().find(|(known, _)| known == name).map_or("", |(_, cell)| cell.as_str());
-        text += &(head.iter().map(cell).collect::<Vec<_>>().join(",") + "\n");
-    }
-    text
-}
-
-fn cells(trial: &Value) -> Vec<(String, String)> {
-    let mut out = Vec::new();
-    for (name, value) in trial.as_object().into_iter().flatten().filter(|(name, _)| *name != "seconds") {
-        match value {
-            Value::Object(own) => out.extend(own.iter().map(|(key, value)| (format!("{name}/{key}"), cell(value)))),
-            Value::Array(own) => {
-                out.extend(own.iter().enumerate().map(|(k, value)| (format!("{name}/{k}"), cell(value))));
-            }
-            other => out.push((name.clone(), cell(other))),
-        }
-    }
-    out
-}
-
-fn cell(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) => quoted(text),
-        other => other.to_string(),
-    }
-}
-
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+    trial
 }
 
 /// Cost, projected gradient and distances of the trials over their first values; `None` where nothing can be drawn.
@@ -86,21 +51,4 @@ fn chart(title: &str, trials: &[&Value]) -> Option<Chart> {
         }
     }
     drawn.then_some(chart)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use serde_json::json;
-
-    #[test]
-    fn rows_have_all_columns_and_gaps_where_nothing_is_known() {
-        let trials = [
-            json!({ "trial": 0, "reason": "start", "cost": 2.5, "terms": { "a": 1.5, "b, c": 1 }, "seconds": 3 }),
-            json!({ "trial": 1, "reason": "no, \"never\"", "cost": null, "terms": {}, "scenarios": [1, 2] }),
-        ];
-        let expected = "trial,reason,cost,terms/a,\"terms/b, c\",scenarios/0,scenarios/1\n0,start,2.5,1.5,1,,\n\
-                        1,\"no, \"\"never\"\"\",,,,1,2\n";
-        assert_eq!(csv(&trials), expected);
-    }
 }

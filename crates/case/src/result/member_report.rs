@@ -2,7 +2,7 @@
 
 use super::inspection::Inspection;
 use super::summary;
-use crate::lower::{CaseMember, CaseProblem};
+use crate::lower::{CaseMember, CaseProblem, LocatedProbe};
 use nastic_control::{ControlError, CostPoint, EnsemblePoint};
 use nastic_fem::{SolveReport, State};
 use nastic_uncertainty::risk::deviation;
@@ -87,6 +87,9 @@ pub(crate) fn entries(
     }
     if detail == Detail::Full {
         out.extend(overall(&own, reports));
+        if problem.has_scenarios() && !problem.probes.is_empty() {
+            out.insert("probes".into(), probes(problem, reports));
+        }
     }
     out.extend(tree(problem, &costs, own));
     Ok(out)
@@ -163,6 +166,29 @@ fn overall(own: &[Map<String, Value>], reports: &[MemberReport<'_>]) -> Map<Stri
     }
     out.extend(summary::work(&work));
     out
+}
+
+/// Probes over the scenarios: `{ NAME: { "point", "displacement", "position", "deviation" } }`, the expected values of displacement and
+/// position and the standard deviations of their components; with load cases `{ CASE: { NAME: .. } }`.
+fn probes(problem: &CaseProblem, reports: &[MemberReport<'_>]) -> Value {
+    let (p, dim) = (problem.ensemble.probabilities(), problem.mesh().dim());
+    let of_case = |load_case: Option<&str>| {
+        let own: Vec<&MemberReport<'_>> = reports.iter().filter(|one| one.member.load_case() == load_case).collect();
+        let of = |probe: &LocatedProbe| {
+            let moved: Vec<[f64; 3]> = own.iter().map(|one| probe.displacement(&one.state.u, dim)).collect();
+            let component = |c: usize| moved.iter().map(|u| u[c]).collect::<Vec<f64>>();
+            let mean: [f64; 3] = std::array::from_fn(|c| component(c).iter().zip(p).map(|(u, p)| p * u).sum());
+            let position: [f64; 3] = std::array::from_fn(|c| probe.point[c] + mean[c]);
+            let spread: [f64; 3] = std::array::from_fn(|c| deviation(p, &component(c)));
+            let entry =
+                json!({ "point": probe.point, "displacement": mean, "position": position, "deviation": spread });
+            (probe.name.clone(), entry)
+        };
+        Value::Object(problem.probes.iter().map(of).collect())
+    };
+    let of_lead = |lead: CaseMember<'_>| Some((lead.load_case()?.to_owned(), of_case(lead.load_case())));
+    let by_case: Map<String, Value> = problem.leads().filter_map(of_lead).collect();
+    if by_case.is_empty() { of_case(None) } else { Value::Object(by_case) }
 }
 
 /// The entries of all members by scenario and load case.

@@ -3,12 +3,16 @@
 use super::summary;
 use crate::lower::{CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, ControlError, StateFields};
-use nastic_mesh::Snapshot;
+use nastic_mesh::{Shape, Snapshot};
+use rayon::prelude::*;
 
 use super::inspection::Inspection;
 
+/// Distance of nodes from the first target.
+const TARGET_DISTANCE: &str = "target_distance";
+
 /// Names of result arrays that no control may take.
-pub(crate) const RESERVED: [&str; 15] = [
+pub(crate) const RESERVED: [&str; 21] = [
     "mises",
     "displacement",
     "adjoint",
@@ -24,6 +28,12 @@ pub(crate) const RESERVED: [&str; 15] = [
     "failed",
     "min_J",
     "failure_rank",
+    "green_strain",
+    "principal_stretches",
+    "nodal_cauchy_stress",
+    "nodal_mises",
+    "reaction",
+    TARGET_DISTANCE,
 ];
 
 /// The snapshot of a state: [`nastic_control::Reduced::snapshot_of`] with the case's names.
@@ -52,11 +62,43 @@ pub(crate) fn inspected(
     fields: &StateFields<'_>,
     found: Option<&Inspection>,
 ) -> Result<Snapshot, ControlError> {
-    let shot = snapshot(member, fields)?;
+    let shot = with_distances(member, snapshot(member, fields)?)?;
     match found.and_then(|found| found.intersecting(member.mesh().cells())) {
         Some(marks) => Ok(shot.with_cells("intersecting", 1, marks)?),
         None => Ok(shot),
     }
+}
+
+/// The snapshot of a state without the fields that look at it in another way: what iterations and pictures need.
+pub(crate) fn plain(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+    snapshot(member, &StateFields { detailed: false, ..*fields })
+}
+
+/// Adds how far every node is from the targets: point data `target_distance` of the first, `target_distance_COST` of further
+/// ones. Of a target shape the distance from its nearest point, 0 inside; of tracked nodes that from where they should be, 0 elsewhere.
+fn with_distances(member: CaseMember<'_>, mut shot: Snapshot) -> Result<Snapshot, ControlError> {
+    let positions = shot.positions();
+    for (k, target) in member.targets().iter().enumerate() {
+        let name = if k == 0 { TARGET_DISTANCE.to_owned() } else { format!("{TARGET_DISTANCE}_{}", target.cost) };
+        if let Some(distances) = distances(target, &positions) {
+            shot = shot.with_points(&name, 1, distances)?.in_single(&[&name]);
+        }
+    }
+    Ok(shot)
+}
+
+/// `None` of a shape that searches cannot use.
+fn distances(target: &TargetShape, positions: &[[f64; 3]]) -> Option<Vec<f64>> {
+    if target.displacement.is_empty() {
+        let shape = Shape::of(&target.mesh, target.mesh.points(), target.regions.as_ref()).ok()?;
+        return Some(positions.par_iter().map(|x| shape.distance(*x)).collect());
+    }
+    let distance = |(node, x): (usize, &[f64; 3])| {
+        let (wanted, (u, matters)) = (target.mesh.points()[node], target.displacement[node]);
+        let squared: f64 = (0..3).map(|c| (x[c] - wanted[c] - u[c]).powi(2)).sum();
+        if matters { squared.sqrt() } else { 0.0 }
+    };
+    Some(positions.iter().enumerate().map(distance).collect())
 }
 
 /// A target as it is shown: its mesh, or the body moved to where it is wanted.

@@ -44,6 +44,23 @@ impl Exit {
             Self::Warned => 8,
         }
     }
+
+    /// The worse one of two, as a sweep ends: done, warned, an expectation missed, not converged, a wrong gradient, no equilibrium, bad
+    /// input, not written.
+    #[must_use]
+    pub fn worst(self, other: Self) -> Self {
+        let rank = |exit: Self| match exit {
+            Self::Done => 0,
+            Self::Warned => 1,
+            Self::ExpectMissed => 2,
+            Self::NotConverged => 3,
+            Self::GradientWrong => 4,
+            Self::ForwardFailed => 5,
+            Self::BadInput => 6,
+            Self::NotWritten => 7,
+        };
+        if rank(other) > rank(self) { other } else { self }
+    }
 }
 
 /// Why a command has no result.

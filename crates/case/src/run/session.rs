@@ -46,6 +46,8 @@ pub(super) struct Session<'c> {
     pub report: bool,
     /// Whether the columns of the table of trials are explained.
     pub explain: bool,
+    /// Whether the result is held to what the case expects.
+    pub expect: bool,
     /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
     pub ended: bool,
     /// Told of every trial of an optimisation.
@@ -84,6 +86,7 @@ impl<'c> Session<'c> {
         session.strict = options.strict;
         session.report = !options.no_report;
         session.explain = options.explain;
+        session.expect = !options.without_expect;
         session.on_trial = options.on_trial.clone();
         session.out = directory(&session.command, &session.problem, options).map(Directory::claim).transpose()?;
         Ok(session)
@@ -135,6 +138,7 @@ impl<'c> Session<'c> {
             settings,
             report: true,
             explain: false,
+            expect: true,
             ended: false,
             on_trial: OnTrial::default(),
             shown: None,
@@ -412,10 +416,14 @@ fn directory(command: &Command, problem: &CaseProblem, options: &Options) -> Opt
 
 /// What the case says, else `out/CASE` beside it.
 fn usual_directory(problem: &CaseProblem) -> PathBuf {
-    let path = Path::new(problem.document.name());
+    directory_of(&problem.document, problem.case.output.directory.as_deref())
+}
+
+/// `own` of a case, else `out/CASE` beside it.
+pub(super) fn directory_of(document: &Document, own: Option<&str>) -> PathBuf {
+    let path = Path::new(document.name());
     let stem = path.file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy().into_owned());
-    let own = problem.case.output.directory.clone().unwrap_or_else(|| format!("out/{stem}"));
-    problem.document.resolve(&own)
+    document.resolve(own.unwrap_or(&format!("out/{stem}")))
 }
 
 impl From<Exit> for u8 {

@@ -73,7 +73,9 @@ pub(super) fn show(
 
 /// The line below the title of a picture.
 fn subtitle(session: &Session<'_>, min_j: f64) -> String {
-    format!("equilibrium at the start control, min J {}{}", short(min_j), session.warned())
+    let result = session.result_value();
+    let distance = picture::distance(&result, session.problem.units().length().symbol);
+    format!("equilibrium at the start control, min J {}{distance}{}", short(min_j), session.warned())
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
@@ -212,8 +214,33 @@ pub(super) fn say_cost(session: &Session<'_>, result: &Value) {
     }
 }
 
+/// Means and standard deviations of the probes' displacements over the scenarios.
+fn say_spread(session: &Session<'_>, result: &Value) {
+    let unit = session.problem.units().length().symbol;
+    for (place, probe) in nested(&result["probes"]).into_iter().filter(|(_, probe)| probe["deviation"].is_array()) {
+        let [mean, deviation] = ["displacement", "deviation"].map(|key| vector(&numbers(&probe[key])));
+        session.console.say(format!(
+            "probe       {place} moves by {mean} {unit} in the mean, standard deviation {deviation} {unit}"
+        ));
+    }
+}
+
+/// Probes by their names, those of load cases as `CASE/NAME`.
+fn nested(probes: &Value) -> Vec<(String, &Value)> {
+    let mut out = Vec::new();
+    for (name, entry) in probes.as_object().into_iter().flatten() {
+        if entry["point"].is_array() {
+            out.push((name.clone(), entry));
+        } else {
+            out.extend(nested(entry).into_iter().map(|(own, entry)| (format!("{name}/{own}"), entry)));
+        }
+    }
+    out
+}
+
 /// The probes' displacements and the volumes of cavities, of every member.
 pub(super) fn say_probes(session: &Session<'_>, result: &Value) {
+    say_spread(session, result);
     let unit = session.problem.units().length().symbol;
     for (member, entry) in with_plain(result) {
         for (name, cavity) in entry.get("contributions").and_then(Value::as_object).into_iter().flatten() {
@@ -282,11 +309,13 @@ fn write(
         if member.part().scenario() == 0 {
             let drawing = Drawing {
                 title: title(member),
-                subtitle: subtitle(session, at.state.report.min_j),
+                subtitle: subtitle(session, at.state.report.min_j) + picture::arrows(&shot),
                 body: ("equilibrium", &shot),
                 ghost: None,
+                scenarios: Vec::new(),
+                mean: None,
             };
-            picture::write(member, &drawing, &out)?;
+            picture::write(member, picture::compose(member, &drawing), &out)?;
             files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
         }
     }

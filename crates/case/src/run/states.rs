@@ -7,7 +7,7 @@ use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
 use nastic_control::{ControlError, EnsemblePoint, StateFields};
 use nastic_mesh::Snapshot;
-use nastic_picture::PictureError;
+use nastic_picture::{PictureError, Sheet};
 
 /// The states that a command found, with the problem they belong to.
 #[derive(Debug)]
@@ -87,16 +87,18 @@ impl States {
     pub fn picture(&self, member: CaseMember<'_>) -> Result<Vec<u8>, ShowError> {
         let shot = |point: &EnsemblePoint| {
             let at = &point.members[member.index()];
-            snapshot::snapshot(member, &StateFields::new(&at.state, &at.m))
+            snapshot::plain(member, &StateFields::new(&at.state, &at.m))
         };
         let body = shot(&self.shown.point)?;
         let start = self.shown.start.as_ref().map(shot).transpose()?;
         let drawing = Drawing {
             title: title(member),
-            subtitle: self.shown.subtitle.clone(),
+            subtitle: self.shown.subtitle.clone() + picture::arrows(&body),
             body: (self.shown.what, &body),
             ghost: start.as_ref().map(|start| ("start", start)),
+            scenarios: Vec::new(),
+            mean: None,
         };
-        Ok(picture::compose(member, &drawing).png()?)
+        Ok(Sheet::new(picture::compose(member, &drawing)).png()?)
     }
 }

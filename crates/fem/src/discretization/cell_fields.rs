@@ -4,7 +4,7 @@ use crate::error::InvertedAt;
 use crate::solid::Solid;
 use crate::solution::state::State;
 use nastic_energy::{PointBatch, Response, Slots, Want};
-use nastic_tensor::{Mat3, Vec3};
+use nastic_tensor::{Kinematics, Mat3, Vec3};
 
 /// Averages over the reference volume of each cell, in mesh order.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,12 +23,56 @@ pub struct CellFields {
     pub fiber: Option<Vec<f64>>,
 }
 
+/// At every quadrature point: kinematics, P with actuations, energy density of the passive materials.
+struct PointStresses {
+    kinematics: Vec<Kinematics>,
+    piola: Vec<Mat3>,
+    energy: Vec<f64>,
+}
+
 impl Solid {
     /// The cell averages of a state, for output.
     ///
     /// # Errors
     /// [`InvertedAt`] where J <= 0.
     pub fn cell_fields(&self, state: &State) -> Result<CellFields, InvertedAt> {
+        let disc = self.discretization();
+        let PointStresses { kinematics, piola, energy } = self.point_stresses(state)?;
+        let cauchy = by_row(cauchy(&kinematics, &piola));
+        let j: Vec<f64> = kinematics.iter().map(|k| k.j()).collect();
+        Ok(CellFields {
+            j: disc.cell_average(&j, 1),
+            piola: disc.cell_average(&by_row(piola.iter().copied()), 9),
+            cauchy: disc.cell_average(&cauchy, 9),
+            energy: disc.cell_average(&energy, 1),
+            directions: self.directions(),
+            fiber: self.fibers(),
+        })
+    }
+
+    /// Green-Lagrange strain `(F^T F - 1) / 2`, averaged over the reference volume of each cell, row by row (9 per cell).
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn cell_strains(&self, state: &State) -> Result<Vec<f64>, InvertedAt> {
+        let disc = self.discretization();
+        let kinematics = disc.points().kinematics(&state.u)?;
+        let strains = kinematics.iter().map(|k| 0.5 * (k.f().transpose() * k.f() - Mat3::identity()));
+        Ok(disc.cell_average(&by_row(strains), 9))
+    }
+
+    /// Cauchy stress by node, actuations included, smoothed by [`Discretization::nodal_average`](crate::Discretization::nodal_average), row
+    /// by row (9 per node).
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn nodal_stresses(&self, state: &State) -> Result<Vec<f64>, InvertedAt> {
+        let PointStresses { kinematics, piola, .. } = self.point_stresses(state)?;
+        Ok(self.discretization().nodal_average(&by_row(cauchy(&kinematics, &piola)), 9))
+    }
+
+    /// What the laws answer at the quadrature points.
+    fn point_stresses(&self, state: &State) -> Result<PointStresses, InvertedAt> {
         let disc = self.discretization();
         let kinematics = disc.points().kinematics(&state.u)?;
         let n = kinematics.len();
@@ -50,16 +94,7 @@ impl Solid {
                 self.body().actuations[k].law.respond(&at, Slots { values, width }, want, &mut out);
             }
         }
-        let cauchy = kinematics.iter().zip(&piola).map(|(k, p)| p * k.f().transpose() / k.j());
-        let j: Vec<f64> = kinematics.iter().map(|k| k.j()).collect();
-        Ok(CellFields {
-            j: disc.cell_average(&j, 1),
-            piola: disc.cell_average(&by_row(piola.iter().copied()), 9),
-            cauchy: disc.cell_average(&by_row(cauchy), 9),
-            energy: disc.cell_average(&energy, 1),
-            directions: self.directions(),
-            fiber: self.fibers(),
-        })
+        Ok(PointStresses { kinematics, piola, energy })
     }
 
     /// The smallest J at a quadrature point of each cell.
@@ -107,6 +142,11 @@ impl Solid {
         let flat = || fibers.iter().flat_map(|f| f.unwrap_or_default().as_slice().to_vec()).collect();
         fibers.iter().any(Option::is_some).then(flat)
     }
+}
+
+/// `P F^T / J`
+fn cauchy<'a>(kinematics: &'a [Kinematics], piola: &'a [Mat3]) -> impl Iterator<Item = Mat3> + 'a {
+    kinematics.iter().zip(piola).map(|(k, p)| p * k.f().transpose() / k.j())
 }
 
 fn by_row(tensors: impl Iterator<Item = Mat3>) -> Vec<f64> {

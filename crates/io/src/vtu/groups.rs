@@ -20,6 +20,14 @@ pub(super) fn names_regions(grid: &Grid) -> bool {
     named(grid, REGION).next().is_some()
 }
 
+/// Whether a cell array says again what the groups say: `region`, `region:NAME`, `surface:NAME`.
+pub(super) fn repeats_group(grid: &Grid, array: &super::xml::Element<'_>) -> bool {
+    let name = array.attribute("Name").unwrap_or("");
+    let is_mark = [REGION, SURFACE].iter().any(|prefix| name.starts_with(prefix));
+    name == "region" && names_regions(grid)
+        || is_mark && grid.field_arrays().any(|group| group.attribute("Name") == Some(name))
+}
+
 /// The tags of every cell, and the names of those tags.
 pub(super) fn region_tags(grid: &Grid, cells: &[ListedCell], mesh: &mut RawMesh) -> Result<Vec<Vec<i32>>, ReadError> {
     let mut tags = vec![Vec::new(); cells.len()];

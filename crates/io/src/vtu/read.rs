@@ -85,14 +85,14 @@ pub fn read_snapshot(path: impl AsRef<Path>) -> Result<Snapshot, ReadError> {
         let in_order = |array: FileArray, order: &[u32]| {
             let rows = order.iter().map(|from| *from as usize * array.components);
             let values = rows.flat_map(|at| array.values[at..at + array.components].iter().copied()).collect();
-            NamedArray { name: array.name, components: array.components, values }
+            NamedArray { name: array.name, components: array.components, values, single: false }
         };
         let (mut point_data, mut cell_data) = (Vec::new(), Vec::new());
         for element in grid.point_arrays() {
             point_data.push(in_order(grid.array(element, Entity::Point)?, mesh.node_origin()));
         }
         for element in grid.cell_arrays() {
-            if element.attribute("Name") == Some("region") && groups::names_regions(grid) {
+            if groups::repeats_group(grid, element) {
                 continue;
             }
             cell_data.push(in_order(grid.array(element, Entity::Cell)?, mesh.cell_origin()));

@@ -17,7 +17,8 @@ use crate::error::WriteError;
 /// Writes a mesh with its fields to a VTU file that ParaView, `vtk` and `meshio` read.
 ///
 /// Entities stand in mesh order; arrays of two components get a third that is zero. An integer cell array `region` is added unless the snapshot has one: the number,
-/// from one, of the first region in alphabetical order that holds the cell. Names of regions, surfaces and node sets
+/// from one, of the first region in alphabetical order that holds the cell; and for every group a cell array of zeros and ones by which viewers
+/// threshold: `region:NAME` (cells of the region), `surface:NAME` (cells with a face on the surface). Names of regions, surfaces and node sets
 /// travel as field data, so that the mesh read back is the same.
 ///
 /// # Errors
@@ -47,7 +48,7 @@ pub fn write_vtu(path: impl AsRef<Path>, snapshot: &Snapshot) -> Result<(), Writ
 
 fn check(path: &Path, of: &str, arrays: &[NamedArray], entities: usize) -> Result<(), WriteError> {
     let mut names = BTreeSet::new();
-    for NamedArray { name, components, values } in arrays {
+    for NamedArray { name, components, values, .. } in arrays {
         if name.is_empty() || !names.insert(name) {
             let what = format!("two {of} arrays are named \"{name}\", or one has no name");
             return Err(WriteError::content(path, what, "give each array a name of its own"));
@@ -112,6 +113,18 @@ fn cell_data(out: &mut dyn Write, snapshot: &Snapshot) -> io::Result<()> {
         }
         array(out, "Int64", "region", 1, None, &integers(&number))?;
     }
+    let mesh = &snapshot.mesh;
+    let mut marks = |prefix: &str, name: &str, cells: &mut dyn Iterator<Item = u32>| {
+        let mut marked = vec![0; mesh.cells()];
+        cells.for_each(|cell| marked[cell as usize] = 1);
+        array(out, "UInt8", &format!("{prefix}{name}"), 1, None, &marked)
+    };
+    for (name, cells) in mesh.regions() {
+        marks(REGION, name, &mut cells.iter().copied())?;
+    }
+    for (name, facets) in mesh.surfaces() {
+        marks(SURFACE, name, &mut facets.iter().map(|facet| facet.cell))?;
+    }
     writeln!(out, "</CellData>")
 }
 
@@ -139,7 +152,12 @@ fn cells(out: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
 }
 
 /// Plane vectors get z = 0: viewers take only three components for a vector.
-fn real_array(out: &mut dyn Write, NamedArray { name, components, values }: &NamedArray) -> io::Result<()> {
+fn real_array(out: &mut dyn Write, data: &NamedArray) -> io::Result<()> {
+    let NamedArray { name, components, values, single } = data;
+    if *single {
+        let bytes: Vec<u8> = values.iter().flat_map(|value| (*value as f32).to_le_bytes()).collect();
+        return array(out, "Float32", name, *components, None, &bytes);
+    }
     if *components == 2 {
         let padded: Vec<f64> = values.chunks_exact(2).flat_map(|v| [v[0], v[1], 0.0]).collect();
         return array(out, "Float64", name, 3, None, &reals(&padded));

@@ -5,15 +5,14 @@ use super::super::gradient::write_states;
 use super::super::number::{count, short};
 use super::super::session::Session;
 use super::super::solve::{
-    say_files, say_members, say_probes, say_stability, say_tracked, title, write_collections, write_targets,
+    members_of, say_files, say_members, say_probes, say_stability, say_tracked, title, write_collections, write_targets,
 };
 use super::super::states::Shown;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
 use super::{advice, fall, revalued, starts, why};
-use crate::lower::file_name;
+use crate::lower::CaseMember;
 use crate::result::convergence;
-use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
@@ -21,7 +20,9 @@ use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
+use nastic_mesh::Snapshot;
 use nastic_opt::Best;
+use nastic_picture::Picture;
 use serde_json::{Value, json};
 
 /// Writes the states at the start and the targets.
@@ -91,7 +92,10 @@ pub(super) fn report(
 
 /// The line below the title of a picture.
 fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
-    format!("{}; cost {}{}", why(&best.stop), short(best.cost), session.warned())
+    let result = session.result_value();
+    let distance = picture::distance(&result, session.problem.units().length().symbol);
+    let iterations = count(best.counts.iterations, "iteration");
+    format!("{iterations}: {}; cost {}{distance}{}", why(&best.stop), short(best.cost), session.warned())
 }
 
 /// Keeps the best states for whoever runs the command.
@@ -186,23 +190,38 @@ fn write(
     out.write_json("controls.json", &summary::control_values(problem, &best.m))?;
     files.push("controls.json".to_owned());
     files.extend(write_states(problem, "optimum", (&best.point, &best.derivative, found), &out)?);
-    for (k, member) in problem.leads().enumerate() {
-        let shot = |point: &EnsemblePoint| {
-            let at = &point.members[k];
-            snapshot::snapshot(member, &StateFields::new(&at.state, &at.m))
+    let mut together: Vec<Picture> = Vec::new();
+    for member in problem.leads() {
+        let shot = |point: &EnsemblePoint, member: CaseMember<'_>| {
+            let at = &point.members[member.index()];
+            snapshot::plain(member, &StateFields::new(&at.state, &at.m))
         };
-        let (begin, end) = (shot(start)?, shot(&best.point)?);
+        let (begin, end) = (shot(start, member)?, shot(&best.point, member)?);
+        let others = problem.members().filter(|other| other.load_case() == member.load_case()).skip(1);
+        let others = others.take(picture::SCENARIOS).map(|other| Ok((title(other), shot(&best.point, other)?)));
+        let mean = problem.has_scenarios().then(|| mean(session, member.load_case().unwrap_or(""), &best.point));
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, best),
+            subtitle: subtitle(session, best) + &distance(session, member) + &left_out(session) + picture::arrows(&end),
             body: ("optimum", &end),
             ghost: Some(("start", &begin)),
+            scenarios: others.collect::<Result<_, RunError>>()?,
+            mean: mean.transpose()?,
         };
-        picture::write(member, &drawing, &out)?;
+        let pictures = picture::compose(member, &drawing);
+        together.extend(pictures.first().cloned());
+        picture::write(member, pictures, &out)?;
         files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
-        if problem.has_scenarios() {
-            files.push(write_mean(session, member.load_case().unwrap_or(""), &best.point, &out)?);
+        if let Some(mean) = &drawing.mean {
+            let name = member.case_file("mean_optimum.vtu");
+            out.write_vtu(&name, mean)?;
+            files.push(name);
         }
+    }
+    if together.len() > 1 {
+        together.truncate(picture::LOAD_CASES);
+        picture::write_together(together, &out)?;
+        files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
     files.extend(write_collections(problem, "optimum", &out)?);
     files.extend(problem.members().map(|member| member.file("start.vtu")));
@@ -216,17 +235,26 @@ fn write(
     Ok(())
 }
 
+/// The distance of one of several members from its target, for a subtitle; that of all stands there anyway.
+fn distance(session: &Session<'_>, member: CaseMember<'_>) -> String {
+    let result = session.result_value();
+    let own = members_of(&result).into_iter().find(|(name, _)| *name == member.name());
+    let unit = session.problem.units().length().symbol;
+    own.map_or_else(String::new, |(_, entry)| picture::distance(&Value::Object(entry.clone()), unit))
+}
+
+/// Members that pictures leave out, for a subtitle.
+fn left_out(session: &Session<'_>) -> String {
+    let of = |all: usize, drawn: usize, what: &str| {
+        if all > drawn { format!("; the first {drawn} of {all} {what} are drawn") } else { String::new() }
+    };
+    let problem = &session.problem;
+    let (scenarios, cases) = (problem.ensemble.scenarios().len(), problem.leads().count());
+    of(scenarios, picture::SCENARIOS + 1, "scenarios") + &of(cases, picture::LOAD_CASES, "load cases")
+}
+
 /// The mean shape over the scenarios, and how far they lie from it.
-fn write_mean(
-    session: &Session<'_>,
-    load_case: &str,
-    point: &EnsemblePoint,
-    out: &Directory,
-) -> Result<String, RunError> {
+fn mean(session: &Session<'_>, load_case: &str, point: &EnsemblePoint) -> Result<Snapshot, RunError> {
     let mean = session.problem.ensemble.mean_shape(point, load_case);
-    let mean = mean.map_err(|error| session.forward_failed(error))?;
-    let stem = if load_case.is_empty() { String::new() } else { format!("{}_", file_name(load_case)) };
-    let name = format!("{stem}mean_optimum.vtu");
-    out.write_vtu(&name, &mean)?;
-    Ok(name)
+    mean.map_err(|error| session.forward_failed(error))
 }

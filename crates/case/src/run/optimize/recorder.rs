@@ -209,7 +209,7 @@ impl<'s> Recorder<'s> {
                 gradient: gradient.as_deref(),
                 ..StateFields::new(&at.state, &at.m)
             };
-            out.write_vtu(&member.case_file(&file(iteration)), &snapshot::snapshot(member, &fields)?)?;
+            out.write_vtu(&member.case_file(&file(iteration)), &snapshot::plain(member, &fields)?)?;
             let steps: Vec<(f64, String)> =
                 self.trials.snapshots.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
             nastic_io::write_pvd(out.file(&member.case_file(&format!("{stem}iterations.pvd"))), &steps)?;

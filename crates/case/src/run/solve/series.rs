@@ -1,6 +1,7 @@
 //! [`Series`]: equilibria of one member along a parameter, as a table, CSV, a chart and snapshots.
 
 use crate::lower::CaseMember;
+use crate::result::csv::quoted;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::{snapshot, summary};
@@ -239,8 +240,4 @@ impl<'p> Series<'p> {
         }
         chart
     }
-}
-
-fn quoted(name: &str) -> String {
-    if name.contains([',', '"', '\n']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }
