@@ -94,8 +94,10 @@ pub(super) fn report(
 fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
     let result = session.result_value();
     let distance = picture::distance(&result, session.problem.units().length().symbol);
-    let iterations = count(best.counts.iterations, "iteration");
-    format!("{iterations}: {}; cost {}{distance}{}", why(&best.stop), short(best.cost), session.warned())
+    let (why, iterations) = (why(&best.stop), count(best.counts.iterations, "iteration"));
+    // A limit of iterations names them itself.
+    let end = if why.contains("iteration") { why } else { format!("{iterations}: {why}") };
+    format!("{end}; cost {}{distance}{}", short(best.cost), session.warned())
 }
 
 /// Keeps the best states for whoever runs the command.
