@@ -6,9 +6,13 @@ use crate::warning::{BRANCH_CHANGE, BRANCH_UNKNOWN, Warning};
 use nastic_fem::{Connection, SolveOptions};
 use rayon::prelude::*;
 use serde_json::{Value, json};
+use std::sync::atomic::Ordering;
 
 /// Their parameters as an entry of the result, and what there is to tell of them: the first, and how many there are.
 pub(super) fn jumps(series: &Series<'_>, how: &SolveOptions) -> (Value, Vec<Warning>) {
+    if how.cancel.is_some_and(|cancelled| cancelled.load(Ordering::Relaxed)) {
+        return (json!([]), vec![]); // nothing is known, and the ramp ends by it
+    }
     let model = series.member.solid().model();
     let how = SolveOptions { parallel: false, watch: None, ..how.clone() };
     let connection = |rows: &[super::series::Row]| {
