@@ -122,9 +122,18 @@ impl Model {
     /// # Errors
     /// As there.
     pub fn negative_pivots_by(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
+        self.negative_pivots_with(state, how, &mut Workspace::default())
+    }
+
+    /// The same with the symbolic factor that a workspace holds.
+    pub(crate) fn negative_pivots_with(
+        &self,
+        state: &State,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<usize, StateError> {
         let matrix = self.tangent(state, how.parallel)?;
-        let mut workspace = Workspace::default();
-        let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, &mut workspace));
+        let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
         Ok(systems.negative_pivots(matrix, &state.u)?)
     }
 

@@ -85,8 +85,9 @@ impl Model {
         if report.newton < FEW {
             return Ok(false);
         }
+        let mut workspace = Workspace::default();
         for share in BETWEEN {
-            match self.negative_pivots_by(&between(from, to, share), how) {
+            match self.negative_pivots_with(&between(from, to, share), how, &mut workspace) {
                 Ok(0) => {}
                 Err(error) if error.is_final() => return Err(error),
                 // Negative, singular, or turned inside out on the straight line.
