@@ -50,6 +50,7 @@ use serde_json::{Map, Value};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
 use variant::Variant;
 
 /// A case made ready to compute: what every command works on.
@@ -75,6 +76,8 @@ pub struct CaseProblem {
     pub notes: Vec<String>,
     /// All files that were read, the case itself left out.
     pub files: Vec<PathBuf>,
+    /// Wall time of the tangent's pattern and elimination order, which belong to solving rather than to reading.
+    pub ordering: Duration,
     labels: Vec<Label>,
     /// What differs in every scenario.
     differences: Vec<Map<String, Value>>,
@@ -95,13 +98,28 @@ impl CaseProblem {
         let lowered = members(&case, &document, cancel, &mut context);
         let files = context.files();
         let Found { problems, warnings, notes } = context.found;
-        let Lowered { ensemble, labels, differences, controls, probes } = match (lowered, problems.is_empty()) {
+        let Lowered { ensemble, labels, differences, controls, probes, ordering } = match (lowered, problems.is_empty())
+        {
             (Some(lowered), true) => lowered,
             _ => return Err(Diagnostics::new(problems)),
         };
         let warnings = warnings.iter().map(|(kind, told)| Warning::at(kind, told)).collect();
         let control::Lowered { controls, start, set, .. } = controls;
-        Ok(Self { case, ensemble, controls, start, set, probes, warnings, notes, files, labels, differences, document })
+        Ok(Self {
+            case,
+            ensemble,
+            controls,
+            start,
+            set,
+            probes,
+            warnings,
+            notes,
+            files,
+            ordering,
+            labels,
+            differences,
+            document,
+        })
     }
 
     /// The body of the first member.
@@ -192,6 +210,7 @@ struct Lowered {
     differences: Vec<Map<String, Value>>,
     controls: control::Lowered,
     probes: Vec<LocatedProbe>,
+    ordering: Duration,
 }
 
 /// Everything but the case's own words; `None` after a complaint.
@@ -201,7 +220,9 @@ fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &
         cost::load_targets(case, context);
         return None;
     };
+    let began = Instant::now();
     let disc = context.take(&mesh::at(case), Discretization::new(mesh.clone()))?;
+    let ordering = began.elapsed();
     survey::names(document, &mesh, context);
     let probes = probe::locate(case, &mesh, context);
     let scenarios = scenario::scenarios(case, document, &disc, context)?;
@@ -228,7 +249,7 @@ fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &
     }
     let (ensemble, labels) = join(case, &scenarios, variants, bodies, targets, cancel, context)?;
     let differences = scenarios.into_iter().map(|scenario| scenario.values).collect();
-    Some(Lowered { ensemble, labels, differences, controls, probes })
+    Some(Lowered { ensemble, labels, differences, controls, probes, ordering })
 }
 
 /// The members before they are joined.

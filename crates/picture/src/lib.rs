@@ -9,6 +9,8 @@ mod chart;
 mod colour;
 mod face;
 mod frame;
+mod layer;
+mod paint;
 mod png;
 mod raster;
 mod scene;
@@ -17,6 +19,7 @@ mod sheet;
 mod svg;
 mod tessellation;
 mod text;
+mod triangle;
 mod vector;
 
 use std::path::Path;

@@ -127,6 +127,7 @@ impl<'c> Session<'c> {
                 terminal.progress(*newton, line);
             });
         }
+        let ordering = problem.ordering.as_secs_f64();
         let mut session = Self {
             command,
             problem,
@@ -143,7 +144,7 @@ impl<'c> Session<'c> {
             on_trial: OnTrial::default(),
             shown: None,
             result: Map::new(),
-            phases: vec![("read", began.elapsed().as_secs_f64())],
+            phases: vec![("read", began.elapsed().as_secs_f64() - ordering), ("ordering", ordering)],
             began,
         };
         session.introduce();

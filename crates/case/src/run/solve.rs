@@ -305,19 +305,23 @@ fn write(
             shot = modes::with_fields(shot, modes)?;
         }
         files.push(member.file("start.vtu"));
-        out.write_vtu(&member.file("start.vtu"), &shot)?;
-        if member.part().scenario() == 0 {
-            let drawing = Drawing {
-                title: title(member),
-                subtitle: subtitle(session, at.state.report.min_j) + picture::arrows(&shot),
-                body: ("equilibrium", &shot),
-                ghost: None,
-                scenarios: Vec::new(),
-                mean: None,
-            };
-            picture::write(member, picture::compose(member, &drawing), &out)?;
-            files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
+        let write = || out.write_vtu(&member.file("start.vtu"), &shot);
+        if member.part().scenario() > 0 {
+            write()?;
+            continue;
         }
+        let drawing = Drawing {
+            title: title(member),
+            subtitle: subtitle(session, at.state.report.min_j) + picture::arrows(&shot),
+            body: ("equilibrium", &shot),
+            ghost: None,
+            scenarios: Vec::new(),
+            mean: None,
+        };
+        let draw = || picture::write(member, picture::compose(member, &drawing), &out);
+        let (written, drawn) = rayon::join(write, draw);
+        written.and(drawn)?;
+        files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
     }
     files.extend(write_targets(problem, &out)?);
     files.extend(write_collections(problem, "start", &out)?);

@@ -1,0 +1,292 @@
+//! One shape over one band of the picture.
+
+use super::colour::{Linear, mix};
+use super::paint::Paint;
+use super::raster::{BAND, SAMPLES};
+use super::scene::{Fill, Scene, Shape, Stroke};
+use super::triangle::{Span, Triangle};
+use super::vector::V3;
+
+/// A shape in samples, its triangles and lines sorted by the bands that they touch.
+pub(super) struct Drawable<'a> {
+    shape: &'a Shape,
+    paint: Paint,
+    triangles: Vec<Triangle<'a>>,
+    segments: Vec<Segment>,
+    /// Triangles and segments of every band.
+    bands: Vec<[Vec<u32>; 2]>,
+    /// First and last column of pixels that it may touch, and one more.
+    columns: [usize; 2],
+}
+
+impl<'a> Drawable<'a> {
+    pub fn new(scene: &Scene, shape: &'a Shape, width: usize, height: usize) -> Self {
+        let paint = Paint::new(scene, shape);
+        let mut out = Self {
+            shape,
+            triangles: Vec::new(),
+            segments: Vec::new(),
+            bands: (0..height.div_ceil(BAND)).map(|_| [Vec::new(), Vec::new()]).collect(),
+            columns: [width, 0],
+            paint,
+        };
+        for piece in &shape.pieces {
+            for k in 2..piece.len() {
+                let corners = [&piece[0], &piece[k - 1], &piece[k]];
+                let triangle = Triangle::new(corners, SAMPLES as f64, shape.forward, out.paint.front_only);
+                if let Some(triangle) = triangle {
+                    out.register(0, out.triangles.len(), triangle.bounds(), width);
+                    out.triangles.push(triangle);
+                }
+            }
+        }
+        for stroke in &shape.strokes {
+            for index in 1..stroke.points.len() {
+                let segment = Segment::new(stroke, index, shape.forward);
+                out.register(1, out.segments.len(), segment.bounds(), width);
+                out.segments.push(segment);
+            }
+        }
+        out
+    }
+
+    /// Sorts what has these bounds (left, right, top and bottom in samples) into its bands.
+    fn register(&mut self, kind: usize, index: usize, [left, right, top, bottom]: [f64; 4], width: usize) {
+        let pixel = |x: f64, most: usize| (x / SAMPLES as f64).clamp(0.0, most as f64) as usize;
+        let most = BAND * self.bands.len();
+        let rows = [pixel(top - 1.0, most), (pixel(bottom + 1.0, most) + 1).min(most)];
+        self.columns[0] = self.columns[0].min(pixel(left - 1.0, width));
+        self.columns[1] = self.columns[1].max((pixel(right + 1.0, width) + 1).min(width));
+        for band in rows[0] / BAND..rows[1].div_ceil(BAND) {
+            self.bands[band][kind].push(index as u32);
+        }
+    }
+}
+
+/// What a shape looks like at samples beside each other.
+#[derive(Clone, Copy)]
+pub(super) struct Fragment {
+    pub opacity: f32,
+    pub colour: Linear,
+    /// Whether it is glass without a line on it.
+    pub glass: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Sample {
+    /// Towards the eye; minus infinity where there is nothing.
+    z: f32,
+    fragment: u32,
+}
+
+const NOTHING: Sample = Sample { z: f32::NEG_INFINITY, fragment: 0 };
+
+/// One shape over one band of the picture.
+pub(super) struct Layer {
+    pub opaque: bool,
+    samples: Vec<Sample>,
+    fragments: Vec<Fragment>,
+    /// First column of samples, and how many in a row.
+    left: usize,
+    width: usize,
+    /// First row of samples, and how many.
+    first: usize,
+    rows: usize,
+}
+
+impl Layer {
+    /// `None` if the shape does not touch the band.
+    pub fn of(drawable: &Drawable, band: usize, rows: usize) -> Option<Self> {
+        let [triangles, segments] = &drawable.bands[band];
+        let [left, right] = drawable.columns.map(|column| column * SAMPLES);
+        if (triangles.is_empty() && segments.is_empty()) || left >= right {
+            return None;
+        }
+        let fill = drawable.shape.fill;
+        let (first, rows) = (band * BAND * SAMPLES, rows * SAMPLES);
+        let mut layer = Self {
+            opaque: matches!(fill, Fill::Opaque(_) | Fill::Mapped),
+            samples: vec![NOTHING; (right - left) * rows],
+            fragments: Vec::new(),
+            left,
+            width: right - left,
+            first,
+            rows,
+        };
+        for index in triangles {
+            layer.triangle(&drawable.triangles[*index as usize], &drawable.paint);
+        }
+        for index in segments {
+            layer.segment(&drawable.segments[*index as usize], fill == Fill::None);
+        }
+        Some(layer)
+    }
+
+    /// Depth and look at a sample of the band.
+    pub fn at(&self, row: usize, column: usize) -> Option<(f32, &Fragment)> {
+        let column = column.checked_sub(self.left).filter(|column| *column < self.width)?;
+        let sample = self.samples[row * self.width + column];
+        (sample.z > f32::NEG_INFINITY).then(|| (sample.z, &self.fragments[sample.fragment as usize]))
+    }
+
+    /// Whether anything is seen at a pixel of the band.
+    pub fn covers(&self, row: usize, column: usize) -> bool {
+        self.pixel(row, column).is_some_and(|rows| rows.flatten().any(|sample| sample.z > f32::NEG_INFINITY))
+    }
+
+    /// The look of a pixel all of whose samples have the same.
+    pub fn same(&self, row: usize, column: usize) -> Option<&Fragment> {
+        let fragment = self.pixel(row, column)?.flatten().next()?.fragment;
+        let is_same = |sample: &Sample| sample.z > f32::NEG_INFINITY && sample.fragment == fragment;
+        self.pixel(row, column)?.flatten().all(is_same).then(|| &self.fragments[fragment as usize])
+    }
+
+    /// The samples of a pixel, row by row.
+    fn pixel(&self, row: usize, column: usize) -> Option<impl Iterator<Item = &[Sample]>> {
+        let column = (column * SAMPLES).checked_sub(self.left).filter(|column| *column < self.width)?;
+        Some((0..SAMPLES).map(move |k| &self.samples[(row * SAMPLES + k) * self.width + column..][..SAMPLES]))
+    }
+
+    /// Every pixel is shaded once, at the first of its samples that the triangle covers.
+    fn triangle(&mut self, triangle: &Triangle, paint: &Paint) {
+        let [_, _, top, bottom] = triangle.bounds();
+        let rows = self.rows_within(top, bottom);
+        for pixel_row in rows.start / SAMPLES..rows.end.div_ceil(SAMPLES) {
+            let spans: [Span; SAMPLES] = std::array::from_fn(|k| {
+                let row = pixel_row * SAMPLES + k;
+                if rows.contains(&row) { triangle.span(self.first + row, self.left, self.width) } else { Span::EMPTY }
+            });
+            let start = spans.iter().map(|span| span.start).min().unwrap_or(0) / SAMPLES;
+            let end = spans.iter().map(|span| span.end).max().unwrap_or(0).div_ceil(SAMPLES);
+            for pixel in start..end {
+                let mut shaded = None;
+                for (k, span) in spans.iter().enumerate() {
+                    let row = pixel_row * SAMPLES + k;
+                    for column in span.start.max(pixel * SAMPLES)..span.end.min((pixel + 1) * SAMPLES) {
+                        let z = span.depth_at(column) as f32;
+                        let sample = &mut self.samples[row * self.width + column];
+                        if z > sample.z {
+                            let fragment = *shaded.get_or_insert_with(|| {
+                                let (normal, value) = triangle.look_at(self.first + row, self.left + column);
+                                let (colour, opacity) = paint.at(normal, value);
+                                self.fragments.push(Fragment { opacity, colour, glass: opacity < 1.0 });
+                                self.fragments.len() as u32 - 1
+                            });
+                            *sample = Sample { z, fragment };
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// `bare`: lines stand alone, on no surface.
+    fn segment(&mut self, segment: &Segment, bare: bool) {
+        let Segment { colour, opacity, .. } = *segment;
+        let [left, right, top, bottom] = segment.bounds();
+        let own = self.push(Fragment { opacity, colour, glass: false });
+        // Samples beside each other have the same look before, and so after.
+        let mut last = (own, own);
+        for row in self.rows_within(top, bottom) {
+            let y = (self.first + row) as f64 + 0.5;
+            for column in self.columns_within(left, right) {
+                let Some(z) = segment.depth_at((self.left + column) as f64 + 0.5, y) else { continue };
+                let at = row * self.width + column;
+                let sample = self.samples[at];
+                if z < sample.z {
+                    continue;
+                }
+                let empty = sample.z == f32::NEG_INFINITY;
+                // A sample inked before (by a joint of the same line) must not be inked twice.
+                let before = self.fragments[sample.fragment as usize];
+                let inked = !empty && before.colour == colour;
+                if bare || empty {
+                    if !inked || before.opacity < opacity {
+                        self.samples[at] = Sample { z, fragment: own };
+                    }
+                } else if !inked {
+                    if last.0 != sample.fragment {
+                        last = (sample.fragment, self.push(over(&before, colour, opacity)));
+                    }
+                    self.samples[at] = Sample { z, fragment: last.1 };
+                }
+            }
+        }
+    }
+
+    fn push(&mut self, fragment: Fragment) -> u32 {
+        self.fragments.push(fragment);
+        self.fragments.len() as u32 - 1
+    }
+
+    fn rows_within(&self, low: f64, high: f64) -> std::ops::Range<usize> {
+        within(low, high, self.first, self.rows)
+    }
+
+    fn columns_within(&self, low: f64, high: f64) -> std::ops::Range<usize> {
+        within(low, high, self.left, self.width)
+    }
+}
+
+/// A line of a colour over what was there.
+fn over(before: &Fragment, colour: Linear, opacity: f32) -> Fragment {
+    let both = opacity + before.opacity * (1.0 - opacity);
+    Fragment { opacity: both, colour: mix(before.colour, colour, opacity / both), glass: false }
+}
+
+/// Those of `count` samples from `first` on whose centres lie between the bounds, and one more at each end.
+fn within(low: f64, high: f64, first: usize, count: usize) -> std::ops::Range<usize> {
+    let first = first as f64;
+    let start = (low - first - 0.5).ceil().clamp(0.0, count as f64) as usize;
+    let end = (high - first + 0.5).floor().clamp(0.0, count as f64) as usize;
+    start..end.max(start)
+}
+
+/// A straight piece of a line, in samples.
+struct Segment {
+    a: V3,
+    along: V3,
+    /// One over the square of its length in the picture.
+    inverse: f64,
+    radius: f64,
+    /// Only the first piece has a round start: each joint belongs to the piece before it.
+    first: bool,
+    colour: Linear,
+    opacity: f32,
+}
+
+impl Segment {
+    /// The piece that ends at a point of the line.
+    fn new(stroke: &Stroke, end: usize, forward: f64) -> Self {
+        let scale = SAMPLES as f64;
+        let sample = |p: &V3| [p[0] * scale, p[1] * scale, (p[2] + forward + stroke.lift) * scale];
+        let [a, b] = [end - 1, end].map(|k| sample(&stroke.points[k]));
+        let along: V3 = std::array::from_fn(|k| b[k] - a[k]);
+        let size = along[0] * along[0] + along[1] * along[1];
+        let inverse = if size > 0.0 { 1.0 / size } else { 0.0 };
+        let radius = 0.5 * stroke.width * scale;
+        Self { a, along, inverse, radius, first: end == 1, colour: stroke.colour.linear(), opacity: stroke.opacity }
+    }
+
+    fn bounds(&self) -> [f64; 4] {
+        let of = |k: usize| {
+            let ends = [self.a[k], self.a[k] + self.along[k]];
+            [ends[0].min(ends[1]) - self.radius, ends[0].max(ends[1]) + self.radius]
+        };
+        let ([left, right], [top, bottom]) = (of(0), of(1));
+        [left, right, top, bottom]
+    }
+
+    /// Depth of the line where it covers the sample.
+    fn depth_at(&self, x: f64, y: f64) -> Option<f32> {
+        let Self { a, along, .. } = self;
+        let t = ((x - a[0]) * along[0] + (y - a[1]) * along[1]) * self.inverse;
+        if t < 0.0 && !self.first {
+            return None;
+        }
+        let t = t.clamp(0.0, 1.0);
+        let off = [x - a[0] - t * along[0], y - a[1] - t * along[1]];
+        let near = off[0] * off[0] + off[1] * off[1] <= self.radius * self.radius;
+        near.then_some((a[2] + t * along[2]) as f32)
+    }
+}
