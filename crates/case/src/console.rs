@@ -1,5 +1,6 @@
 //! Terminal output while a command runs.
 
+use crate::run::Pace;
 use std::fmt;
 use std::io::Write;
 use std::sync::{Arc, Mutex};
@@ -11,6 +12,8 @@ pub struct Console {
     lines: Place,
     /// A terminal on which a passing line may be overwritten.
     passing: Place,
+    /// How far an optimisation is, before everything that passes.
+    pace: Arc<Mutex<Option<Pace>>>,
 }
 
 /// Iterations between lines about a solve where there is no terminal.
@@ -28,12 +31,12 @@ impl Console {
     /// Says nothing.
     #[must_use]
     pub fn silent() -> Self {
-        Self { lines: Arc::default(), passing: Arc::default() }
+        Self { lines: Arc::default(), passing: Arc::default(), pace: Arc::default() }
     }
 
     /// Says everything to `out`.
     pub fn new(out: impl Write + Send + 'static) -> Self {
-        Self { lines: Arc::new(Mutex::new(Some(Box::new(out)))), passing: Arc::default() }
+        Self { lines: Arc::new(Mutex::new(Some(Box::new(out)))), ..Self::silent() }
     }
 
     /// With a terminal for what passes: the progress of a solve.
@@ -46,7 +49,7 @@ impl Console {
     /// The same terminal for what passes, and no lines.
     #[must_use]
     pub fn passing_alone(&self) -> Self {
-        Self { lines: Arc::default(), passing: self.passing.clone() }
+        Self { passing: self.passing.clone(), ..Self::silent() }
     }
 
     /// Writes a line and shows it at once.
@@ -68,11 +71,21 @@ impl Console {
         }
     }
 
-    /// Shows a line until the next one.
+    /// Shows a line until the next one, behind how far an optimisation is.
     pub fn pass(&self, line: impl fmt::Display) {
+        let pace = self.pace.lock().ok().and_then(|pace| *pace).map(|pace| format!("{pace}; "));
         let Ok(mut out) = self.passing.lock() else { return };
         if let Some(out) = out.as_mut() {
-            let _ = write!(out, "\r\x1b[K{line}").and_then(|()| out.flush());
+            // Clipped at the right margin: of a line that went on below, only the last part could be taken away.
+            let _ =
+                write!(out, "\r\x1b[K\x1b[?7l{}{line}\x1b[?7h", pace.unwrap_or_default()).and_then(|()| out.flush());
+        }
+    }
+
+    /// Tells how far an optimisation is; `None` when it ended.
+    pub(crate) fn set_pace(&self, pace: Option<Pace>) {
+        if let Ok(mut own) = self.pace.lock() {
+            *own = pace;
         }
     }
 

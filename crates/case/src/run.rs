@@ -22,6 +22,7 @@ mod gradient;
 pub(crate) mod number;
 mod on_trial;
 mod optimize;
+mod pace;
 mod report;
 mod resume;
 mod session;
@@ -39,6 +40,7 @@ pub use states::{ShowError, States};
 pub use sweep::{Sweep, SweepOutcome, sweep};
 
 pub(crate) use number::short;
+pub(crate) use pace::Pace;
 
 use crate::catalogue::Catalogue;
 use crate::console::Console;
@@ -220,6 +222,17 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
     let _ = report::write_result(&mut session);
 }
 
+/// Wall time and memory.
+fn say_effort(session: &Session<'_>) {
+    let result = session.result_value();
+    let seconds = result["seconds"]["total"].as_f64().unwrap_or(f64::NAN);
+    let memory = match result["peak_memory"].as_u64() {
+        Some(bytes) => format!(", at most {:.0} MB of memory", bytes as f64 / 1e6),
+        None => String::new(),
+    };
+    session.console.say(format!("time        {}{memory}", nastic_report::duration(seconds)));
+}
+
 /// Judges expectations and writes the result.
 fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, Option<States>), RunError> {
     let mut exit = exit;
@@ -254,6 +267,7 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
     if let Some(out) = &session.out {
         session.console.say(format!("results     {}", out.path().display()));
     }
+    say_effort(&session);
     let outcome = Outcome { exit, result: session.result_value(), missed };
     let Session { problem, shown, .. } = session;
     Ok((outcome, shown.map(|shown| States::new(problem, shown))))

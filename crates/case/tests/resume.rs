@@ -82,7 +82,10 @@ type NamedBytes = (String, Vec<u8>);
 /// What must be the same: all but times and the entry that says that it was resumed.
 fn content(place: &Place) -> (Value, Vec<Value>, Vec<NamedBytes>) {
     let mut result = place.json("result.json");
-    result.as_object_mut().unwrap().retain(|key, _| !["seconds", "threads", "resumed"].contains(&key.as_str()));
+    result
+        .as_object_mut()
+        .unwrap()
+        .retain(|key, _| !["seconds", "threads", "peak_memory", "resumed"].contains(&key.as_str()));
     let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let line = |line: &str| {
         let mut line: Value = serde_json::from_str(line).unwrap();

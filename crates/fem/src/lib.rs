@@ -26,7 +26,9 @@ pub use discretization::supports::{AXES, Supports};
 pub use error::{Cause, FemError, InvertedAt, StateError};
 pub use model::{Controllable, Model, Unknowns};
 pub use nastic_linear::Solver;
-pub use nastic_linear::memory::{LimitError as MemoryLimitError, available as available_memory, limit as memory_limit};
+pub use nastic_linear::memory::{
+    LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
+};
 pub use solid::Solid;
 pub use solution::connection::Connection;
 pub use solution::deflation::{Equilibria, Equilibrium};

@@ -86,6 +86,12 @@ fn size(text: &str) -> Option<usize> {
     Some((number * 1024_f64.powi(power)) as usize)
 }
 
+/// Largest resident size of the process so far, in bytes; `None` on systems without `/proc`.
+#[must_use]
+pub fn peak() -> Option<usize> {
+    kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
 fn of_system() -> Option<usize> {
     kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
 }

@@ -28,6 +28,7 @@ mod tables;
 pub use carried::carried;
 pub use error::ReportError;
 pub use iterates::{Iterates, IteratesError};
+pub use number::duration;
 
 use folder::ResultFolder;
 use scene::Scene;

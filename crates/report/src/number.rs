@@ -42,8 +42,9 @@ pub(crate) fn millimetres(value: f64, unit: &str) -> String {
     format!("{} mm", short(value * factor))
 }
 
-/// Seconds, minutes or hours.
-pub(crate) fn duration(seconds: f64) -> String {
+/// A time given in seconds, in milliseconds, seconds, minutes or hours.
+#[must_use]
+pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => format!("{:.0} ms", 1e3 * s),
         s if s < 120.0 => format!("{s:.1} s"),

@@ -343,6 +343,10 @@ impl Cost for Named {
         self.cost.stages()
     }
 
+    fn size(&self) -> Option<String> {
+        self.cost.size().map(|size| format!("{} {size}", self.name))
+    }
+
     fn warnings(&self, solid: &Solid) -> Vec<String> {
         self.cost.warnings(solid)
     }

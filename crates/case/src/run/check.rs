@@ -20,6 +20,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::load_cases(problem),
         describe::scenarios(problem),
         describe::optimizer(problem),
+        describe::duration(problem),
         describe::conventions(problem),
     ];
     for lines in &sections {

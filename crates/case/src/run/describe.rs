@@ -1,10 +1,12 @@
 //! A problem in words: what `nastic check` prints.
 
 mod actuation;
+mod duration;
 mod members;
 mod memory;
 
 pub(super) use actuation::actuation;
+pub(super) use duration::duration;
 pub(super) use members::{load_cases, scenarios};
 pub(super) use memory::memory;
 

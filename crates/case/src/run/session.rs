@@ -17,7 +17,7 @@ use crate::schema::Command;
 use crate::syntax::{Diagnostics, Document};
 use crate::warning::Warning;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
-use nastic_fem::{Progress, StateError};
+use nastic_fem::{Progress, StateError, peak_memory};
 use nastic_opt::{Failed, Objective, Request};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -283,6 +283,7 @@ impl<'c> Session<'c> {
             self.phases.iter().map(|(phase, seconds)| ((*phase).to_owned(), json!(seconds))).collect();
         times.insert("total".into(), json!(self.began.elapsed().as_secs_f64()));
         self.put("seconds", Value::Object(times));
+        self.put("peak_memory", json!(peak_memory()));
     }
 
     /// The ensemble at a control vector: the one way every command comes by its states.

@@ -91,13 +91,13 @@ pub fn content(directory: &Path) -> (String, Vec<serde_json::Value>, Vec<NamedBy
         let text = std::fs::read_to_string(directory.join(name));
         text.unwrap_or_else(|error| panic!("{}/{name}: {error}", directory.display()))
     };
-    let without = |text: &str, keys: [&str; 2]| {
+    let without = |text: &str, keys: &[&str]| {
         let mut value: serde_json::Value = serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"));
         value.as_object_mut().unwrap().retain(|key, _| !keys.contains(&key.as_str()));
         value
     };
-    let result = format!("{:#}", without(&read("result.json"), ["seconds", "resumed"]));
-    let history = read("history.jsonl").lines().map(|line| without(line, ["seconds", "seconds"])).collect();
+    let result = format!("{:#}", without(&read("result.json"), &["seconds", "peak_memory", "resumed"]));
+    let history = read("history.jsonl").lines().map(|line| without(line, &["seconds"])).collect();
     let names = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().file_name());
     let mut names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
     names.retain(|name| {

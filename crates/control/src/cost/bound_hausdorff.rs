@@ -117,6 +117,12 @@ impl Cost for BoundHausdorff {
         self.0.stages.len()
     }
 
+    fn size(&self) -> Option<String> {
+        let (body, target) = (self.0.body.weights().len(), self.0.cloud.len());
+        let pairs = body as f64 * target as f64;
+        Some(format!("{body} points of the body and {target} of the target, {:.3} million pairs", 1e-6 * pairs))
+    }
+
     fn warnings(&self, _: &Solid) -> Vec<String> {
         let coarse = |(k, stage): (usize, &Stage)| {
             let (length, spacing) = (stage.smoothing.resolution(), self.0.spacing);

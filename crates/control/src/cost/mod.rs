@@ -66,6 +66,11 @@ pub trait Cost: Debug + Send + Sync {
         1
     }
 
+    /// What decides how long it takes, for whoever looks at a problem before solving it: its numbers of points, say.
+    fn size(&self) -> Option<String> {
+        None
+    }
+
     /// Things the user should know (a smoothing length below the point spacing, say).
     fn warnings(&self, _solid: &Solid) -> Vec<String> {
         vec![]

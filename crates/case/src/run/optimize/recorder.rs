@@ -1,9 +1,9 @@
 //! Trial by trial: the table, `history.jsonl`, snapshots of iterations, `iterates.bin`.
 
-use super::super::OnTrial;
 use super::super::error::RunError;
 use super::super::session::Session;
 use super::super::table::Table;
+use super::super::{OnTrial, Pace};
 use super::branch_changes::Before;
 use super::journal::Journal;
 use super::run_trials::RunTrials;
@@ -41,6 +41,7 @@ pub(super) struct Recorder<'s> {
     /// Whether what belongs to the last accepted trial was not found because the run is cancelled.
     broken_off: bool,
     last: Instant,
+    pace: Pace,
 }
 
 impl<'s> Recorder<'s> {
@@ -66,6 +67,7 @@ impl<'s> Recorder<'s> {
             before: None,
             broken_off: false,
             last: Instant::now(),
+            pace: Pace::new(problem.case.optimizer.max_iterations),
         }
     }
 
@@ -101,6 +103,8 @@ impl<'s> Recorder<'s> {
             self.console.say(format!("stage {} of {}", trial.stage + 1, self.problem.stages()));
         }
         self.console.say(self.table.row(trial, distance, seconds));
+        self.pace.done(trial.trial, trial.iteration);
+        self.console.set_pace(Some(self.pace));
         let mut line = history::line(trial, seconds);
         if let Some(line) = line.as_object_mut() {
             if let Some(distance) = distance {
@@ -224,6 +228,7 @@ impl<'s> Recorder<'s> {
 
     /// Writes `iterates.bin`; what was kept of all trials.
     pub fn finish(self) -> RunTrials {
+        self.console.set_pace(None);
         if let Some(out) = &self.out {
             for (member, kept) in self.problem.leads().zip(&self.trials.iterates) {
                 let file = out.file(&member.case_file(&format!("{}iterates.bin", self.stem())));

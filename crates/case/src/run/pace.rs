@@ -1,0 +1,44 @@
+//! How far an optimisation is, for the line that shows a solve under way.
+
+use nastic_report::duration;
+use std::fmt;
+use std::time::Instant;
+
+/// Trials and iterations done, and the time they took.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    began: Instant,
+    /// Iterations that were done when the first trial was told.
+    before: Option<usize>,
+    iteration: usize,
+    trial: usize,
+    /// The limit of iterations.
+    most: usize,
+}
+
+impl Pace {
+    pub fn new(most: usize) -> Self {
+        Self { began: Instant::now(), before: None, iteration: 0, trial: 0, most }
+    }
+
+    /// A trial ended.
+    pub fn done(&mut self, trial: usize, iteration: usize) {
+        self.before.get_or_insert(iteration);
+        (self.trial, self.iteration) = (trial, iteration);
+    }
+}
+
+/// `iteration 9 of 60, trial 12, 34.1 s so far, 3.2 min to the limit`.
+impl fmt::Display for Pace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = self.began.elapsed().as_secs_f64();
+        write!(f, "iteration {} of {}, trial {}", self.iteration + 1, self.most, self.trial + 1)?;
+        write!(f, ", {} so far", duration(seconds))?;
+        let done = self.before.map_or(0, |before| self.iteration.saturating_sub(before));
+        if done > 0 && self.iteration < self.most {
+            let each = seconds / done as f64;
+            write!(f, ", {} to the limit", duration(each * (self.most - self.iteration) as f64))?;
+        }
+        Ok(())
+    }
+}
