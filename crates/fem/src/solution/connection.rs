@@ -4,6 +4,7 @@ use crate::error::StateError;
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::path::{EventKind, PathEnd, PathOptions};
+use crate::solution::rotation_corrected_step::GradientFit;
 use crate::solution::state::State;
 use crate::solution::workspace::Workspace;
 use nastic_numeric::vector::{axpy, norm, sub};
@@ -29,7 +30,10 @@ const SAME: f64 = 0.01;
 const SMALL: f64 = 0.01;
 /// A solve of fewer Newton iterations, all with a positive definite tangent, has not left its branch.
 const FEW: usize = 5;
-/// Where on the straight line between the two displacements the tangent is looked at.
+/// The first part of the way that is solved by itself, and solves of such parts before the path is followed.
+const FIRST_PART: f64 = 0.25;
+const PARTS: usize = 16;
+/// Where between the two displacements the tangent is looked at.
 const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
 /// Steps of the path: as long as its direction and Newton's method allow, at most a tenth of the body's diagonal in the
 /// root mean square.
@@ -44,11 +48,11 @@ impl Model {
     /// without any failure: the cost then has a jump between the two states, and the derivative at one says nothing of the
     /// other.
     ///
-    /// Between two stable states of different branches lies a region where the tangent stiffness is indefinite. So the
-    /// [`path`](Self::path) from one state to the other is followed only where the [report](State::report) of the second
-    /// tells of a shifted tangent or a restart, or where its solve took five Newton iterations or more and the tangent has
-    /// negative pivots at one of three states on the straight line between the two; elsewhere the answer is
-    /// [`Connected`](Connection::Connected).
+    /// Between two stable states of different branches lies a region where the tangent stiffness is indefinite. So a solve is trusted,
+    /// and the answer is [`Connected`](Connection::Connected), unless its [report](State::report) tells of a shifted tangent or
+    /// a restart, or it took five Newton iterations or more and the tangent has negative pivots at one of three states between the
+    /// two. One that is not trusted is made again in parts of the way: where all of them are trusted and lead to the same state,
+    /// the two are connected. Otherwise the [`path`](Self::path) from one to the other is followed by arc length.
     ///
     /// # Errors
     /// As [`path`](Self::path); a cancelled solve, a lack of memory.
@@ -56,7 +60,11 @@ impl Model {
         self.check_state(from)?;
         self.check_state(to)?;
         let change = norm(&sub(&to.u, &from.u));
-        if change <= SMALL * norm(&to.u) || !self.may_have_jumped(from, to, how)? {
+        let mut workspace = Workspace::default();
+        if change <= SMALL * norm(&to.u)
+            || !self.may_have_jumped(from, to, how, &mut workspace)?
+            || self.is_reached_in_parts(from, to, how, &mut workspace)?
+        {
             return Ok(Connection::Connected);
         }
         let options = PathOptions { step: STEP, points: POINTS, range: [BEHIND, 1.0], to_limit: true };
@@ -77,7 +85,13 @@ impl Model {
     }
 
     /// Whether the tangent was, or is between the two states, not positive definite.
-    fn may_have_jumped(&self, from: &State, to: &State, how: &SolveOptions) -> Result<bool, StateError> {
+    fn may_have_jumped(
+        &self,
+        from: &State,
+        to: &State,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<bool, StateError> {
         let report = &to.report;
         if report.shifted > 0 || report.restarts > 0 {
             return Ok(true);
@@ -85,9 +99,10 @@ impl Model {
         if report.newton < FEW {
             return Ok(false);
         }
-        let mut workspace = Workspace::default();
+        let fit = GradientFit::new(self, how.parallel);
         for share in BETWEEN {
-            match self.negative_pivots_with(&between(from, to, share), how, &mut workspace) {
+            let between = self.between(from, to, share, fit.as_ref(), how.parallel);
+            match self.negative_pivots_with(&between, how, workspace) {
                 Ok(0) => {}
                 Err(error) if error.is_final() => return Err(error),
                 // Negative, singular, or turned inside out on the straight line.
@@ -96,12 +111,47 @@ impl Model {
         }
         Ok(false)
     }
-}
 
-/// A state on the straight line between two, which is no equilibrium.
-fn between(from: &State, to: &State, share: f64) -> State {
-    let mut u = from.u.to_vec();
-    axpy(share, &sub(&to.u, &from.u), &mut u);
-    let controls = Arc::new(from.controls.blend(&to.controls, share));
-    State { u: Arc::new(u), controls, load: (1.0 - share) * from.load + share * to.load, ..to.clone() }
+    /// Whether solves at parts of the way, each of which can be trusted, lead from the one state to the other.
+    fn is_reached_in_parts(
+        &self,
+        from: &State,
+        to: &State,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<bool, StateError> {
+        if from.load != to.load {
+            return Ok(false);
+        }
+        let (mut here, mut share, mut part) = (from.clone(), 0.0, FIRST_PART);
+        for _ in 0..PARTS {
+            let next = f64::min(share + part, 1.0);
+            let controls = from.controls.blend(&to.controls, next);
+            match self.solve_with(&controls, &SolveOptions { near: Some(&here), guess: None, ..how.clone() }, workspace)
+            {
+                Ok(there) if !self.may_have_jumped(&here, &there, how, workspace)? => {
+                    (here, share, part) = (there, next, 2.0 * part);
+                }
+                Err(error) if error.is_final() => return Err(error),
+                Ok(_) | Err(_) => part = 0.5 * (next - share),
+            }
+            if share == 1.0 {
+                let change = norm(&sub(&to.u, &from.u));
+                return Ok(norm(&sub(&here.u, &to.u)) <= SAME * change);
+            }
+        }
+        Ok(false)
+    }
+
+    /// A state on the way between two, which is no equilibrium: every part of the body turns and stretches evenly, since a
+    /// straight line compresses whatever turns.
+    fn between(&self, from: &State, to: &State, share: f64, fit: Option<&GradientFit>, parallel: bool) -> State {
+        let (mut u, du) = (from.u.to_vec(), sub(&to.u, &from.u));
+        axpy(share, &du, &mut u);
+        if let Some(fit) = fit {
+            axpy(1.0, &fit.correction_between(self, &from.u, &du, share, parallel), &mut u);
+        }
+        let controls = Arc::new(from.controls.blend(&to.controls, share));
+        State { u: Arc::new(u), controls, load: (1.0 - share) * from.load + share * to.load, ..to.clone() }
+    }
 }

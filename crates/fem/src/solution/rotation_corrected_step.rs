@@ -25,7 +25,7 @@ use crate::kernels::cell_sweep::Cells;
 use crate::kernels::kernel;
 use crate::model::Model;
 use nastic_linear::{Factor, SparseMatrix};
-use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
+use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, polar_rotation};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -69,9 +69,17 @@ impl GradientFit {
 
     /// `u(s) - u - s du`, zero where supported.
     pub fn correction(&self, model: &Model, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
-        let disc = model.discretization();
-        let dim = disc.dim();
-        let mut rhs = misfit(disc, u, du, s, parallel);
+        self.fit(model, misfit(model.discretization(), u, du, |g| turned(g, s) - s * g, parallel))
+    }
+
+    /// The same between two states u and u + du: the way from F to `R U F`, with the polar decomposition `1 + G = R U`, is
+    /// `F(s) = R^s (1 + s (U - 1)) F`, with `R^s` the rotation about the axis of R by s times its angle.
+    pub fn correction_between(&self, model: &Model, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
+        self.fit(model, misfit(model.discretization(), u, du, |g| turned_between(g, s) - s * g, parallel))
+    }
+
+    fn fit(&self, model: &Model, mut rhs: Vec<f64>) -> Vec<f64> {
+        let dim = model.discretization().dim();
         model.supports.clear(&mut rhs);
         for (c, factor) in self.factors.iter().enumerate() {
             let mut component: Vec<f64> = rhs.iter().skip(c).step_by(dim).copied().collect();
@@ -135,8 +143,14 @@ impl Found {
     }
 }
 
-/// `int (F(s) - F - s grad du) : grad N_a dX`, flat.
-fn misfit(disc: &Discretization, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
+/// `int (F(s) - F - s grad du) : grad N_a dX`, flat, with `F(s) - F - s grad du = change(G) F`, the identity left out of `F(s)`.
+fn misfit(
+    disc: &Discretization,
+    u: &[f64],
+    du: &[f64],
+    change: impl Fn(&Mat3) -> Mat3 + Sync,
+    parallel: bool,
+) -> Vec<f64> {
     let (dim, mut out) = (disc.dim(), vec![0.0; disc.dofs()]);
     for part in &disc.points().parts {
         let Some(kernel) = kernel(part.kind) else { continue };
@@ -146,7 +160,7 @@ fn misfit(disc: &Discretization, u: &[f64], du: &[f64], s: f64, parallel: bool) 
             let mut targets = vec![Mat3::zeros(); part.table.points];
             let mut cell = 0;
             each_point(disc, part, cells, u, du, |q, weight, shapes, (f, g)| {
-                targets[q] = (turned(&g, s) * f - f - s * g * f) * weight;
+                targets[q] = (change(&g) * f - f) * weight;
                 if q + 1 == targets.len() {
                     kernel.force(shapes, &targets, &mut rows[length * cell..length * (cell + 1)]);
                     cell += 1;
@@ -200,6 +214,21 @@ fn each_point(
 /// `exp(s skew G) (1 + s sym G)`.
 fn turned(g: &Mat3, s: f64) -> Mat3 {
     rotation(&(s * axial(g))) * (Mat3::identity() + s * symmetric(g))
+}
+
+/// `R^s (1 + s (U - 1))` with `R U = 1 + G`; the straight way where that has no polar decomposition.
+fn turned_between(g: &Mat3, s: f64) -> Mat3 {
+    let whole = Mat3::identity() + g;
+    let Some(r) = polar_rotation(&whole) else { return Mat3::identity() + s * g };
+    let stretch = r.transpose() * whole;
+    rotation(&(s * rotation_vector(&r))) * (Mat3::identity() + s * (stretch - Mat3::identity()))
+}
+
+/// The axis of a rotation times its angle, which is below pi; the axis of a half turn is not determined, and zero here.
+fn rotation_vector(r: &Mat3) -> Vec3 {
+    let sine = axial(r);
+    let angle = sine.norm().atan2(0.5 * (r.trace() - 1.0));
+    if sine.norm() > f64::EPSILON { sine * (angle / sine.norm()) } else { sine }
 }
 
 fn symmetric(g: &Mat3) -> Mat3 {
