@@ -277,8 +277,10 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
         return None;
     }
     let controls = control::lower(case.controls.len(), variants, &bodies, contexts);
+    let fields = controls.as_ref().map_or(&[][..], |controls| &controls.controls);
     let (mut out, mut targets) = (Vec::new(), Vec::new());
     for (((variant, body), aims), context) in variants.iter().zip(bodies).zip(aims).zip(contexts) {
+        let body = control::weigh(variant, case.controls.len(), body, fields, context)?;
         let (body, shapes) = cost::add(&variant.case, aims, body, context)?;
         cost::warn(&variant.case, &body, context);
         out.push(body);

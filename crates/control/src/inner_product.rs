@@ -38,7 +38,7 @@ pub const METRICS: &[MetricRow] = &[
     MetricRow { name: "H1", about: "int m v + length^2 grad m . grad v", make: |length| Metric::H1 { length } },
 ];
 
-/// The inner product of a layout.
+/// The inner product of a layout: that of the fields, each times its [weight](Layout::weigh).
 ///
 /// # Errors
 /// A control that acts on nothing, or a smoothing length that is not positive.
@@ -64,14 +64,14 @@ pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<A
     }
 }
 
-/// `int phi_i dX` for every entry of the control vector.
+/// `weight int phi_i dX` for every entry of the control vector.
 fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
     let mut out = vec![0.0; layout.len()];
     for block in layout.blocks() {
         for (q, w) in block.map.weights(disc).iter().enumerate() {
             for (i, shape) in block.map.at_point(q) {
                 for c in 0..block.components {
-                    out[block.first + i * block.components + c] += w * shape;
+                    out[block.first + i * block.components + c] += block.weight * w * shape;
                 }
             }
         }
@@ -197,7 +197,11 @@ impl H1 {
                 let n = unknowns.len();
                 for a in 0..n {
                     for b in 0..=a {
-                        add(unknowns[a] as usize, unknowns[b] as usize, length * length * local[a * n + b]);
+                        add(
+                            unknowns[a] as usize,
+                            unknowns[b] as usize,
+                            block.weight * length * length * local[a * n + b],
+                        );
                     }
                 }
             });

@@ -27,6 +27,8 @@ pub struct ControlBlock {
     pub unit: &'static str,
     /// Length that the vectors have at every point, where it is fixed; see [`Layout::fix_length`].
     pub length: Option<f64>,
+    /// Factor of its part of the inner product: see [`Layout::weigh`].
+    pub weight: f64,
 }
 
 impl ControlBlock {
@@ -176,8 +178,8 @@ impl Layout {
             _ => return Err(ControlError::OneNumber { name: of.to_owned(), space: space.name() }),
         };
         let components = if direction.is_some() { 1 } else { slots };
-        let (name, first, length) = (of.to_owned(), self.len, None);
-        let block = ControlBlock { name, actuation, slot, components, direction, map, first, unit, length };
+        let (name, first, length, weight) = (of.to_owned(), self.len, None, 1.0);
+        let block = ControlBlock { name, actuation, slot, components, direction, map, first, unit, length, weight };
         self.len += block.len();
         self.blocks.push(block);
         Ok(&self.blocks[self.blocks.len() - 1])
@@ -199,6 +201,21 @@ impl Layout {
         for block in self.blocks.iter_mut().filter(|block| block.first == first) {
             block.length = Some(length);
         }
+        Ok(())
+    }
+
+    /// Multiplies a field's part of the inner product by a factor (1 unless told): `(a, b) = sum_k weight_k (a_k, b_k)`. Fields of
+    /// different units or ranges are balanced by `(range_0 / range_k)^2`: a change through the whole range counts the same in each.
+    ///
+    /// # Errors
+    /// An unknown name, a factor that is not positive.
+    pub fn weigh(&mut self, of: &str, weight: f64) -> Result<(), ControlError> {
+        let first = self.block(of)?.first;
+        if !(weight.is_finite() && weight > 0.0) {
+            let what = format!("the weight of \"{of}\" in the inner product is {weight}; it is a positive number");
+            return Err(ControlError::Cost { what });
+        }
+        self.blocks.iter_mut().filter(|block| block.first == first).for_each(|block| block.weight = weight);
         Ok(())
     }
 

@@ -103,6 +103,15 @@ impl Reduced {
         Ok(self)
     }
 
+    /// Weighs a control field against the others in the inner product: [`Layout::weigh`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn weigh(mut self, control: &str, weight: f64) -> Result<Self, ControlError> {
+        self.layout.weigh(control, weight)?;
+        Ok(self)
+    }
+
     /// Fixes a slot of an actuation that is not controlled, from one value per quadrature point.
     ///
     /// # Errors

@@ -53,6 +53,18 @@ pub enum Admitted {
     Any,
 }
 
+impl Admitted {
+    /// How far two admitted values can lie apart; `None` where there is no limit.
+    fn range(&self) -> Option<f64> {
+        let range = match self {
+            Self::Between { lower, upper } => upper - lower,
+            Self::Norm(norm) | Self::MaxNorm(norm) => 2.0 * norm,
+            Self::Any => f64::INFINITY,
+        };
+        (range.is_finite() && range > 0.0).then_some(range)
+    }
+}
+
 /// What becomes of the block `controls`.
 pub(super) struct Lowered {
     pub controls: Vec<ControlField>,
@@ -128,6 +140,27 @@ pub(super) fn lower(
         }
     }
     whole.then_some(out)
+}
+
+/// Weighs the fields of a body in the inner product, so that a change through its whole range counts the same in each; a
+/// field without bounds counts as the first one.
+pub(super) fn weigh(
+    variant: &Variant,
+    shared: usize,
+    mut body: Reduced,
+    fields: &[ControlField],
+    context: &mut Context<'_>,
+) -> Option<Reduced> {
+    let Some(reference) = fields.iter().find_map(|field| field.admitted.range()) else { return Some(body) };
+    let names: Vec<String> = body.layout().blocks().iter().map(|block| block.name.clone()).collect();
+    for (k, (control, name)) in variant.case.controls.iter().zip(&names).enumerate() {
+        let load_case = variant.load_case.filter(|_| k >= shared);
+        let own = fields.iter().find(|field| field.load_case == load_case && field.at == control.at);
+        if let Some(range) = own.and_then(|field| field.admitted.range()) {
+            body = context.take(&control.at, body.weigh(name, (reference / range).powi(2)))?;
+        }
+    }
+    Some(body)
 }
 
 /// The smallest of the laws' bounds on a tension; bodies number their fields alike.
