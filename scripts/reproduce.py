@@ -182,6 +182,8 @@ def block(kind, names, numbers):
     words = names.split()
     blocks = {"commands": commands, "runs": runs_table, "iterates": iterates_table, "tensions": tensions_table,
               "fields": fields_table, "nodes": nodes_table, "robust": robust_table}
+    if kind not in blocks:
+        sys.exit(f"docs/reproduction.md: no marker is called {kind}; there are: {', '.join(blocks)}")
     return blocks[kind](words, numbers)
 
 

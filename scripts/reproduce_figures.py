@@ -81,16 +81,16 @@ def save(plotter, path, method=Image.Quantize.MEDIANCUT):
     quantised(Image.fromarray(image), path, 256, method)
 
 
-def quantised(image, path, colours, method=Image.Quantize.MEDIANCUT, kmeans=0):
+def quantised(image, path, colours, method=Image.Quantize.MEDIANCUT):
     """Colours by how many pixels have them, for shaded bodies; by the range that they cover (MAXCOVERAGE), for colour bars."""
-    image.convert("RGB").quantize(colours, method=method, kmeans=kmeans, dither=Image.Dither.NONE).save(path, optimize=True)
+    image.convert("RGB").quantize(colours, method=method, kmeans=4, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def own_picture(source, path):
     """The picture that the run itself wrote, smaller."""
     image = Image.open(source).convert("RGB")
     smaller = image.resize((1000, round(1000 * image.height / image.width)), Image.Resampling.LANCZOS)
-    quantised(smaller, path, 256, Image.Quantize.MAXCOVERAGE, kmeans=4)
+    quantised(smaller, path, 256, Image.Quantize.MAXCOVERAGE)
 
 
 def arrows(rest, shown, length):
