@@ -128,8 +128,10 @@ def numbers_of(run, result):
 
 
 def accepted(name):
+    """The accepted trial of every iteration; that in which a stage begins has two, the same state valued by both stages."""
     lines = (OUT / name / "history.jsonl").read_text().splitlines()
-    return [line for line in map(json.loads, lines) if line["accepted"]]
+    by_iteration = {line["iteration"]: line for line in map(json.loads, lines) if line["accepted"]}
+    return [by_iteration[k] for k in range(len(by_iteration))]
 
 
 def members(result):

@@ -108,7 +108,8 @@ def field_arrow(rest, at, length):
 
 def accepted(directory):
     with open(directory / "history.csv") as lines:
-        return [row for row in csv.DictReader(lines) if row["accepted"] == "true"]
+        by_iteration = {int(row["iteration"]): row for row in csv.DictReader(lines) if row["accepted"] == "true"}
+    return [by_iteration[k] for k in range(len(by_iteration))]
 
 
 def iterates(out, path):
