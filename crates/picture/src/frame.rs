@@ -90,7 +90,23 @@ impl Layout {
     fn title(&mut self, title: &str, subtitle: &str) {
         let u = self.unit;
         self.text([48.0 * u, 56.0 * u], Anchor::Start, 32.0, true, Colour::INK, title);
-        self.text([48.0 * u, 94.0 * u], Anchor::Start, 24.0, false, MUTED, subtitle);
+        for (k, line) in self.fitting(subtitle).iter().enumerate() {
+            self.text([48.0 * u, (94.0 + 28.0 * k as f64) * u], Anchor::Start, 24.0, false, MUTED, line);
+        }
+    }
+
+    /// What stands between the semicolons of a subtitle, in as few lines as fit into the picture.
+    fn fitting(&self, subtitle: &str) -> Vec<String> {
+        let room = self.size[0] - 96.0 * self.unit;
+        let wide = |text: &str| super::text::width(text.trim_end(), 24.0 * self.unit);
+        let mut lines: Vec<String> = Vec::new();
+        for part in subtitle.split_inclusive("; ") {
+            match lines.last_mut() {
+                Some(line) if wide(&format!("{line}{part}")) <= room => line.push_str(part),
+                _ => lines.push(part.to_owned()),
+            }
+        }
+        lines
     }
 
     fn legend(&mut self, picture: &Picture, scene: &Scene) {

@@ -214,7 +214,8 @@ impl Picture {
         }
     }
 
-    /// A line below the title, for numbers that belong to the picture.
+    /// Below the title, for numbers that belong to the picture: one line, or several where it is too wide for one and
+    /// has parts between semicolons.
     pub fn subtitle(mut self, subtitle: &str) -> Self {
         self.subtitle = subtitle.to_owned();
         self

@@ -151,6 +151,20 @@ fn plane_meshes_are_seen_from_above_in_their_true_colours() {
 }
 
 #[test]
+fn a_subtitle_that_is_too_wide_is_broken_at_a_semicolon() {
+    let body = bare(&cube(CellKind::Hex8), Appearance::Solid(Colour([200, 30, 30])));
+    let ink = |subtitle: &str, rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| {
+        let picture = pixels(&Picture::new("").subtitle(subtitle).body(body.clone()));
+        rows.flat_map(|y| columns.clone().map(move |x| (x, y))).filter(|(x, y)| picture.at(*x, *y)[0] < 150).count()
+    };
+    let (first, second) = (82..106, 110..134);
+    let long = format!("{}; {}", "m".repeat(80), "m".repeat(80));
+    assert!(ink(&long, first.clone(), 0..1600) > 0 && ink(&long, second.clone(), 0..700) > 0);
+    assert_eq!(ink(&long, first, 1552..1600), 0);
+    assert_eq!(ink("m; m", second, 0..700), 0);
+}
+
+#[test]
 fn the_same_picture_gives_the_same_bytes() {
     let mesh = cube(CellKind::Tet4);
     let directory = tempfile::tempdir().unwrap();
