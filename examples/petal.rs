@@ -53,7 +53,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .of_length("magnet.remanence", REMANENCE)?
         .control("magnet.field", Space::Uniform)?
         .cost(Tracking::surface("bottom", Target::position(closed)))?
-        .metric(Metric::H1 { length: 0.01 });
+        .metric(Metric::H1 { length: 0.01 })
+        .weigh("magnet.field", (REMANENCE / FIELD).powi(2))?;
 
     let vectors = problem.layout().blocks()[0].len();
     let set = Product::new().block(vectors, Sphere::new(3, REMANENCE)?).block(3, Ball::new(3, FIELD)?);

@@ -52,6 +52,7 @@ fn problem(disc: &Arc<Discretization>, wanted: (&str, [f64; 3])) -> Outcome<Redu
     Ok(Reduced::new(body(disc.clone())?)
         .control("magnet.remanence", Space::Cell)?
         .control("magnet.field", Space::Uniform)?
+        .weigh("magnet.field", (REMANENCE / FIELD).powi(2))?
         .cost(target(disc.mesh(), wanted)?)?)
 }
 
