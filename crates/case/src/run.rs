@@ -28,7 +28,6 @@ mod session;
 mod solve;
 mod states;
 mod sweep;
-mod table;
 
 pub use analysis::Analysis;
 pub use error::{Exit, RunError};
