@@ -61,6 +61,7 @@ pub use nastic_uncertainty as uncertainty;
 
 /// What most programs need.
 pub mod prelude {
+    pub use crate::case::run::{Optimum, Study};
     pub use crate::control::{
         ControlNorm, ControlSmoothness, Cost, CostPoint, Ensemble, EnsemblePoint, Evaluated, LoadCase, Metric, Phi,
         Reduced, SmoothedHausdorff, Space, Target, Tracking,

@@ -20,8 +20,8 @@ mod workspace;
 pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, ControlNorm, ControlSmoothness, Cost, CostContext, CostExample,
-    CostForm, CostPoint, CostRow, Figure, FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff, Target,
-    Tracking,
+    CostForm, CostPoint, CostRow, CostTarget, Figure, FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff,
+    Target, Tracking,
 };
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,

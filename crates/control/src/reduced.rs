@@ -194,6 +194,10 @@ impl Reduced {
         self
     }
 
+    pub(crate) fn set_cancel(&mut self, flag: Arc<AtomicBool>) {
+        self.cancel = Some(flag);
+    }
+
     pub(crate) fn set_refuse_unstable(&mut self, refuse: bool) {
         self.refuse_unstable = refuse;
     }

@@ -114,7 +114,20 @@ impl<'c> Session<'c> {
         console: &'c Console,
         began: Instant,
     ) -> Result<Self, RunError> {
-        let mut problem = CaseProblem::lower(document, cancel.clone())?;
+        let problem = CaseProblem::lower(document, cancel.clone())?;
+        let mut session = Self::on(command, problem, cancel, console, began);
+        session.settings = settings;
+        Ok(session)
+    }
+
+    /// A command on a problem that is ready.
+    pub fn on(
+        command: Command,
+        mut problem: CaseProblem,
+        cancel: Arc<AtomicBool>,
+        console: &'c Console,
+        began: Instant,
+    ) -> Self {
         if command == Command::Optimize {
             problem.refuse_unstable_if_asked();
         }
@@ -135,7 +148,7 @@ impl<'c> Session<'c> {
             strict: false,
             out: None,
             warnings: Vec::new(),
-            settings,
+            settings: Vec::new(),
             report: true,
             explain: false,
             expect: true,
@@ -147,7 +160,7 @@ impl<'c> Session<'c> {
             began,
         };
         session.introduce();
-        Ok(session)
+        session
     }
 
     /// The head of every result, and of what is said.

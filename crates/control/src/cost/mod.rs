@@ -6,6 +6,7 @@ mod cost_form;
 mod figure;
 mod regularization;
 mod smoothed_hausdorff;
+mod target;
 mod tracking;
 
 pub use bound_hausdorff::BoundHausdorff;
@@ -14,6 +15,7 @@ pub use cost_form::{CostForm, MakeCost};
 pub use figure::{Figure, FigureKind};
 pub use regularization::{ControlNorm, ControlSmoothness};
 pub use smoothed_hausdorff::SmoothedHausdorff;
+pub use target::CostTarget;
 pub use tracking::{BoundTracking, Target, Tracking};
 
 use crate::error::ControlError;
@@ -122,6 +124,11 @@ pub trait Cost: Debug + Send + Sync {
     /// Things the user should know (a smoothing length below the point spacing, say).
     fn warnings(&self, _solid: &Solid) -> Vec<String> {
         vec![]
+    }
+
+    /// The shape it aims at on a body, where it has one: pictures and `target.vtu` show it.
+    fn target(&self, _solid: &Solid) -> Option<CostTarget> {
+        None
     }
 }
 

@@ -171,7 +171,10 @@ fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Writ
 pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteration }: Written) {
     let Some(out) = &session.out else { return };
     let of = if session.problem.case.optimizer.starts > 1 { format!(" of start {}", start + 1) } else { String::new() };
-    session.console.say(format!("to go on    nastic resume {}", out.path().display()));
+    match session.problem.case_file() {
+        Some(_) => session.console.say(format!("to go on    nastic resume {}", out.path().display())),
+        None => session.console.say(format!("to go on    Study::resume, with the results in {}", out.path().display())),
+    }
     session
         .console
         .say(format!("            from iteration {iteration}{of}, with the result of a run without interruption"));
