@@ -7,6 +7,7 @@ use crate::schema::{Cost, SmoothedHausdorff, Stage};
 use nastic_control::EnsemblePoint;
 use nastic_opt::{Best, Stall, Stop};
 use serde_json::{Value, json};
+use std::path::{Component, Path, PathBuf};
 
 /// The method to take instead of another.
 const QUASI_NEWTON: &str = "lbfgs";
@@ -109,10 +110,23 @@ fn optimize(session: &Session<'_>, set: &[String]) -> Option<String> {
 /// Settings that let every control start where it has come to.
 fn starts_from_here(session: &Session<'_>) -> Vec<String> {
     let Some(out) = &session.out else { return vec![] };
-    let file = out.file("controls.json");
-    let file = std::path::absolute(&file).unwrap_or(file);
+    let file = from_case(Path::new(session.problem.document.name()), &out.file("controls.json"));
     let start = json!({ "file": file.display().to_string() });
     session.problem.controls.iter().map(|field| format!("{}/start={start}", field.at)).collect()
+}
+
+/// A file as a case names it: from the case's directory.
+fn from_case(case: &Path, file: &Path) -> PathBuf {
+    let directory = case.parent().unwrap_or(Path::new(""));
+    if let Ok(below) = file.strip_prefix(directory) {
+        return below.to_owned();
+    }
+    let is_below = directory.components().all(|part| matches!(part, Component::Normal(_)));
+    if file.is_relative() && is_below {
+        let up: PathBuf = directory.components().map(|_| "..").collect();
+        return up.join(file);
+    }
+    std::path::absolute(file).unwrap_or_else(|_| file.to_owned())
 }
 
 /// The stages of every cost that has some, up to this one.
