@@ -169,7 +169,10 @@ pub(super) fn say_members(session: &Session<'_>, result: &Value) {
     }
     if let Some(measures) = result["risk"]["measures"].as_object() {
         let of = |(name, measure): (&String, &Value)| {
-            format!("{name} {}", measure["value"].as_f64().map_or_else(|| "-".to_owned(), |x| scientific(x, 4)))
+            let level =
+                measure["level"].as_f64().map_or_else(String::new, |level| format!(" (level {})", short(level)));
+            let value = measure["value"].as_f64().map_or_else(|| "-".to_owned(), |x| scientific(x, 4));
+            format!("{name}{level} {value}")
         };
         let all: Vec<String> = measures.iter().map(of).collect();
         let deviation = scientific(result["risk"]["deviation"].as_f64().unwrap_or(f64::NAN), 4);
