@@ -264,6 +264,7 @@ fn load_cases_stand_inside_scenarios() {
         up.contains("remanence") && up.contains("mean of the scenarios") && up.matches("1 iteration").count() == 1,
         "what is drawn"
     );
+    assert!(up.contains("case: up: mean of the scenarios"), "no scenario is named");
     assert!(result["probes"]["down"].as_object().is_some_and(|probes| !probes.is_empty()));
     for file in [
         "scenario_000_up_optimum.vtu",

@@ -19,6 +19,7 @@ use crate::warning::Warning;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, StateError};
 use nastic_opt::{Failed, Objective, Request};
+use nastic_report::case_name;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -434,9 +435,7 @@ fn usual_directory(problem: &CaseProblem) -> PathBuf {
 
 /// `own` of a case, else `out/CASE` beside it.
 pub(super) fn directory_of(document: &Document, own: Option<&str>) -> PathBuf {
-    let path = Path::new(document.name());
-    let stem = path.file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy().into_owned());
-    document.resolve(own.unwrap_or(&format!("out/{stem}")))
+    document.resolve(own.unwrap_or(&format!("out/{}", case_name(document.name()))))
 }
 
 impl From<Exit> for u8 {
