@@ -79,11 +79,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", Taylor::default().test(&kept, &set, &start)?);
 
     for (name, problem) in [("without", problem(None)?), ("with", kept)] {
-        let best = Lbfgs::default().within(set.clone()).tolerance(1e-3).minimize(&problem, start.clone())?;
+        let print = Print::of(&problem, std::io::stdout());
+        let mut search = Lbfgs::default().within(set.clone()).tolerance(1e-3).observe(print);
+        let best = search.minimize(&problem, start.clone())?;
         let points = problem.solid().mesh().points();
         let u = &best.point.state.u;
         let lowest = (0..points.len()).map(|node| points[node][2] + u[3 * node + 2]).fold(f64::INFINITY, f64::min);
         println!("{name} the table: cost {:.4}, lowest node at {:.2} mm; {}", best.cost, 1e3 * lowest, best.stop);
+
+        let values = problem.values("tension", &best.m)?;
+        let strongest = values.iter().min_by(|a, b| a.1[0].total_cmp(&b.1[0]));
+        if let Some((cell, tension)) = strongest {
+            println!("{name} the table: the strongest muscle is {cell}, {:.0} {}", tension[0], values.unit());
+        }
     }
     Ok(())
 }

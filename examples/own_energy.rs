@@ -6,7 +6,7 @@
 //! (A. N. Gent, Rubber Chem. Technol. 69 (1996) 59-61, with a neo-Hookean volumetric part). Convex in F for
 //! `|F|^2 < 3 + limit`, where it is defined; beyond that the energy is infinite and no step is ever taken.
 //!
-//! `cargo run --release --example own_energy`
+//! `cargo run --release --example own_energy` writes what `nastic optimize` would write to `out/own_energy`.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
@@ -66,7 +66,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let set = Bounds::new(-3e5, 0.0)?;
     let start = vec![-1e4; problem.layout().len()];
     println!("{}", Taylor::default().test(&problem, &set, &start)?);
-    let best = Lbfgs::default().within(set).minimize(&problem, start)?;
-    println!("tracking cost {:.3e}; {}", best.cost, best.stop);
+
+    let found = Study::new(problem)?
+        .within("tension", set)
+        .start_at(start)
+        .title("A bar of Gent's law, lifted")
+        .directory("out/own_energy")
+        .print(std::io::stdout())
+        .interruptible()
+        .optimize(&Lbfgs::default())?;
+    println!("tracking cost {:.3e}", found.states.point().risk);
     Ok(())
 }

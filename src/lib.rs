@@ -17,9 +17,9 @@
 //! let best = Lbfgs::default().within(Bounds::new(-3e5, 1.9e5)?).minimize(&problem, 0.0)?;
 //! assert!(best.cost < 1e-2 * problem.at(&[0.0; 10])?.cost());
 //!
-//! // The same with an evaluated start, an observer and a tolerance; then stepped by hand.
+//! // The same with an evaluated start, a line per trial and a tolerance; then stepped by hand.
 //! let start = problem.at(&[0.0; 10])?;
-//! let print = |trial: &Trial<'_, Evaluated>| println!("{trial}");
+//! let print = Print::of(&problem, std::io::stdout());
 //! let mut search = Lbfgs::default().within(Bounds::new(-3e5, 1.9e5)?).tolerance(1e-2).observe(print);
 //! let near = search.minimize(&problem, &start)?;
 //! let mut run = search.start(&problem, near.point)?;
@@ -61,6 +61,7 @@ pub use nastic_uncertainty as uncertainty;
 
 /// What most programs need.
 pub mod prelude {
+    pub use crate::case::run::{Optimum, Study};
     pub use crate::control::{
         ControlNorm, ControlSmoothness, Cost, CostPoint, Ensemble, EnsemblePoint, Evaluated, LoadCase, Metric, Phi,
         Reduced, SmoothedHausdorff, Space, Target, Tracking,
@@ -72,7 +73,7 @@ pub mod prelude {
     pub use crate::fem::{Cavity, Contribution, Discretization, Solid, SolveOptions, State};
     pub use crate::mesh::{CellKind, Mesh, Snapshot, box_mesh, rectangle};
     pub use crate::opt::{
-        Ball, Best, Bounds, Lbfgs, Objective, Optimizer, Options, Outcome, Problem, Product, ProjectedGradient,
+        Ball, Best, Bounds, Lbfgs, Objective, Optimizer, Options, Outcome, Print, Problem, Product, ProjectedGradient,
         Request, Run, Spectral, Sphere, Taylor, Trial,
     };
     pub use crate::tensor::{Mat3, Vec3};

@@ -13,6 +13,7 @@ pub mod quantity;
 pub mod result;
 pub mod run;
 pub mod schema;
+pub mod signals;
 pub mod syntax;
 pub mod template;
 pub mod warning;

@@ -5,6 +5,7 @@
 
 mod actuation;
 mod array;
+mod assembled;
 mod bending;
 mod body;
 mod context;
@@ -29,6 +30,8 @@ mod survey;
 mod unsupported;
 mod variant;
 
+pub use assembled::AssemblyError;
+pub(crate) use assembled::{Admission, Assembled, ControlProblem};
 pub use control::{Admitted, ControlField};
 pub use cost::TargetShape;
 pub use member::CaseMember;
@@ -81,6 +84,8 @@ pub struct CaseProblem {
     labels: Vec<Label>,
     /// What differs in every scenario.
     differences: Vec<Map<String, Value>>,
+    /// Whether a program made the problem, and `document` says only what it is.
+    of_program: bool,
 }
 
 impl CaseProblem {
@@ -105,6 +110,7 @@ impl CaseProblem {
         };
         let warnings = warnings.iter().map(|(kind, told)| Warning::at(kind, told)).collect();
         let control::Lowered { controls, start, set, .. } = controls;
+        let of_program = false;
         Ok(Self {
             case,
             ensemble,
@@ -119,7 +125,14 @@ impl CaseProblem {
             labels,
             differences,
             document,
+            of_program,
         })
+    }
+
+    /// The case file as it was named; `None` where a program made the problem.
+    #[must_use]
+    pub fn case_file(&self) -> Option<&str> {
+        (!self.of_program).then(|| self.document.name())
     }
 
     /// The body of the first member.

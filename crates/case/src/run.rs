@@ -28,8 +28,8 @@ mod resume;
 mod session;
 mod solve;
 mod states;
+mod study;
 mod sweep;
-mod table;
 
 pub use analysis::Analysis;
 pub use error::{Exit, RunError};
@@ -37,6 +37,7 @@ pub use gradcheck::{GradientTest, test_gradient};
 pub use on_trial::OnTrial;
 pub use report::report;
 pub use states::{ShowError, States};
+pub use study::{ControlSet, Optimum, Study, StudyError};
 pub use sweep::{Sweep, SweepOutcome, sweep};
 
 pub(crate) use number::short;
@@ -145,7 +146,10 @@ fn execute(mut session: Session<'_>, options: &Options) -> Result<(Outcome, Opti
         Command::Solve => solve::run(&mut session, &options.analysis),
         Command::Gradient => gradient::run(&mut session),
         Command::Gradcheck => gradcheck::run(&mut session),
-        Command::Optimize => optimize::begin(&mut session, options.restart),
+        Command::Optimize => {
+            let optimizer = session.problem.optimizer()?;
+            optimize::begin(&mut session, optimizer.as_ref(), options.restart)
+        }
     };
     conclude(session, exit, options.analysis.has_one_state())
 }
@@ -168,7 +172,8 @@ pub fn resume(
         session.report = !options.no_report;
         session.explain = options.explain;
         session.on_trial = options.on_trial.clone();
-        let exit = optimize::resume(&mut session, position);
+        let optimizer = session.problem.optimizer()?;
+        let exit = optimize::resume(&mut session, optimizer.as_ref(), position);
         conclude(session, exit, true).map(|(outcome, _)| outcome)
     })
 }

@@ -171,7 +171,8 @@ pub const ALL_ON_BOUNDS: WarningKind = WarningKind {
 pub const OTHER_SIGN: WarningKind = WarningKind {
     code: "other_sign",
     about: "the cost falls in the direction that a bound at zero forbids",
-    advice: "turn the sign of the bounds: a positive tension lengthens, a negative one contracts; a positive pressure inflates",
+    advice: "turn the sign of the bounds: a positive tension lengthens, a negative one contracts; the kind \"muscle\" contracts by a positive \
+             contraction; a positive pressure inflates",
 };
 
 /// The body intersects itself.

@@ -47,6 +47,8 @@ fn a_limit_of_iterations_is_raised_from_where_it_ended() {
     assert_eq!(next.iter().filter(|one| one.starts_with("optimizer/max_iterations")).count(), 1, "{next:?}");
     let other = settings(&said, "take the quasi-Newton method", &place);
     assert!(other.contains(&"optimizer/method=lbfgs".to_owned()), "{other:?}");
+    let from = next.iter().find(|one| one.starts_with("controls/0/start=")).unwrap();
+    assert!(from.ends_with("={\"file\":\"out/case/controls.json\"}"), "as the case names files: {from}");
     let (second, _) = optimize(&place, BAR, &next);
     let (reached, begun) = (cost(&first, "end"), cost(&second, "start"));
     assert!((reached - begun).abs() < 1e-8 * reached, "{reached} {begun}");

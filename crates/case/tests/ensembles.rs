@@ -267,6 +267,7 @@ fn load_cases_stand_inside_scenarios() {
         up.contains("remanence") && up.contains("mean of the scenarios") && up.matches("1 iteration").count() == 1,
         "what is drawn"
     );
+    assert!(up.contains("case: up: mean of the scenarios"), "no scenario is named");
     assert!(result["probes"]["down"].as_object().is_some_and(|probes| !probes.is_empty()));
     for file in [
         "scenario_000_up_optimum.vtu",
@@ -277,6 +278,22 @@ fn load_cases_stand_inside_scenarios() {
     ] {
         assert!(place.path("out").join(file).exists(), "{file}");
     }
+}
+
+#[test]
+fn the_level_of_cvar_is_told() {
+    let place = Place::new();
+    let case = with(
+        BAR,
+        r#""probes""#,
+        r#""scenarios": [ { "set": {} }, { "set": { "materials/0/mu1": "90 kPa" } } ], "probes""#,
+    );
+    let set = ["risk={\"cvar\": {\"level\": 0.6}}", "optimizer/max_iterations=1"];
+    let said = place.text(Command::Optimize, &case, &set);
+    assert!(said.lines().any(|line| line.starts_with("risk ") && line.contains("cvar (level 0.6) ")), "{said}");
+    assert_eq!(place.json("result.json")["risk"]["measures"]["cvar"]["level"], 0.6);
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(page.contains("cvar (level 0.6)") && page.contains("Cost (cvar (level 0.6) over scenarios)"));
 }
 
 /// A rule over moduli, as in the survey.

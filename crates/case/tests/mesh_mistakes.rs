@@ -30,6 +30,12 @@ fn the_bar_itself_is_right() {
 }
 
 #[test]
+fn a_parameter_that_cannot_be_read_is_told_once() {
+    let wrong = "unit of the wrong kind: \"3 kg\" is a mass, a pressure is wanted (Pa, kPa, MPa, GPa)";
+    one(r#""mu1": "100 kPa""#, r#""mu1": "3 kg""#, wrong);
+}
+
+#[test]
 fn a_missing_file_is_named_with_its_line() {
     let found = problems(&with(BAR, MESH, r#""mesh": "nowhere.msh""#));
     assert!(found.starts_with("case.json:5:") && found.contains(": mesh: cannot read nowhere.msh: "), "{found}");

@@ -3,12 +3,12 @@
 use crate::arguments::{
     self, Arguments, Case, Command, New, Optimize, Report, Resume, Running, StopAt, Sweep, SweptCommand,
 };
-use crate::signals::cancelled_by_signals;
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
 use nastic_case::run;
 use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, report, resume, run_with, sweep};
 use nastic_case::schema;
+use nastic_case::signals::cancelled_by_signals;
 use nastic_case::template::{Template, TemplateError};
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
@@ -98,7 +98,7 @@ fn options(case: &Case, asked: Asked) -> Options {
         explain: running.explain,
         analysis: asked.analysis,
         restart: asked.restart,
-        cancel: cancelled_by_signals(),
+        cancel: cancelled_by_signals(complain),
         ..Options::default()
     }
 }
@@ -128,7 +128,7 @@ fn on_directory(catalogue: &Catalogue, Resume { directory, running }: &Resume) -
         strict: running.strict,
         no_report: running.no_report,
         explain: running.explain,
-        cancel: cancelled_by_signals(),
+        cancel: cancelled_by_signals(complain),
         ..Options::default()
     };
     let outcome = resume(catalogue, directory, &options, &console(running));

@@ -12,7 +12,6 @@
 
 mod arguments;
 mod command;
-mod signals;
 
 use arguments::Arguments;
 use clap::Parser;

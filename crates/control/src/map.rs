@@ -1,5 +1,6 @@
 //! [`ControlMap`]: from the unknowns of a control field to its values at the quadrature points, and back.
 
+use crate::control_values::ControlEntity;
 use crate::error::ControlError;
 use nastic_fem::Discretization;
 use nastic_mesh::{GroupNames, Mesh};
@@ -53,6 +54,40 @@ impl Space {
 ///
 /// The basis functions are non-negative and sum to one on the cells of the actuation, so the values at the points lie
 /// within the bounds of the unknowns.
+///
+/// A problem makes the map of every field that it controls ([`Reduced::control`](crate::Reduced::control)):
+///
+/// ```
+/// use nastic_control::{ControlEntity, Reduced, Space};
+/// use nastic_energy::{NeoHooke, Turgor};
+/// use nastic_fem::Solid;
+/// use nastic_mesh::{CellKind, box_mesh};
+///
+/// // Two cells of 1 m, hex8: two corner layers of four nodes and one between.
+/// let body = Solid::new(box_mesh([2.0, 1.0, 1.0], [2, 1, 1], CellKind::Hex8)?)?
+///     .material("body", NeoHooke::from_young_poisson(1e5, 0.3)?)?
+///     .actuate("body", "turgor", Turgor::new())?
+///     .clamp("x-")?;
+/// let problem = Reduced::new(body).control("turgor", Space::Node)?;
+/// let map = &problem.layout().block("turgor")?.map;
+/// assert_eq!((map.len(), map.entity(3)), (12, ControlEntity::Node(3)));
+///
+/// // A field that is X at the nodes is X at the quadrature points.
+/// let m: Vec<f64> = map.positions().iter().map(|x| x[0]).collect();
+/// let mut values = vec![0.0; map.points()];
+/// map.to_points(&m, 1, 0, 1, 0, &mut values);
+/// let disc = problem.solid().discretization();
+/// let points = disc.points().positions(disc.mesh(), None);
+/// assert!(values.iter().zip(points).all(|(value, x)| (value - x[0]).abs() < 1e-12));
+///
+/// // The transpose: p . A m = (A^T p) . m.
+/// let mut back = vec![0.0; map.len()];
+/// map.from_points(&values, 1, 0, 1, 0, &mut back);
+/// let (left, right): (f64, f64) =
+///     (values.iter().map(|v| v * v).sum(), back.iter().zip(&m).map(|(a, b)| a * b).sum());
+/// assert!((left - right).abs() < 1e-12 * left);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ControlMap {
     space: Space,
@@ -184,15 +219,20 @@ impl ControlMap {
         entity.and_then(|entity| self.regions.get(*entity as usize)).map_or("", String::as_str)
     }
 
-    /// In words: `cell 12`, `node 7`, `region "arm"`, `the whole region`.
-    pub fn describe(&self, unknown: usize) -> String {
+    /// What an unknown stands for.
+    pub fn entity(&self, unknown: usize) -> ControlEntity<'_> {
         let entity = self.entities[unknown];
         match self.space {
-            Space::Uniform => "the whole region".to_owned(),
-            Space::Region => format!("region \"{}\"", self.regions[entity as usize]),
-            Space::Cell => format!("cell {entity}"),
-            Space::Node => format!("node {entity}"),
+            Space::Uniform => ControlEntity::Whole,
+            Space::Region => ControlEntity::Region(&self.regions[entity as usize]),
+            Space::Cell => ControlEntity::Cell(entity),
+            Space::Node => ControlEntity::Node(entity),
         }
+    }
+
+    /// The same in words: `cell 12`, `node 7`, `region "arm"`, `the whole region`.
+    pub fn describe(&self, unknown: usize) -> String {
+        self.entity(unknown).to_string()
     }
 
     /// Where each unknown sits: the node, or the centre of its cells. Start formulas are evaluated here.

@@ -4,6 +4,7 @@ mod objective;
 
 pub(crate) use objective::work_summary;
 
+use crate::control_values::ControlValues;
 use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost, Partials};
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
@@ -24,6 +25,40 @@ use std::sync::atomic::AtomicBool;
 /// `djhat/dm = dj/dm + int (dP/dm) : grad lambda dX`. Source: docs/model.md section 6; survey, section 4.
 ///
 /// Built by chaining. What is controlled is said by [`control`](Self::control); nothing is controlled unasked.
+///
+/// ```
+/// use nastic_control::{ControlEntity, Reduced, ReducedWorkspace, Space, Target, Tracking};
+/// use nastic_energy::{FiberTension, NeoHooke};
+/// use nastic_fem::Solid;
+/// use nastic_mesh::{CellKind, box_mesh};
+/// use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer};
+/// use nastic_tensor::Vec3;
+///
+/// let body = Solid::new(box_mesh([1.0, 0.2, 0.2], [3, 1, 2], CellKind::Hex8)?)?
+///     .material("body", NeoHooke::from_young_poisson(3e5, 0.3)?)?
+///     .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
+///     .clamp("x-")?;
+/// let shorter = Target::position(|x| [0.9 * x[0], x[1], x[2]]);
+/// let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(Tracking::surface("x+", shorter))?;
+///
+/// // One control: its equilibrium, its cost, the derivative dj/dm.
+/// let mut start = problem.at(&[0.0; 6])?;
+/// let derivative = problem.derivative(&mut start, &mut ReducedWorkspace::default())?;
+/// assert!((start.cost() - 0.5 * 0.1 * 0.1 * 0.04).abs() < 1e-12); // 1/2 int (0.1 m)^2 dA, 0.04 m^2
+/// assert!(derivative.iter().all(|d| *d > 0.0)); // less tension shortens the bar
+///
+/// // Any optimiser of nastic-opt takes it.
+/// let best = Lbfgs::default().within(Bounds::new(-2e5, 0.0)?).minimize(&problem, &start)?;
+/// assert!(best.cost < 1e-2 * start.cost());
+///
+/// // Which cell has which tension.
+/// let values = problem.values("tension", &best.m)?;
+/// assert_eq!(values.unit(), "Pa");
+/// for (cell, tension) in values {
+///     assert!(matches!(cell, ControlEntity::Cell(_)) && tension[0] < 0.0, "{cell}: {} Pa", tension[0]);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Reduced {
     solid: Solid,
@@ -168,6 +203,10 @@ impl Reduced {
         self
     }
 
+    pub(crate) fn set_cancel(&mut self, flag: Arc<AtomicBool>) {
+        self.cancel = Some(flag);
+    }
+
     pub(crate) fn set_refuse_unstable(&mut self, refuse: bool) {
         self.refuse_unstable = refuse;
     }
@@ -198,6 +237,15 @@ impl Reduced {
     /// The control fields.
     pub fn layout(&self) -> &Layout {
         &self.layout
+    }
+
+    /// The values of a control field in a control vector, each with the cell, node or region it belongs to, and their unit.
+    ///
+    /// # Errors
+    /// [`ControlError::UnknownControl`], [`ControlError::Length`].
+    pub fn values<'a>(&'a self, control: &str, m: &'a [f64]) -> Result<ControlValues<'a>, ControlError> {
+        self.layout.check(m)?;
+        Ok(ControlValues::new(self.layout.block(control)?, m))
     }
 
     /// The cost terms.

@@ -4,7 +4,7 @@
 mod contract;
 
 use contract::vector;
-use nastic_control::{ControlError, METRICS, Reduced, SPACES, Space};
+use nastic_control::{ControlEntity, ControlError, METRICS, Reduced, SPACES, Space};
 use nastic_energy::{Magnet, MooneyRivlin, Turgor};
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::{CellKind, box_mesh};
@@ -106,6 +106,46 @@ fn products_that_cannot_be_built_and_problems_without_controls_are_errors() -> O
     let words = refused.to_string();
     for word in [".control(NAME, Space::Cell)", "turgor", "magnet.remanence", "magnet.field"] {
         assert!(words.contains(word), "{words}");
+    }
+    Ok(())
+}
+
+/// Values are told with what they belong to: the field that is constant there, of all spaces and of vectors too.
+#[test]
+fn values_come_with_their_entities() -> Outcome {
+    for row in SPACES {
+        let problem = controlled(CellKind::Hex20, row.space)?;
+        let m: Vec<f64> = (0..problem.layout().len()).map(|i| i as f64).collect();
+        let at_points = problem.layout().to_points(&m)?;
+        for (name, unit) in [("turgor", "Pa"), ("magnet.field", "T"), ("magnet.remanence", "T")] {
+            let block = problem.layout().block(name)?;
+            let values = problem.values(name, &m)?;
+            assert_eq!(values.unit(), unit);
+            assert_eq!(values.iter().len(), block.map.len(), "{name}, {}", row.name);
+            for (k, (entity, value)) in values.iter().enumerate() {
+                let first = block.first + k * block.components;
+                assert_eq!(value, &m[first..first + block.components], "{name}, {entity}");
+                assert_eq!(values.get(entity), Some(value));
+                // Where the entity says that it is: at all points of a cell, of the region, of the body.
+                if let (ControlEntity::Cell(cell), "magnet.remanence") = (entity, name) {
+                    let (first, count) = problem.solid().discretization().points_of_cells()[cell as usize];
+                    for q in first..first + count {
+                        let stride = at_points.slots(block.actuation);
+                        assert_eq!(&at_points.values(block.actuation)[q * stride + block.slot..][..3], value);
+                    }
+                }
+            }
+        }
+        let first = problem.values("turgor", &m)?.iter().next().map(|(entity, _)| entity);
+        let expected = match row.space {
+            Space::Uniform => ControlEntity::Whole,
+            Space::Region => ControlEntity::Region("body"),
+            Space::Cell => ControlEntity::Cell(0),
+            Space::Node => ControlEntity::Node(0),
+        };
+        assert_eq!(first, Some(expected));
+        assert!(matches!(problem.values("tugor", &m), Err(ControlError::UnknownControl { .. })));
+        assert!(matches!(problem.values("turgor", &m[1..]), Err(ControlError::Length { .. })));
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 //!
 //! A problem is an [`Objective`] (a cost of a control vector m, with its derivative), a set ([`Admissible`]: box, sphere
 //! per point, ball per point, products) and an [`InnerProduct`] that turns derivatives into gradients. An [`Optimizer`]
-//! [within a set](Within) begins a [`Run`], which is stepped, observed ([`Observer`]), stopped, saved and resumed.
+//! [within a set](Within) begins a [`Run`], which is stepped, observed ([`Observer`], [`Print`]), stopped, saved and resumed.
 //!
 //! What every run keeps to:
 //! * nothing is evaluated outside the set; a failed evaluation shortens the step;
@@ -64,6 +64,7 @@ mod model;
 mod objective;
 mod observer;
 mod optimizer;
+mod print;
 mod projected_gradient;
 mod run;
 mod saved_best;
@@ -75,6 +76,7 @@ mod state;
 mod stop;
 mod summary;
 mod taylor;
+mod trial_table;
 mod within;
 
 pub use admissible::{Admissible, Ball, Bounds, Face, Limit, Optimality, Outside, Product, SetError, Sphere};
@@ -88,6 +90,7 @@ pub use method::{Current, Memory, Method, Secant};
 pub use objective::{DEFAULT_ACCURACY, Objective, Problem, Request};
 pub use observer::{Observer, Reason, Trial};
 pub use optimizer::{CATALOGUE, Optimizer, OptimizerRow, Options, by_name};
+pub use print::Print;
 pub use projected_gradient::ProjectedGradient;
 pub use run::{Best, Outcome, Run, RunError};
 pub use spectral::Spectral;
@@ -96,4 +99,5 @@ pub use state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 pub use stop::{Stall, Stop};
 pub use summary::Summary;
 pub use taylor::{Row, Taylor, TaylorDirection, TaylorError, TaylorReport, Verdict};
+pub use trial_table::{TRUE_DISTANCE, TrialTable};
 pub use within::Within;

@@ -95,6 +95,12 @@ pub trait Objective: Sync {
         Summary::default()
     }
 
+    /// Numbers worth telling of an accepted point that cost more than its value: distances from targets, say
+    /// ([`TRUE_DISTANCE`](crate::TRUE_DISTANCE)). Asked for by those who show a run, never by the run itself.
+    fn figures(&self, _point: &Self::Point) -> Summary {
+        Summary::default()
+    }
+
     /// A point as bytes for a checkpoint. The default keeps nothing, and [`Objective::load`] evaluates anew.
     fn save(&self, _point: &Self::Point) -> Vec<u8> {
         Vec::new()
@@ -154,6 +160,10 @@ macro_rules! forward {
 
             fn summary(&self, point: &T::Point) -> Summary {
                 (**self).summary(point)
+            }
+
+            fn figures(&self, point: &T::Point) -> Summary {
+                (**self).figures(point)
             }
 
             fn save(&self, point: &T::Point) -> Vec<u8> {

@@ -11,6 +11,7 @@
 //! (an error of at most 8e-6 of it); the VTU files beside the page have all digits.
 
 mod carried;
+mod case_name;
 mod encode;
 mod error;
 mod folder;
@@ -26,6 +27,7 @@ mod surface;
 mod tables;
 
 pub use carried::carried;
+pub use case_name::case_name;
 pub use error::ReportError;
 pub use iterates::{Iterates, IteratesError};
 pub use number::duration;

@@ -1,12 +1,12 @@
 //! The page: sections, data and programs in one file.
 
+use crate::case_name::case_name;
 use crate::folder::ResultFolder;
 use crate::html::{escape, paragraph, section};
 use crate::plots::plots;
 use crate::scene::Scene;
 use crate::{summary, tables};
 use serde_json::{Value, json};
-use std::path::Path;
 
 const THREE: &str = include_str!("../vendor/three.min.js");
 const UPLOT: &str = include_str!("../vendor/uPlot.min.js");
@@ -33,7 +33,7 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
     let result = &folder.result;
     let view = scene.json(&result["units"]);
     let plots = plots(result, &folder.history);
-    let file = || Path::new(result["case"].as_str()?).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let file = || result["case"].as_str().map(case_name);
     let title = result["title"].as_str().map(str::to_owned).or_else(file).unwrap_or_else(|| "nastic".to_owned());
     let body = [
         summary::warnings(result),

@@ -2,6 +2,7 @@
 
 use crate::html::{escape, paragraph, section, tiles};
 use crate::number::{count, duration, millimetres, number, short};
+use crate::tables::measure;
 use serde_json::Value;
 
 /// What went wrong, then warnings, each with what to try; nothing where all is well.
@@ -74,7 +75,10 @@ fn figures(result: &Value) -> Vec<(String, String, String)> {
     if result["cost"]["total"].is_number() {
         let name = match text(&result["risk"]["measure"]) {
             "" => "Cost".to_owned(),
-            measure => format!("Cost ({} over scenarios)", measure.replace('_', " ")),
+            name => {
+                let level = &result["risk"]["measures"][name]["level"];
+                format!("Cost ({} over scenarios)", measure(name, level))
+            }
         };
         add(&name, number(&result["cost"]["total"], ""), from(&result["start"]["cost"]["total"], ""));
     }

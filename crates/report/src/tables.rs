@@ -38,10 +38,16 @@ pub(crate) fn members(result: &Value) -> String {
     let mut content = if members.len() > OPEN { folded(&count(members.len() as u64, "state"), &all) } else { all };
     let measures = result["risk"]["measures"].as_object().into_iter().flatten();
     let rows: Vec<Vec<String>> = measures
-        .map(|(name, one)| vec![name.replace('_', " "), number(&one["value"], ""), number(&one["exact"], "")])
+        .map(|(name, one)| vec![measure(name, &one["level"]), number(&one["value"], ""), number(&one["exact"], "")])
         .collect();
     content += &table(&["measure of risk", "value", "without smoothing"], &rows);
     section("members", "Scenarios and load cases", &content)
+}
+
+/// A measure of risk with its level, where it has one.
+pub(crate) fn measure(name: &str, level: &Value) -> String {
+    let level = level.as_f64().map_or_else(String::new, |level| format!(" (level {})", short(level)));
+    name.replace('_', " ") + &level
 }
 
 /// The table without the columns that say nothing.

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::material::inputs;
-use super::named::{attempt, key_of};
+use super::named::{attempt, complain_of_law};
 use super::place;
 use crate::quantity::{Dimension, Units};
 use crate::schema::{Actuation, Case, Fixed, Input, Means};
@@ -44,7 +44,7 @@ fn add_law(
     }
     match row.build(&inputs) {
         Ok(law) => attempt(solid, &actuation.at, context, |solid| solid.actuate(region, &actuation.name, law)),
-        Err(error) => context.complain(&key_of(&actuation.at, &error), error),
+        Err(error) => complain_of_law(&actuation.at, &error, context),
     }
 }
 

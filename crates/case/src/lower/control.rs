@@ -164,7 +164,7 @@ pub(super) fn weigh(
 }
 
 /// The smallest of the laws' bounds on a tension; bodies number their fields alike.
-fn limit<'b>(bodies: impl Iterator<Item = &'b Reduced>, field: usize) -> Option<f64> {
+pub(super) fn limit<'b>(bodies: impl Iterator<Item = &'b Reduced>, field: usize) -> Option<f64> {
     let of = |body: &Reduced| {
         let block = &body.layout().blocks()[field];
         (block.components == 1).then(|| body.solid().body().fiber_limit(block.actuation)).flatten()
@@ -200,8 +200,7 @@ impl Lowering<'_> {
         let unit = crate::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
         let unit = context.units.label(unit);
         let (at, array) = (self.control.at.clone(), self.control.name().to_owned());
-        let prefixes = ["gradient_", "direction_", "mode_"];
-        if RESERVED.contains(&array.as_str()) || prefixes.iter().any(|prefix| array.starts_with(prefix)) {
+        if is_reserved(&array) {
             context
                 .complain(&at, format!("results have an array \"{array}\" already: give the control another \"name\""));
         }
@@ -432,6 +431,12 @@ impl Lowering<'_> {
         let allowed = &outside.allowed;
         format!("the start {} at {place} lies outside what is allowed: {allowed}", outside.value)
     }
+}
+
+/// Whether results have arrays of this name already.
+pub(super) fn is_reserved(array: &str) -> bool {
+    let prefixes = ["gradient_", "direction_", "mode_"];
+    RESERVED.contains(&array) || prefixes.iter().any(|prefix| array.starts_with(prefix))
 }
 
 fn least(limit: &Limit) -> f64 {

@@ -9,7 +9,7 @@ use crate::schema::{self, AddedCost, Case, Cost as Block, Input, Phi as PhiBlock
 use crate::syntax::At;
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
-    ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, IntoCost, Phi, Reduced,
+    ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, CostTarget, IntoCost, Phi, Reduced,
     SmoothedHausdorff, Target, Tracking,
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
@@ -34,6 +34,12 @@ pub struct TargetShape {
 }
 
 impl TargetShape {
+    /// That of a cost of this name and block.
+    pub(super) fn of(at: At, cost: &str, target: CostTarget) -> Self {
+        let CostTarget { mesh, regions, displacement } = target;
+        Self { at, cost: cost.to_owned(), mesh, regions, displacement }
+    }
+
     /// Whether it is the same shape.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.mesh, &other.mesh) && self.cost == other.cost && self.displacement == other.displacement
@@ -78,9 +84,10 @@ pub(super) fn add(
             continue;
         }
         let lowering = Lowering { case, reduced: &reduced, block };
-        let Some((cost, shape)) = lowering.lower(target, context) else { continue };
+        let Some(cost) = lowering.lower(target, context) else { continue };
+        let shape = cost.target(reduced.solid());
+        shapes.extend(shape.map(|shape| TargetShape::of(block.at().clone(), block.name(), shape)));
         terms.push((block.at(), Named { name: block.name().to_owned(), cost }));
-        shapes.extend(shape);
     }
     for (at, term) in terms {
         reduced = context.take(at, reduced.cost(term))?;
@@ -104,27 +111,25 @@ struct Lowering<'a> {
     block: &'a Block,
 }
 
-type Bound = (Box<dyn Cost>, Option<TargetShape>);
-
 impl Lowering<'_> {
-    fn lower(&self, target: Option<TargetShape>, context: &mut Context<'_>) -> Option<Bound> {
+    fn lower(&self, target: Option<TargetShape>, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
         match self.block {
             Block::SmoothedHausdorff(block) => self.hausdorff(block, target?, context),
             Block::Tracking(block) => self.tracking(block, target, context),
             Block::ControlNorm(block) => {
                 let cost = ControlNorm::of(self.control(&block.of)?, block.weight);
-                Some((Box::new(context.take(&block.at, cost)?), None))
+                Some(Box::new(context.take(&block.at, cost)?))
             }
             Block::ControlSmoothness(block) => {
                 let cost = ControlSmoothness::of(self.control(&block.of)?, block.weight);
-                Some((Box::new(context.take(&block.at, cost)?), None))
+                Some(Box::new(context.take(&block.at, cost)?))
             }
             Block::Added(block) => {
                 let inputs = uniform(block, context)?;
                 let given = choose_form(block.row.name, block.row.forms, &inputs);
                 let given = given.map_err(|error| context.complain(&key_of(&block.at, &error), error)).ok()?;
                 let cost = (block.row.make)(self.reduced.solid(), &given, block.weight);
-                Some((context.take(&block.at, cost)?, None))
+                context.take(&block.at, cost)
             }
         }
     }
@@ -139,7 +144,7 @@ impl Lowering<'_> {
         block: &schema::SmoothedHausdorff,
         target: TargetShape,
         context: &mut Context<'_>,
-    ) -> Option<Bound> {
+    ) -> Option<Box<dyn Cost>> {
         let solid = self.reduced.solid();
         let mut sound = true;
         if let Some(region) = &block.region {
@@ -165,9 +170,7 @@ impl Lowering<'_> {
         if let Some(region) = &block.target_region {
             cost = cost.target_region(region);
         }
-        let cost = context.take(&block.at, cost.bind(solid))?;
-        let regions = block.target_region.as_ref().map(GroupNames::from);
-        Some((cost, Some(TargetShape { regions, ..target })))
+        context.take(&block.at, cost.bind(solid))
     }
 
     fn tracking(
@@ -175,10 +178,10 @@ impl Lowering<'_> {
         block: &schema::Tracking,
         target: Option<TargetShape>,
         context: &mut Context<'_>,
-    ) -> Option<Bound> {
+    ) -> Option<Box<dyn Cost>> {
         let mesh = self.reduced.solid().mesh().clone();
         let place = Place::of(&block.surface, &block.region, &block.nodes)?;
-        let nodes = place.nodes(&mesh, &block.at, context)?;
+        place.nodes(&mesh, &block.at, context)?;
         let goal = self.goal(block, target, &mesh, context)?;
         let tracking = match place.kind {
             Kind::Surface => Tracking::surface(place.names, goal.target.clone()),
@@ -186,7 +189,7 @@ impl Lowering<'_> {
             Kind::Nodes => Tracking::nodes(place.names, goal.target.clone()),
         };
         match tracking.weight(block.weight).bind(self.reduced.solid()) {
-            Ok(cost) => Some((cost, Some(goal.shape(self.block, &mesh, &nodes)))),
+            Ok(cost) => Some(cost),
             Err(error) => {
                 let why = goal.fault.get().map_or_else(|| error.to_string(), ToString::to_string);
                 context.complain(&block.at.key("target"), why);
@@ -250,35 +253,6 @@ impl Lowering<'_> {
 struct Goal {
     target: Target,
     fault: Arc<OnceLock<EvaluationError>>,
-}
-
-impl Goal {
-    fn shape(&self, block: &Block, mesh: &Arc<Mesh>, nodes: &[u32]) -> TargetShape {
-        let dim = mesh.dim();
-        let mut displacement = vec![([0.0; 3], false); mesh.points().len()];
-        for &node in nodes {
-            let x = mesh.points()[node as usize];
-            let u: [f64; 3] = match &self.target {
-                Target::Position(at) => {
-                    let y = at(x);
-                    std::array::from_fn(|k| y[k] - x[k])
-                }
-                Target::Displacement(u) => {
-                    std::array::from_fn(|k| if k < dim { u[node as usize * dim + k] } else { 0.0 })
-                }
-            };
-            if u.iter().all(|u| u.is_finite()) {
-                displacement[node as usize] = (u, true);
-            }
-        }
-        TargetShape {
-            at: block.at().clone(),
-            cost: block.name().to_owned(),
-            mesh: mesh.clone(),
-            regions: None,
-            displacement,
-        }
-    }
 }
 
 /// The parameters of an added cost, which are the same everywhere.
@@ -349,5 +323,9 @@ impl Cost for Named {
 
     fn warnings(&self, solid: &Solid) -> Vec<String> {
         self.cost.warnings(solid)
+    }
+
+    fn target(&self, solid: &Solid) -> Option<CostTarget> {
+        self.cost.target(solid)
     }
 }

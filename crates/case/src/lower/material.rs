@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::field::SamplePoints;
-use super::named::{attempt, key_of};
+use super::named::{attempt, complain_of_law};
 use super::place;
 use crate::schema::{Case, Input};
 use crate::syntax::At;
@@ -32,7 +32,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let Some(inputs) = inputs(&material.parameters, &material.at, &points, context) else { continue };
         match material.law.build(&inputs) {
             Ok(law) => attempt(solid, &material.at, context, |solid| solid.material(&material.region, law)),
-            Err(error) => context.complain(&key_of(&material.at, &error), error),
+            Err(error) => complain_of_law(&material.at, &error, context),
         }
     }
 }

@@ -36,7 +36,7 @@ pub(super) fn locate(case: &Case, mesh: &Mesh, context: &mut Context<'_>) -> Vec
     out
 }
 
-fn outside(mesh: &Mesh, point: [f64; 3]) -> String {
+pub(super) fn outside(mesh: &Mesh, point: [f64; 3]) -> String {
     let show = |p: [f64; 3]| format!("({}, {}, {})", p[0], p[1], p[2]);
     let (low, high) = mesh.bounds();
     let near = match Shape::new(mesh, mesh.points(), None) {

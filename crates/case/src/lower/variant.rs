@@ -90,8 +90,7 @@ fn make(
     if let Some(block) = block {
         add_blocks(&mut own, block);
     }
-    let case_stem = block.map_or_else(String::new, |_| format!("{}_", file_name(&case_name)));
-    let stem = scenario.name.as_ref().map_or_else(String::new, |_| format!("scenario_{index:03}_")) + &case_stem;
+    let (stem, case_stem) = stems(scenario.name.as_ref().map(|_| index), block.map(|_| case_name.as_str()));
     let weight = block.map_or(1.0, |block| block.weight);
     Ok(Variant { scenario: index, load_case, case_name, weight, name, stem, case_stem, case: own, document })
 }
@@ -121,6 +120,13 @@ pub(super) fn set_field(case: &mut Case, path: &str, value: Parameter) {
     if let Some(parameter) = parameter {
         *parameter = Input::Number(value);
     }
+}
+
+/// What the names of a member's files begin with, and the same without its scenario.
+pub(super) fn stems(scenario: Option<usize>, load_case: Option<&str>) -> (String, String) {
+    let case_stem = load_case.map_or_else(String::new, |name| format!("{}_", file_name(name)));
+    let stem = scenario.map_or_else(String::new, |index| format!("scenario_{index:03}_")) + &case_stem;
+    (stem, case_stem)
 }
 
 /// A name without what file systems dislike.

@@ -84,6 +84,12 @@ pub enum CheckpointError {
         /// The version that wrote it.
         found: String,
     },
+    /// Of an optimisation that a program runs without a case file.
+    #[error("{} holds an optimisation of a program without a case file: that program goes on with it (Study::resume)", directory.display())]
+    OfProgram {
+        /// The output directory.
+        directory: PathBuf,
+    },
     /// The case, or a file it names, is another than when the optimisation began.
     #[error(
         "the case changed since the optimisation in {} began: {}; put it back, or begin anew with nastic optimize --restart",

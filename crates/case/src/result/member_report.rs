@@ -134,14 +134,20 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<Map<String, Value>, M
     Ok(out)
 }
 
-/// `{ "measure", "value", "deviation", "measures": { NAME: { "value", "exact" } } }`
+/// `{ "measure", "value", "deviation", "measures": { NAME: { "value", "exact", "level" } } }`
 fn risk(problem: &CaseProblem, costs: &[f64]) -> Value {
     let ensemble = &problem.ensemble;
     let (name, p) = (ensemble.risk().name(), ensemble.probabilities());
     let measures: Map<String, Value> = ensemble
         .risks_of(costs)
         .into_iter()
-        .map(|measured| (measured.name.to_owned(), json!({ "value": measured.value, "exact": measured.exact })))
+        .map(|measured| {
+            let mut entry = json!({ "value": measured.value, "exact": measured.exact });
+            if let Some(level) = measured.level {
+                entry["level"] = json!(level);
+            }
+            (measured.name.to_owned(), entry)
+        })
         .collect();
     json!({
         "measure": name, "value": ensemble.risk().value(p, costs), "deviation": deviation(p, costs),

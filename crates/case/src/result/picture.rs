@@ -19,8 +19,8 @@ pub(crate) struct Drawing<'a> {
     pub ghost: Option<(&'a str, &'a Snapshot)>,
     /// States of further scenarios, each with the title of its picture.
     pub scenarios: Vec<(String, Snapshot)>,
-    /// The mean shape over all scenarios, with `deviation_norm`.
-    pub mean: Option<Snapshot>,
+    /// The mean shape over all scenarios, with `deviation_norm`, and the title of all of them.
+    pub mean: Option<(String, Snapshot)>,
 }
 
 /// Further scenarios that are drawn.
@@ -62,12 +62,12 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
         let ground = ground(member, (title, ""), None);
         pictures.push(ground.body(with_arrows(member, Body::of(label, state).appearance(appearance), state)));
     }
-    if let Some(mean) = &drawing.mean
+    if let Some((title, mean)) = &drawing.mean
         && let Some(spread) = mean.point_array("deviation_norm")
     {
         let unit = member.problem().units().length().symbol;
         let field = Field::at_nodes("standard deviation", unit, spread.values.clone());
-        let title = format!("{}: mean of the scenarios", drawing.title);
+        let title = format!("{title}: mean of the scenarios");
         let ground = ground(member, (&title, "coloured by the standard deviation of positions"), None);
         pictures.push(ground.body(Body::of("mean", mean).appearance(Appearance::Field(field))));
     }

@@ -2,7 +2,7 @@
 
 use super::member_report::MemberReport;
 use crate::lower::{Admitted, CaseMember, CaseProblem, ControlField};
-use nastic_control::{ControlBlock, ControlError, ControlMap, CostPoint, EnsembleBlock, FigureKind, Space};
+use nastic_control::{ControlBlock, ControlError, ControlMap, CostPoint, EnsembleBlock, Space};
 use nastic_energy::SlotGroup;
 use nastic_fem::{Demand, Instant, InvertedAt, SolveReport, State};
 use nastic_numeric::vector::norm;
@@ -50,27 +50,6 @@ pub(crate) fn tracking(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> 
         }
     }
     Ok(if out.is_empty() { Value::Null } else { Value::Object(out) })
-}
-
-/// The largest figure of a kind among these costs; `None` without one.
-pub(crate) fn largest(kind: FigureKind, costs: &[Arc<dyn CostPoint>]) -> Result<Option<f64>, ControlError> {
-    let mut out: Option<f64> = None;
-    for cost in costs {
-        let found = cost.figures()?.into_iter().filter(|figure| figure.kind == kind).map(|figure| figure.value);
-        out = found.chain(out).reduce(f64::max);
-    }
-    Ok(out)
-}
-
-/// The true Hausdorff distance that the first cost with one reports.
-pub(crate) fn true_distance(costs: &[Arc<dyn CostPoint>]) -> Result<Option<f64>, ControlError> {
-    for cost in costs {
-        let figures = cost.figures()?;
-        if let Some(figure) = figures.iter().find(|figure| figure.kind == FigureKind::TrueDistance) {
-            return Ok(Some(figure.value));
-        }
-    }
-    Ok(None)
 }
 
 /// `{ "euclidean": ..., "metric": ... }`

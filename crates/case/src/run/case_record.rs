@@ -11,7 +11,7 @@ use nastic_opt::bytes::{Reader, Writer};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-const MAGIC: &str = "nastic-case-1";
+const MAGIC: &str = "nastic-case-2";
 /// Differences between two cases that are told; further ones are counted.
 const TOLD: usize = 5;
 
@@ -30,6 +30,8 @@ pub(super) struct CaseRecord {
     canonical: String,
     /// Absolute path and hash of every file it named.
     files: Vec<(String, String)>,
+    /// Whether a program made the problem: there is no case file to read again.
+    of_program: bool,
 }
 
 impl CaseRecord {
@@ -43,11 +45,15 @@ impl CaseRecord {
             settings: settings.to_vec(),
             canonical: problem.document.canonical(),
             files: files.collect(),
+            of_program: problem.case_file().is_none(),
         }
     }
 
     /// Reads the case again, if neither it nor a file it names has changed; `directory` is that of the checkpoint.
     pub fn reopen(&self, catalogue: &Catalogue, directory: &Path) -> Result<Document, RunError> {
+        if self.of_program {
+            return Err(CheckpointError::OfProgram { directory: directory.to_owned() }.into());
+        }
         let mut document = Document::open(&self.file())?.with_catalogue(catalogue);
         for setting in &self.settings {
             document.set(setting)?;
@@ -66,6 +72,12 @@ impl CaseRecord {
             return Ok(document);
         }
         Err(CheckpointError::Changed { directory: directory.to_owned(), what }.into())
+    }
+
+    /// Whether a program's problem is the one that this record is of, as far as it can be written down.
+    pub fn check(&self, problem: &CaseProblem, directory: &Path) -> Result<(), CheckpointError> {
+        let what = self.differences(&problem.document);
+        if what.is_empty() { Ok(()) } else { Err(CheckpointError::Changed { directory: directory.to_owned(), what }) }
     }
 
     /// The case file as it was named, where that name still means it, so that messages are the same; else its absolute
@@ -111,6 +123,7 @@ impl CaseRecord {
             out.bytes(file.as_bytes());
             out.bytes(hash.as_bytes());
         }
+        out.count(usize::from(self.of_program));
         out.finish()
     }
 
@@ -120,8 +133,9 @@ impl CaseRecord {
         let settings = (0..input.count(8)?).map(|_| input.text()).collect::<Result<_, _>>()?;
         let files =
             (0..input.count(16)?).map(|_| Ok((input.text()?, input.text()?))).collect::<Result<_, SavedRunError>>()?;
+        let of_program = input.flag()?;
         input.finish()?;
-        Ok(Self { program, name, path, settings, canonical, files })
+        Ok(Self { program, name, path, settings, canonical, files, of_program })
     }
 }
 

@@ -33,9 +33,10 @@ pub(super) fn check(
         if let Some(full) = &certificate.full {
             session.console.say(full);
         }
+        let how = if session.problem.case_file().is_some() { "nastic gradcheck" } else { "Taylor::test" };
         session
             .console
-            .say("The derivative does not belong to the cost here: nastic gradcheck shows which term is at fault.");
+            .say(format!("The derivative does not belong to the cost here: {how} shows which term is at fault."));
         session
             .console
             .say("A cost with a kink at the start (target and body on the same points) fails this check too.");

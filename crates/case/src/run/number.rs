@@ -2,6 +2,8 @@
 
 use crate::quantity::{Dimension, Units};
 
+pub(super) use nastic_numeric::format::scientific;
+
 /// Six significant digits, without an exponent where that reads well.
 pub(crate) fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
@@ -18,18 +20,6 @@ pub(crate) fn short(value: f64) -> String {
             }
             None => text,
         }
-    }
-}
-
-/// Mantissa and an exponent of two digits: columns of them line up.
-pub(super) fn scientific(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$e}");
-    match text.split_once('e') {
-        Some((mantissa, exponent)) => {
-            let (sign, exponent) = exponent.strip_prefix('-').map_or(('+', exponent), |rest| ('-', rest));
-            format!("{mantissa}e{sign}{exponent:0>2}")
-        }
-        None => text,
     }
 }
 
@@ -80,8 +70,6 @@ mod tests {
         assert_eq!(short(-1.5e-7), "-1.5e-07");
         assert_eq!(short(-0.0), "0");
         assert_eq!(short(2e9), "2e+09");
-        assert_eq!(scientific(1.0, 2), "1.00e+00");
-        assert_eq!(scientific(f64::NAN, 2), "NaN");
         assert_eq!(short(f64::NEG_INFINITY), "-inf");
         assert_eq!(grouped(1234567), "1,234,567");
         assert_eq!(quantity(3e4, Dimension::PRESSURE, &Units::default()), "30000 Pa");

@@ -35,7 +35,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
-pub(super) fn begin(session: &mut Session<'_>, restart: bool) -> Result<Exit, RunError> {
+pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restart: bool) -> Result<Exit, RunError> {
     session.require(true, true)?;
     if let (Some(out), false) = (&session.out, restart)
         && let Err(error) = may_replace(out)
@@ -44,7 +44,7 @@ pub(super) fn begin(session: &mut Session<'_>, restart: bool) -> Result<Exit, Ru
         session.out = None;
         return Err(error);
     }
-    run(session)
+    run(session, optimizer)
 }
 
 /// Whether the checkpoint in a directory, if any, may be replaced unasked.
@@ -55,7 +55,7 @@ fn may_replace(out: &Directory) -> Result<(), RunError> {
     }
 }
 
-fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
+fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, RunError> {
     session.require(true, true)?;
     if let Some(out) = &session.out {
         out.remove_old_iterations();
@@ -64,7 +64,6 @@ fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     }
     warn_of_own_files(session);
     let mut journal = Journal::begin(session)?;
-    let optimizer = session.problem.optimizer()?;
     let mut workspace = EnsembleWorkspace::default();
     let start = session.timed("solve", |session| evaluate(session, &session.problem.start, &mut workspace));
     let mut point = start.map_err(|failed| session.evaluation_failed(&failed))?;
@@ -84,7 +83,7 @@ fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let begun = Begun { point, derivative, workspace, warnings };
     let began = Instant::now();
     let mut starts = Starts::default();
-    let ran = starts.run(session, optimizer.as_ref(), begun, check, &mut journal);
+    let ran = starts.run(session, optimizer, begun, check, &mut journal);
     conclude(session, (starts, ran), journal, began)
 }
 
@@ -104,18 +103,21 @@ fn warn_of_own_files(session: &mut Session<'_>) {
 }
 
 /// Goes on from a checkpoint.
-pub(super) fn resume(session: &mut Session<'_>, position: Option<Position>) -> Result<Exit, RunError> {
+pub(super) fn resume(
+    session: &mut Session<'_>,
+    optimizer: &dyn Optimizer,
+    position: Option<Position>,
+) -> Result<Exit, RunError> {
     let from = position.as_ref().map_or(Written { start: 0, iteration: 0 }, Position::place);
     session.put("resumed", json!({ "start": from.start, "iteration": from.iteration }));
     // Nothing was evaluated yet.
-    let Some(position) = position else { return run(session) };
+    let Some(position) = position else { return run(session, optimizer) };
     warn_of_own_files(session);
     session.put("gradient_check", position.fixed.gradient_check.clone());
     let mut journal = Journal::resume(session, from)?;
-    let optimizer = session.problem.optimizer()?;
     let began = Instant::now();
     let mut starts = Starts::default();
-    let ran = starts.resume(session, optimizer.as_ref(), position, &mut journal);
+    let ran = starts.resume(session, optimizer, position, &mut journal);
     conclude(session, (starts, ran), journal, began)
 }
 

@@ -32,10 +32,15 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     if is_shown {
         session.put("members", members(&session.problem));
         let mut files = session.result_value()["files"].as_array().cloned().unwrap_or_default();
-        files.push(json!(CASE));
+        let case = session.problem.case_file().is_some();
+        files.extend(case.then(|| json!(CASE)));
         files.extend(with_page.then(|| json!(nastic_report::FILE)));
         session.put("files", Value::Array(files));
-        out.write_json(CASE, &session.problem.document.json())?;
+        if case {
+            out.write_json(CASE, &session.problem.document.json())?;
+        } else {
+            out.remove(CASE)?;
+        }
     }
     out.write_json("result.json", &session.result_value())?;
     if with_page { report(out.path(), None).map(|_| ()) } else { remove_old(&out) }

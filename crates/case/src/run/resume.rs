@@ -18,17 +18,23 @@ pub(super) fn open<'c>(
     cancel: Arc<AtomicBool>,
     console: &'c Console,
 ) -> Result<(Session<'c>, Option<Position>), RunError> {
+    let (out, Checkpoint { case, position, .. }) = read(directory)?;
+    let document = case.reopen(catalogue, directory)?;
+    let session = Session::resume(document, case.settings, out, cancel, console)?;
+    Ok((session, position))
+}
+
+/// Claims an output directory and reads its checkpoint.
+pub(super) fn read(directory: &Path) -> Result<(Directory, Checkpoint), RunError> {
     let file = directory.join(checkpoint_file::NAME);
     if !file.is_file() {
         // A name that was mistyped is not made a directory.
         return Err(CheckpointError::Missing { directory: directory.to_owned() }.into());
     }
     let out = Directory::claim(directory.to_owned())?;
-    let Checkpoint { case, position, .. } = Checkpoint::read(directory)?;
-    if case.program != env!("CARGO_PKG_VERSION") {
-        return Err(CheckpointError::Program { file, found: case.program }.into());
+    let checkpoint = Checkpoint::read(directory)?;
+    if checkpoint.case.program != env!("CARGO_PKG_VERSION") {
+        return Err(CheckpointError::Program { file, found: checkpoint.case.program }.into());
     }
-    let document = case.reopen(catalogue, directory)?;
-    let session = Session::resume(document, case.settings, out, cancel, console)?;
-    Ok((session, position))
+    Ok((out, checkpoint))
 }

@@ -19,6 +19,7 @@ use crate::warning::Warning;
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, StateError, peak_memory};
 use nastic_opt::{Failed, Objective, Request};
+use nastic_report::case_name;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -114,7 +115,20 @@ impl<'c> Session<'c> {
         console: &'c Console,
         began: Instant,
     ) -> Result<Self, RunError> {
-        let mut problem = CaseProblem::lower(document, cancel.clone())?;
+        let problem = CaseProblem::lower(document, cancel.clone())?;
+        let mut session = Self::on(command, problem, cancel, console, began);
+        session.settings = settings;
+        Ok(session)
+    }
+
+    /// A command on a problem that is ready.
+    pub fn on(
+        command: Command,
+        mut problem: CaseProblem,
+        cancel: Arc<AtomicBool>,
+        console: &'c Console,
+        began: Instant,
+    ) -> Self {
         if command == Command::Optimize {
             problem.refuse_unstable_if_asked();
         }
@@ -136,7 +150,7 @@ impl<'c> Session<'c> {
             strict: false,
             out: None,
             warnings: Vec::new(),
-            settings,
+            settings: Vec::new(),
             report: true,
             explain: false,
             expect: true,
@@ -148,7 +162,7 @@ impl<'c> Session<'c> {
             began,
         };
         session.introduce();
-        Ok(session)
+        session
     }
 
     /// The head of every result, and of what is said.
@@ -423,9 +437,7 @@ fn usual_directory(problem: &CaseProblem) -> PathBuf {
 
 /// `own` of a case, else `out/CASE` beside it.
 pub(super) fn directory_of(document: &Document, own: Option<&str>) -> PathBuf {
-    let path = Path::new(document.name());
-    let stem = path.file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy().into_owned());
-    document.resolve(own.unwrap_or(&format!("out/{stem}")))
+    document.resolve(own.unwrap_or(&format!("out/{}", case_name(document.name()))))
 }
 
 impl From<Exit> for u8 {

@@ -23,8 +23,8 @@ use crate::result::snapshot;
 use crate::result::summary;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Modes, SolveReport};
+use nastic_report::case_name;
 use serde_json::{Map, Value, json};
-use std::path::Path;
 
 pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
     match analysis {
@@ -169,7 +169,10 @@ pub(super) fn say_members(session: &Session<'_>, result: &Value) {
     }
     if let Some(measures) = result["risk"]["measures"].as_object() {
         let of = |(name, measure): (&String, &Value)| {
-            format!("{name} {}", measure["value"].as_f64().map_or_else(|| "-".to_owned(), |x| scientific(x, 4)))
+            let level =
+                measure["level"].as_f64().map_or_else(String::new, |level| format!(" (level {})", short(level)));
+            let value = measure["value"].as_f64().map_or_else(|| "-".to_owned(), |x| scientific(x, 4));
+            format!("{name}{level} {value}")
         };
         let all: Vec<String> = measures.iter().map(of).collect();
         let deviation = scientific(result["risk"]["deviation"].as_f64().unwrap_or(f64::NAN), 4);
@@ -408,11 +411,6 @@ pub(super) fn write_collections(problem: &CaseProblem, what: &str, out: &Directo
     Ok(files)
 }
 
-/// The name of a file without its directories and its extension.
-fn stem(file: &str) -> String {
-    Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
-}
-
 /// How far tracked points are from their targets, and were at the start of an optimisation.
 pub(super) fn say_tracked(session: &Session<'_>, result: &Value) {
     let unit = session.problem.units().length().symbol;
@@ -427,11 +425,18 @@ pub(super) fn say_tracked(session: &Session<'_>, result: &Value) {
     }
 }
 
-/// The title of pictures.
+/// The title of pictures of a member.
 pub(super) fn title(member: CaseMember<'_>) -> String {
-    let problem = member.problem();
-    let file = || stem(problem.document.name());
+    titled(member.problem(), &member.name())
+}
+
+/// The title of pictures of all scenarios together.
+pub(super) fn title_of_scenarios(lead: CaseMember<'_>) -> String {
+    titled(lead.problem(), lead.load_case().unwrap_or(""))
+}
+
+fn titled(problem: &CaseProblem, name: &str) -> String {
+    let file = || case_name(problem.document.name());
     let title = problem.case.title.clone().unwrap_or_else(file);
-    let name = member.name();
     if name.is_empty() { title } else { format!("{title}: {name}") }
 }

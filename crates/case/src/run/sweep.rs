@@ -15,6 +15,7 @@ use crate::result::files::Directory;
 use crate::schema::Command;
 use crate::syntax::{Diagnostic, Diagnostics, Document, Node, Value as Tree};
 use nastic_io::write_atomically;
+use nastic_report::case_name;
 use row::Row;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -164,8 +165,8 @@ fn controls(document: &Document) -> Vec<String> {
 }
 
 fn title(case: &Value, file: &Path) -> String {
-    let stem = || file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    format!("{}: sweep", case["title"].as_str().map_or_else(stem, str::to_owned))
+    let name = || case_name(&file.display().to_string());
+    format!("{}: sweep", case["title"].as_str().map_or_else(name, str::to_owned))
 }
 
 fn introduce(sweep: &Sweep, swept: &[Swept], runs: usize, console: &Console) {

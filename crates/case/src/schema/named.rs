@@ -26,6 +26,11 @@ impl Method {
     pub fn name(&self) -> &'static str {
         self.0
     }
+
+    /// The method of this name, if case files have it.
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        CATALOGUE.iter().find(|row| row.name == name).map(|row| Self(row.name))
+    }
 }
 
 impl Default for Method {

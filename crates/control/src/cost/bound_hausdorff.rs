@@ -1,6 +1,6 @@
 //! [`BoundHausdorff`]: [`SmoothedHausdorff`](super::SmoothedHausdorff) on a body, and its evaluated points.
 
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, Partials};
+use super::{Cost, CostContext, CostPoint, CostTarget, Figure, FigureKind, Partials};
 use crate::error::ControlError;
 use nastic_fem::{Discretization, QuadraturePoints, Solid};
 use nastic_hausdorff::{Cloud, Evaluation, HausdorffError, Smoothing, Summation};
@@ -19,6 +19,8 @@ pub(super) struct Setup {
     /// Region of the body; `None`: all of it.
     pub region: Option<GroupNames>,
     pub target: Arc<Mesh>,
+    /// Region of the target; `None`: all of it.
+    pub target_region: Option<GroupNames>,
     pub cloud: Cloud,
     pub shape: Shape,
     pub stages: Vec<Stage>,
@@ -89,11 +91,6 @@ impl BoundHausdorff {
     pub fn self_distance(&self, stage: usize) -> Result<f64, ControlError> {
         self.0.self_distance(stage)
     }
-
-    /// The target.
-    pub fn target(&self) -> &Arc<Mesh> {
-        &self.0.target
-    }
 }
 
 impl Cost for BoundHausdorff {
@@ -136,6 +133,11 @@ impl Cost for BoundHausdorff {
             })
         };
         self.0.stages.iter().enumerate().filter_map(coarse).collect()
+    }
+
+    fn target(&self, _: &Solid) -> Option<CostTarget> {
+        let (mesh, regions) = (self.0.target.clone(), self.0.target_region.clone());
+        Some(CostTarget { mesh, regions, displacement: vec![] })
     }
 }
 

@@ -1,5 +1,7 @@
 //! [`Figure`]: a number that a cost reports beside its value.
 
+use nastic_opt::TRUE_DISTANCE;
+
 /// What a figure is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FigureKind {
@@ -27,6 +29,17 @@ impl FigureKind {
             FigureKind::RootMeanSquareDistance => "root_mean_square",
             FigureKind::LargestDistance => "largest",
             FigureKind::Other(name) => name,
+        }
+    }
+
+    /// Its key in the figures of a control ([`Objective::figures`](nastic_opt::Objective::figures)) and in history lines; `None` of a
+    /// figure that is not told for every iteration.
+    pub fn history_name(self) -> Option<&'static str> {
+        match self {
+            FigureKind::TrueDistance => Some(TRUE_DISTANCE),
+            FigureKind::RootMeanSquareDistance => Some("tracking_root_mean_square"),
+            FigureKind::LargestDistance => Some("tracking_largest"),
+            FigureKind::SmoothedDistance | FigureKind::SelfDistance | FigureKind::Other(_) => None,
         }
     }
 

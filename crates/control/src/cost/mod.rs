@@ -6,6 +6,7 @@ mod cost_form;
 mod figure;
 mod regularization;
 mod smoothed_hausdorff;
+mod target;
 mod tracking;
 
 pub use bound_hausdorff::BoundHausdorff;
@@ -14,6 +15,7 @@ pub use cost_form::{CostForm, MakeCost};
 pub use figure::{Figure, FigureKind};
 pub use regularization::{ControlNorm, ControlSmoothness};
 pub use smoothed_hausdorff::SmoothedHausdorff;
+pub use target::CostTarget;
 pub use tracking::{BoundTracking, Target, Tracking};
 
 use crate::error::ControlError;
@@ -50,6 +52,59 @@ pub struct Partials {
 ///
 /// Implement it for your own target; the derivative through the state equation comes for free. Contract: `add_partials`
 /// of a [`CostPoint`] is the exact derivative of its `value` (the same quadrature), and both are deterministic.
+///
+/// ```
+/// use nastic_control::{ControlError, Cost, CostContext, CostPoint, Partials, Reduced, Space};
+/// use nastic_energy::{FiberTension, NeoHooke};
+/// use nastic_fem::Solid;
+/// use nastic_mesh::{CellKind, box_mesh};
+/// use nastic_opt::{Bounds, Taylor, Verdict};
+/// use nastic_tensor::Vec3;
+/// use std::sync::Arc;
+///
+/// /// j(u) = weight/2 sum_a |u_a|^2 over the nodes a: the less the body moves, the better. u in m, weight in 1/m^2.
+/// #[derive(Debug)]
+/// struct Stillness {
+///     weight: f64,
+/// }
+///
+/// /// It at one displacement.
+/// #[derive(Debug)]
+/// struct Moved {
+///     weight: f64,
+///     u: Vec<f64>,
+/// }
+///
+/// impl Cost for Stillness {
+///     fn name(&self) -> &str {
+///         "stillness"
+///     }
+///
+///     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+///         Ok(Arc::new(Moved { weight: self.weight, u: at.u.to_vec() }))
+///     }
+/// }
+///
+/// impl CostPoint for Moved {
+///     fn value(&self) -> f64 {
+///         0.5 * self.weight * self.u.iter().map(|u| u * u).sum::<f64>()
+///     }
+///
+///     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
+///         out.u.iter_mut().zip(&self.u).for_each(|(d, u)| *d += self.weight * u);
+///         Ok(())
+///     }
+/// }
+///
+/// let body = Solid::new(box_mesh([1.0, 0.2, 0.2], [3, 1, 1], CellKind::Hex8)?)?
+///     .material("body", NeoHooke::from_young_poisson(3e5, 0.3)?)?
+///     .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
+///     .clamp("x-")?;
+/// let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(Stillness { weight: 1.0 })?;
+/// let report = Taylor::default().test(&problem, &Bounds::new(-2e5, 0.0)?, &[-1e5, -5e4, -2e4])?;
+/// assert_eq!(report.verdict(), Verdict::Right);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Cost: Debug + Send + Sync {
     /// Name of the term in tables and results.
     fn name(&self) -> &str;
@@ -74,6 +129,11 @@ pub trait Cost: Debug + Send + Sync {
     /// Things the user should know (a smoothing length below the point spacing, say).
     fn warnings(&self, _solid: &Solid) -> Vec<String> {
         vec![]
+    }
+
+    /// The shape it aims at on a body, where it has one: pictures and `target.vtu` show it.
+    fn target(&self, _solid: &Solid) -> Option<CostTarget> {
+        None
     }
 }
 

@@ -123,8 +123,8 @@ impl SmoothedHausdorff {
         let shape = shape.map_err(|e| fail(e.to_string()))?;
         let spacing = body_cloud.spacing().max(cloud.spacing());
         let stages = stages.into_iter().map(Stage::from).collect();
-        let (region, target) = (self.region, self.target);
-        Ok(BoundHausdorff::new(Setup { body, region, target, cloud, shape, stages, weight, spacing }))
+        let (region, target, target_region) = (self.region, self.target, self.target_region);
+        Ok(BoundHausdorff::new(Setup { body, region, target, target_region, cloud, shape, stages, weight, spacing }))
     }
 }
 

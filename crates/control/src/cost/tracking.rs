@@ -1,6 +1,6 @@
 //! [`Tracking`]: the mean squared distance of a surface, region or node set from target positions.
 
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use super::{Cost, CostContext, CostPoint, CostTarget, Figure, FigureKind, IntoCost, Partials, check_weight};
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
 use nastic_mesh::{GroupNames, Mesh};
@@ -109,20 +109,25 @@ impl Tracking {
         let weight = check_weight("tracking", self.weight)?;
         let mesh = solid.mesh();
         // Two points more than the shape functions need: targets are curved.
-        let points = match &self.place {
+        let (points, nodes) = match &self.place {
             Place::Surface(names) => {
-                TrackedPoints::Points(QuadraturePoints::of_facets(mesh, &mesh.facets_of(names)?, |k| {
-                    k.rule_of_points(k.order() + 2)
-                }))
+                let facets = mesh.facets_of(names)?;
+                let points = QuadraturePoints::of_facets(mesh, &facets, |k| k.rule_of_points(k.order() + 2));
+                (TrackedPoints::Points(points), mesh.nodes_of_facets(&facets))
             }
             Place::Region(names) => {
                 let cells = mesh.cells_of(names)?;
-                TrackedPoints::Points(QuadraturePoints::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?)
+                let nodes = mesh.nodes_of_cells(&cells);
+                let points = QuadraturePoints::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?;
+                (TrackedPoints::Points(points), nodes)
             }
-            Place::Nodes(names) => TrackedPoints::Nodes(solid.nodes_of(names)?),
+            Place::Nodes(names) => {
+                let nodes = solid.nodes_of(names)?;
+                (TrackedPoints::Nodes(nodes.clone()), nodes)
+            }
         };
         let target = points.targets(solid, &self.target)?;
-        Ok(BoundTracking { points: Arc::new(points), target, weight })
+        Ok(BoundTracking { points: Arc::new(points), target, weight, nodes, wanted: self.target })
     }
 }
 
@@ -132,6 +137,9 @@ pub struct BoundTracking {
     points: Arc<TrackedPoints>,
     target: Vec<[f64; 3]>,
     weight: f64,
+    /// The nodes of what is tracked, and where they should be.
+    nodes: Vec<u32>,
+    wanted: Target,
 }
 
 #[derive(Debug)]
@@ -224,6 +232,28 @@ impl Cost for BoundTracking {
         let value = 0.5 * self.weight * squares;
         let distances = [(squares / measure).sqrt(), largest.sqrt()];
         Ok(Arc::new(TrackingPoint { points: self.points.clone(), dim, value, forces, distances }))
+    }
+
+    /// The body displaced to where its tracked nodes should be; a node that has no finite place does not matter.
+    fn target(&self, solid: &Solid) -> Option<CostTarget> {
+        let (mesh, dim) = (solid.mesh(), solid.discretization().dim());
+        let mut displacement = vec![([0.0; 3], false); mesh.points().len()];
+        for &node in &self.nodes {
+            let x = mesh.points()[node as usize];
+            let u: [f64; 3] = match &self.wanted {
+                Target::Position(at) => {
+                    let y = at(x);
+                    std::array::from_fn(|k| y[k] - x[k])
+                }
+                Target::Displacement(u) => {
+                    std::array::from_fn(|k| if k < dim { u[node as usize * dim + k] } else { 0.0 })
+                }
+            };
+            if u.iter().all(|u| u.is_finite()) {
+                displacement[node as usize] = (u, true);
+            }
+        }
+        Some(CostTarget { mesh: mesh.clone(), regions: None, displacement })
     }
 }
 

@@ -29,6 +29,7 @@ use product::EnsembleProduct;
 use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The risk of one control vector over scenarios, each a weighted sum over load cases:
@@ -119,6 +120,11 @@ impl Ensemble {
     /// The members, scenario by scenario, load case by load case.
     pub fn members(&self) -> &[Member] {
         &self.members
+    }
+
+    /// A flag that ends the state solves of all members, as [`EnsembleBuilder::cancelled_by`] does.
+    pub fn cancel_by(&mut self, flag: &Arc<AtomicBool>) {
+        self.members.iter_mut().for_each(|member| member.problem.set_cancel(flag.clone()));
     }
 
     /// Whether unstable equilibria of members fail: see [`Reduced::refuse_unstable`](crate::Reduced::refuse_unstable).

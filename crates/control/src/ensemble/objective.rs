@@ -44,6 +44,20 @@ impl Objective for Ensemble {
         self.summary_of(point)
     }
 
+    /// Those of the members, of each the largest.
+    fn figures(&self, point: &EnsemblePoint) -> Summary {
+        let mut out = Summary::default();
+        for (member, at) in self.members.iter().zip(&point.members) {
+            for (name, value) in member.problem.figures(at).0 {
+                match out.0.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, most)) => *most = most.max(value),
+                    None => out.0.push((name, value)),
+                }
+            }
+        }
+        out
+    }
+
     fn save(&self, point: &EnsemblePoint) -> Vec<u8> {
         let mut out = Writer::new(MAGIC);
         out.count(point.members.len());

@@ -11,6 +11,8 @@ use nastic_uncertainty::risk::{CATALOGUE, Risk, deviation};
 pub struct Measured {
     /// The measure.
     pub name: &'static str,
+    /// The share of cases that it does not look at, where it has such a level.
+    pub level: Option<f64>,
     /// R as it is optimised.
     pub value: f64,
     /// Without its smoothing, if it has one.
@@ -27,8 +29,12 @@ impl Ensemble {
     /// The same of given costs, one per scenario.
     pub fn risks_of(&self, costs: &[f64]) -> Vec<Measured> {
         let (p, j) = (&self.probabilities, costs);
-        let measured =
-            |risk: &dyn Risk| Measured { name: risk.name(), value: risk.value(p, j), exact: risk.exact(p, j) };
+        let measured = |risk: &dyn Risk| Measured {
+            name: risk.name(),
+            level: risk.level(),
+            value: risk.value(p, j),
+            exact: risk.exact(p, j),
+        };
         let mut all: Vec<Measured> = Vec::new();
         for row in CATALOGUE {
             let default = (row.make)();

@@ -1,6 +1,7 @@
 //! [`Reduced`] as an optimiser sees it.
 
 use super::Reduced;
+use crate::cost::{Figure, FigureKind};
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, Expected};
 use crate::workspace::ReducedWorkspace;
@@ -48,6 +49,23 @@ impl Objective for Reduced {
         entries.extend(work_summary(&point.total_work()));
         entries.push(("min_J".into(), point.state.report.min_j));
         Summary(entries)
+    }
+
+    /// By their [names in history lines](FigureKind::history_name): the true distance of the first cost that has one, of tracked
+    /// points the largest of all costs. Costs whose figures are not defined there have none.
+    fn figures(&self, point: &Evaluated) -> Summary {
+        let costs = self.costs_of(point).unwrap_or_default();
+        let all: Vec<Figure> = costs.iter().filter_map(|cost| cost.figures().ok()).flatten().collect();
+        let mut out = Summary::default();
+        for Figure { kind, value, .. } in all {
+            let Some(name) = kind.history_name() else { continue };
+            match out.0.iter_mut().find(|(known, _)| known == name) {
+                Some((_, most)) if kind != FigureKind::TrueDistance => *most = most.max(value),
+                Some(_) => {}
+                None => out.0.push((name.to_owned(), value)),
+            }
+        }
+        out
     }
 
     fn save(&self, point: &Evaluated) -> Vec<u8> {

@@ -24,6 +24,11 @@ impl Ball {
         Ok(Self { dim, radius })
     }
 
+    /// The radius.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// Shortens one vector to the radius, never past it by rounding.
     fn shorten(&self, v: &mut [f64]) {
         let size = norm(v);

@@ -25,6 +25,11 @@ impl Sphere {
         Ok(Self { dim, radius })
     }
 
+    /// The radius.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// Vectors at `points` points in directions drawn independently and evenly from a seed: a start where nothing is
     /// known. The same on every machine.
     pub fn random(&self, points: usize, seed: u64) -> Vec<f64> {

@@ -85,6 +85,10 @@ impl Risk for Cvar {
         "cvar"
     }
 
+    fn level(&self) -> Option<f64> {
+        Some(self.level)
+    }
+
     fn value(&self, p: &[f64], j: &[f64]) -> f64 {
         let costs = Standard::new(p, j);
         if costs.is_flat() {

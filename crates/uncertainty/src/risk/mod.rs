@@ -46,6 +46,11 @@ pub trait Risk: Debug + Send + Sync {
         None
     }
 
+    /// The share of cases that it does not look at, where it has such a level.
+    fn level(&self) -> Option<f64> {
+        None
+    }
+
     /// Whether the measure is defined for these probabilities, and its parameters make sense.
     ///
     /// # Errors
@@ -71,6 +76,10 @@ impl Risk for Box<dyn Risk> {
 
     fn exact(&self, p: &[f64], j: &[f64]) -> Option<f64> {
         (**self).exact(p, j)
+    }
+
+    fn level(&self) -> Option<f64> {
+        (**self).level()
     }
 
     fn check(&self, p: &[f64]) -> Result<(), RiskError> {

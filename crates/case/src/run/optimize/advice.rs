@@ -7,6 +7,7 @@ use crate::schema::{Cost, SmoothedHausdorff, Stage};
 use nastic_control::EnsemblePoint;
 use nastic_opt::{Best, Stall, Stop};
 use serde_json::{Value, json};
+use std::path::{Component, Path, PathBuf};
 
 /// The method to take instead of another.
 const QUASI_NEWTON: &str = "lbfgs";
@@ -18,15 +19,22 @@ const MANY: f64 = 0.5;
 /// One thing to try.
 struct Advice {
     why: String,
-    command: String,
+    /// What to type; `None` where a program runs the optimisation.
+    command: Option<String>,
 }
 
 /// Says what may help, the most likely first.
 pub(super) fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
     let console = session.console;
-    for (k, advice) in advices(session, best).iter().enumerate() {
-        console.say(format!("{} {}:", if k == 0 { "to go on   " } else { "           " }, advice.why));
-        console.say(format!("              {}", advice.command));
+    for (k, Advice { why, command }) in advices(session, best).iter().enumerate() {
+        let head = if k == 0 { "to go on   " } else { "           " };
+        match command {
+            Some(command) => {
+                console.say(format!("{head} {why}:"));
+                console.say(format!("              {command}"));
+            }
+            None => console.say(format!("{head} {why}")),
+        }
     }
 }
 
@@ -57,12 +65,12 @@ fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
             out.extend((!set.is_empty()).then(|| again(why, set)));
             out.push(Advice {
                 why: "see how far the body goes along its path of equilibria".to_owned(),
-                command: format!("nastic solve {} --path", quote(session.problem.document.name())),
+                command: on_case(session, |case| format!("nastic solve {case} --path")),
             });
         }
         Stop::Stalled(Stall::LineSearch { .. }) => out.push(Advice {
             why: "no step lowered the cost: test its derivative".to_owned(),
-            command: format!("nastic gradcheck {}", quote(session.problem.document.name())),
+            command: on_case(session, |case| format!("nastic gradcheck {case}")),
         }),
         Stop::Stalled(Stall::Stage { stage, .. }) => {
             let why = format!("stage {} has no value there: stop before it, or put one between", stage + 1);
@@ -82,24 +90,43 @@ fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
     out
 }
 
+/// A command on the case file, if there is one.
+fn on_case(session: &Session<'_>, command: impl Fn(&str) -> String) -> Option<String> {
+    session.problem.case_file().map(|case| command(&quote(case)))
+}
+
 /// `nastic optimize` with the overrides of this run and others.
-fn optimize(session: &Session<'_>, set: &[String]) -> String {
+fn optimize(session: &Session<'_>, set: &[String]) -> Option<String> {
     let path = |setting: &str| setting.split_once('=').map_or("", |(path, _)| path).to_owned();
     let replaced = |old: &String| set.iter().any(|new| path(new) == path(old));
     let kept = session.settings.iter().filter(|old| !replaced(old));
     let settings = kept.chain(set).map(|setting| format!(" --set {}", quote(setting)));
     let out = session.out.as_ref().map(|out| out.path()).filter(|out| *out != session.usual_directory());
     let out = out.map_or_else(String::new, |out| format!(" --out {}", quote(&out.display().to_string())));
-    format!("nastic optimize {}{out}{}", quote(session.problem.document.name()), settings.collect::<String>())
+    let settings: String = settings.collect();
+    on_case(session, |case| format!("nastic optimize {case}{out}{settings}"))
 }
 
 /// Settings that let every control start where it has come to.
 fn starts_from_here(session: &Session<'_>) -> Vec<String> {
     let Some(out) = &session.out else { return vec![] };
-    let file = out.file("controls.json");
-    let file = std::path::absolute(&file).unwrap_or(file);
+    let file = from_case(Path::new(session.problem.document.name()), &out.file("controls.json"));
     let start = json!({ "file": file.display().to_string() });
     session.problem.controls.iter().map(|field| format!("{}/start={start}", field.at)).collect()
+}
+
+/// A file as a case names it: from the case's directory.
+fn from_case(case: &Path, file: &Path) -> PathBuf {
+    let directory = case.parent().unwrap_or(Path::new(""));
+    if let Ok(below) = file.strip_prefix(directory) {
+        return below.to_owned();
+    }
+    let is_below = directory.components().all(|part| matches!(part, Component::Normal(_)));
+    if file.is_relative() && is_below {
+        let up: PathBuf = directory.components().map(|_| "..").collect();
+        return up.join(file);
+    }
+    std::path::absolute(file).unwrap_or_else(|_| file.to_owned())
 }
 
 /// The stages of every cost that has some, up to this one.

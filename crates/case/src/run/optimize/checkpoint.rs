@@ -57,6 +57,11 @@ impl Position {
     pub(super) fn place(&self) -> Written {
         Written { start: self.fixed.index, iteration: self.run.progress.counts.iterations }
     }
+
+    /// Whether nothing was done yet beyond the first start.
+    pub fn is_start(&self) -> bool {
+        self.place() == Written { start: 0, iteration: 0 }
+    }
 }
 
 impl Checkpoint {

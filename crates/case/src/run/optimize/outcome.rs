@@ -5,7 +5,8 @@ use super::super::gradient::write_states;
 use super::super::number::{count, short};
 use super::super::session::Session;
 use super::super::solve::{
-    members_of, say_files, say_members, say_probes, say_stability, say_tracked, title, write_collections, write_targets,
+    members_of, say_files, say_members, say_probes, say_stability, say_tracked, title, title_of_scenarios,
+    write_collections, write_targets,
 };
 use super::super::states::Shown;
 use super::finished_run::FinishedRun;
@@ -171,7 +172,10 @@ fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Writ
 pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteration }: Written) {
     let Some(out) = &session.out else { return };
     let of = if session.problem.case.optimizer.starts > 1 { format!(" of start {}", start + 1) } else { String::new() };
-    session.console.say(format!("to go on    nastic resume {}", out.path().display()));
+    match session.problem.case_file() {
+        Some(_) => session.console.say(format!("to go on    nastic resume {}", out.path().display())),
+        None => session.console.say(format!("to go on    Study::resume, with the results in {}", out.path().display())),
+    }
     session
         .console
         .say(format!("            from iteration {iteration}{of}, with the result of a run without interruption"));
@@ -208,13 +212,13 @@ fn write(
             body: ("optimum", &end),
             ghost: Some(("start", &begin)),
             scenarios: others.collect::<Result<_, RunError>>()?,
-            mean: mean.transpose()?,
+            mean: mean.transpose()?.map(|mean| (title_of_scenarios(member), mean)),
         };
         let pictures = picture::compose(member, &drawing);
         together.extend(pictures.first().cloned());
         picture::write(member, pictures, &out)?;
         files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
-        if let Some(mean) = &drawing.mean {
+        if let Some((_, mean)) = &drawing.mean {
             let name = member.case_file("mean_optimum.vtu");
             out.write_vtu(&name, mean)?;
             files.push(name);

@@ -2,7 +2,6 @@
 
 use super::super::error::RunError;
 use super::super::session::Session;
-use super::super::table::Table;
 use super::super::{OnTrial, Pace};
 use super::branch_changes::Before;
 use super::journal::Journal;
@@ -12,11 +11,10 @@ use crate::history;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::result::files::Directory;
 use crate::result::snapshot;
-use crate::result::summary;
-use nastic_control::{EnsemblePoint, Evaluated, FigureKind, StateFields};
+use nastic_control::{EnsemblePoint, Evaluated, StateFields};
 use nastic_fem::SolveOptions;
 use nastic_io::write_atomically;
-use nastic_opt::{Reason, RunState, Trial};
+use nastic_opt::{Objective, Reason, RunState, Summary, Trial, TrialTable};
 use nastic_report::Iterates;
 use rayon::prelude::*;
 use serde_json::json;
@@ -34,7 +32,9 @@ pub(super) struct Recorder<'s> {
     on_trial: OnTrial,
     /// Which start of how many.
     start: (usize, usize),
-    table: Table,
+    /// The columns, from the first trial on; whether they are explained.
+    table: Option<TrialTable>,
+    explain: bool,
     trials: RunTrials,
     /// The last accepted point.
     before: Option<Before>,
@@ -48,12 +48,6 @@ impl<'s> Recorder<'s> {
     /// For the start of this number.
     pub fn new(session: &'s Session<'_>, journal: &'s mut Journal, index: usize) -> Self {
         let problem = &session.problem;
-        let table = Table { distance: has_distance(problem), stages: problem.stages() > 1 };
-        if session.explain {
-            table.explain().into_iter().for_each(|line| session.console.say(line));
-            session.console.say("");
-        }
-        session.console.say(table.header());
         Self {
             problem,
             console: session.console,
@@ -62,7 +56,8 @@ impl<'s> Recorder<'s> {
             journal,
             on_trial: session.on_trial.clone(),
             start: (index, problem.case.optimizer.starts),
-            table,
+            table: None,
+            explain: session.explain,
             trials: RunTrials::new(problem.members().count(), problem.leads().count()),
             before: None,
             broken_off: false,
@@ -74,6 +69,18 @@ impl<'s> Recorder<'s> {
     /// Takes up what an earlier program told of the same start, up to this point.
     pub fn restore(&mut self, trials: RunTrials, point: &EnsemblePoint) {
         (self.trials, self.before) = (trials, Some(Before::new(point)));
+        self.begin_table(&self.problem.ensemble.figures(point));
+    }
+
+    /// Says the names of the columns, which follow from what is known of a point.
+    fn begin_table(&mut self, figures: &Summary) -> TrialTable {
+        let table = TrialTable::new(self.problem.stages(), figures);
+        if self.explain {
+            table.explain().into_iter().for_each(|line| self.console.say(line));
+            self.console.say("");
+        }
+        self.console.say(table.header());
+        *self.table.insert(table)
     }
 
     /// Writes a scheduled checkpoint, unless something that belongs into it was broken off.
@@ -89,7 +96,8 @@ impl<'s> Recorder<'s> {
             // Broken off, not failed: a run that goes on makes this trial again.
             return;
         }
-        let distance = self.distance(trial);
+        let point = trial.point.filter(|_| trial.accepted);
+        let figures = point.map_or_else(Summary::default, |point| self.problem.ensemble.figures(point));
         let seconds = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
         if let Some(point) = trial.point.filter(|_| trial.reason != Reason::Stage) {
@@ -102,23 +110,18 @@ impl<'s> Recorder<'s> {
         if trial.reason == Reason::Stage {
             self.console.say(format!("stage {} of {}", trial.stage + 1, self.problem.stages()));
         }
-        self.console.say(self.table.row(trial, distance, seconds));
+        let table = self.table.unwrap_or_else(|| self.begin_table(&figures));
+        self.console.say(table.row(trial, &figures, seconds));
         self.pace.done(trial.trial, trial.iteration);
         self.console.set_pace(Some(self.pace));
         let mut line = history::line(trial, seconds);
         if let Some(line) = line.as_object_mut() {
-            if let Some(distance) = distance {
-                line.insert("hausdorff_true".into(), json!(distance));
-            }
-            if let Some(point) = trial.point.filter(|_| trial.accepted) {
+            line.extend(figures.0.into_iter().map(|(name, value)| (name, json!(value))));
+            if let Some(point) = point {
                 line.insert("inertia".into(), json!(self.inertia(point)));
                 let changed = self.changes_branch(point, trial);
                 if changed != Some(false) {
                     line.insert("branch_changed".into(), json!(changed));
-                }
-                for kind in [FigureKind::RootMeanSquareDistance, FigureKind::LargestDistance] {
-                    let distance = self.tracked(point, kind);
-                    line.extend(distance.map(|x| (format!("tracking_{}", kind.name()), json!(x))));
                 }
             }
             if let (Some(point), true) = (trial.point, self.problem.has_scenarios()) {
@@ -144,25 +147,6 @@ impl<'s> Recorder<'s> {
         self.last = Instant::now();
         self.broken_off |= changed.is_err();
         changed.ok().flatten()
-    }
-
-    /// The true distance of an accepted state: the largest of all members.
-    fn distance(&self, trial: &Trial<'_, EnsemblePoint>) -> Option<f64> {
-        let point = trial.point.filter(|_| trial.accepted && self.table.distance)?;
-        let of = |(member, at): (CaseMember<'_>, &Evaluated)| {
-            summary::true_distance(&member.reduced().costs_of(at).ok()?).ok()?
-        };
-        self.problem.members().zip(&point.members).filter_map(of).reduce(f64::max)
-    }
-
-    /// A distance of tracked points from their targets: the largest of all members; `None` without such a cost.
-    fn tracked(&self, point: &EnsemblePoint, kind: FigureKind) -> Option<f64> {
-        let is = |cost: &crate::schema::Cost| matches!(cost, crate::schema::Cost::Tracking(_));
-        let of = |(member, at): (CaseMember<'_>, &Evaluated)| {
-            member.case().costs.iter().any(is).then_some(())?;
-            summary::largest(kind, &member.reduced().costs_of(at).ok()?).ok()?
-        };
-        self.problem.members().zip(&point.members).filter_map(of).reduce(f64::max)
     }
 
     /// Negative pivots of the tangent, the most of all members; `None` where those of one were not counted.
@@ -240,9 +224,4 @@ impl<'s> Recorder<'s> {
         }
         self.trials
     }
-}
-
-fn has_distance(problem: &CaseProblem) -> bool {
-    let is = |cost: &crate::schema::Cost| matches!(cost, crate::schema::Cost::SmoothedHausdorff(_));
-    problem.members().any(|member| member.case().costs.iter().any(is))
 }

@@ -10,7 +10,8 @@ use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::number::{scientific, short};
 use crate::warning::Warning;
-use nastic_control::{Ensemble, EnsembleWorkspace};
+use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
+use nastic_fem::{Demand, Instant};
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{Failed, Objective, Optimizer, SavedRunError, Stop, TaylorError, Verdict};
 use serde_json::{Value, json};
@@ -73,6 +74,9 @@ impl Starts {
         let start = Reader::new(&fixed.start, "").map_err(Failed::new);
         let start = start.and_then(|mut input| read_start(&mut input, ensemble)).map_err(unfit)?;
         let run = resume_run(session, optimizer, &run)?;
+        if session.problem.case_file().is_none() {
+            same_program(ensemble, run.point()).map_err(|what| session.unfit_checkpoint(&what))?;
+        }
 
         say_optimizer(session, optimizer);
         announce(session, index, seed(session, index));
@@ -225,6 +229,32 @@ impl Starts {
     }
 }
 
+/// The cost and the potential of a state computed again, relative: rounding is less, another law or cost is more.
+const SAME: f64 = 1e-9;
+
+/// Whether laws and costs, which no record holds, give a point of a checkpoint the values that it has there.
+fn same_program(ensemble: &Ensemble, point: &EnsemblePoint) -> Result<(), String> {
+    let stage = point.members.iter().map(|at| at.stage).max().unwrap_or(0);
+    let again = ensemble.restage(stage, point).map_err(|failed| failed.to_string())?;
+    if (again.risk - point.risk).abs() > SAME * point.risk.abs() {
+        let (cost, was) = (scientific(again.risk, 6), scientific(point.risk, 6));
+        return Err(format!("its control costs {cost} now and cost {was} before: a cost of the program has changed"));
+    }
+    for (member, at) in ensemble.members().iter().zip(&point.members) {
+        let state = &at.state;
+        let place = Instant::new(&state.u, &state.controls, state.load);
+        let now = member.problem().solid().model().evaluate(&place, Demand { energy: true, force: false });
+        let now = now.map_err(|error| error.to_string())?;
+        if (now.energy - state.report.energy).abs() > SAME * now.energy_scale {
+            let (now, was) = (scientific(now.energy, 6), scientific(state.report.energy, 6));
+            return Err(format!(
+                "its state has the potential {now} now and had {was} before: a law or a load of the program has changed"
+            ));
+        }
+    }
+    Ok(())
+}
+
 fn read_warning(input: &mut Reader<'_>) -> Result<Warning, SavedRunError> {
     Warning::from_json(&read_json(input)?).ok_or_else(|| input.damaged("a warning of no known kind"))
 }
@@ -254,12 +284,12 @@ fn begin(session: &Session<'_>, index: usize, seed: u64) -> Result<Begun, Failed
 }
 
 fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {
-    let block = &session.problem.case.optimizer;
+    let options = optimizer.options();
     session.console.say(format!(
         "optimizer   {}, at most {} iterations, until the projected gradient is {} of the first",
         optimizer.name(),
-        block.max_iterations,
-        short(block.tolerance)
+        options.max_iterations,
+        short(options.tolerance)
     ));
 }
 

@@ -1,19 +1,34 @@
-//! The table of trials.
+//! [`TrialTable`]: the trials of a run as a table.
 
-use super::number::scientific;
-use nastic_control::EnsemblePoint;
-use nastic_opt::{Reason, Trial};
+use crate::observer::{Reason, Trial};
+use crate::summary::Summary;
+use nastic_numeric::format::scientific;
 use std::fmt::Write;
 
-/// One row per trial, in columns.
-pub(super) struct Table {
-    /// Whether true distances are known.
+/// Name of the true Hausdorff distance among the [figures](crate::Objective::figures) of a point.
+pub const TRUE_DISTANCE: &str = "hausdorff_true";
+
+/// The trials of a run as a table: one row per trial, in columns of fixed width.
+///
+/// Columns of the work (`newton`, `factor`) and of `min J` are filled from the [`Summary`] of the trial; `-` stands where a trial
+/// has no such number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TrialTable {
+    /// Whether there is a column of true distances.
     pub distance: bool,
-    /// Whether there is more than one stage.
+    /// Whether there is a column of continuation stages.
     pub stages: bool,
 }
 
-impl Table {
+impl TrialTable {
+    /// The columns for a problem of so many stages whose points have these figures.
+    #[must_use]
+    pub fn new(stages: usize, figures: &Summary) -> Self {
+        Self { distance: figures.get(TRUE_DISTANCE).is_some(), stages: stages > 1 }
+    }
+
+    /// Names of the columns.
+    #[must_use]
     pub fn header(&self) -> String {
         let mut out = format!("{:>5} {:>5}", "trial", "iter");
         if self.stages {
@@ -27,7 +42,8 @@ impl Table {
         out
     }
 
-    /// What the columns hold.
+    /// What the columns hold, a line for each.
+    #[must_use]
     pub fn explain(&self) -> Vec<&'static str> {
         let mut out = vec![
             "trial       number of the trial, accepted or not",
@@ -50,7 +66,10 @@ impl Table {
         out
     }
 
-    pub fn row(&self, trial: &Trial<'_, EnsemblePoint>, distance: Option<f64>, seconds: f64) -> String {
+    /// The row of a trial. `figures` are those of its point, which are asked for where it was accepted; `seconds` is the time since
+    /// the row before.
+    #[must_use]
+    pub fn row<P>(&self, trial: &Trial<'_, P>, figures: &Summary, seconds: f64) -> String {
         let mut out = format!("{:>5}", trial.trial);
         let iteration = if trial.accepted { trial.iteration.to_string() } else { "-".to_owned() };
         let _ = write!(out, " {iteration:>5}");
@@ -62,7 +81,7 @@ impl Table {
         let step = if trial.step > 0.0 { scientific(trial.step, 2) } else { "-".to_owned() };
         let _ = write!(out, "  {cost:>13} {gradient:>10} {step:>9}");
         if self.distance {
-            let distance = distance.map_or_else(|| "-".to_owned(), |d| scientific(d, 4));
+            let distance = figures.get(TRUE_DISTANCE).map_or_else(|| "-".to_owned(), |d| scientific(d, 4));
             let _ = write!(out, " {distance:>10}");
         }
         let count = |name: &str| trial.summary.get(name).map(|value| value as usize);
@@ -90,7 +109,7 @@ fn remark(reason: &Reason) -> Option<String> {
     }
 }
 
-/// The first part of a long explanation; `history.jsonl` has it whole.
+/// The first part of a long explanation; [`Reason`] has it whole.
 fn shortened(why: &str) -> String {
     let first = why.split(';').next().unwrap_or(why);
     match first.char_indices().nth(80) {

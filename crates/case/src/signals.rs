@@ -1,25 +1,29 @@
-//! Signals that ask the program to stop.
+//! Signals that ask a program to stop.
 
-use std::io::{Write, stderr};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// What a signal adds to its number to make the exit code of a program that it ended, by convention.
 const ENDED_BY_SIGNAL: i32 = 128;
 
-/// A flag that the first Ctrl-C (SIGINT) or SIGTERM raises; the second ends the program. SIGHUP is left as it is, so
-/// that `nohup` does what it promises.
-pub(crate) fn cancelled_by_signals() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = flag.clone();
-    listen(move |signal| {
-        if raised.swap(true, Ordering::Relaxed) {
-            std::process::exit(ENDED_BY_SIGNAL + signal);
-        }
-        let _ =
-            writeln!(stderr().lock(), "nastic: stopping after the step at hand; press Ctrl-C again to stop at once");
-    });
-    flag
+/// A flag that the first Ctrl-C (SIGINT) or SIGTERM raises, calling `asked` with a line for people; the second ends the program.
+/// SIGHUP is left as it is, so that `nohup` does what it promises.
+///
+/// There is one flag for the whole program: later calls give the same, and their `asked` is not called.
+pub fn cancelled_by_signals(asked: impl Fn(&str) + Send + 'static) -> Arc<AtomicBool> {
+    static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    let listening = || {
+        let flag = Arc::new(AtomicBool::new(false));
+        let raised = flag.clone();
+        listen(move |signal| {
+            if raised.swap(true, Ordering::Relaxed) {
+                std::process::exit(ENDED_BY_SIGNAL + signal);
+            }
+            asked("stopping after the step at hand; press Ctrl-C again to stop at once");
+        });
+        flag
+    };
+    FLAG.get_or_init(listening).clone()
 }
 
 /// Calls `heard` with the number of every signal. Without a handler signals end the program, as they did before.

@@ -1,0 +1,202 @@
+//! [`Assembled`]: what a program that has no case file makes a [`CaseProblem`] of.
+
+use super::control::{Admitted, ControlField, is_reserved, limit};
+use super::member::Label;
+use super::probe::{LocatedProbe, outside};
+use super::variant::stems;
+use super::{CaseProblem, TargetShape};
+use crate::expression::dimension_of;
+use crate::quantity::Dimension;
+use crate::schema::Case;
+use crate::syntax::{At, Document};
+use crate::warning::{CONVEXITY, HAUSDORFF_LENGTH, UNBOUNDED, Warning};
+use nastic_control::{ControlBlock, Ensemble, EnsembleBlock, Member, Reduced};
+use nastic_opt::{Admissible, Bounds, Outside, Product};
+use serde_json::Map;
+use std::sync::Arc;
+
+/// Bodies, sets and starts of a program, and what else results need to know.
+#[derive(Debug)]
+pub(crate) struct Assembled {
+    pub ensemble: Ensemble,
+    /// Set and start of every control field, in the order of the ensemble's blocks.
+    pub controls: Vec<ControlProblem>,
+    /// Names and reference positions of points to report.
+    pub probes: Vec<(String, [f64; 3])>,
+    /// Title, units, optimiser, output; all else of it is empty.
+    pub case: Case,
+    /// What the problem is, under its name: equal documents are equal problems as far as a program can be written down.
+    pub document: Document,
+}
+
+/// Where a control field may be, and where it begins.
+#[derive(Debug)]
+pub(crate) struct ControlProblem {
+    pub admitted: Admission,
+    pub set: Arc<dyn Admissible>,
+    pub start: Vec<f64>,
+}
+
+/// What a control field may be, before the number of its values is known.
+#[derive(Debug, Clone)]
+pub(crate) enum Admission {
+    Bounds(Bounds),
+    Vectors(Admitted),
+}
+
+/// What does not fit the problem.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum AssemblyError {
+    /// The start of a control lies outside its set, or has another length.
+    #[error("the start of \"{control}\" at {place} lies outside its set: {source}")]
+    Start {
+        /// The control.
+        control: String,
+        /// Cell, node or region.
+        place: String,
+        /// What is allowed.
+        source: Outside,
+    },
+    /// A start or bounds of another length.
+    #[error("\"{control}\" has {expected} values, its start {found}")]
+    Length {
+        /// The control.
+        control: String,
+        /// Values of the start.
+        found: usize,
+        /// Values of the control.
+        expected: usize,
+    },
+    /// A control bears the name of a result.
+    #[error("results have an array \"{control}\" already: give the actuation another name")]
+    Reserved {
+        /// The control.
+        control: String,
+    },
+    /// A probe lies outside the body.
+    #[error("probe \"{name}\": {what}")]
+    Probe {
+        /// Its name.
+        name: String,
+        /// Where it lies.
+        what: String,
+    },
+}
+
+impl CaseProblem {
+    /// The problem of a program.
+    ///
+    /// # Errors
+    /// The first start, control or probe that does not fit.
+    pub(crate) fn assemble(assembled: Assembled) -> Result<Self, AssemblyError> {
+        let Assembled { ensemble, controls, probes, case, document } = assembled;
+        let labels: Vec<Label> = ensemble.members().iter().map(|member| label(&ensemble, member, &case)).collect();
+        let (mut fields, mut start, mut set, mut warnings) = (vec![], vec![], Product::new(), vec![]);
+        for (block, control) in ensemble.blocks().iter().zip(controls) {
+            let field = field(&ensemble, block, &control, &case, &mut warnings)?;
+            fields.push(field);
+            start.extend(control.start);
+            set.push(block.len, control.set);
+        }
+        let mesh = ensemble.members()[0].problem().solid().mesh().clone();
+        let locate = |(name, point): (String, [f64; 3])| match mesh.locate(point) {
+            Some(located) => Ok(LocatedProbe { name, point, located }),
+            None => Err(AssemblyError::Probe { what: outside(&mesh, point), name }),
+        };
+        let probes = probes.into_iter().map(locate).collect::<Result<_, _>>()?;
+        for member in ensemble.members() {
+            let body = member.problem();
+            let told = body.costs().iter().flat_map(|cost| cost.warnings(body.solid()));
+            warnings.extend(told.map(|told| Warning::new(&HAUSDORFF_LENGTH, told).of(member.name())));
+        }
+        let differences = ensemble.scenarios().iter().map(|_| Map::new()).collect();
+        Ok(Self {
+            document,
+            case,
+            ensemble,
+            controls: fields,
+            start,
+            set,
+            probes,
+            warnings,
+            notes: vec![],
+            files: vec![],
+            ordering: std::time::Duration::ZERO,
+            labels,
+            differences,
+            of_program: true,
+        })
+    }
+}
+
+fn label(ensemble: &Ensemble, member: &Member, case: &Case) -> Label {
+    let named = |name: &str| (!name.is_empty()).then(|| name.to_owned());
+    let scenario = named(&ensemble.scenarios()[member.scenario()]);
+    let load_case = named(member.load_case());
+    let (stem, case_stem) = stems(scenario.as_ref().map(|_| member.scenario()), load_case.as_deref());
+    Label { scenario, load_case, stem, case_stem, case: case.clone(), targets: targets(member.problem()) }
+}
+
+/// The shapes that the costs of a body aim at.
+fn targets(body: &Reduced) -> Vec<TargetShape> {
+    let terms = body.costs().iter().zip(body.term_names());
+    terms.filter_map(|(cost, name)| Some(TargetShape::of(At::root(), &name, cost.target(body.solid())?))).collect()
+}
+
+fn field(
+    ensemble: &Ensemble,
+    block: &EnsembleBlock,
+    control: &ControlProblem,
+    case: &Case,
+    warnings: &mut Vec<Warning>,
+) -> Result<ControlField, AssemblyError> {
+    let owner = &ensemble.members()[block.owner];
+    let own = &owner.problem().layout().blocks()[block.field];
+    let array = own.name.clone();
+    if is_reserved(&array) {
+        return Err(AssemblyError::Reserved { control: array });
+    }
+    check_start(own, control)?;
+    let name = block.name.replace('/', ".");
+    let unit = case.units.label(dimension_of(own.unit).unwrap_or(Dimension::NONE));
+    let bodies = ensemble.members().iter().map(Member::problem);
+    let users = bodies.filter(|body| body.layout().blocks().iter().any(|other| other.name == own.name));
+    let limit = users
+        .filter_map(|body| {
+            let field = body.layout().blocks().iter().position(|other| other.name == own.name)?;
+            limit(std::iter::once(body), field)
+        })
+        .reduce(f64::min);
+    let (admitted, bounds) = match &control.admitted {
+        Admission::Vectors(admitted) => (*admitted, None),
+        Admission::Bounds(bounds) => {
+            let all = (0..own.len()).map(|i| bounds.at(i));
+            let (lower, upper) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, u), (a, b)| (l.min(a), u.max(b)));
+            (Admitted::Between { lower, upper }, Some(bounds.clone()))
+        }
+    };
+    if let Admitted::Between { lower, upper } = admitted {
+        for (bound, side) in [(lower, "lower"), (upper, "upper")] {
+            if bound.is_infinite() {
+                warnings.push(Warning::new(&UNBOUNDED, format!("{name} has no {side} bound")));
+            }
+        }
+        if let Some(limit) = limit.filter(|limit| upper > *limit) {
+            warnings.push(Warning::new(&CONVEXITY, super::actuation::beyond_limit(upper, limit, case.units)));
+        }
+    }
+    let load_case = block.name.contains('/').then_some(block.owner);
+    Ok(ControlField { at: At::root(), name, array, load_case, unit, admitted, bounds, limit })
+}
+
+fn check_start(own: &ControlBlock, control: &ControlProblem) -> Result<(), AssemblyError> {
+    if control.start.len() != own.len() {
+        let (found, expected) = (control.start.len(), own.len());
+        return Err(AssemblyError::Length { control: own.name.clone(), found, expected });
+    }
+    control.set.check(&control.start).map_err(|source| {
+        let unknown = source.index / own.components.max(1);
+        let place = if unknown < own.map.len() { own.map.describe(unknown) } else { format!("value {unknown}") };
+        AssemblyError::Start { control: own.name.clone(), place, source }
+    })
+}

@@ -1,0 +1,58 @@
+//! What a program's problem is, as far as it can be written down: a checkpoint goes on only with an equal one.
+
+use super::ControlSet;
+use crate::lower::ControlProblem;
+use crate::result::fingerprint::Fingerprint;
+use crate::schema::Case;
+use nastic_control::{Ensemble, Member};
+use nastic_mesh::Mesh;
+use nastic_opt::Optimizer;
+use serde_json::{Map, Value, json};
+
+/// Meshes, costs, controls, sets, starts, optimiser. Laws, actuations and the insides of costs are code: what they give is compared when an
+/// optimisation goes on.
+pub(super) fn identity(
+    ensemble: &Ensemble,
+    controls: &[(ControlSet, ControlProblem)],
+    optimizer: &dyn Optimizer,
+    case: &Case,
+) -> Value {
+    let members: Vec<Value> = ensemble.members().iter().map(|member| of_member(ensemble, member)).collect();
+    let blocks = ensemble.blocks().iter().zip(controls).map(|(block, (set, control))| {
+        let own = &ensemble.members()[block.owner].problem().layout().blocks()[block.field];
+        let entry = json!({
+            "space": own.map.space().name(), "values": block.len, "set": format!("{set:?}"), "start": hash(&control.start),
+        });
+        (block.name.clone(), entry)
+    });
+    json!({
+        "members": members,
+        "controls": blocks.collect::<Map<_, _>>(),
+        "risk": format!("{:?}", ensemble.risk()),
+        "optimizer": { "name": optimizer.name(), "options": format!("{:?}", optimizer.options()) },
+        "starts": case.optimizer.starts,
+        "seed": case.optimizer.seed,
+        "snapshots_every": case.output.every,
+        "checkpoints_every": case.output.checkpoint,
+    })
+}
+
+fn of_member(ensemble: &Ensemble, member: &Member) -> Value {
+    let problem = member.problem();
+    let mesh = problem.solid().mesh();
+    json!({
+        "name": member.name(), "probability": ensemble.probabilities()[member.scenario()], "weight": member.weight(),
+        "mesh": mesh.name(), "cells": mesh.cells(), "nodes": hash_of_mesh(mesh),
+        "unknowns": problem.solid().discretization().dofs(), "costs": problem.term_names(),
+    })
+}
+
+fn hash_of_mesh(mesh: &Mesh) -> String {
+    hash(mesh.points().as_flattened())
+}
+
+/// Of the bits of numbers.
+fn hash(values: &[f64]) -> String {
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    format!("{:016x}", Fingerprint::of_bytes(&bytes))
+}

@@ -1,0 +1,106 @@
+//! [`ControlValues`]: the values of a control field with what each belongs to.
+
+use crate::layout::ControlBlock;
+use std::fmt;
+use std::slice::ChunksExact;
+
+/// What an unknown of a control field belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ControlEntity<'a> {
+    /// All cells of the actuation, or a contribution as a whole.
+    Whole,
+    /// The region of this name.
+    Region(&'a str),
+    /// The cell of this number.
+    Cell(u32),
+    /// The corner node of this number.
+    Node(u32),
+}
+
+/// `cell 12`, `node 7`, `region "arm"`, `the whole region`.
+impl fmt::Display for ControlEntity<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole => f.write_str("the whole region"),
+            Self::Region(name) => write!(f, "region \"{name}\""),
+            Self::Cell(cell) => write!(f, "cell {cell}"),
+            Self::Node(node) => write!(f, "node {node}"),
+        }
+    }
+}
+
+/// The values of one control field: pairs of an entity and its value, by ascending number of the entity. The value has one entry per
+/// component: one of a scalar field, three of a vector.
+#[derive(Debug, Clone, Copy)]
+pub struct ControlValues<'a> {
+    block: &'a ControlBlock,
+    values: &'a [f64],
+}
+
+impl<'a> ControlValues<'a> {
+    /// The part of a control vector that belongs to a field.
+    pub(crate) fn new(block: &'a ControlBlock, m: &'a [f64]) -> Self {
+        Self { block, values: block.of(m) }
+    }
+
+    /// The SI unit of the values ("Pa", "T"), as far as the program computes in SI.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        self.block.unit
+    }
+
+    /// All pairs.
+    #[must_use]
+    pub fn iter(&self) -> Pairs<'a> {
+        Pairs { block: self.block, unknown: 0, values: self.values.chunks_exact(self.block.components) }
+    }
+
+    /// The value of an entity; `None` where the field does not reach it.
+    #[must_use]
+    pub fn get(&self, entity: ControlEntity<'_>) -> Option<&'a [f64]> {
+        self.iter().find(|(other, _)| *other == entity).map(|(_, value)| value)
+    }
+}
+
+impl<'a> IntoIterator for ControlValues<'a> {
+    type Item = (ControlEntity<'a>, &'a [f64]);
+    type IntoIter = Pairs<'a>;
+
+    fn into_iter(self) -> Pairs<'a> {
+        self.iter()
+    }
+}
+
+impl<'a> IntoIterator for &ControlValues<'a> {
+    type Item = (ControlEntity<'a>, &'a [f64]);
+    type IntoIter = Pairs<'a>;
+
+    fn into_iter(self) -> Pairs<'a> {
+        self.iter()
+    }
+}
+
+/// Iterator over the pairs of [`ControlValues`].
+#[derive(Debug, Clone)]
+pub struct Pairs<'a> {
+    block: &'a ControlBlock,
+    unknown: usize,
+    values: ChunksExact<'a, f64>,
+}
+
+impl<'a> Iterator for Pairs<'a> {
+    type Item = (ControlEntity<'a>, &'a [f64]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let value = self.values.next()?;
+        let entity = self.block.map.entity(self.unknown);
+        self.unknown += 1;
+        Some((entity, value))
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.values.size_hint()
+    }
+}
+
+impl ExactSizeIterator for Pairs<'_> {}
