@@ -5,6 +5,7 @@
 mod common;
 
 use common::{BAR, Place};
+use nastic_case::run::Exit;
 use nastic_case::schema::Command;
 use serde_json::Value;
 
@@ -82,4 +83,23 @@ fn the_page_of_a_failed_run_says_so_and_shows_the_last_state() {
     let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
     assert!(page.contains("<li class=\"error\"><b>failed</b>") && page.contains("last state before the failure"));
     assert!(!page.contains("\"label\":\"start\""), "no state of another run is shown");
+}
+
+#[test]
+fn a_run_from_an_optimum_stops_at_its_absolute_tolerance() {
+    let place = Place::new();
+    let set = ["optimizer/method=lbfgs", "optimizer/tolerance=1e-2", "optimizer/max_iterations=60"];
+    assert_eq!(place.run(Command::Optimize, BAR, &set).unwrap().exit, Exit::Done);
+    let norm = place.json("result.json")["gradient_norm"].as_f64().unwrap();
+    std::fs::copy(place.path("out/controls.json"), place.path("controls.json")).unwrap();
+    let start = r#"controls/0/start={"file": "controls.json"}"#;
+    let again = |more: &str| {
+        let outcome = place.run(Command::Optimize, BAR, &[set[0], set[1], set[2], start, more]).unwrap();
+        (outcome.result["iterations"].as_u64().unwrap(), outcome.result["stop"].as_str().unwrap().to_owned())
+    };
+    let (iterations, why) = again(&format!("optimizer/absolute_tolerance={:e}", 1.01 * norm));
+    assert_eq!(iterations, 0, "{why}");
+    assert!(why.contains("absolute tolerance"), "{why}");
+    let (iterations, why) = again(&format!("optimizer/absolute_tolerance={:e}", 0.1 * norm));
+    assert!(iterations > 0, "{why}");
 }

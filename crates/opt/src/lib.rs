@@ -96,7 +96,7 @@ pub use run::{Best, Outcome, Run, RunError};
 pub use spectral::Spectral;
 pub use start::{EvaluatedStart, Start};
 pub use state::{Counts, Progress, RunState, SavedPoint, StageEnd};
-pub use stop::{Stall, Stop};
+pub use stop::{Stall, Stop, Tolerance};
 pub use summary::Summary;
 pub use taylor::{Row, Taylor, TaylorDirection, TaylorError, TaylorReport, Verdict};
 pub use trial_table::{TRUE_DISTANCE, TrialTable};

@@ -15,7 +15,10 @@ pub struct Options {
     /// The last stage has converged when the projected gradient's norm in the metric, relative to the stage's first, is
     /// no larger.
     pub tolerance: f64,
-    /// The same for the stages before the last; `tolerance` if that is larger.
+    /// The last stage has converged also where that norm itself is no larger (0: it never is): a run from the end of another, whose
+    /// first gradient is small, stops at once when given the norm at which that one ended.
+    pub absolute_tolerance: f64,
+    /// `tolerance` for the stages before the last; `tolerance` if that is larger.
     pub coarse_tolerance: f64,
     /// Iterations of the whole run. Stage s of S may use at most its share, (what is left)/(S - s); what a stage does
     /// not use goes to those after it.
@@ -38,6 +41,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             tolerance: 1e-4,
+            absolute_tolerance: 0.0,
             coarse_tolerance: 1e-2,
             max_iterations: 100,
             first_move: 0.1,

@@ -5,7 +5,7 @@ use crate::failed::Failed;
 use crate::objective::{Objective, Request};
 use crate::run::Best;
 use crate::saved_run::{read_counts, read_ends, write_counts, write_ends};
-use crate::stop::{Stall, Stop};
+use crate::stop::{Stall, Stop, Tolerance};
 
 const MAGIC: &str = "nastic-best-1";
 
@@ -75,7 +75,11 @@ impl Saved {
 fn write_stop(stop: &Stop, out: &mut Writer) {
     match stop {
         Stop::Converged { gradient_norm, first, tolerance } => {
-            out.count(0);
+            let (code, tolerance) = match tolerance {
+                Tolerance::Relative(tolerance) => (0, tolerance),
+                Tolerance::Absolute(tolerance) => (8, tolerance),
+            };
+            out.count(code);
             [gradient_norm, first, tolerance].into_iter().for_each(|x| out.float(*x));
         }
         Stop::MaxIterations { iterations, relative_gradient } => {
@@ -115,7 +119,10 @@ fn write_stop(stop: &Stop, out: &mut Writer) {
 
 fn read_stop(input: &mut Reader<'_>) -> Result<Stop, SavedRunError> {
     Ok(match input.number()? {
-        0 => Stop::Converged { gradient_norm: input.float()?, first: input.float()?, tolerance: input.float()? },
+        code @ (0 | 8) => {
+            let of = if code == 0 { Tolerance::Relative } else { Tolerance::Absolute };
+            Stop::Converged { gradient_norm: input.float()?, first: input.float()?, tolerance: of(input.float()?) }
+        }
         1 => Stop::MaxIterations { iterations: input.number()?, relative_gradient: input.float()? },
         2 => Stop::Cancelled,
         3 => Stop::Stalled(Stall::Flat {
@@ -150,7 +157,8 @@ mod tests {
     fn every_reason_to_stop_is_read_as_it_was_written() {
         let relative_gradient = 0.1 + 0.2;
         let all = [
-            Stop::Converged { gradient_norm: 1e-3, first: 3.0, tolerance: 1e-4 },
+            Stop::Converged { gradient_norm: 1e-3, first: 3.0, tolerance: Tolerance::Relative(1e-4) },
+            Stop::Converged { gradient_norm: 1e-3, first: 3.0, tolerance: Tolerance::Absolute(2e-3) },
             Stop::MaxIterations { iterations: 7, relative_gradient },
             Stop::Cancelled,
             Stop::Aborted(Failed::because("no memory").fatal()),

@@ -12,8 +12,8 @@ pub enum Stop {
         gradient_norm: f64,
         /// That of the stage's first point.
         first: f64,
-        /// The tolerance on their ratio.
-        tolerance: f64,
+        /// The tolerance that it met.
+        tolerance: Tolerance,
     },
     /// No further decrease is to be had.
     Stalled(Stall),
@@ -29,6 +29,24 @@ pub enum Stop {
     /// An evaluation failed for a reason that has nothing to do with the control ([`Failed::is_fatal`]). The run stands before the
     /// step in which that happened, as after a cancellation.
     Aborted(Failed),
+}
+
+/// On the projected gradient's norm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// Relative to that of the stage's first point.
+    Relative(f64),
+    /// On the norm itself.
+    Absolute(f64),
+}
+
+impl fmt::Display for Tolerance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Relative(tolerance) => write!(f, "tolerance {tolerance:.1e}"),
+            Self::Absolute(tolerance) => write!(f, "absolute tolerance {tolerance:.1e}"),
+        }
+    }
 }
 
 /// How a run stalled.
@@ -93,7 +111,7 @@ impl fmt::Display for Stop {
         match self {
             Self::Converged { gradient_norm, first, tolerance } => write!(
                 f,
-                "converged: projected gradient {gradient_norm:.3e}, {:.1e} of the first (tolerance {tolerance:.1e})",
+                "converged: projected gradient {gradient_norm:.3e}, {:.1e} of the first ({tolerance})",
                 if *first > 0.0 { gradient_norm / first } else { 0.0 }
             ),
             Self::Stalled(stall) => write!(f, "stalled: {stall}"),

@@ -112,6 +112,13 @@ impl<M: Optimizer, W> Within<M, W> {
         self
     }
 
+    /// The projected gradient's norm at which the last stage has converged, whatever the first one was.
+    #[must_use]
+    pub fn absolute_tolerance(mut self, tolerance: f64) -> Self {
+        self.options.absolute_tolerance = tolerance;
+        self
+    }
+
     /// Iterations of the whole run.
     #[must_use]
     pub fn max_iterations(mut self, iterations: usize) -> Self {

@@ -13,6 +13,11 @@ pub(super) fn metric(case: &Case) -> Metric {
 
 pub(super) fn build(case: &Case) -> Option<Box<dyn Optimizer>> {
     let block = &case.optimizer;
-    let options = Options { tolerance: block.tolerance, max_iterations: block.max_iterations, ..Options::default() };
+    let options = Options {
+        tolerance: block.tolerance,
+        absolute_tolerance: block.absolute_tolerance,
+        max_iterations: block.max_iterations,
+        ..Options::default()
+    };
     by_name(block.method.name(), options)
 }

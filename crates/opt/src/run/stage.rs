@@ -6,7 +6,7 @@ use crate::objective::Objective;
 use crate::observer::{Observer, Reason};
 use crate::optimizer::Options;
 use crate::state::{Progress, StageEnd};
-use crate::stop::{Stall, Stop};
+use crate::stop::{Stall, Stop, Tolerance};
 use nastic_numeric::vector::sub;
 
 /// Flat steps in a row that end a stage.
@@ -19,12 +19,16 @@ impl<O: Objective> Run<O> {
 
     /// Whether the present stage is to end before another iteration.
     pub(super) fn stage_over(&self) -> Option<Stop> {
-        let Options { tolerance, coarse_tolerance, max_iterations, window, stagnation, .. } = self.setting.options;
+        let Options { tolerance, absolute_tolerance, coarse_tolerance, max_iterations, window, stagnation, .. } =
+            self.setting.options;
         let Progress { counts, stage, stage_began, costs, gradients, flat, .. } = &self.progress;
         let tolerance = if self.is_last_stage() { tolerance } else { tolerance.max(coarse_tolerance) };
         let (gradient_norm, first) = (self.current.gradient_norm, gradients[0]);
         if gradient_norm <= tolerance * first {
-            return Some(Stop::Converged { gradient_norm, first, tolerance });
+            return Some(Stop::Converged { gradient_norm, first, tolerance: Tolerance::Relative(tolerance) });
+        }
+        if self.is_last_stage() && gradient_norm <= absolute_tolerance {
+            return Some(Stop::Converged { gradient_norm, first, tolerance: Tolerance::Absolute(absolute_tolerance) });
         }
         let relative_gradient = self.progress.relative(gradient_norm);
         if *flat >= FLAT {
