@@ -11,6 +11,10 @@ use std::collections::VecDeque;
 /// model of the set (active bounds fixed, the free components by conjugate gradients preconditioned with the two-loop
 /// recursion), then searches along that segment by backtracking. Derivatives are taken of accepted points alone; a pair
 /// without positive curvature is left out and the next step is made longer.
+///
+/// Where no pair tells of the curvature, it is `theta = |y|/|s|` of the last one (norms dual and primal in the inner product): the geometric
+/// mean of the two lengths of Barzilai and Borwein, as of Dai, Al-Baali and Yang (2015), "A positive Barzilai-Borwein-like stepsize and an
+/// extension for symmetric linear systems".
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lbfgs {
     /// When to stop, and what to ask of evaluations.
@@ -112,7 +116,9 @@ impl Method for QuasiNewton {
         self.carry(from, to);
         let secant = Secant::between(from, to);
         if secant.is_convex() {
-            self.theta = secant.yy / secant.sy;
+            // The largest curvature met, y.y / s.y, would be too stiff for most directions of an ill-posed problem; this is the geometric mean
+            // of that and of s.y / s.s.
+            self.theta = (secant.yy / secant.ss).sqrt();
             self.skipped = 0;
             self.pairs.push_back(secant);
             if self.pairs.len() > self.keep {
