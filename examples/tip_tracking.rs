@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Reduced::new(body).control("tension", Space::Node)?.cost(Tracking::surface("x+", lifted))?;
     println!("{} unknowns, {} controls", problem.solid().discretization().dofs(), problem.layout().len());
 
-    let options = Options { max_iterations: iterations, ..Options::default() };
+    let options = Options { max_iterations: iterations, tolerance: 1e-6, ..Options::default() };
     let optimizer = by_name(&method, options).ok_or("METHOD is projected_gradient, spectral or lbfgs")?;
     let print = |trial: &Trial<'_, Evaluated>| {
         let work = |name| trial.summary.get(name).unwrap_or(0.0);
