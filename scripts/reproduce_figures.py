@@ -206,7 +206,7 @@ def petal(out, path):
     target = tracked(here / "target.vtu")
     panels = [
         ("start", 0.02, [(start, "thistle", 1.0)], [target], None, None),
-        ("after thirty iterations, applied field", 0.04, [(optimum, "orchid", 1.0)], [target], None,
+        ("optimum, applied field", 0.04, [(optimum, "orchid", 1.0)], [target], None,
          field_arrow(best, (-0.1, 0.1, 0.03), 0.06)),
         ("remanence, at rest", 0.0, [(best, "lightgrey", 0.35)], [], arrows(best, best, 0.016), None),
     ]
