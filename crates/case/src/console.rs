@@ -52,6 +52,11 @@ impl Console {
         Self { passing: self.passing.clone(), ..Self::silent() }
     }
 
+    /// Whether nobody reads its lines.
+    pub(crate) fn is_silent(&self) -> bool {
+        self.lines.lock().map_or(true, |out| out.is_none())
+    }
+
     /// Writes a line and shows it at once.
     pub fn say(&self, line: impl fmt::Display) {
         self.clear();

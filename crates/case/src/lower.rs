@@ -30,6 +30,7 @@ mod survey;
 mod unsupported;
 mod variant;
 
+pub(crate) use actuation::CONTRACTION;
 pub use assembled::AssemblyError;
 pub(crate) use assembled::{Admission, Assembled, ControlProblem};
 pub use control::{Admitted, ControlField};

@@ -271,6 +271,10 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
     optimize::record_end(&session)?;
     if let Some(out) = &session.out {
         session.console.say(format!("results     {}", out.path().display()));
+        let page = out.file(nastic_report::FILE);
+        if page.exists() {
+            session.console.say(format!("page        {}", page.display()));
+        }
     }
     say_effort(&session);
     let outcome = Outcome { exit, result: session.result_value(), missed };

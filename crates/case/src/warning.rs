@@ -156,7 +156,7 @@ pub const BRANCH_UNKNOWN: WarningKind = WarningKind {
 /// Nothing moved.
 pub const NO_MOVEMENT: WarningKind = WarningKind {
     code: "no_movement",
-    about: "the optimisation ended where it began",
+    about: "the optimisation ended where it began, or the cost hardly fell",
     advice: "check that the control moves the body where the cost looks (`nastic gradient`), and the scale of the cost",
 };
 
@@ -171,8 +171,8 @@ pub const ALL_ON_BOUNDS: WarningKind = WarningKind {
 pub const OTHER_SIGN: WarningKind = WarningKind {
     code: "other_sign",
     about: "the cost falls in the direction that a bound at zero forbids",
-    advice: "turn the sign of the bounds: a positive tension lengthens, a negative one contracts; the kind \"muscle\" contracts by a positive \
-             contraction; a positive pressure inflates",
+    advice: "turn the sign of the bounds: a positive tension lengthens, a negative one contracts; a positive pressure inflates; a muscle only pulls, \
+             by a positive contraction: put it on the other side of the body",
 };
 
 /// The body intersects itself.

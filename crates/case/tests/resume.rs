@@ -5,11 +5,10 @@
 mod common;
 
 use common::{BAR, Heard, Place, with};
-use nastic_case::catalogue::Catalogue;
-use nastic_case::console::Console;
 use nastic_case::result::CheckpointError;
 use nastic_case::run::{Exit, Options, Outcome, RunError, resume};
 use nastic_case::schema::Command;
+use nastic_case::{catalogue::Catalogue, console::Console};
 use serde_json::Value;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

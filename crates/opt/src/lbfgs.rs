@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 /// recursion), then searches along that segment by backtracking. Derivatives are taken of accepted points alone; a pair
 /// without positive curvature is left out and the next step is made longer.
 ///
-/// Where no pair tells of the curvature, it is `theta = |y|/|s|` of the last one (norms dual and primal in the inner product): the geometric
+/// In directions that no stored pair covers, the curvature is `theta = |y|/|s|` of the last one (norms dual and primal in the inner product): the geometric
 /// mean of the two lengths of Barzilai and Borwein, as of Dai, Al-Baali and Yang (2015), "A positive Barzilai-Borwein-like stepsize and an
 /// extension for symmetric linear systems".
 #[derive(Clone, Debug, PartialEq)]

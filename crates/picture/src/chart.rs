@@ -261,13 +261,19 @@ impl Drawing {
         self.text([at[0] + aside, at[1] + aloft], anchor, false, Colour::INK, name);
     }
 
+    /// The names of curves below the axis, in two rows where one is too short.
     fn legend(&mut self, curves: &[Curve]) {
-        let mut x = FIELD[0];
-        for (curve, &colour) in curves.iter().zip(&COLOURS).take(NAMED) {
-            let y = SIZE[1] - 40.0;
+        let wide = |curve: &Curve| 44.0 + text::width(&curve.label, 24.0) + 36.0;
+        let named = || curves.iter().zip(&COLOURS).take(NAMED);
+        let fits = FIELD[0] + named().map(|(curve, _)| wide(curve)).sum::<f64>() <= SIZE[0];
+        let [mut x, mut y] = [FIELD[0], SIZE[1] - if fits { 40.0 } else { 54.0 }];
+        for (curve, &colour) in named() {
+            if x > FIELD[0] && x + wide(curve) > SIZE[0] {
+                [x, y] = [FIELD[0], y + 32.0];
+            }
             self.line([x, y], [x + 34.0, y], 5.0, colour);
             self.text([x + 44.0, y], Anchor::Start, false, Colour::INK, &curve.label);
-            x += 44.0 + text::width(&curve.label, 24.0) + 36.0;
+            x += wide(curve);
         }
     }
 }

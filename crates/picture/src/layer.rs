@@ -234,7 +234,7 @@ fn over(before: &Fragment, colour: Linear, opacity: f32) -> Fragment {
     Fragment { opacity: both, colour: mix(before.colour, colour, opacity / both), glass: false }
 }
 
-/// Those of `count` samples from `first` on whose centres lie between the bounds, and one more at each end.
+/// Those of `count` samples from `first` on whose centres lie between the bounds.
 fn within(low: f64, high: f64, first: usize, count: usize) -> std::ops::Range<usize> {
     let first = first as f64;
     let start = (low - first - 0.5).ceil().clamp(0.0, count as f64) as usize;

@@ -17,16 +17,16 @@ pub(super) struct Image {
 pub(super) const SAMPLES: usize = 3;
 /// Rows of pixels rendered at a time.
 pub(super) const BAND: usize = 8;
-/// Layers over each other; further shapes are not drawn.
+/// Layers over each other in a band; further shapes are not drawn there.
 const LAYERS: usize = 64;
 
 pub(super) fn render(scene: &Scene, width: usize, height: usize) -> Image {
     let mut pixels = vec![[0.0; 3]; width * height];
-    let shapes = scene.shapes.par_iter().take(LAYERS);
-    let shapes: Vec<Drawable> = shapes.map(|shape| Drawable::new(scene, shape, width, height)).collect();
+    let shapes: Vec<Drawable> =
+        scene.shapes.par_iter().map(|shape| Drawable::new(scene, shape, width, height)).collect();
     pixels.par_chunks_mut(BAND * width).enumerate().with_max_len(1).for_each(|(band, pixels)| {
         let (first, rows) = (band * BAND, pixels.len() / width);
-        let layers: Vec<Layer> = shapes.iter().filter_map(|shape| Layer::of(shape, band, rows)).collect();
+        let layers: Vec<Layer> = shapes.iter().filter_map(|shape| Layer::of(shape, band, rows)).take(LAYERS).collect();
         for (row, pixels) in pixels.chunks_mut(width).enumerate() {
             let behind = Colour(shade::background((first + row) as f64 / height as f64)).linear();
             for (column, out) in pixels.iter_mut().enumerate() {

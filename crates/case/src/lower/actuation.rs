@@ -138,7 +138,7 @@ fn fix_number(
 }
 
 /// The control of a muscle.
-pub(super) const CONTRACTION: &str = "contraction";
+pub(crate) const CONTRACTION: &str = "contraction";
 pub(super) const MUSCLES_PULL: &str = "a muscle only pulls: its contraction is positive or zero; fibres that lengthen are of the kind \"fiber_tension\", \
      with a positive tension";
 

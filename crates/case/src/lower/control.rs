@@ -143,7 +143,7 @@ pub(super) fn lower(
 }
 
 /// Weighs the fields of a body in the inner product, so that a change through its whole range counts the same in each; a
-/// field without bounds counts as the first one.
+/// field without a range counts as the first one that has one.
 pub(super) fn weigh(
     variant: &Variant,
     shared: usize,

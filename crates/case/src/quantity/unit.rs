@@ -49,6 +49,8 @@ pub const UNITS: &[Unit] = &[
     Unit::new("kPa", Dimension::PRESSURE, 3),
     Unit::new("MPa", Dimension::PRESSURE, 6),
     Unit::new("GPa", Dimension::PRESSURE, 9),
+    Unit::new("bar", Dimension::PRESSURE, 5),
+    Unit::new("mbar", Dimension::PRESSURE, 2),
     Unit::TESLA,
     Unit::new("mT", Dimension::FIELD, -3),
     Unit::new("uT", Dimension::FIELD, -6),

@@ -20,7 +20,8 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::load_cases(problem),
         describe::scenarios(problem),
         describe::optimizer(problem),
-        describe::duration(problem),
+        // It takes as long as a Newton iteration.
+        if session.console.is_silent() { vec![] } else { describe::duration(problem) },
         describe::conventions(problem),
     ];
     for lines in &sections {

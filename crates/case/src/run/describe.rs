@@ -243,10 +243,15 @@ pub(super) fn optimizer(problem: &CaseProblem) -> Vec<Line> {
         Metric::H1(length) => format!("H1 of length {}", quantity(length, Dimension::LENGTH, problem.units())),
     };
     let text = format!(
-        "{}, at most {} iterations, tolerance {} on the projected gradient, metric {metric}",
+        "{}, at most {} iterations, tolerance {}{} on the projected gradient, metric {metric}",
         block.method.name(),
         block.max_iterations,
-        short(block.tolerance)
+        short(block.tolerance),
+        if block.absolute_tolerance > 0.0 {
+            format!(" (absolute {})", short(block.absolute_tolerance))
+        } else {
+            String::new()
+        }
     );
     vec![line("optimizer", text)]
 }

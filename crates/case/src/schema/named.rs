@@ -35,7 +35,7 @@ impl Method {
 
 impl Default for Method {
     fn default() -> Self {
-        Method("projected_gradient")
+        Method("lbfgs")
     }
 }
 

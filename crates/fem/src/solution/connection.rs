@@ -8,6 +8,7 @@ use crate::solution::rotation_corrected_step::GradientFit;
 use crate::solution::state::State;
 use crate::solution::workspace::Workspace;
 use nastic_numeric::vector::{axpy, norm, sub};
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// Whether the branch of equilibria through one state, followed along the straight way to the controls of another, comes
@@ -30,9 +31,9 @@ const SAME: f64 = 0.01;
 const SMALL: f64 = 0.01;
 /// A solve of fewer Newton iterations, all with a positive definite tangent, has not left its branch.
 const FEW: usize = 5;
-/// The first part of the way that is solved by itself, and solves of such parts before the path is followed.
+/// The first part of the way that is solved by itself, and parts that may be refused before the path is followed.
 const FIRST_PART: f64 = 0.25;
-const PARTS: usize = 16;
+const REFUSED: usize = 2;
 /// Where between the two displacements the tangent is looked at.
 const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
 /// Steps of the path: as long as its direction and Newton's method allow, at most a tenth of the body's diagonal in the
@@ -60,10 +61,10 @@ impl Model {
         self.check_state(from)?;
         self.check_state(to)?;
         let change = norm(&sub(&to.u, &from.u));
-        let mut workspace = Workspace::default();
+        let (mut workspace, fit) = (Workspace::default(), OnceCell::new());
         if change <= SMALL * norm(&to.u)
-            || !self.may_have_jumped(from, to, how, &mut workspace)?
-            || self.is_reached_in_parts(from, to, how, &mut workspace)?
+            || !self.may_have_jumped(from, to, how, (&mut workspace, &fit))?
+            || self.is_reached_in_parts(from, to, how, (&mut workspace, &fit))?
         {
             return Ok(Connection::Connected);
         }
@@ -90,7 +91,7 @@ impl Model {
         from: &State,
         to: &State,
         how: &SolveOptions,
-        workspace: &mut Workspace,
+        (workspace, fit): (&mut Workspace, &OnceCell<Option<GradientFit>>),
     ) -> Result<bool, StateError> {
         let report = &to.report;
         if report.shifted > 0 || report.restarts > 0 {
@@ -99,13 +100,13 @@ impl Model {
         if report.newton < FEW {
             return Ok(false);
         }
-        let fit = GradientFit::new(self, how.parallel);
+        let fit = fit.get_or_init(|| GradientFit::new(self, how.parallel));
         for share in BETWEEN {
             let between = self.between(from, to, share, fit.as_ref(), how.parallel);
             match self.negative_pivots_with(&between, how, workspace) {
                 Ok(0) => {}
                 Err(error) if error.is_final() => return Err(error),
-                // Negative, singular, or turned inside out on the straight line.
+                // Negative, singular, or turned inside out on the way.
                 Ok(_) | Err(_) => return Ok(true),
             }
         }
@@ -118,22 +119,23 @@ impl Model {
         from: &State,
         to: &State,
         how: &SolveOptions,
-        workspace: &mut Workspace,
+        (workspace, fit): (&mut Workspace, &OnceCell<Option<GradientFit>>),
     ) -> Result<bool, StateError> {
-        if from.load != to.load {
+        // Solves of parts are of the whole load.
+        if from.load != 1.0 || to.load != 1.0 {
             return Ok(false);
         }
-        let (mut here, mut share, mut part) = (from.clone(), 0.0, FIRST_PART);
-        for _ in 0..PARTS {
+        let (mut here, mut share, mut part, mut refused) = (from.clone(), 0.0, FIRST_PART, 0);
+        while refused <= REFUSED {
             let next = f64::min(share + part, 1.0);
             let controls = from.controls.blend(&to.controls, next);
             match self.solve_with(&controls, &SolveOptions { near: Some(&here), guess: None, ..how.clone() }, workspace)
             {
-                Ok(there) if !self.may_have_jumped(&here, &there, how, workspace)? => {
+                Ok(there) if !self.may_have_jumped(&here, &there, how, (workspace, fit))? => {
                     (here, share, part) = (there, next, 2.0 * part);
                 }
                 Err(error) if error.is_final() => return Err(error),
-                Ok(_) | Err(_) => part = 0.5 * (next - share),
+                Ok(_) | Err(_) => (part, refused) = (0.5 * (next - share), refused + 1),
             }
             if share == 1.0 {
                 let change = norm(&sub(&to.u, &from.u));

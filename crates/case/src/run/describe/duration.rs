@@ -47,7 +47,10 @@ fn tangent(member: CaseMember<'_>) -> Result<f64, String> {
         return Err("the linear solver is multigrid".to_owned());
     }
     let available = available_memory().map_err(|error| error.to_string())?.unwrap_or(usize::MAX);
-    if disc.factor_bytes() > LARGEST || disc.factorisation_bytes() > available {
+    if disc.factorisation_bytes() > available {
+        return Err("the memory does not suffice for a factor".to_owned());
+    }
+    if disc.factor_bytes() > LARGEST {
         return Err("making a factor as large as this one takes long".to_owned());
     }
     let began = Instant::now();

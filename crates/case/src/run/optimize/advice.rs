@@ -40,7 +40,7 @@ pub(super) fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
 
 fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
     let optimizer = &session.problem.case.optimizer;
-    let from_here = starts_from_here(session);
+    let from_here = starts_from_here(session, best);
     let again = |why: String, set: Vec<String>| Advice { why, command: optimize(session, &set) };
     let with = |one: String| [vec![one], from_here.clone()].concat();
     let mut out = Vec::new();
@@ -56,8 +56,8 @@ fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
         }
         Stop::Stalled(Stall::Flat { relative_gradient, .. } | Stall::Stagnation { relative_gradient, .. }) => {
             let tolerance = loosened(*relative_gradient);
-            let why = format!("if this is good enough, take a tolerance that it meets ({tolerance})");
-            out.push(again(why, with(format!("optimizer/tolerance={tolerance}"))));
+            let why = format!("this may be good enough: a run with a tolerance of {tolerance} would have converged");
+            out.push(again(why, vec![format!("optimizer/tolerance={tolerance}")]));
         }
         Stop::Stalled(Stall::LineSearch { trials, failed, .. }) if 2 * failed >= *trials => {
             let set = narrowed(session);
@@ -80,7 +80,7 @@ fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
     }
     if optimizer.method.name() != QUASI_NEWTON && !best.stop.is_interrupted() && !best.stop.is_converged() {
         let set = with(format!("optimizer/method={QUASI_NEWTON}"));
-        out.push(again("take the quasi-Newton method, which needs fewer iterations".into(), set));
+        out.insert(0, again("take the quasi-Newton method, which needs fewer iterations".into(), set));
     }
     if let (Stop::Stalled(_), 1) = (&best.stop, optimizer.starts) {
         let why = "the cost may have other minima: try several starts".to_owned();
@@ -95,24 +95,53 @@ fn on_case(session: &Session<'_>, command: impl Fn(&str) -> String) -> Option<St
     session.problem.case_file().map(|case| command(&quote(case)))
 }
 
-/// `nastic optimize` with the overrides of this run and others.
+/// `nastic optimize` with the overrides of this run and others. What starts from the controls of this run goes to another
+/// directory, so that these stay.
 fn optimize(session: &Session<'_>, set: &[String]) -> Option<String> {
     let path = |setting: &str| setting.split_once('=').map_or("", |(path, _)| path).to_owned();
     let replaced = |old: &String| set.iter().any(|new| path(new) == path(old));
     let kept = session.settings.iter().filter(|old| !replaced(old));
     let settings = kept.chain(set).map(|setting| format!(" --set {}", quote(setting)));
-    let out = session.out.as_ref().map(|out| out.path()).filter(|out| *out != session.usual_directory());
+    let goes_on = set.iter().any(|setting| path(setting).ends_with("/start"));
+    let out = session.out.as_ref().map(|out| if goes_on { next_to(out.path()) } else { out.path().to_owned() });
+    let out = out.filter(|out| *out != session.usual_directory());
     let out = out.map_or_else(String::new, |out| format!(" --out {}", quote(&out.display().to_string())));
     let settings: String = settings.collect();
     on_case(session, |case| format!("nastic optimize {case}{out}{settings}"))
 }
 
-/// Settings that let every control start where it has come to.
-fn starts_from_here(session: &Session<'_>) -> Vec<String> {
+/// The directory beside another whose name ends in the next number: `finger_2` beside `finger`.
+fn next_to(directory: &Path) -> PathBuf {
+    let name = directory.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let numbered = name.rsplit_once('_').and_then(|(stem, number)| Some((stem, number.parse::<u32>().ok()?)));
+    let (stem, number) = numbered.unwrap_or((&name, 1));
+    directory.with_file_name(format!("{stem}_{}", number.saturating_add(1)))
+}
+
+/// Settings that let every control start where it has come to, and the run converge where this one would have.
+fn starts_from_here(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<String> {
     let Some(out) = &session.out else { return vec![] };
     let file = from_case(Path::new(session.problem.document.name()), &out.file("controls.json"));
     let start = json!({ "file": file.display().to_string() });
-    session.problem.controls.iter().map(|field| format!("{}/start={start}", field.at)).collect()
+    let starts = session.problem.controls.iter().map(|field| format!("{}/start={start}", field.at));
+    let optimizer = &session.problem.case.optimizer;
+    let aimed = relative_gradient(&best.stop)
+        .map(|relative| optimizer.tolerance * best.gradient_norm / relative)
+        .filter(|norm| norm.is_finite() && *norm > optimizer.absolute_tolerance);
+    starts.chain(aimed.map(|norm| format!("optimizer/absolute_tolerance={norm:.2e}"))).collect()
+}
+
+/// The projected gradient at the end, relative to the first of the stage.
+fn relative_gradient(stop: &Stop) -> Option<f64> {
+    match stop {
+        Stop::MaxIterations { relative_gradient, .. }
+        | Stop::Stalled(
+            Stall::Flat { relative_gradient, .. }
+            | Stall::LineSearch { relative_gradient, .. }
+            | Stall::Stagnation { relative_gradient, .. },
+        ) => Some(*relative_gradient).filter(|relative| *relative > 0.0),
+        _ => None,
+    }
 }
 
 /// A file as a case names it: from the case's directory.

@@ -1,7 +1,7 @@
 //! Warnings about an optimisation that ended: nothing moved, bounds decide, terms that do not count, branches left.
 
 use super::FinishedRun;
-use crate::lower::ControlField;
+use crate::lower::{CONTRACTION, ControlField};
 use crate::result::summary;
 use crate::run::number::{count, scientific, short};
 use crate::run::session::Session;
@@ -12,6 +12,8 @@ use nastic_opt::DEFAULT_ACCURACY;
 
 /// A change of the control, relative to its size, that counts as none.
 const STILL: f64 = 1e-12;
+/// A cost that falls by a smaller part of itself has not changed.
+const UNCHANGED: f64 = 1e-3;
 /// Displacements of two solves of one equilibrium differ by less, relative to their norm.
 const SAME: f64 = 1e-5;
 /// A term this many times smaller than the largest does not count.
@@ -38,7 +40,16 @@ fn movement(run: &FinishedRun) -> Option<Warning> {
     let (start, best) = (&run.start, &run.best);
     let moved = norm(&sub(&best.m, &start.m));
     if moved > STILL * norm(&best.m) {
-        return None;
+        let fell = start.risk - best.cost;
+        let same = best.stage == 0 && fell >= 0.0 && fell < UNCHANGED * start.risk.abs() && !best.stop.is_converged();
+        let message = || {
+            let cost = scientific(best.cost, 6);
+            format!(
+                "the cost has fallen by {:.1e} of itself alone, to {cost}: it began at an optimum, or the controls hardly act on what is wanted",
+                fell / start.risk.abs()
+            )
+        };
+        return same.then(|| Warning::new(&NO_MOVEMENT, message()));
     }
     let slope = match best.gradient_norm {
         _ if best.derivative.iter().all(|d| *d == 0.0) => "the derivative of the cost is exactly zero there".to_owned(),
@@ -64,7 +75,12 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, sessio
         let at_zero = (0..m.len()).all(|i| m[i] == 0.0 && (limits.at(i).0 == 0.0 || limits.at(i).1 == 0.0));
         if at_zero && (falls_below || falls_above) {
             let (bound, side) = if falls_below { ("lower", "below") } else { ("upper", "above") };
-            let message = format!("{}: all values are 0, the {bound} bound, and the cost falls {side} it", field.name);
+            let mut message =
+                format!("{}: all values are 0, the {bound} bound, and the cost falls {side} it", field.name);
+            let owner = session.problem.member(block.owner);
+            if summary::slot(owner, &owner.layout().blocks()[block.field]) == Some(CONTRACTION) {
+                message += ": this muscle would have to push";
+            }
             return Some(Warning::new(&OTHER_SIGN, message));
         }
         let outward = |i: usize| {

@@ -148,7 +148,7 @@ mod tests {
         let axis = |text: &str| Axis::of(&Swept::read(&[format!("a/young={text}")]).unwrap()[0]);
         let same = axis("90 kPa,110 kPa");
         assert_eq!((same.label.as_str(), same.places.as_slice()), ("young (kPa)", [90.0, 110.0].as_slice()));
-        let other = axis("90 kPa,0.2 MPa,1e5");
+        let other = axis("90 kPa,0.2 MPa,0.1 MPa");
         assert_eq!((other.label.as_str(), other.places.as_slice()), ("young (SI)", [9e4, 2e5, 1e5].as_slice()));
         let names = axis("lbfgs,spectral");
         assert!(names.is_named && names.places == [0.0, 1.0]);

@@ -1,6 +1,7 @@
 //! [`Swept`]: an option `--set path=a,b,c`, and what a list of them means together.
 
 use crate::lower::file_name;
+use crate::quantity::Unit;
 use crate::syntax::{Diagnostic, Diagnostics, Setting};
 use std::collections::BTreeSet;
 
@@ -72,6 +73,11 @@ impl Swept {
         if different.len() < values.len() {
             return complain("a value stands there twice");
         }
+        if values.iter().any(|value| is_number(value)) && values.iter().any(|value| has_unit(value)) {
+            return complain(
+                "some values have a unit and others none: a unit belongs to the value before it alone, as in \"50 kPa,100 kPa\"",
+            );
+        }
         Ok(Self { label: path.clone(), path, values })
     }
 
@@ -84,6 +90,19 @@ impl Swept {
     pub fn setting(&self, index: usize) -> String {
         format!("{}={}", self.path, self.values[index])
     }
+}
+
+/// Whether it is a number without a unit; zero needs none.
+fn is_number(value: &str) -> bool {
+    value.trim().trim_matches('"').parse::<f64>().is_ok_and(|number| number != 0.0)
+}
+
+/// Whether it is a number with a unit behind it.
+fn has_unit(value: &str) -> bool {
+    let value = value.trim().trim_matches('"');
+    value
+        .split_once(char::is_whitespace)
+        .is_some_and(|(number, unit)| number.parse::<f64>().is_ok() && Unit::named(unit.trim()).is_some())
 }
 
 /// All combinations of values: those of the last option vary fastest.
