@@ -1,6 +1,7 @@
 //! The adjoint of the state equation, and the inertia of an equilibrium.
 
 pub(crate) mod reverse_sweep;
+pub(crate) mod second_order;
 
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::StateError;
@@ -67,7 +68,7 @@ impl Model {
         let solver = self.linear_solver(how, workspace);
         let mut systems = TangentSystems::new(self, how.parallel, solver);
         if let [b] = columns[..]
-            && let Some(lambda) = self.adjoint_by_products(state, b, how, &mut systems, &mut report)
+            && let Some(lambda) = self.solve_by_products(state, b, how, &mut systems, &mut report)
         {
             return Ok(Adjoint { lambda: vec![lambda], report });
         }
@@ -76,9 +77,9 @@ impl Model {
         Ok(Adjoint { lambda, report })
     }
 
-    /// The adjoint for one right-hand side with the factor at hand and K(u*) as a product, where that is cheaper than K(u*)
-    /// as a matrix; `None` where it is not, or does not converge in time.
-    fn adjoint_by_products(
+    /// `K(u*) x = b` with the factor at hand and K(u*) as a product, where that is cheaper than K(u*) as a matrix; `None`
+    /// where it is not, or does not converge in time.
+    fn solve_by_products(
         &self,
         state: &State,
         b: &[f64],

@@ -22,6 +22,13 @@ pub(crate) enum Wanted {
     Downhill,
 }
 
+/// Whether a system is that of the transposed tangent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Transposition {
+    No,
+    Yes,
+}
+
 /// Systems with the tangent of a model, by the solver of a workspace.
 pub(crate) struct TangentSystems<'a> {
     model: &'a Model,
@@ -101,13 +108,27 @@ impl<'a> TangentSystems<'a> {
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, LinearError> {
         eliminate(self.model, &mut matrix);
+        rhs.iter().map(|b| self.solve_exactly(&matrix, u, b, Transposition::Yes, report)).collect()
+    }
+
+    /// `K x = b` or `K^T x = b` with a tangent at u whose supports are eliminated, to what counts as exact; it may be indefinite.
+    pub fn solve_exactly(
+        &mut self,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        b: &[f64],
+        transposition: Transposition,
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(&matrix);
+        let system = configuration.system(matrix);
         let mut work = LinearWork::default();
-        let solve = |b: &&[f64]| self.solver.solve_transposed(&system, b, EXACT, &mut work);
-        let solutions = rhs.iter().map(solve).collect();
+        let solution = match transposition {
+            Transposition::No => self.solver.solve(&system, b, EXACT, &mut work),
+            Transposition::Yes => self.solver.solve_transposed(&system, b, EXACT, &mut work),
+        };
         report.add_linear(&work);
-        solutions
+        solution
     }
 
     /// `[K B; C^T D] [x; y] = [f; g]`, K a tangent at u whose supports are eliminated; it may be indefinite and nearly
