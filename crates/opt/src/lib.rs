@@ -85,7 +85,7 @@ pub use inner_product::{Diagonal, Euclidean, INNER_PRODUCTS, InnerProduct, Inner
 pub use lbfgs::Lbfgs;
 pub use line_search::LineSearch;
 pub use method::{Current, Memory, Method, Secant};
-pub use objective::{DEFAULT_ACCURACY, Objective, Problem, Request};
+pub use objective::{DEFAULT_ACCURACY, NoSecondDerivatives, Objective, Problem, Request};
 pub use observer::{Observer, Reason, Trial};
 pub use optimizer::{CATALOGUE, Optimizer, OptimizerRow, Options, by_name};
 pub use projected_gradient::ProjectedGradient;
@@ -95,5 +95,5 @@ pub use start::{EvaluatedStart, Start};
 pub use state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 pub use stop::{Stall, Stop};
 pub use summary::Summary;
-pub use taylor::{Row, Taylor, TaylorDirection, TaylorError, TaylorReport, Verdict};
+pub use taylor::{Row, SecondOrder, Taylor, TaylorDirection, TaylorError, TaylorReport, Verdict};
 pub use within::Within;

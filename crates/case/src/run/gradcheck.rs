@@ -150,6 +150,7 @@ fn word(verdict: Verdict) -> &'static str {
         Verdict::Right => "right",
         Verdict::Wrong => "WRONG",
         Verdict::Linear => "linear",
+        Verdict::Quadratic => "quadratic",
         Verdict::Undecided => "undecided",
     }
 }

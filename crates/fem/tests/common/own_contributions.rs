@@ -1,5 +1,7 @@
 //! Contributions that only tests need, and bodies with them.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use super::{Outcome, regular};
 use nastic_energy::{FiberTension, NeoHooke, Slot};
 use nastic_fem::{
