@@ -101,6 +101,14 @@ pub enum ControlError {
         /// Length of the layout.
         expected: usize,
     },
+    /// A cost that does not give second derivatives.
+    #[error(
+        "the cost {cost} gives no second derivatives; implement `CostPoint::add_second_partials`, or do without them"
+    )]
+    NoSecondPartials {
+        /// Type of the evaluated cost.
+        cost: &'static str,
+    },
     /// A cost that makes no sense as given.
     #[error("{what}")]
     Cost {

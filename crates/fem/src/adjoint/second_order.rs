@@ -7,13 +7,13 @@ use crate::error::{SecondDerivativeError, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
-use crate::solution::tangent_systems::{TangentSystems, Transposition, eliminate};
+use crate::solution::tangent_systems::{SYMMETRIC, TangentSystems, Transposition, eliminate};
 use crate::solution::workspace::Workspace;
 use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::axpy;
 
 /// Directional derivatives of a state and its adjoint by the controls, in two linear solves with the factor that a workspace
-/// keeps, as [`Model::adjoint_with`] uses it, and to its accuracy: with `r(u, m) = 0`, `K = r_u` and `K^T lambda = -j_u`,
+/// keeps, as [`Model::adjoint_with`] uses it, and until double precision ends: with `r(u, m) = 0`, `K = r_u` and `K^T lambda = -j_u`,
 ///
 /// ```text
 /// K du          = -r_m v
@@ -112,7 +112,8 @@ impl<'a> SecondOrder<'a> {
         }
         let (state, how) = (self.state, self.how);
         if self.matrix.is_none()
-            && let Some(x) = self.model.solve_by_products(state, &rhs, how, &mut self.systems, &mut self.report)
+            && let Some(x) =
+                self.model.solve_by_products(state, &rhs, how, (SYMMETRIC, &mut self.systems), &mut self.report)
         {
             return Ok(x);
         }
@@ -124,7 +125,7 @@ impl<'a> SecondOrder<'a> {
                 matrix
             }
         };
-        let solved = self.systems.solve_exactly(&matrix, &state.u, &rhs, transposition, &mut self.report);
+        let solved = self.systems.solve_to(SYMMETRIC, &matrix, &state.u, &rhs, transposition, &mut self.report);
         self.matrix = Some(matrix);
         Ok(solved?)
     }

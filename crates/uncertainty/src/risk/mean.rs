@@ -24,6 +24,10 @@ impl Risk for Mean {
         Ok(vec![0.0; p.len()])
     }
 
+    fn is_linear(&self) -> bool {
+        true
+    }
+
     /// Negative weights are welcome.
     fn check(&self, p: &[f64]) -> Result<(), RiskError> {
         check_probabilities(p)

@@ -51,6 +51,11 @@ pub trait Risk: Debug + Send + Sync {
         Err(RiskError::NoSecondDerivatives { measure: self.name() })
     }
 
+    /// Whether R is linear in the costs, so that its weights never change.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
     /// What a smoothed measure stands for, without the smoothing; for reports.
     fn exact(&self, _p: &[f64], _j: &[f64]) -> Option<f64> {
         None
@@ -81,6 +86,10 @@ impl Risk for Box<dyn Risk> {
 
     fn weights_change(&self, p: &[f64], j: &[f64], dj: &[f64]) -> Result<Vec<f64>, RiskError> {
         (**self).weights_change(p, j, dj)
+    }
+
+    fn is_linear(&self) -> bool {
+        (**self).is_linear()
     }
 
     fn exact(&self, p: &[f64], j: &[f64]) -> Option<f64> {
