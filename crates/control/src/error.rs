@@ -123,6 +123,11 @@ impl ControlError {
         matches!(self, ControlError::State(error) if error.is_lack_of_memory())
     }
 
+    /// Whether a law, a contribution or a cost has no second derivatives: nothing is said of the control.
+    pub fn lacks_second_derivatives(&self) -> bool {
+        matches!(self, ControlError::NoSecondPartials { .. } | ControlError::State(StateError::SecondDerivatives(_)))
+    }
+
     /// Newton iterations of the state solve that failed, where that is known.
     pub fn newton(&self) -> Option<usize> {
         match self {

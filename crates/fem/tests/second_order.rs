@@ -15,8 +15,11 @@ use nastic_fem::{
 use nastic_linear::SparseMatrix;
 use nastic_tensor::Vec3;
 
+/// A vector of the displacements, and one of the controls.
+type Change = (Vec<f64>, Controls);
+
 /// Along a change v of the controls, of `g . u` with g fixed: `du`, and the change of the derivative through the state.
-fn second_order(solid: &Solid, state: &State, g: &[f64], v: &Controls) -> Outcome<(Vec<f64>, Controls)> {
+fn second_order(solid: &Solid, state: &State, g: &[f64], v: &Controls) -> Outcome<Change> {
     let mut workspace = Workspace::default();
     let (lambda, _) = first_order(solid, state, g)?;
     let mut products = SecondOrder::new(solid.model(), state, &STRICT, &mut workspace)?;
@@ -27,7 +30,7 @@ fn second_order(solid: &Solid, state: &State, g: &[f64], v: &Controls) -> Outcom
 }
 
 /// The adjoint of `g . u`, and its derivative by the controls.
-fn first_order(solid: &Solid, state: &State, g: &[f64]) -> Outcome<(Vec<f64>, Controls)> {
+fn first_order(solid: &Solid, state: &State, g: &[f64]) -> Outcome<Change> {
     let partials = StatePartials::by_displacement(g.to_vec());
     let trajectory = Trajectory::from(state.clone());
     let mut swept = solid.model().reverse_sweep(&trajectory, &[partials], &STRICT, &mut Workspace::default())?;
@@ -48,7 +51,7 @@ fn second_derivatives_through_a_state_are_differences_of_the_first() -> Outcome 
         let state = solid.solve(&controls, &STRICT)?;
         let g: Vec<f64> = (0..state.u.len()).map(noise).collect();
         let (du, by_controls) = second_order(&solid, &state, &g, &v)?;
-        let first = |s: f64| -> Outcome<(Vec<f64>, Controls)> {
+        let first = |s: f64| -> Outcome<Change> {
             let mut moved = controls.clone();
             for k in 0..moved.len() {
                 moved.values_mut(k).iter_mut().zip(v.values(k)).for_each(|(m, v)| *m += s * v);
@@ -60,7 +63,7 @@ fn second_derivatives_through_a_state_are_differences_of_the_first() -> Outcome 
         let h = 0.01;
         let moved = [1.0, -1.0, 2.0, -2.0, 3.0, -3.0].map(|s| first(s * h));
         let moved = moved.into_iter().collect::<Outcome<Vec<_>>>()?;
-        let slope = |of: &dyn Fn(&(Vec<f64>, Controls)) -> f64| -> f64 {
+        let slope = |of: &dyn Fn(&Change) -> f64| -> f64 {
             let pair = |k: usize| of(&moved[2 * k]) - of(&moved[2 * k + 1]);
             (45.0 * pair(0) - 9.0 * pair(1) + pair(2)) / (60.0 * h)
         };
