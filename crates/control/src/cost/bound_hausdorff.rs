@@ -5,7 +5,7 @@ use crate::error::ControlError;
 use nastic_fem::{Discretization, QuadraturePoints, Solid};
 use nastic_hausdorff::{Cloud, Evaluation, HausdorffError, Motion, SecondPartials, Smoothing, Summation};
 use nastic_mesh::{GroupNames, Hausdorff, Mesh, Shape, hausdorff};
-use nastic_tensor::{Kinematics, Mat3, cross};
+use nastic_tensor::{Mat3, cross};
 use std::sync::{Arc, OnceLock};
 
 /// [`SmoothedHausdorff`](super::SmoothedHausdorff) bound to a body.
@@ -177,16 +177,17 @@ impl CostPoint for HausdorffPoint {
         let (kinematics, gradients) = (body.kinematics(&self.u)?, body.gradients(&along.u));
         let moved = body.interpolate(&along.u, dim);
         let points = moved.chunks_exact(dim).map(|v| std::array::from_fn(|d| v.get(d).copied().unwrap_or(0.0)));
-        let by_weight = || body.weights().iter().zip(kinematics.iter().zip(&gradients));
-        let weights = by_weight().map(|(w, (k, change))| w * k.h().dot(change)).collect();
+        let at_points = || body.weights().iter().zip(&kinematics).zip(&gradients);
+        let weights = at_points().map(|((w, k), moved)| w * k.h().dot(moved)).collect();
         let motion = Motion { points: points.collect(), weights };
         let SecondPartials { change, weights: first } = self.evaluation.partials_change(&motion).map_err(failed)?;
         let forces: Vec<f64> = change.points.iter().flat_map(|p| p.iter().take(dim).map(move |p| weight * p)).collect();
         body.spread(&forces, dim, &mut out.u);
-        let stress = |((w, (k, moved)), (d, g)): ((&f64, (&Kinematics, &Mat3)), (&f64, &f64))| {
-            (k.h() * *d + cross(k.f(), moved) * *g) * (weight * w)
-        };
-        let stresses: Vec<Mat3> = by_weight().zip(change.weights.iter().zip(&first)).map(stress).collect();
+        let by_weight = change.weights.iter().zip(&first);
+        let stresses = at_points()
+            .zip(by_weight)
+            .map(|(((w, k), moved), (change, first))| (k.h() * *change + cross(k.f(), moved) * *first) * (weight * w));
+        let stresses: Vec<Mat3> = stresses.collect();
         body.spread_stress(&stresses, &mut out.u);
         Ok(())
     }
