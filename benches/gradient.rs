@@ -1,4 +1,5 @@
-//! Value and derivative of a case at a sequence of controls, as a line of JSON: the least seconds of each control.
+//! Value and derivative of a case at a sequence of controls, as a line of JSON: the least seconds of each control; `derivative` and
+//! `hessian_vector`: the least seconds of any derivative and of any product with the second derivative, state and tangent's factor at hand.
 //!
 //! `cargo bench --bench gradient -- n=4 rounds=5 threads=2`: the bar of `examples/cases/tip_tracking.json` with 5n x n x n cells, seven controls one
 //! after the other, each from the states before it, `rounds` times. `scripts/python-overhead.py` does the same from Python and compares.
@@ -28,6 +29,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     document.set(&format!("mesh/box/cells=[{}, {n}, {n}]", 5 * n))?;
     let problem = CaseProblem::lower(document, Arc::default())?;
     let mut least = [f64::INFINITY; CONTROLS];
+    let (mut derivative, mut hessian_vector) = (f64::INFINITY, f64::INFINITY);
+    let direction: Vec<f64> = (0..problem.start.len()).map(|i| (i as f64).sin()).collect();
     let mut workspace = EnsembleWorkspace::default();
     let mut last: Option<EnsemblePoint> = None;
     for _ in 0..rounds {
@@ -36,12 +39,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let began = Instant::now();
             let how = Request { near: last.as_ref(), ..Request::default() };
             let mut point = problem.ensemble.evaluate(&m, &how, &mut workspace)?;
+            let solved = began.elapsed().as_secs_f64();
             problem.ensemble.derivative(&mut point, &mut workspace)?;
-            *least = least.min(began.elapsed().as_secs_f64());
+            let differentiated = began.elapsed().as_secs_f64();
+            *least = least.min(differentiated);
+            derivative = derivative.min(differentiated - solved);
+            problem.ensemble.hessian_vector(&point, &direction, &mut workspace)?;
+            hessian_vector = hessian_vector.min(began.elapsed().as_secs_f64() - differentiated);
             last = Some(point);
         }
     }
     let unknowns = problem.solid().discretization().dofs();
-    println!("{{\"unknowns\": {unknowns}, \"controls\": {}, \"seconds\": {least:?}}}", problem.start.len());
+    let controls = problem.start.len();
+    println!(
+        "{{\"unknowns\": {unknowns}, \"controls\": {controls}, \"seconds\": {least:?}, \"derivative\": {derivative:?}, \
+         \"hessian_vector\": {hessian_vector:?}}}"
+    );
     Ok(())
 }

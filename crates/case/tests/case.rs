@@ -190,7 +190,7 @@ fn overrides_are_read_like_the_file() {
     document.set("materials/0/colour=red").unwrap();
     let found: Diagnostics = Case::read(&document).unwrap_err();
     let expected = "--set materials/0/mu1=80 mm: materials/0/mu1: unit of the wrong kind: \"80 mm\" is a \
-     length, a pressure is wanted (Pa, kPa, MPa, GPa)";
+     length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)";
     assert!(found.to_string().contains(expected), "{found}");
     assert!(found.to_string().contains("--set materials/0/colour=red: materials/0/colour: unknown key"), "{found}");
     assert_eq!(found.list().len(), 2, "{found}");

@@ -101,6 +101,28 @@ fn a_cost_of_ones_own_is_evaluated_and_its_derivative_is_right() {
     assert!((double.as_f64().unwrap() / single.as_f64().unwrap() - 2.0).abs() < 1e-12, "{double} {single}");
 }
 
+/// What has no second derivatives is still tested to first order, and says what it lacks; a term that has them is judged.
+#[test]
+fn gradcheck_of_a_cost_without_second_derivatives_says_so() {
+    let lift = r#"{ "kind": "lift", "surface": "x+", "height": "20 mm" }"#;
+    let gradcheck = |costs: &str| {
+        let outcome = run(costs, Command::Gradcheck).unwrap();
+        assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
+        outcome.result["gradcheck"].clone()
+    };
+    let alone = gradcheck(&format!("[{lift}]"));
+    let said = alone["second"]["verdict"].as_str().unwrap();
+    assert!(said.starts_with("not tested: ") && said.contains("implement `CostPoint::add_second_partials`"), "{said}");
+    assert_eq!(
+        (&alone["tests"][0]["verdict"], &alone["tests"][0]["second"]),
+        (&"right".into(), &serde_json::Value::Null)
+    );
+    let norm = r#"{ "kind": "control_norm", "of": "tension", "weight": 1e-12 }"#;
+    let both = gradcheck(&format!("[{lift}, {norm}]"));
+    let said = both["second"]["verdict"].as_str().unwrap();
+    assert!(said.starts_with("right: every order is 3; not of every term: "), "{said}");
+}
+
 /// An optimisation that does not begin tells what is doubtful of its start all the same, once.
 #[test]
 fn a_wrong_derivative_does_not_hide_the_warnings_of_the_start() {

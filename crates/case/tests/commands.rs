@@ -136,6 +136,12 @@ fn gradcheck_has_a_row_per_step_and_leaves_no_state_behind() {
     assert_eq!(result["gradcheck"]["passed"], true);
     assert!(number(&result, "gradcheck/lowest_order") > 1.95);
     assert_eq!(result["gradcheck"]["tests"].as_array().unwrap().len(), 3);
+    assert!(text.contains("second      right") && text.contains("d.Hd"), "{text}");
+    assert_eq!(result["gradcheck"]["second"]["passed"], true);
+    assert!(number(&result, "gradcheck/second/lowest_order") > 2.95);
+    let seconds: Vec<_> =
+        (0..3).map(|k| result["gradcheck"]["tests"][k]["second"].as_str().unwrap().to_owned()).collect();
+    assert_eq!(seconds, ["right", "right", "quadratic"]);
     assert_eq!(place.files(), ["result.json"]);
 }
 

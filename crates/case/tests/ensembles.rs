@@ -97,6 +97,8 @@ fn every_risk_passes_the_taylor_test() {
         assert_eq!(outcome.exit, Exit::Done, "{risk}");
         assert!(number(&outcome.result, "gradcheck/lowest_order") > 1.95, "{risk}");
         assert_eq!(outcome.result["gradcheck"]["tests"][0]["verdict"], "right", "{risk}");
+        assert!(number(&outcome.result, "gradcheck/second/lowest_order") > 2.95, "{risk}");
+        assert_eq!(outcome.result["gradcheck"]["tests"][0]["second"], "right", "{risk}");
     }
 }
 

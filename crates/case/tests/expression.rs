@@ -140,7 +140,7 @@ fn units_of_the_wrong_kind_are_refused() {
     }
     assert_eq!(
         refusal("5 mm", pressure),
-        "unit of the wrong kind: \"5 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa)"
+        "unit of the wrong kind: \"5 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)"
     );
     assert_eq!(refusal("3 N/m", Dimension::LENGTH).split(" is ").nth(1), Some("a quantity in N/m, a length"));
     assert_eq!(refusal("50 kPa", Dimension::NONE).split(", ").nth(1), Some("a plain number is wanted"));

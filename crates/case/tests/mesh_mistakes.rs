@@ -31,7 +31,7 @@ fn the_bar_itself_is_right() {
 
 #[test]
 fn a_parameter_that_cannot_be_read_is_told_once() {
-    let wrong = "unit of the wrong kind: \"3 kg\" is a mass, a pressure is wanted (Pa, kPa, MPa, GPa)";
+    let wrong = "unit of the wrong kind: \"3 kg\" is a mass, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)";
     one(r#""mu1": "100 kPa""#, r#""mu1": "3 kg""#, wrong);
 }
 
@@ -184,7 +184,7 @@ fn units_of_the_wrong_kind_are_refused() {
     one(
         r#""lower": "-200 kPa""#,
         r#""lower": "-200 mm""#,
-        r#"controls/0/lower: unit of the wrong kind: "-200 mm" is a length, a pressure is wanted (Pa, kPa, MPa, GPa)"#,
+        r#"controls/0/lower: unit of the wrong kind: "-200 mm" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)"#,
     );
 }
 

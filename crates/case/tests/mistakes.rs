@@ -100,7 +100,9 @@ fn problems_carry_path_line_and_column() {
     let place = "case.json:9:27: materials/0/mu1: ";
     assert_eq!(
         found,
-        format!("{place}unit of the wrong kind: \"100 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa)")
+        format!(
+            "{place}unit of the wrong kind: \"100 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)"
+        )
     );
 }
 
@@ -359,7 +361,7 @@ fn contradictions_between_blocks_are_found() {
         COMPLETE,
         "\"lower\": \"-400 kPa\"",
         "\"lower\": \"-400 mm\"",
-        ": controls/0/lower: unit of the wrong kind: \"-400 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa)",
+        ": controls/0/lower: unit of the wrong kind: \"-400 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)",
     );
     one(
         COMPLETE,
@@ -372,7 +374,7 @@ fn contradictions_between_blocks_are_found() {
         COMPLETE,
         "materials/0/mu1\": \"90 kPa\"",
         "materials/0/mu1\": \"90 mm\"",
-        ": materials/0/mu1: unit of the wrong kind: \"90 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa)",
+        ": materials/0/mu1: unit of the wrong kind: \"90 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)",
     );
     one(
         COMPLETE,
@@ -403,7 +405,7 @@ fn contradictions_between_blocks_are_found() {
         SCENARIOS,
         "\"mean\": \"40 kPa\"",
         "\"mean\": \"40 mm\"",
-        ": materials/0/shear: unit of the wrong kind: \"40 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa)",
+        ": materials/0/shear: unit of the wrong kind: \"40 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)",
     );
     one(
         SCENARIOS,

@@ -101,6 +101,14 @@ pub enum ControlError {
         /// Length of the layout.
         expected: usize,
     },
+    /// A cost that does not give second derivatives.
+    #[error(
+        "the cost {cost} gives no second derivatives; implement `CostPoint::add_second_partials`, or do without them"
+    )]
+    NoSecondPartials {
+        /// Type of the evaluated cost.
+        cost: &'static str,
+    },
     /// A cost that makes no sense as given.
     #[error("{what}")]
     Cost {
@@ -113,6 +121,11 @@ impl ControlError {
     /// Whether the machine has too little memory: nothing is said of the control.
     pub fn is_lack_of_memory(&self) -> bool {
         matches!(self, ControlError::State(error) if error.is_lack_of_memory())
+    }
+
+    /// Whether a law, a contribution or a cost has no second derivatives: nothing is said of the control.
+    pub fn lacks_second_derivatives(&self) -> bool {
+        matches!(self, ControlError::NoSecondPartials { .. } | ControlError::State(StateError::SecondDerivatives(_)))
     }
 
     /// Newton iterations of the state solve that failed, where that is known.

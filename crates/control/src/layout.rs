@@ -2,9 +2,11 @@
 
 use crate::error::ControlError;
 use crate::map::{ControlMap, Space};
+use crate::scaling::Scaling;
 use nastic_energy::SlotGroup;
 use nastic_fem::{Controllable, Controls, Solid};
 use nastic_numeric::vector::norm;
+use std::sync::Arc;
 
 /// One control field: some slots of one actuation, with a space.
 #[derive(Debug, Clone)]
@@ -20,7 +22,7 @@ pub struct ControlBlock {
     /// The unit vector whose multiples the slots take; the control is then its amplitude.
     pub direction: Option<[f64; 3]>,
     /// The map to the points.
-    pub map: ControlMap,
+    pub map: Arc<ControlMap>,
     /// First entry of this field in the vector.
     pub first: usize,
     /// Unit kind of the values ("Pa", "T").
@@ -95,18 +97,46 @@ impl ControlBlock {
     /// Takes derivatives by the vectors at the points, `[points][stride]`, to those by the vectors before scaling.
     fn unscale(&self, m: &[f64], stride: usize, by_point: &mut [f64]) {
         let Some(length) = self.length else { return };
+        let before = self.before_scaling(m);
+        for (v, d) in before.chunks_exact(self.components).zip(self.vectors_mut(stride, by_point)) {
+            let scaling = Scaling::new(length, v);
+            d.copy_from_slice(&scaling.derivative(d));
+        }
+    }
+
+    /// Changes of the values at the points, `[points][stride]`, along a change v of the control vector at m.
+    fn change(&self, m: &[f64], v: &[f64], stride: usize, out: &mut [f64]) {
+        self.to_points(self.of(v), stride, out);
+        self.unscale(m, stride, out); // symmetric at every point
+    }
+
+    /// Takes derivatives g by the vectors at the points, `[points][stride]`, to the change of `unscale(g)` along a change v of the
+    /// control vector at m; false where that is zero.
+    fn unscale_change(&self, m: &[f64], v: &[f64], stride: usize, by_point: &mut [f64]) -> bool {
+        let Some(length) = self.length else { return false };
+        let (before, change) = (self.before_scaling(m), self.before_scaling(v));
+        let vectors = before.chunks_exact(self.components).zip(change.chunks_exact(self.components));
+        for ((at, change), g) in vectors.zip(self.vectors_mut(stride, by_point)) {
+            let scaling = Scaling::new(length, at);
+            g.copy_from_slice(&scaling.second_derivative(change, g));
+        }
+        true
+    }
+
+    /// The vectors at the points without their scaling, `[points][components]`.
+    fn before_scaling(&self, m: &[f64]) -> Vec<f64> {
         let n = self.components;
         let mut before = vec![0.0; n * self.map.points()];
         for c in 0..n {
             self.map.to_points(self.of(m), n, c, n, c, &mut before);
         }
-        for (v, at) in before.chunks_exact(n).zip(by_point.chunks_exact_mut(stride)) {
-            let (size, d) = (norm(v), &mut at[self.slot..self.slot + n]);
-            if size > 0.0 {
-                let along = v.iter().zip(d.iter()).map(|(v, d)| v * d).sum::<f64>() / (size * size);
-                d.iter_mut().zip(v).for_each(|(d, v)| *d = (*d - along * v) * length / size);
-            }
-        }
+        before
+    }
+
+    /// Its slots at every point.
+    fn vectors_mut<'v>(&self, stride: usize, by_point: &'v mut [f64]) -> impl Iterator<Item = &'v mut [f64]> {
+        let own = self.slot..self.slot + self.components;
+        by_point.chunks_exact_mut(stride).map(move |at| &mut at[own.clone()])
     }
 }
 
@@ -177,7 +207,7 @@ impl Layout {
             Controllable { measure, .. } if space == Space::Uniform => ControlMap::whole(measure),
             _ => return Err(ControlError::OneNumber { name: of.to_owned(), space: space.name() }),
         };
-        let components = if direction.is_some() { 1 } else { slots };
+        let (map, components) = (Arc::new(map), if direction.is_some() { 1 } else { slots });
         let (name, first, length, weight) = (of.to_owned(), self.len, None, 1.0);
         let block = ControlBlock { name, actuation, slot, components, direction, map, first, unit, length, weight };
         self.len += block.len();
@@ -276,6 +306,36 @@ impl Layout {
             let mut values = by_point.values(block.actuation).to_vec();
             block.unscale(m, stride, &mut values);
             block.control_vjp(&values, stride, &mut out[block.first..block.first + block.len()]);
+        }
+        out
+    }
+
+    /// The change of the values at the points along a change v of the control vector at m.
+    ///
+    /// # Errors
+    /// [`ControlError::Length`].
+    pub fn change(&self, m: &[f64], v: &[f64]) -> Result<Controls, ControlError> {
+        self.check(m)?;
+        self.check(v)?;
+        let mut controls = self.fixed.clone();
+        (0..controls.len()).for_each(|k| controls.values_mut(k).fill(0.0));
+        for block in &self.blocks {
+            let stride = controls.slots(block.actuation);
+            block.change(m, v, stride, controls.values_mut(block.actuation));
+        }
+        Ok(controls)
+    }
+
+    /// The change of [`control_vjp`](Self::control_vjp) along a change v of the control vector, for the same derivative by values at
+    /// the points: zero but for fields of vectors of one length.
+    pub fn second_vjp(&self, m: &[f64], v: &[f64], by_point: &Controls) -> Vec<f64> {
+        let mut out = vec![0.0; self.len];
+        for block in &self.blocks {
+            let stride = by_point.slots(block.actuation);
+            let mut values = by_point.values(block.actuation).to_vec();
+            if block.unscale_change(m, v, stride, &mut values) {
+                block.control_vjp(&values, stride, &mut out[block.first..block.first + block.len()]);
+            }
         }
         out
     }

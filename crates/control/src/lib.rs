@@ -13,6 +13,7 @@ mod inner_product;
 mod layout;
 mod map;
 mod reduced;
+mod scaling;
 mod snapshot;
 mod state_predictor;
 mod workspace;

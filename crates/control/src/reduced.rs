@@ -1,6 +1,7 @@
 //! [`Reduced`]: the cost as a function of the controls alone.
 
 mod objective;
+mod second_order;
 
 pub(crate) use objective::work_summary;
 
@@ -360,7 +361,7 @@ impl Reduced {
     /// # Errors
     /// A cost that is not defined there.
     pub fn partials(&self, point: &Evaluated, term: Option<usize>) -> Result<Partials, ControlError> {
-        let mut partials = Partials { u: vec![0.0; point.state.u.len()], m: vec![0.0; point.m.len()] };
+        let mut partials = Partials::zero(point.state.u.len(), point.m.len());
         for (k, cost) in self.costs_of(point)?.iter().enumerate() {
             if term.is_none_or(|t| t == k) {
                 cost.add_partials(&mut partials)?;

@@ -118,6 +118,65 @@ fn partials_are_differences_of_values() -> Outcome {
     })
 }
 
+/// Along changes of u and of m, and symmetric.
+#[test]
+fn second_partials_are_differences_of_partials() -> Outcome {
+    each(3.0, |body, cost, what| {
+        let (u, m) = point(body);
+        for stage in 0..cost.stages() {
+            let context = CostContext { solid: body.solid(), layout: body.layout(), u: &u, m: &m, stage };
+            let at = cost.at(&context)?;
+            let change = |seed: f64| Partials {
+                u: noise(u.len(), seed).iter().map(|r| 1e-3 * r).collect(),
+                m: noise(m.len(), seed + 3.1).iter().map(|r| 1e4 * r).collect(),
+            };
+            let second = |along: &Partials| -> Outcome<Partials> {
+                let mut out = Partials::zero(u.len(), m.len());
+                at.add_second_partials(along, &mut out)?;
+                // what others have added stays
+                let mut more = Partials { u: vec![2.0; u.len()], m: vec![2.0; m.len()] };
+                at.add_second_partials(along, &mut more)?;
+                for (more, d) in more.u.iter().chain(&more.m).zip(out.u.iter().chain(&out.m)) {
+                    assert!((more - 2.0 - d).abs() <= 1e-13 * (2.0 + d.abs()), "{what}: {more:e}, {d:e}");
+                }
+                Ok(out)
+            };
+            let (a, b) = (change(0.4), change(2.2));
+            let (of_a, of_b) = (second(&a)?, second(&b)?);
+            let pair = |x: &Partials, y: &Partials| dot(&x.u, &y.u) + dot(&x.m, &y.m);
+            let (left, right) = (pair(&of_a, &b), pair(&of_b, &a));
+            let size = left.abs().max((pair(&of_a, &a) * pair(&of_b, &b)).abs().sqrt());
+            assert!((left - right).abs() < 1e-11 * size + 1e-15, "{what}, stage {stage}: {left:e} and {right:e}");
+            let moved = |t: f64| -> Outcome<Partials> {
+                let u: Vec<f64> = u.iter().zip(&a.u).map(|(u, d)| u + t * d).collect();
+                let m: Vec<f64> = m.iter().zip(&a.m).map(|(m, d)| m + t * d).collect();
+                Ok(value_and_partials(body, cost, &u, &m, stage)?.1)
+            };
+            let h = 0.05;
+            let all =
+                [h, -h, 2.0 * h, -2.0 * h, 3.0 * h, -3.0 * h].map(moved).into_iter().collect::<Outcome<Vec<_>>>()?;
+            for (name, found, of) in [("u", &of_a.u, 0), ("m", &of_a.m, 1)] {
+                let entry = |k: usize, i: usize| if of == 0 { all[k].u[i] } else { all[k].m[i] };
+                let slope = |i: usize| {
+                    let pair = |k: usize| entry(2 * k, i) - entry(2 * k + 1, i);
+                    (45.0 * pair(0) - 9.0 * pair(1) + pair(2)) / (60.0 * h)
+                };
+                let largest = (0..found.len()).map(|i| slope(i).abs()).fold(0.0, f64::max);
+                let rounding = 1e-13 * (0..found.len()).map(|i| entry(0, i).abs()).fold(0.0, f64::max) / h;
+                for (i, found) in found.iter().enumerate() {
+                    let error = (found - slope(i)).abs();
+                    assert!(
+                        error <= 1e-7 * largest + rounding,
+                        "{what}, stage {stage}, d{name}: {found:e} and {:e}",
+                        slope(i)
+                    );
+                }
+            }
+        }
+        Ok(())
+    })
+}
+
 #[test]
 fn weights_scale_values_and_partials() -> Outcome {
     let evaluated = |weight: f64| -> Outcome<Vec<(String, f64, Partials)>> {

@@ -56,11 +56,14 @@ fn taylor_orders_along_the_sphere_and_for_the_field() -> Outcome {
             let vectors = problem.layout().blocks()[0].map.len();
             let (set, m) = set_and_start(vectors, &[[2e-3, -4e-3, 9e-3]], 5)?;
             for components in [0..3 * vectors, 3 * vectors..m.len(), 0..m.len()] {
-                let taylor = Taylor { components: Some(components.clone()), directions: 2, ..Taylor::default() };
+                let taylor =
+                    Taylor { components: Some(components.clone()), directions: 2, second: true, ..Taylor::default() };
                 let report = taylor.test(&problem, &set, &m)?;
                 for direction in &report.directions {
                     let what = format!("{law:?}, {space:?}, {components:?}: {report}");
                     assert!(direction.verdict == Verdict::Right && direction.order1 > 1.95, "{what}");
+                    let second = direction.second.as_ref().ok_or("not tested")?;
+                    assert!(second.verdict == Verdict::Right && second.order > 2.95, "{what}");
                 }
             }
         }

@@ -21,6 +21,7 @@ mod density;
 mod derivative;
 mod free_cube;
 mod rest;
+mod second;
 mod states;
 mod symmetry;
 
@@ -37,6 +38,7 @@ pub use density::{fiber_limit, hessian, partials, polyconvexity};
 pub use derivative::{stress, stress_change, tangent};
 pub use free_cube::free_cube;
 pub use rest::{moduli, rest};
+pub use second::{control_stress_change, second_stress_change};
 pub use states::{rotations, states};
 pub use symmetry::{major_symmetry, objectivity};
 
@@ -135,7 +137,8 @@ pub fn evaluate(term: &dyn EnergyTerm, at: Place, k: &Kinematics, m: &[f64]) -> 
     Evaluation { energy: energy[0], stress: stress[0], tangent: tangent[0] }
 }
 
-/// Every check of a passive law: derivatives, symmetry, objectivity, rest state, moduli, ellipticity, growth.
+/// Every check of a passive law: derivatives (those of third order where it gives them), symmetry, objectivity, rest state,
+/// moduli, ellipticity, growth.
 ///
 /// # Errors
 /// The first [`Violation`].
@@ -149,6 +152,7 @@ pub fn passive(law: &dyn EnergyTerm, at: Place) -> Result<Report, Violation> {
         objectivity(law, at, &[], &|_, _| {})?,
         rest(law, at)?,
     ];
+    findings.extend(second_stress_change(law, at, &[])?);
     findings.extend(moduli(law, at)?);
     findings.push(ellipticity(law, at)?);
     findings.push(growth(law, at)?);
@@ -175,7 +179,8 @@ pub fn convex_density(law: &dyn ConvexDensity, at: Place) -> Result<Report, Viol
     Ok(Report { findings: vec![partials(law, at)?, polyconvexity(law, at)?] })
 }
 
-/// Every check of an actuation at the control values `m`: derivatives, symmetry, objectivity, `dP/dm`.
+/// Every check of an actuation at the control values `m`: derivatives (those of third order where it gives them), symmetry,
+/// objectivity, `dP/dm`.
 ///
 /// # Errors
 /// The first [`Violation`].
@@ -184,17 +189,18 @@ pub fn actuation(term: &dyn Actuation, at: Place, m: &[f64]) -> Result<Report, V
     if m.len() != expected {
         return Err(Violation::Controls { check: "actuation", expected, found: m.len() });
     }
-    Ok(Report {
-        findings: vec![
-            accumulation(term, at, m)?,
-            stress(term, at, m)?,
-            tangent(term, at, m)?,
-            stress_change(term, at, m)?,
-            major_symmetry(term, at, m)?,
-            objectivity(term, at, m, &|q, m| term.turn(q, m))?,
-            control_derivative(term, at, m)?,
-        ],
-    })
+    let mut findings = vec![
+        accumulation(term, at, m)?,
+        stress(term, at, m)?,
+        tangent(term, at, m)?,
+        stress_change(term, at, m)?,
+        major_symmetry(term, at, m)?,
+        objectivity(term, at, m, &|q, m| term.turn(q, m))?,
+        control_derivative(term, at, m)?,
+    ];
+    findings.extend(second_stress_change(term, at, m)?);
+    findings.extend(control_stress_change(term, at, m)?);
+    Ok(Report { findings })
 }
 
 /// Worst relative error so far of one check.

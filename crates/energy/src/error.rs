@@ -3,6 +3,16 @@ use crate::Entry;
 /// What can be wrong with an energy term: its parameters, its directions, the size of its fields, its name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EnergyError {
+    /// A law or actuation without the derivatives that second derivatives of a cost are made of.
+    #[error(
+        "{owner} gives no second derivatives of its stress; implement `{method}`, or do without second derivatives of costs"
+    )]
+    NoSecondDerivatives {
+        /// Type of the law or actuation.
+        owner: &'static str,
+        /// What it would have to implement.
+        method: &'static str,
+    },
     /// A parameter outside the range in which the law is polyconvex, or not finite.
     #[error("{owner}: {name} = {value:e}{entry}, but {requirement}")]
     Parameter {
@@ -140,6 +150,13 @@ fn offer(unit: &Option<[f64; 3]>) -> String {
     match unit {
         Some(u) => format!("the unit vector along it is {u:?}"),
         None => "it has no direction".to_owned(),
+    }
+}
+
+impl EnergyError {
+    /// The refusal of a law of type `T` that does not implement a method.
+    pub(crate) fn no_second_derivatives<T: ?Sized>(method: &'static str) -> Self {
+        EnergyError::NoSecondDerivatives { owner: std::any::type_name::<T>(), method }
     }
 }
 

@@ -22,5 +22,5 @@ pub use error::EnergyError;
 pub use field::{Entry, Field, Place, combine};
 pub use material::*;
 pub use moduli::Moduli;
-pub use polyconvex::{Block, Conjugates, ConvexDensity, Curvature};
+pub use polyconvex::{Block, Change, Conjugates, ConvexDensity, Curvature};
 pub use term::{Actuation, EnergyTerm, PointBatch, Response, Slot, SlotGroup, Slots, Want};

@@ -15,6 +15,17 @@ pub struct Conjugates {
     pub j: f64,
 }
 
+/// Changes of `F`, `H` and `J`, each by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// Of `F`.
+    pub f: Mat3,
+    /// Of `H`.
+    pub h: Mat3,
+    /// Of `J`.
+    pub j: f64,
+}
+
 /// A block of second derivatives by two matrices, stored in the least expensive form it has.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Block {
@@ -50,6 +61,22 @@ impl Curvature {
     #[inline]
     pub const fn split(ff: Block, hh: Block, jj: f64) -> Self {
         Curvature { ff, hh, jj, fh: Block::Zero, fj: None, hj: None }
+    }
+}
+
+impl Change {
+    /// That of a change `G` of `F`: `dH = F x G`, `dJ = H : G`.
+    #[inline]
+    fn along(g: &Mat3, f: &Mat3, h: &Mat3) -> Self {
+        Change { f: *g, h: cross(f, g), j: h.dot(g) }
+    }
+}
+
+impl Conjugates {
+    /// Of a law whose only third derivative is the one by `J`: `W_JJJ da_J db_J`.
+    #[inline]
+    pub fn third_by_j(jjj: f64, [a, b]: [&Change; 2]) -> Self {
+        Conjugates { f: Mat3::zeros(), h: Mat3::zeros(), j: jjj * a.j * b.j }
     }
 }
 
@@ -90,7 +117,8 @@ impl Curvature {
 
     /// The change of the conjugates when `F`, `H` and `J` change by these, each by itself.
     #[inline]
-    fn along(&self, df: &Mat3, dh: &Mat3, dj: f64) -> Conjugates {
+    fn along(&self, change: &Change) -> Conjugates {
+        let (df, dh, dj) = (&change.f, &change.h, change.j);
         let mut change = Conjugates {
             f: self.ff.apply(df) + self.fh.apply(dh),
             h: self.fh.apply_transposed(df) + self.hh.apply(dh),
@@ -118,6 +146,11 @@ impl Curvature {
 /// `dP/dF = W_FF + W_FH X + X W_HF + X W_HH X + W_JJ H(.)H + W_FJ(.)H + H(.)W_FJ + (X W_HJ)(.)H + H(.)(X W_HJ)
 ///          + X(S_H + S_J F)`
 ///
+/// With `a = (A, F x A, H : A)`, `S[a]` the second partial derivatives along `a`, and `S[a, b]` the third along `a` and `b`,
+///
+/// `d2P/dF2 : (A, B) = T_F + T_H x F + T_J H + S_H[a] x B + S_H[b] x A + S_J[a] F x B + S_J[b] F x A + S_J A x B`,
+/// `T = S[a, b] + S[(0, A x B, (F x B) : A)]`
+///
 /// (Bonet, Gil & Ortigosa 2015, doi 10.1016/j.cma.2014.10.002).
 pub trait ConvexDensity: Debug + Send + Sync {
     /// `W(F, H, J)`, J/m^3.
@@ -128,6 +161,22 @@ pub trait ConvexDensity: Debug + Send + Sync {
 
     /// Second partial derivatives.
     fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature;
+
+    /// Third partial derivatives along two changes of `F`, `H` and `J`: the second derivative of [`first`](Self::first) along
+    /// both, symmetric in them. Second derivatives of a cost ask for it.
+    ///
+    /// # Errors
+    /// [`EnergyError::NoSecondDerivatives`] where the law does not implement it, the same at every point.
+    fn third(
+        &self,
+        _at: Place,
+        _f: &Mat3,
+        _h: &Mat3,
+        _j: f64,
+        _along: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
+        Err(EnergyError::no_second_derivatives::<Self>("ConvexDensity::third"))
+    }
 
     /// See [`EnergyTerm::fiber_limit`].
     fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {
@@ -177,10 +226,33 @@ impl<D: ConvexDensity> EnergyTerm for D {
         for (q, (k, g)) in at.kinematics.iter().zip(change).enumerate() {
             let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
             let s = self.first(place, f, h, j);
-            let (dh, dj) = (cross(f, g), h.dot(g));
-            let ds = self.second(place, f, h, j).along(g, &dh, dj);
-            out[q] += ds.f + cross(&ds.h, f) + h * ds.j + cross(&s.h, g) + dh * s.j;
+            let a = Change::along(g, f, h);
+            let ds = self.second(place, f, h, j).along(&a);
+            out[q] += ds.f + cross(&ds.h, f) + h * ds.j + cross(&s.h, g) + a.h * s.j;
         }
+    }
+
+    fn second_stress_change(
+        &self,
+        at: &PointBatch,
+        _m: Slots,
+        changes: [&[Mat3]; 2],
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        let [first, second] = changes;
+        for (q, (k, (ga, gb))) in at.kinematics.iter().zip(first.iter().zip(second)).enumerate() {
+            let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
+            let (a, b) = (Change::along(ga, f, h), Change::along(gb, f, h));
+            let both = Change { f: Mat3::zeros(), h: cross(ga, gb), j: b.h.dot(ga) };
+            let s = self.first(place, f, h, j);
+            let curvature = self.second(place, f, h, j);
+            let third = self.third(place, f, h, j, [&a, &b])?;
+            let (by_a, by_b, by_both) = (curvature.along(&a), curvature.along(&b), curvature.along(&both));
+            out[q] += third.f + by_both.f + cross(&(third.h + by_both.h), f) + h * (third.j + by_both.j);
+            out[q] += cross(&by_a.h, gb) + cross(&by_b.h, ga);
+            out[q] += b.h * by_a.j + a.h * by_b.j + both.h * s.j;
+        }
+        Ok(())
     }
 
     fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {

@@ -123,6 +123,21 @@ pub trait EnergyTerm: Debug + Send + Sync {
         }
     }
 
+    /// Adds the second derivative of the stress along two changes `A`, `B` of `F` at every point of one cell, `d2P/dF2 : (A, B)`
+    /// (Pa): the third derivative of the energy, symmetric in `A` and `B`. Second derivatives of a cost ask for it.
+    ///
+    /// # Errors
+    /// [`EnergyError::NoSecondDerivatives`] where the law does not implement it, the same at every point.
+    fn second_stress_change(
+        &self,
+        _at: &PointBatch,
+        _m: Slots,
+        _changes: [&[Mat3]; 2],
+        _out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        Err(EnergyError::no_second_derivatives::<Self>("EnergyTerm::second_stress_change"))
+    }
+
     /// Largest fibre tension `m` (Pa) along the unit vector `a` for which this law with `-(m/2) |F a|^2` added stays
     /// polyconvex. `None` where the law makes no statement.
     fn fiber_limit(&self, _at: Place, _a: &Vec3) -> Option<f64> {
@@ -215,6 +230,23 @@ pub trait Actuation: EnergyTerm {
     /// Control derivative of the stress at every point: sets `out[q * width + k] = dP/dm_k` (Pa per unit of slot `k`).
     fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]);
 
+    /// The change of the control derivative along a change `A` of `F` and `v` of the controls at every point: sets
+    /// `out[q * width + k] = d2P/dm_k dF : A + sum_l d2P/dm_k dm_l v_l` (Pa per unit of slot `k`). Second derivatives of a cost
+    /// ask for it.
+    ///
+    /// # Errors
+    /// [`EnergyError::NoSecondDerivatives`] where the actuation does not implement it, the same at every point.
+    fn control_stress_change(
+        &self,
+        _at: &PointBatch,
+        _m: Slots,
+        _change: &[Mat3],
+        _v: Slots,
+        _out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        Err(EnergyError::no_second_derivatives::<Self>("Actuation::control_stress_change"))
+    }
+
     /// The control values seen by an observer who turned space by `q`: components of spatial vectors turn with it,
     /// scalars and vectors of the reference body stay. The contract tests use it to state objectivity.
     fn turn(&self, _q: &Mat3, _m: &mut [f64]) {}
@@ -227,6 +259,16 @@ impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
 
     fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         (**self).stress_change(at, m, change, out);
+    }
+
+    fn second_stress_change(
+        &self,
+        at: &PointBatch,
+        m: Slots,
+        changes: [&[Mat3]; 2],
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        (**self).second_stress_change(at, m, changes, out)
     }
 
     fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {
@@ -253,6 +295,17 @@ impl<T: Actuation + ?Sized> Actuation for Arc<T> {
 
     fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
         (**self).stress_by_control(at, m, out);
+    }
+
+    fn control_stress_change(
+        &self,
+        at: &PointBatch,
+        m: Slots,
+        change: &[Mat3],
+        v: Slots,
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        (**self).control_stress_change(at, m, change, v, out)
     }
 
     fn turn(&self, q: &Mat3, m: &mut [f64]) {

@@ -3,8 +3,8 @@
 
 use nastic_energy::check::{self, Violation};
 use nastic_energy::{
-    Actuation, Block, Conjugates, ConvexDensity, Curvature, EnergyTerm, FiberTension, Moduli, MooneyRivlin, NeoHooke,
-    Place, PointBatch, Response, Slot, Slots, Want,
+    Actuation, Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, EnergyTerm, FiberTension, Moduli,
+    MooneyRivlin, NeoHooke, Place, PointBatch, Response, Slot, Slots, Want,
 };
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
@@ -264,6 +264,113 @@ impl ConvexDensity for ThriceVolume {
     fn second(&self, _: Place, _: &Mat3, _: &Mat3, _: f64) -> Curvature {
         Curvature { fh: Block::Isotropic(1.0), ..Curvature::split(Block::Zero, Block::Zero, 0.0) }
     }
+
+    fn third(&self, _: Place, _: &Mat3, _: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+        Ok(Conjugates::third_by_j(0.0 * j, along))
+    }
+}
+
+/// The mixed block in the chain rule of third derivatives.
+#[test]
+fn thrice_the_volume_in_third_order() {
+    assert!(check::second_stress_change(&ThriceVolume, HERE, &[]).unwrap().is_some());
+}
+
+/// What [`Inexact`] does to the third derivatives of a neo-Hookean law.
+type Fault = fn(Conjugates) -> Conjugates;
+
+#[derive(Debug)]
+struct Inexact(NeoHooke, Fault);
+
+impl ConvexDensity for Inexact {
+    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+        self.0.value(at, f, h, j)
+    }
+
+    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+        self.0.first(at, f, h, j)
+    }
+
+    fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
+        self.0.second(at, f, h, j)
+    }
+
+    fn third(&self, at: Place, f: &Mat3, h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+        self.0.third(at, f, h, j, along).map(self.1)
+    }
+}
+
+#[test]
+fn third_derivatives() {
+    let law = |fault: Fault| Inexact(NeoHooke::new(1e5, 4e5).unwrap(), fault);
+    assert!(check::passive(&law(|third| third), HERE).is_ok());
+    let faults: [Fault; 2] =
+        [|third| Conjugates { j: 1.001 * third.j, ..third }, |third| Conjugates { f: Mat3::identity() * 1e2, ..third }];
+    for fault in faults {
+        let found = check::passive(&law(fault), HERE);
+        let check = "the second change of P is the derivative of the first";
+        assert!(matches!(found, Err(Violation::Exceeds { check: found, .. }) if found == check), "{found:?}");
+    }
+}
+
+/// A law without third derivatives passes all other checks, and says what it lacks when it is asked.
+#[test]
+fn laws_without_third_derivatives_refuse() {
+    let k = check::states();
+    let at = PointBatch { kinematics: &k[..1], cell: 0, first: 0 };
+    let refusal = |term: &dyn EnergyTerm| {
+        let changes: [&[Mat3]; 2] = [&[Mat3::identity()], &[Mat3::identity()]];
+        term.second_stress_change(&at, Slots::none(), changes, &mut [Mat3::zeros()]).unwrap_err().to_string()
+    };
+    let boastful = Boastful(NeoHooke::new(1e5, 4e5).unwrap());
+    assert!(check::second_stress_change(&boastful, HERE, &[]).unwrap().is_none());
+    assert!(refusal(&boastful).ends_with(
+        "Boastful gives no second derivatives of its stress; implement `ConvexDensity::third`, or do without second \
+         derivatives of costs"
+    ));
+    let backwards = Backwards(FiberTension::along(Vec3::x()).unwrap());
+    assert!(refusal(&std::sync::Arc::new(backwards)).contains("Backwards gives no second derivatives"));
+}
+
+/// An actuation whose control derivative does not change with `F`, so it says.
+#[derive(Debug)]
+struct Rigid(FiberTension);
+
+impl EnergyTerm for Rigid {
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
+        self.0.respond(at, m, want, out);
+    }
+}
+
+impl Actuation for Rigid {
+    fn slots(&self) -> &[Slot] {
+        self.0.slots()
+    }
+
+    fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
+        self.0.stress_by_control(at, m, out);
+    }
+
+    fn control_stress_change(
+        &self,
+        _: &PointBatch,
+        _: Slots,
+        _: &[Mat3],
+        _: Slots,
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        out.fill(Mat3::zeros());
+        Ok(())
+    }
+}
+
+#[test]
+fn changes_of_control_derivatives() {
+    let term = Rigid(FiberTension::along(Vec3::x()).unwrap());
+    assert!(matches!(
+        check::actuation(&term, HERE, &[1e5]),
+        Err(Violation::Exceeds { check: "the change of dP/dm is its derivative", .. })
+    ));
 }
 
 #[test]
@@ -363,7 +470,7 @@ impl ConvexDensity for StressedAtRest {
 fn the_complete_check_finds_stress_at_rest() {
     let law = NeoHooke::new(1e5, 4e5).unwrap();
     let report = check::law(&law, HERE).unwrap();
-    assert_eq!(report.findings.len(), 13, "{report}");
+    assert_eq!(report.findings.len(), 14, "{report}");
     let law = StressedAtRest(law);
     assert!(check::convex_density(&law, HERE).is_ok(), "the partial derivatives alone do not show it");
     let found = check::law(&law, HERE).unwrap_err();

@@ -13,6 +13,7 @@ fn every_material_keeps_its_contract_in_every_form() {
             let name = format!("{} {inputs:?}", row.name);
             let law = row.build(&inputs).unwrap_or_else(|e| panic!("{name}: {e}"));
             check::passive(&law, HERE).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert!(check::second_stress_change(&law, HERE, &[]).unwrap().is_some(), "{name}: no second derivatives");
             assert!(law.moduli(HERE).is_some(), "{name} states no moduli");
             assert!(law.fiber_limit(HERE, &Vec3::x()).is_some(), "{name} states no fiber limit");
             law.check(0, 0).unwrap();
@@ -33,6 +34,12 @@ fn every_actuation_keeps_its_contract_in_every_form() {
             let controls = row.example.controls;
             check::actuation(&*term, HERE, controls).unwrap_or_else(|e| panic!("{name}: {e}"));
             check::actuation(&*term, HERE, &vec![0.0; controls.len()]).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert!(
+                check::second_stress_change(&term, HERE, controls).unwrap().is_some(),
+                "{name}: no second derivatives"
+            );
+            let by_control = check::control_stress_change(&*term, HERE, controls).unwrap();
+            assert!(by_control.is_some(), "{name}: no second derivatives by the controls");
             let work = check::drives(&*term, HERE, controls, &row.example.gradient()).unwrap();
             assert!(work > 0.7, "{name}: a positive control works {work} on what it is said to drive");
         }

@@ -126,6 +126,25 @@ pub enum FemError {
     },
 }
 
+/// Why a residual has no second derivatives.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SecondDerivativeError {
+    /// J <= 0.
+    #[error(transparent)]
+    Inverted(#[from] InvertedAt),
+    /// A law or actuation that does not give them.
+    #[error(transparent)]
+    Energy(#[from] EnergyError),
+    /// A contribution that does not give them.
+    #[error("contribution \"{name}\" gives no second derivatives; implement `Contribution::{method}`")]
+    Contribution {
+        /// Its name.
+        name: String,
+        /// What it would have to implement.
+        method: &'static str,
+    },
+}
+
 /// Why there may be no equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cause {
@@ -223,6 +242,9 @@ pub enum StateError {
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,
+    /// A term of the residual without second derivatives.
+    #[error(transparent)]
+    SecondDerivatives(#[from] SecondDerivativeError),
     /// The problem is not complete or an input does not fit.
     #[error(transparent)]
     Problem(#[from] FemError),
@@ -244,13 +266,14 @@ impl StateError {
         matches!(self, StateError::Linear(error) if error.is_singular())
     }
 
-    /// A stable name: `inverted`, `no_convergence`, `linear`, `cancelled`, `problem`.
+    /// A stable name: `inverted`, `no_convergence`, `linear`, `cancelled`, `second_derivatives`, `problem`.
     pub fn code(&self) -> &'static str {
         match self {
             StateError::Inverted { .. } => "inverted",
             StateError::NoConvergence { .. } => "no_convergence",
             StateError::Linear(_) => "linear",
             StateError::Cancelled => "cancelled",
+            StateError::SecondDerivatives(_) => "second_derivatives",
             StateError::Problem(_) => "problem",
         }
     }

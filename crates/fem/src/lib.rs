@@ -15,15 +15,17 @@ mod solution;
 
 pub use adjoint::Adjoint;
 pub use adjoint::reverse_sweep::{StatePartials, Swept};
+pub use adjoint::second_order::{AdjointChange, SecondOrder};
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
-    Cavity, Contribution, Controls, Demand, Instant, Sensitivities, Sums, TimeStep, check_contribution,
+    Cavity, Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums, TimeStep,
+    check_contribution,
 };
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
-pub use error::{Cause, FemError, InvertedAt, StateError};
+pub use error::{Cause, FemError, InvertedAt, SecondDerivativeError, StateError};
 pub use model::{Controllable, Model, Unknowns};
 pub use nastic_linear::Solver;
 pub use nastic_linear::memory::{

@@ -5,11 +5,11 @@ use crate::contributions::body_energy::point_strains::PointStrains;
 use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
-use crate::contributions::sensitivities::Sensitivities;
+use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use crate::contributions::{Contribution, Demand, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
-use crate::error::{FemError, InvertedAt};
+use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::{Solver, SparseMatrix, Symmetry};
 use nastic_mesh::GroupNames;
@@ -238,6 +238,31 @@ impl Model {
         Ok(sums)
     }
 
+    /// `dr/dm v`: the change of the residual along a change of the controls.
+    ///
+    /// # Errors
+    /// [`SecondDerivativeError`]: J <= 0, or a contribution that does not give it.
+    pub fn control_product(&self, at: &Instant, v: &Controls) -> Result<Vec<f64>, SecondDerivativeError> {
+        let mut out = vec![0.0; self.unknowns().len()];
+        self.each(at, |contribution, at| contribution.add_control_product(at, v, &mut out))?;
+        Ok(out)
+    }
+
+    /// The change of `K^T lambda` and of `lambda . dr/dm` along a change of displacement and controls.
+    ///
+    /// # Errors
+    /// [`SecondDerivativeError`]: J <= 0, or a term that does not give it.
+    pub fn second_vjp(
+        &self,
+        at: &Instant,
+        lambda: &[f64],
+        along: &Increment,
+    ) -> Result<SecondSensitivities, SecondDerivativeError> {
+        let mut sums = SecondSensitivities::zero(self.controls(), self.unknowns().len());
+        self.each(at, |contribution, at| contribution.second_vjp(at, lambda, along, &mut sums))?;
+        Ok(sums)
+    }
+
     /// A contribution by name, and the index of its block of controls.
     pub(crate) fn contribution(&self, name: &str) -> Option<(&dyn Contribution, usize)> {
         let mut found: Option<(&dyn Contribution, usize)> = None;
@@ -280,21 +305,21 @@ impl Model {
     }
 
     /// Calls with every contribution, in a fixed order, and where it is evaluated.
-    fn each(
+    fn each<E>(
         &self,
         at: &Instant,
-        mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), InvertedAt>,
-    ) -> Result<(), InvertedAt> {
+        mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,
+    ) -> Result<(), E> {
         call(&self.body, at)?;
         call(&self.dead_load, at)?;
         self.each_other(at, call)
     }
 
-    fn each_other(
+    fn each_other<E>(
         &self,
         at: &Instant,
-        mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), InvertedAt>,
-    ) -> Result<(), InvertedAt> {
+        mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,
+    ) -> Result<(), E> {
         let mut block = self.body.actuations().len();
         for contribution in &self.others {
             call(contribution.as_ref(), &Instant { block, ..*at })?;

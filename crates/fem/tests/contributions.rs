@@ -6,156 +6,27 @@
 mod common;
 
 use common::block::STRICT;
+use common::own_contributions::{Oscillators, PUSH, Swirl, bar, oscillating, swirling};
 use common::{Outcome, largest, noise, regular};
-use nastic_energy::{FiberTension, NeoHooke, Slot};
+use nastic_energy::{NeoHooke, Slot};
 use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_fem::{
-    Contribution, Demand, Instant, InvertedAt, PathEnd, PathOptions, Sensitivities, Solid, SolveOptions, StateError,
-    StatePartials, StepTo, Sums, Trajectory, Workspace, check_contribution,
+    Contribution, Controls, Demand, Increment, Instant, InvertedAt, PathEnd, PathOptions, SecondDerivativeError,
+    SecondSensitivities, Sensitivities, Solid, SolveOptions, StateError, StatePartials, StepTo, Sums, Trajectory,
+    Workspace, check_contribution,
 };
-use nastic_linear::{LinearError, SparseMatrix, Symmetry};
+use nastic_linear::{LinearError, SparseMatrix};
 use nastic_mesh::CellKind;
-use nastic_tensor::Vec3;
-
-/// Point masses and dampers to the ground at every node: `r = mass a + damping v + stiffness u`, less a control.
-#[derive(Debug, Clone)]
-struct Oscillators {
-    mass: f64,
-    damping: f64,
-    stiffness: f64,
-}
-
-const PUSH: [Slot; 1] = [Slot::scalar("push", "N")];
-
-impl Contribution for Oscillators {
-    fn name(&self) -> &str {
-        "oscillators"
-    }
-
-    fn slots(&self) -> &[Slot] {
-        &PUSH
-    }
-
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
-        for dof in 0..at.u.len() {
-            let u = at.u[dof];
-            // the incremental potential of backward Euler, whose velocity and acceleration are linear in u
-            if let Some(step) = at.step {
-                let (c_v, b_v) = (step.velocity.0, step.velocity.1[dof]);
-                let (c_a, b_a) = (step.acceleration.0, step.acceleration.1[dof]);
-                sums.energy += self.mass * (0.5 * c_a * u + b_a) * u + self.damping * (0.5 * c_v * u + b_v) * u;
-            }
-            sums.energy += 0.5 * self.stiffness * u * u - at.control(0) * u;
-            if demand.force {
-                let inertia = self.mass * at.acceleration(dof) + self.damping * at.velocity(dof);
-                sums.force[dof] += inertia + self.stiffness * u - at.control(0);
-                sums.force_scale[dof] += inertia.abs() + (self.stiffness * u).abs() + at.control(0).abs();
-            }
-        }
-        Ok(())
-    }
-
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
-        let step = at.step.map_or(0.0, |step| self.mass * step.acceleration.0 + self.damping * step.velocity.0);
-        tangent.add_to_diagonal(self.stiffness + step);
-        Ok(())
-    }
-
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
-        into.add_control(at, 0, -lambda.iter().sum::<f64>());
-        into.velocity.iter_mut().zip(lambda).for_each(|(v, l)| *v += self.damping * l);
-        into.acceleration.iter_mut().zip(lambda).for_each(|(a, l)| *a += self.mass * l);
-        Ok(())
-    }
-}
-
-/// A force on every node that turns with its displacement: `f = control (1 + s u_y, -s u_x, 0)`, not conservative.
-#[derive(Debug, Clone)]
-struct Swirl {
-    nodes: Vec<u32>,
-    rate: f64,
-}
-
-const SWIRL: [Slot; 1] = [Slot::scalar("force", "N")];
-
-impl Contribution for Swirl {
-    fn name(&self) -> &str {
-        "swirl"
-    }
-
-    fn symmetry(&self) -> Symmetry {
-        Symmetry::General
-    }
-
-    fn has_potential(&self) -> bool {
-        false
-    }
-
-    fn slots(&self) -> &[Slot] {
-        &SWIRL
-    }
-
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
-        for &node in self.nodes.iter().filter(|_| demand.force) {
-            let dof = 3 * node as usize;
-            let force = self.force(at.u, dof).map(|f| at.control(0) * f);
-            for i in 0..2 {
-                sums.force[dof + i] -= force[i];
-                sums.force_scale[dof + i] += force[i].abs();
-            }
-        }
-        Ok(())
-    }
-
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
-        let s = at.control(0) * self.rate;
-        let element = [0.0, -s, 0.0, s, 0.0, 0.0, 0.0, 0.0, 0.0];
-        for &node in &self.nodes {
-            let map = tangent.pattern().scatter_map(&[node]).unwrap();
-            tangent.add_element(&map, &element);
-        }
-        Ok(())
-    }
-
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
-        let work = |&node: &u32| {
-            let dof = 3 * node as usize;
-            let force = self.force(at.u, dof);
-            -(force[0] * lambda[dof] + force[1] * lambda[dof + 1])
-        };
-        into.add_control(at, 0, self.nodes.iter().map(work).sum());
-        Ok(())
-    }
-}
-
-impl Swirl {
-    fn force(&self, u: &[f64], dof: usize) -> [f64; 2] {
-        [1.0 + self.rate * u[dof + 1], -self.rate * u[dof]]
-    }
-}
-
-fn bar() -> Outcome<Solid> {
-    Ok(Solid::new(regular(CellKind::Hex8, [1.0, 0.3, 0.3], [4, 1, 1])?)?
-        .material("body", NeoHooke::new(1e3, 2e3)?)?
-        .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
-        .clamp("x-")?)
-}
-
-fn swirling() -> Outcome<Solid> {
-    let bar = bar()?;
-    let nodes = bar.nodes_of("x+")?;
-    Ok(bar.contribution(Swirl { nodes, rate: 2.0 })?)
-}
-
-fn oscillating() -> Outcome<Solid> {
-    Ok(bar()?.contribution(Oscillators { mass: 0.3, damping: 0.2, stiffness: 1.5 })?)
-}
 
 #[test]
 fn every_contribution_keeps_its_contract() -> Outcome {
     for entry in CATALOGUE {
         let solid = (entry.example)()?;
         (0..3).try_for_each(|seed| check_contribution(solid.model(), entry.name, seed))?;
+        let (model, u) = (solid.model(), vec![0.0; solid.discretization().dofs()]);
+        let controls = model.controls();
+        let second = model.second_vjp(&Instant::new(&u, &controls, 1.0), &u, &Increment { u: &u, controls: &controls });
+        assert!(second.is_ok(), "{}: {second:?}", entry.name);
     }
     check_contribution(oscillating()?.model(), "oscillators", 5)?;
     check_contribution(swirling()?.model(), "swirl", 5)?;
@@ -203,9 +74,34 @@ fn a_broken_contract_is_told() -> Outcome {
             }
             Ok(())
         }
+        fn add_control_product(
+            &self,
+            at: &Instant,
+            v: &Controls,
+            out: &mut [f64],
+        ) -> Result<(), SecondDerivativeError> {
+            out[3] += if self.1 == "dr/dm v" { 1e-3 } else { 0.0 };
+            self.0.add_control_product(at, v, out)
+        }
+        fn second_vjp(
+            &self,
+            at: &Instant,
+            _: &[f64],
+            along: &Increment,
+            into: &mut SecondSensitivities,
+        ) -> Result<(), SecondDerivativeError> {
+            match self.1 {
+                "change of K^T lambda" => into.u[5] += along.u[5],
+                "change of the derivative" => into.add_control(at, 0, along.u[5]),
+                _ => {}
+            }
+            Ok(())
+        }
     }
     let right = Oscillators { mass: 0.3, damping: 0.2, stiffness: 1.5 };
-    for wrong in ["potential", "forces of others", "force_scale", "tangent", "controls", "velocity", "acceleration"] {
+    let first = ["potential", "forces of others", "force_scale", "tangent", "controls", "velocity", "acceleration"];
+    let second = ["change of K^T lambda", "change of the derivative", "dr/dm v"];
+    for wrong in first.into_iter().chain(second) {
         let solid = bar()?.contribution(Broken(right.clone(), wrong))?;
         let why = check_contribution(solid.model(), "broken", 3).err().ok_or(format!("{wrong} passes"))?;
         assert!(why.contains(wrong), "{wrong}: {why}");

@@ -44,12 +44,12 @@ pub struct Partials {
 /// rho of a cloud with itself is not zero; it is the bias of the smoothing, and worth reporting beside rho.
 #[derive(Debug)]
 pub struct Evaluation {
-    pairs: Pairs,
-    smoothing: Smoothing,
-    sums: LogSums,
-    to_body: Directed,
-    to_target: Directed,
-    rho: f64,
+    pub(super) pairs: Pairs,
+    pub(super) smoothing: Smoothing,
+    pub(super) sums: LogSums,
+    pub(super) to_body: Directed,
+    pub(super) to_target: Directed,
+    pub(super) rho: f64,
 }
 
 impl Evaluation {
@@ -115,16 +115,16 @@ impl Evaluation {
     }
 
     /// drho/dD = (D / rho)^(gamma - 1) / sqrt 2
-    fn by_mean(&self, d: f64) -> f64 {
+    pub(super) fn by_mean(&self, d: f64) -> f64 {
         if d > 0.0 { (d / self.rho).powf(self.smoothing.gamma() - 1.0) / SQRT_2 } else { 0.0 }
     }
 }
 
 /// One of the two directions: distances at the points of a cloud and their mean of power beta.
 #[derive(Debug)]
-struct Directed {
-    distances: Vec<f64>,
-    mean: f64,
+pub(super) struct Directed {
+    pub distances: Vec<f64>,
+    pub mean: f64,
 }
 
 impl Directed {
@@ -145,7 +145,7 @@ impl Directed {
     }
 
     /// dJ/dlog of the sum at each point, given dJ/dD: the chain through d^beta and phi^-1.
-    fn seeds(&self, by_mean: f64, smoothing: &Smoothing, cloud: &Cloud) -> Vec<f64> {
+    pub fn seeds(&self, by_mean: f64, smoothing: &Smoothing, cloud: &Cloud) -> Vec<f64> {
         let phi = smoothing.phi();
         let seed = |(&d, &w): (&f64, &f64)| {
             let slope = smoothing.alpha() * phi.log_derivative(d);
@@ -159,7 +159,7 @@ impl Directed {
     }
 
     /// dJ/dw of the weights in the mean itself: D / (beta |cloud|) ((d/D)^beta - 1) dJ/dD.
-    fn by_weight(&self, by_mean: f64, smoothing: &Smoothing, cloud: &Cloud) -> Vec<f64> {
+    pub fn by_weight(&self, by_mean: f64, smoothing: &Smoothing, cloud: &Cloud) -> Vec<f64> {
         let scale = by_mean * self.mean / (smoothing.beta() * cloud.measure());
         let own = |&d: &f64| {
             if self.mean > 0.0 { scale * ((d / self.mean).powf(smoothing.beta()) - 1.0) } else { 0.0 }
@@ -177,6 +177,6 @@ fn join(a: f64, b: f64, gamma: f64) -> f64 {
     large * ((((small / large).powf(gamma)).ln_1p() - 0.5 * std::f64::consts::LN_2) / gamma).exp()
 }
 
-fn finite(what: &'static str, value: f64) -> Result<(), HausdorffError> {
+pub(super) fn finite(what: &'static str, value: f64) -> Result<(), HausdorffError> {
     if value.is_finite() { Ok(()) } else { Err(HausdorffError::Overflow { what, value }) }
 }

@@ -17,11 +17,24 @@ pub(super) trait Form: Copy + Send + Sync {
     /// base + log2 E, and g, from r^2 + TINY.
     fn log2_and_slope<S: Lanes>(self, s: S, r2: S::f64s, base: S::f64s) -> (S::f64s, S::f64s);
 
+    /// log2 E, g, and h = g'/r from r^2 + TINY: along a change v of x, `d(g (x - y)) = g v + h ((x - y).v) (x - y)`. Where a kink of phi
+    /// lies between two points that meet, g and h are zero.
+    fn log2_and_slopes<S: Lanes>(self, s: S, r2: S::f64s) -> [S::f64s; 3];
+
     /// log2 E(r).
     fn at(self, r: f64) -> f64;
 
     /// The factor above.
     fn factor(self) -> f64;
+}
+
+/// Squared distances below this are those of points that meet.
+const MEET: f64 = 1e-200;
+
+/// `value`, zero where points meet.
+#[inline(always)]
+fn unless_met<S: Lanes>(s: S, r2: S::f64s, value: S::f64s) -> S::f64s {
+    s.select_f64s(s.less_than_f64s(r2, s.splat_f64s(MEET)), s.splat_f64s(0.0), value)
 }
 
 /// 2^(-r): lengths are in units of length / (alpha log2 e).
@@ -52,6 +65,14 @@ impl Form for Exponential {
         (s.negate_mul_add_e_f64s(r2, inverse, base), inverse)
     }
 
+    /// h = -g^3
+    #[inline(always)]
+    fn log2_and_slopes<S: Lanes>(self, s: S, r2: S::f64s) -> [S::f64s; 3] {
+        let (z, g) = self.log2_and_slope(s, r2, s.splat_f64s(0.0));
+        let g = unless_met(s, r2, g);
+        [z, g, s.mul_f64s(s.mul_f64s(g, g), s.neg_f64s(g))]
+    }
+
     fn at(self, r: f64) -> f64 {
         -r
     }
@@ -76,6 +97,15 @@ impl Form for Inverse {
         (z, s.div_f64s(inverse, one_plus_r))
     }
 
+    /// h = -g^2 (1/r + 2)
+    #[inline(always)]
+    fn log2_and_slopes<S: Lanes>(self, s: S, r2: S::f64s) -> [S::f64s; 3] {
+        let (z, g) = self.log2_and_slope(s, r2, s.splat_f64s(0.0));
+        let g = unless_met(s, r2, g);
+        let factor = unless_met(s, r2, s.add_f64s(s.rsqrt(r2), s.splat_f64s(2.0)));
+        [z, g, s.mul_f64s(s.mul_f64s(g, g), s.neg_f64s(factor))]
+    }
+
     fn at(self, r: f64) -> f64 {
         -self.alpha * LOG2_E * r.ln_1p()
     }
@@ -97,6 +127,13 @@ impl Form for SmoothInverse {
         let square = s.add_f64s(s.splat_f64s(1.0), r2);
         let z = s.mul_add_e_f64s(s.splat_f64s(-0.5 * self.alpha), s.log2(square), base);
         (z, s.div_f64s(s.splat_f64s(1.0), square))
+    }
+
+    /// h = -2 g^2
+    #[inline(always)]
+    fn log2_and_slopes<S: Lanes>(self, s: S, r2: S::f64s) -> [S::f64s; 3] {
+        let (z, g) = self.log2_and_slope(s, r2, s.splat_f64s(0.0));
+        [z, g, s.mul_f64s(s.mul_f64s(g, g), s.splat_f64s(-2.0))]
     }
 
     fn at(self, r: f64) -> f64 {

@@ -40,7 +40,7 @@ pub struct LogSums {
     pub target: Vec<f64>,
     /// log B_q for every body point.
     pub body: Vec<f64>,
-    log2: Log2Sums,
+    pub(super) log2: Log2Sums,
 }
 
 /// What a change of the body does to a functional J(log A, log B), see `Pairs::vjp`.
@@ -149,7 +149,17 @@ impl Pairs {
         }
     }
 
-    fn summed(&self) -> LeafPairs<'_> {
+    /// See `Kernel`.
+    pub(super) fn gradient_factor(&self) -> f64 {
+        self.kernel.gradient_factor()
+    }
+
+    /// The kernel's unit of length, metres.
+    pub(super) fn unit(&self) -> f64 {
+        self.kernel.unit
+    }
+
+    pub(super) fn summed(&self) -> LeafPairs<'_> {
         LeafPairs {
             kernel: &self.kernel,
             instructions: self.instructions,
@@ -160,7 +170,7 @@ impl Pairs {
     }
 }
 
-fn check(what: &'static str, seed: &[f64], cloud: &Cloud) -> Result<(), HausdorffError> {
+pub(super) fn check(what: &'static str, seed: &[f64], cloud: &Cloud) -> Result<(), HausdorffError> {
     if seed.len() == cloud.len() {
         Ok(())
     } else {

@@ -91,6 +91,15 @@ impl Phi {
         }
     }
 
+    /// (log phi)''(r) / (log phi)'(r), for r > 0.
+    pub fn log_derivative_rate(&self, r: f64) -> f64 {
+        match *self {
+            Phi::Exponential { .. } => 0.0,
+            Phi::Inverse { eps } => -1.0 / (r + eps),
+            Phi::SmoothInverse { eps } => 1.0 / r - 2.0 * (r / eps) / (r * (r / eps) + eps),
+        }
+    }
+
     /// The distance at which log phi equals `log`; zero where `log` exceeds log phi(0) by rounding.
     pub fn inverse_of_log(&self, log: f64) -> f64 {
         match *self {

@@ -87,7 +87,7 @@ pub use inner_product::{Diagonal, Euclidean, INNER_PRODUCTS, InnerProduct, Inner
 pub use lbfgs::Lbfgs;
 pub use line_search::LineSearch;
 pub use method::{Current, Memory, Method, Secant};
-pub use objective::{DEFAULT_ACCURACY, Objective, Problem, Request};
+pub use objective::{DEFAULT_ACCURACY, NoSecondDerivatives, Objective, Problem, Request};
 pub use observer::{Observer, Reason, Trial};
 pub use optimizer::{CATALOGUE, Optimizer, OptimizerRow, Options, by_name};
 pub use print::Print;
@@ -98,6 +98,6 @@ pub use start::{EvaluatedStart, Start};
 pub use state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 pub use stop::{Stall, Stop, Tolerance};
 pub use summary::Summary;
-pub use taylor::{Row, Taylor, TaylorDirection, TaylorError, TaylorReport, Verdict};
+pub use taylor::{Row, SecondOrder, Taylor, TaylorDirection, TaylorError, TaylorReport, Verdict};
 pub use trial_table::{TRUE_DISTANCE, TrialTable};
 pub use within::Within;

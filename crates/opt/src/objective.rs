@@ -4,6 +4,7 @@ use crate::failed::Failed;
 use crate::inner_product::InnerProduct;
 use crate::summary::Summary;
 use std::sync::Arc;
+use thiserror::Error;
 
 /// How a trial is to be evaluated.
 #[derive(Debug)]
@@ -79,6 +80,20 @@ pub trait Objective: Sync {
     /// [`Failed`] when the adjoint cannot be had; the driver treats the trial as failed.
     fn derivative(&self, point: &mut Self::Point, workspace: &mut Self::Workspace) -> Result<Vec<f64>, Failed>;
 
+    /// The second derivative of j at an evaluated point, applied to a direction v: `d2j/dm2 v`, a dual vector. Symmetric:
+    /// `w . H v = v . H w`.
+    ///
+    /// # Errors
+    /// [`NoSecondDerivatives`] of an objective that has none (the default); [`Failed`] where they cannot be had.
+    fn hessian_vector(
+        &self,
+        _point: &Self::Point,
+        _v: &[f64],
+        _workspace: &mut Self::Workspace,
+    ) -> Result<Vec<f64>, Failed> {
+        Err(Failed::new(NoSecondDerivatives { objective: std::any::type_name::<Self>() }))
+    }
+
     /// Number of continuation stages (alpha, beta, gamma of a smoothed distance): same states, another value.
     fn stages(&self) -> usize {
         1
@@ -117,6 +132,14 @@ pub trait Objective: Sync {
     }
 }
 
+/// An objective without second derivatives.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error("{objective} gives no second derivatives; implement `Objective::hessian_vector`, or take what does without")]
+pub struct NoSecondDerivatives {
+    /// Type of the objective.
+    pub objective: &'static str,
+}
+
 /// An objective that knows the inner product of its control space.
 pub trait Problem: Objective {
     /// The inner product (a, b) = a . G b; its length is the number of controls.
@@ -148,6 +171,15 @@ macro_rules! forward {
 
             fn derivative(&self, point: &mut T::Point, workspace: &mut T::Workspace) -> Result<Vec<f64>, Failed> {
                 (**self).derivative(point, workspace)
+            }
+
+            fn hessian_vector(
+                &self,
+                point: &T::Point,
+                v: &[f64],
+                workspace: &mut T::Workspace,
+            ) -> Result<Vec<f64>, Failed> {
+                (**self).hessian_vector(point, v, workspace)
             }
 
             fn stages(&self) -> usize {

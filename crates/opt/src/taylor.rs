@@ -1,8 +1,10 @@
-//! The Taylor test: does the derivative belong to the cost?
+//! The Taylor test: does the derivative belong to the cost? And the second derivative?
 
 mod report;
+mod second;
 
 pub use report::{Row, TaylorDirection, TaylorReport, Verdict};
+pub use second::SecondOrder;
 
 use crate::admissible::{Admissible, Outside};
 use crate::failed::Failed;
@@ -21,6 +23,9 @@ use thiserror::Error;
 /// of j, which is estimated from the scatter of j(m(t)) at the smallest steps, without use of the derivative.
 /// Remainders at round-off are not judged: where the order at these steps is neither that of a right derivative nor that of a
 /// remainder linear in t, larger steps are asked.
+///
+/// With [`second`](Self::second), the remainder r2(t) = |j(m(t)) - j(m) - dj.(m(t) - m) - t^2/2 d.Hd| falls as t^3 if H is the
+/// second derivative, on curved paths too: their bend is in the linear term, and changes the quadratic one by t^3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taylor {
     /// Number of random directions.
@@ -38,8 +43,10 @@ pub struct Taylor {
     pub accuracy: f64,
     /// The continuation stage whose cost is tested.
     pub stage: usize,
-    /// Smallest order of r1 that passes.
+    /// Smallest order of r1 that passes; r2 has to have one more.
     pub order: f64,
+    /// Whether the second derivative is tested too.
+    pub second: bool,
 }
 
 impl Default for Taylor {
@@ -53,6 +60,7 @@ impl Default for Taylor {
             accuracy: 1e-12,
             stage: 0,
             order: 1.95,
+            second: false,
         }
     }
 }
@@ -98,7 +106,8 @@ impl Taylor {
     /// Tests the derivative of `objective` at an admissible control.
     ///
     /// # Errors
-    /// A control that is not admissible or cannot be evaluated, or that nothing tells how to vary.
+    /// A control that is not admissible or cannot be evaluated, or that nothing tells how to vary; an objective without second
+    /// derivatives where they are asked for.
     pub fn test<O: Objective>(
         &self,
         objective: &O,
@@ -125,9 +134,14 @@ impl Taylor {
     ) -> Result<TaylorDirection, TaylorError> {
         let direction = self.direction(base.set, base.m, seed)?;
         let slope = dot(&base.derivative, &direction);
+        let curvature = match self.second {
+            true => Some(dot(&base.objective.hessian_vector(&base.point, &direction, workspace)?, &direction)),
+            false => None,
+        };
         let how = Request { near: Some(&base.point), accuracy: self.accuracy, stage: self.stage };
         let mut m = base.m.to_vec();
         let mut rows = Vec::with_capacity(Self::PER_DECADE * Self::DECADES + 1);
+        let mut remainders = Vec::with_capacity(Self::PER_DECADE * Self::DECADES + 1);
         for k in 0..=Self::PER_DECADE * Self::DECADES {
             let t = 10f64.powf(-(k as f64) / Self::PER_DECADE as f64);
             base.set.retract(base.m, &direction, t, &mut m);
@@ -138,8 +152,17 @@ impl Taylor {
             let cost = evaluated.map(|point| base.objective.value(&point)).filter(|cost| cost.is_finite());
             let change = cost.map_or(f64::NAN, |cost| cost - base.cost);
             rows.push(Row { t, cost, r0: change.abs(), r1: (change - t * slope).abs(), used: false });
+            remainders.push(second::remainder(
+                change,
+                &base.derivative,
+                base.m,
+                &m,
+                curvature.map(|c| 0.5 * t * t * c),
+            ));
         }
-        Ok(self.judge(seed, direction, slope, base.cost, rows))
+        let mut judged = self.judge(seed, direction, slope, base.cost, rows);
+        judged.second = curvature.map(|curvature| second::judge(&judged, curvature, remainders, self.order + 1.0));
+        Ok(judged)
     }
 
     /// Random, of the size asked for, admissible.
@@ -184,7 +207,7 @@ impl Taylor {
         };
         window.iter().for_each(|k| rows[*k].used = true);
         let verdict = if linear { Verdict::Linear } else { verdict };
-        TaylorDirection { seed, direction, slope, observed, noise, rows, order0, order1, verdict }
+        TaylorDirection { seed, direction, slope, observed, noise, rows, order0, order1, verdict, second: None }
     }
 }
 

@@ -61,6 +61,7 @@ pub(crate) fn of_run(py: Python<'_>, error: &RunError) -> PyErr {
 /// The exception of an evaluation that failed.
 pub(crate) fn of_evaluation(py: Python<'_>, failed: &Failed) -> PyErr {
     match failed.downcast_ref::<EnsembleError>() {
+        Some(error) if error.lacks_second_derivatives() => exception(py, "Error", failed.to_string(), &PyDict::new(py)),
         Some(EnsembleError::Member { who, source }) => solve(py, failed.to_string(), who, code(source), None),
         Some(EnsembleError::Length { .. }) => input(py, failed),
         _ => solve(py, failed.to_string(), "", None, None),

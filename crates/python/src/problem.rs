@@ -60,6 +60,17 @@ impl History {
     }
 }
 
+impl History {
+    /// The second derivative along v: two linear solves, with state and adjoint of the control at hand.
+    fn hessian_vector(&mut self, of: &Problem, m: &[f64], v: &[f64]) -> Result<Vec<f64>, Failed> {
+        self.derivative(of, m)?;
+        match &self.last {
+            Some(point) => Objective::hessian_vector(&of.problem.ensemble, point, v, &mut self.workspace),
+            None => Err(Failed::because("the control was not evaluated")),
+        }
+    }
+}
+
 impl Problem {
     /// Works on the history without the interpreter lock.
     fn at<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut History) -> Result<T, Failed> + Send) -> PyResult<T> {
@@ -127,6 +138,18 @@ impl Problem {
         let m: Vec<f64> = m.as_array().to_vec();
         let (value, derivative) = self.at(py, move |history| history.derivative(self, &m))?;
         Ok((value, PyArray1::from_vec(py, derivative)))
+    }
+
+    /// The second derivative at `m` applied to `v`.
+    fn hessian_vector<'py>(
+        &self,
+        py: Python<'py>,
+        m: PyReadonlyArray1<'py, f64>,
+        v: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (m, v): (Vec<f64>, Vec<f64>) = (m.as_array().to_vec(), v.as_array().to_vec());
+        let product = self.at(py, move |history| history.hessian_vector(self, &m, &v))?;
+        Ok(PyArray1::from_vec(py, product))
     }
 
     /// Forgets all states: the next evaluation starts from rest.

@@ -26,6 +26,34 @@ def test_the_gradient_is_that_of_differences(bar):
     assert quotient == pytest.approx(gradient @ direction, rel=1e-6)
 
 
+def test_products_with_second_derivatives_are_those_of_differences(bar, two_loads):
+    for case in (bar, two_loads):
+        problem = case.problem(accuracy=1e-12)
+        m = problem.start - 1e4
+        a, b = np.cos(np.arange(len(m))), np.sin(3 + np.arange(len(m)))
+        along_a, along_b = problem.hessian_vector(m, a), problem.hessian_vector(m, b)
+        assert along_a @ b == pytest.approx(along_b @ a, rel=1e-10)
+        assert problem.evaluations == 1
+        step = 100.0
+        quotient = (problem.gradient(m + step * a) - problem.gradient(m - step * a)) / (2 * step)
+        assert np.allclose(along_a, quotient, rtol=0, atol=1e-5 * np.abs(quotient).max())
+
+
+def test_directions_that_do_not_fit_are_refused(bar):
+    problem = bar.problem()
+    with pytest.raises(nastic.CaseError, match="the direction has the shape"):
+        problem.hessian_vector(problem.start, [1.0])
+
+
+def test_a_risk_with_a_kink_says_so(two_loads):
+    """At rest all scenarios cost the same, and their deviation has a kink."""
+    two_loads["risk"] = {"mean_deviation": {"lambda": 1}}
+    two_loads["controls"][0]["start"] = 0
+    problem = two_loads.problem()
+    with pytest.raises(nastic.errors.Error, match="has no second derivatives where all costs are equal"):
+        problem.hessian_vector(problem.start, np.ones(len(problem)))
+
+
 def test_value_and_then_gradient_solve_once(bar):
     problem = bar.problem()
     m = problem.start
@@ -169,6 +197,32 @@ def test_scipy_reaches_what_optimize_reaches(bar):
     assert cost * found.fun == pytest.approx(best.result["cost"]["total"], rel=1e-6)
     assert best.result["cost"]["total"] < 0.2 * cost
     assert np.abs(scale * found.x - best.controls["tension"]).max() < 2e3
+
+
+def test_scipy_takes_the_products(bar):
+    """Newton's method with conjugate gradients needs far fewer gradients than a quasi-Newton method, to a lower cost."""
+    scipy = pytest.importorskip("scipy.optimize")
+    problem = bar.problem()
+    scale, first = 1e5, problem.value(problem.start)
+
+    def cost(x):
+        value, gradient = problem.value_and_gradient(scale * x)
+        return value / first, scale / first * gradient
+
+    def curvature(x, v):
+        return scale**2 / first * problem.hessian_vector(scale * x, v)
+
+    start = problem.start / scale
+    newton = scipy.minimize(cost, start, jac=True, hessp=curvature, method="Newton-CG", options={"xtol": 1e-9})
+    quasi = scipy.minimize(cost, start, jac=True, method="BFGS", options={"gtol": 1e-9})
+    assert newton.success and np.linalg.norm(newton.jac) < 1e-6
+    assert newton.fun <= quasi.fun * (1 + 1e-6) and newton.nit < quasi.nit
+    box = scipy.Bounds(problem.lower / scale, problem.upper / scale)
+    options = {"maxiter": 200, "gtol": 1e-9, "xtol": 1e-12}
+    inside = scipy.minimize(cost, start, jac=True, hessp=curvature, bounds=box, method="trust-constr", options=options)
+    lbfgsb = scipy.minimize(cost, start, jac=True, bounds=box, method="L-BFGS-B", options={"maxiter": 500, "ftol": 1e-15})
+    assert inside.fun == pytest.approx(lbfgsb.fun, rel=1e-3)
+    assert (problem.lower <= scale * inside.x).all() and (scale * inside.x <= problem.upper).all()
 
 
 def test_jax_differentiates_the_cost(bar):

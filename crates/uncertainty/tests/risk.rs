@@ -45,6 +45,39 @@ fn weights_are_the_derivative_and_sum_to_one() {
 }
 
 #[test]
+fn changes_of_weights_are_their_derivative_and_symmetric() {
+    let (a, b) = ([0.3, -0.2, 0.5, 0.1, -0.4, 0.2, 0.6, -0.1], [-0.1, 0.4, 0.2, -0.3, 0.5, 0.1, -0.2, 0.3]);
+    for (risk, _) in measures() {
+        for (scale, shift) in [(1.0, 0.0), (1e-9, 0.0), (1e7, 1e7)] {
+            let along = |d: &[f64; 8], t: f64| -> Vec<f64> {
+                J.iter().zip(d).map(|(j, d)| (j + t * d) * scale + shift).collect()
+            };
+            let costs = along(&a, 0.0);
+            let scaled = |d: &[f64; 8]| d.map(|d| d * scale);
+            let change = risk.weights_change(&P, &costs, &scaled(&a)).unwrap();
+            let at = |t: f64| risk.weights(&P, &along(&a, t));
+            let h = 1e-3;
+            let largest = change.iter().fold(1e-3, |most: f64, d| most.max(d.abs()));
+            for i in 0..P.len() {
+                let pair = |n: f64| at(n * h)[i] - at(-n * h)[i];
+                let slope = (45.0 * pair(1.0) - 9.0 * pair(2.0) + pair(3.0)) / (60.0 * h);
+                assert!((slope - change[i]).abs() < 1e-6 * largest, "{risk:?} {i}: {slope:e} and {:e}", change[i]);
+            }
+            assert!(change.iter().sum::<f64>().abs() < 1e-10 * largest, "{risk:?}: weights no longer sum to one");
+            let other = risk.weights_change(&P, &costs, &scaled(&b)).unwrap();
+            let pair = |x: &[f64], y: &[f64; 8]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+            assert!((pair(&change, &b) - pair(&other, &a)).abs() < 1e-11 * largest, "{risk:?}: not symmetric");
+        }
+        let flat = risk.weights_change(&P, &[2.5; 8], &a);
+        match risk.name() {
+            "mean" => assert_eq!(flat.unwrap(), [0.0; 8]),
+            measure => assert_eq!(flat.unwrap_err(), RiskError::Kink { measure }),
+        }
+        assert_eq!(risk.weights_change(&[1.0], &[0.7], &[0.1]).unwrap(), [0.0], "one scenario has no kink: {risk:?}");
+    }
+}
+
+#[test]
 fn monotone_where_promised_and_never_far_from_it() {
     for (risk, monotone) in measures() {
         let lowest = risk.weights(&P, &J).into_iter().fold(f64::INFINITY, f64::min);

@@ -63,7 +63,7 @@ impl Formula {
     ///
     /// # Errors
     ///
-    /// `unit of the wrong kind: "5 mm" is a length, a pressure is wanted (Pa, kPa, MPa, GPa)`
+    /// `unit of the wrong kind: "5 mm" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)`
     pub fn check(&self, wanted: Dimension) -> Result<(), String> {
         match self.kind.and_then(|kind| kind.refuses(wanted)) {
             Some(why) => Err(format!("unit of the wrong kind: {} {why}", quoted(&self.text))),

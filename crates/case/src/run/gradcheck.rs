@@ -1,4 +1,4 @@
-//! `nastic gradcheck`: does the derivative belong to the cost? Per control field and per cost term.
+//! `nastic gradcheck`: do the derivative and the second derivative belong to the cost? Per control field and per cost term.
 
 mod memo;
 
@@ -7,7 +7,8 @@ use super::number::scientific;
 use super::session::Session;
 use crate::lower::{Admitted, CaseProblem};
 use memo::{Column, Memo, Term};
-use nastic_opt::{Admissible, Objective, Taylor, TaylorDirection, TaylorError, Verdict};
+use nastic_control::EnsembleError;
+use nastic_opt::{Admissible, Failed, Objective, SecondOrder, Taylor, TaylorDirection, TaylorError, Verdict};
 use serde_json::{Value, json};
 
 /// Random directions per control field.
@@ -24,6 +25,8 @@ pub struct GradientTest {
     pub term: String,
     /// What was found, direction by direction.
     pub directions: Vec<TaylorDirection>,
+    /// Why there are no second derivatives, where there are none.
+    pub without_second: Option<String>,
 }
 
 impl GradientTest {
@@ -32,6 +35,15 @@ impl GradientTest {
     pub fn verdict(&self) -> Verdict {
         let is = |verdict| self.directions.iter().any(|d| d.verdict == verdict);
         [Verdict::Wrong, Verdict::Right, Verdict::Linear].into_iter().find(|v| is(*v)).unwrap_or(Verdict::Undecided)
+    }
+
+    /// The same of the second derivative; `None` where there is none.
+    #[must_use]
+    pub fn second_verdict(&self) -> Option<Verdict> {
+        let found: Vec<Verdict> = self.directions.iter().filter_map(|d| Some(d.second.as_ref()?.verdict)).collect();
+        let is = |verdict| found.contains(&verdict);
+        let first = [Verdict::Wrong, Verdict::Right, Verdict::Quadratic].into_iter().find(|v| is(*v));
+        (!found.is_empty()).then_some(first.unwrap_or(Verdict::Undecided))
     }
 }
 
@@ -73,10 +85,21 @@ fn test_field(
     control: &str,
 ) -> Result<Vec<GradientTest>, TaylorError> {
     let test = |term: Term| -> Result<GradientTest, TaylorError> {
-        let label = term.label.clone();
-        test_gradient(&Column { memo, term }, &problem.set, &problem.start, taylor, control, &label)
+        let (label, column) = (term.label.clone(), Column { memo, term });
+        let with = |taylor: &Taylor| test_gradient(&column, &problem.set, &problem.start, taylor, control, &label);
+        match with(&Taylor { second: true, ..taylor.clone() }) {
+            // No state was solved before this was known.
+            Err(TaylorError::Base(failed)) if lacks_second_derivatives(&failed) => {
+                Ok(GradientTest { without_second: Some(failed.to_string()), ..with(taylor)? })
+            }
+            tested => tested,
+        }
     };
     memo.terms().into_iter().map(test).collect()
+}
+
+fn lacks_second_derivatives(failed: &Failed) -> bool {
+    failed.downcast_ref::<EnsembleError>().is_some_and(EnsembleError::lacks_second_derivatives)
 }
 
 /// The Taylor test of an objective at a control, under the names of a control field and a term.
@@ -92,7 +115,8 @@ pub fn test_gradient<O: Objective>(
     term: &str,
 ) -> Result<GradientTest, TaylorError> {
     let report = taylor.test(objective, set, m)?;
-    Ok(GradientTest { control: control.to_owned(), term: term.to_owned(), directions: report.directions })
+    let (control, term) = (control.to_owned(), term.to_owned());
+    Ok(GradientTest { control, term, directions: report.directions, without_second: None })
 }
 
 /// Size of a control where neither its set nor its values tell: the law's bound on it, or the one bound it has.
@@ -130,9 +154,21 @@ fn say(session: &Session<'_>, control: &str, tests: &[GradientTest]) {
             session.console.say(format!("{name:>8}  {}", cells.concat()));
         };
         line("dj.d", &|d| scientific(d.slope, 3));
-        line("order", &|d| if d.order1.is_finite() { format!("{:.3}", d.order1) } else { "-".to_owned() });
+        line("order", &|d| order(d.order1));
         line("verdict", &|d| word(d.verdict).to_owned());
+        if tests.iter().any(|test| test.directions[k].second.is_some()) {
+            let of = |d: &TaylorDirection, of: &dyn Fn(&SecondOrder) -> String| {
+                d.second.as_ref().map_or_else(|| "-".to_owned(), of)
+            };
+            line("d.Hd", &|d| of(d, &|second| scientific(second.curvature, 3)));
+            line("order", &|d| of(d, &|second| order(second.order)));
+            line("second", &|d| of(d, &|second| word(second.verdict).to_owned()));
+        }
     }
+}
+
+fn order(order: f64) -> String {
+    if order.is_finite() { format!("{order:.3}") } else { "-".to_owned() }
 }
 
 /// A remainder; a star marks those the order is fitted to.
@@ -150,34 +186,58 @@ fn word(verdict: Verdict) -> &'static str {
         Verdict::Right => "right",
         Verdict::Wrong => "WRONG",
         Verdict::Linear => "linear",
+        Verdict::Quadratic => "quadratic",
         Verdict::Undecided => "undecided",
     }
 }
 
 fn conclude(session: &mut Session<'_>, tests: &[GradientTest]) -> Exit {
-    let wrong: Vec<&GradientTest> = tests.iter().filter(|test| test.verdict() == Verdict::Wrong).collect();
-    let undecided = tests.iter().filter(|test| test.verdict() == Verdict::Undecided).count();
     session.console.say("");
     session
         .console
         .say("Order 2 shows that the derivative belongs to the cost; * marks the remainders it is fitted to, those");
-    session.console.say("at round-off are not judged.");
-    let verdict = match (wrong.is_empty(), undecided) {
-        (false, _) => {
-            let list: Vec<String> = wrong.iter().map(|t| format!("{} by {}", t.term, t.control)).collect();
-            format!("WRONG: {}", list.join(", "))
-        }
-        (true, 0) => "right: every order is 2".to_owned(),
+    session
+        .console
+        .say("at round-off are not judged. Order 3 of what the second derivative d.Hd leaves shows the same of that.");
+    let first: Vec<_> = tests.iter().map(|test| (test, test.verdict())).collect();
+    let second: Vec<_> = tests.iter().filter_map(|test| Some((test, test.second_verdict()?))).collect();
+    let (verdict, second_verdict) = (summary(&first, 2), summary(&second, 3));
+    session.console.say(format!("verdict     {verdict}"));
+    let missing = tests.iter().find_map(|test| test.without_second.as_ref());
+    let second_verdict = match (missing, second.is_empty()) {
+        (Some(why), true) => format!("not tested: {why}"),
+        (Some(why), false) => format!("{second_verdict}; not of every term: {why}"),
+        (None, _) => second_verdict,
+    };
+    session.console.say(format!("second      {second_verdict}"));
+    let lowest = |orders: &mut dyn Iterator<Item = f64>| {
+        let lowest = orders.filter(|order| order.is_finite()).fold(f64::INFINITY, f64::min);
+        lowest.is_finite().then_some(lowest)
+    };
+    let directions = || tests.iter().flat_map(|test| &test.directions);
+    let lowest_first = lowest(&mut directions().map(|d| d.order1));
+    let lowest_second = lowest(&mut directions().filter_map(|d| Some(d.second.as_ref()?.order)));
+    let right = |found: &[(&GradientTest, Verdict)]| found.iter().all(|(_, verdict)| *verdict != Verdict::Wrong);
+    let (passed, second_passed) = (right(&first), right(&second));
+    let entries: Vec<Value> = tests.iter().map(entry).collect();
+    let second = json!({ "passed": second_passed, "verdict": second_verdict, "lowest_order": lowest_second });
+    session.put(
+        "gradcheck",
+        json!({ "passed": passed, "verdict": verdict, "lowest_order": lowest_first, "second": second, "tests": entries }),
+    );
+    if passed && second_passed { Exit::Done } else { Exit::GradientWrong }
+}
+
+/// In words, of tests that should have this order.
+fn summary(tests: &[(&GradientTest, Verdict)], order: usize) -> String {
+    let of = |wanted| tests.iter().filter(move |(_, verdict)| *verdict == wanted);
+    let wrong: Vec<String> = of(Verdict::Wrong).map(|(t, _)| format!("{} by {}", t.term, t.control)).collect();
+    match (wrong.is_empty(), of(Verdict::Undecided).count()) {
+        (false, _) => format!("WRONG: {}", wrong.join(", ")),
+        (true, 0) => format!("right: every order is {order}"),
         (true, n) if n == tests.len() => "undecided: no remainder stands clear of round-off".to_owned(),
         (true, n) => format!("right where it can be judged; {n} of {} undecided", tests.len()),
-    };
-    session.console.say(format!("verdict     {verdict}"));
-    let lowest = tests.iter().flat_map(|test| &test.directions).map(|d| d.order1).filter(|order| order.is_finite());
-    let lowest = lowest.fold(f64::INFINITY, f64::min);
-    let entries: Vec<Value> = tests.iter().map(entry).collect();
-    let passed = wrong.is_empty();
-    session.put("gradcheck", json!({ "passed": passed, "verdict": verdict, "lowest_order": lowest, "tests": entries }));
-    if passed { Exit::Done } else { Exit::GradientWrong }
+    }
 }
 
 fn entry(test: &GradientTest) -> Value {
@@ -186,9 +246,15 @@ fn entry(test: &GradientTest) -> Value {
             d.rows.iter().map(|row| json!({ "t": row.t, "r0": row.r0, "r1": row.r1, "used": row.used })).collect();
         json!({
             "slope": d.slope, "observed": d.observed, "noise": d.noise, "order0": d.order0, "order1": d.order1,
-            "verdict": word(d.verdict), "rows": rows,
+            "verdict": word(d.verdict), "rows": rows, "second": d.second.as_ref().map(second_entry),
         })
     };
     let directions: Vec<Value> = test.directions.iter().map(direction).collect();
-    json!({ "control": test.control, "term": test.term, "verdict": word(test.verdict()), "directions": directions })
+    let (verdict, second) = (word(test.verdict()), test.second_verdict().map(word));
+    json!({ "control": test.control, "term": test.term, "verdict": verdict, "second": second, "directions": directions })
+}
+
+fn second_entry(second: &SecondOrder) -> Value {
+    let SecondOrder { curvature, remainders, used, order, verdict } = second;
+    json!({ "curvature": curvature, "r2": remainders, "used": used, "order": order, "verdict": word(*verdict) })
 }

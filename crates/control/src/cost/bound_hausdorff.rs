@@ -3,9 +3,9 @@
 use super::{Cost, CostContext, CostPoint, CostTarget, Figure, FigureKind, Partials};
 use crate::error::ControlError;
 use nastic_fem::{Discretization, QuadraturePoints, Solid};
-use nastic_hausdorff::{Cloud, Evaluation, HausdorffError, Smoothing, Summation};
+use nastic_hausdorff::{Cloud, Evaluation, HausdorffError, Motion, SecondPartials, Smoothing, Summation};
 use nastic_mesh::{GroupNames, Hausdorff, Mesh, Shape, hausdorff};
-use nastic_tensor::Mat3;
+use nastic_tensor::{Mat3, cross};
 use std::sync::{Arc, OnceLock};
 
 /// [`SmoothedHausdorff`](super::SmoothedHausdorff) bound to a body.
@@ -169,6 +169,27 @@ impl CostPoint for HausdorffPoint {
         let kinematics = body.kinematics(&self.u)?;
         let stresses = kinematics.iter().zip(body.weights()).zip(&partials.weights);
         let stresses: Vec<Mat3> = stresses.map(|((k, w), d)| k.h() * (weight * w * d)).collect();
+        body.spread_stress(&stresses, &mut out.u);
+        Ok(())
+    }
+
+    /// `drho = sum_q G_q . v(x_q) + g_q dw_q`, `dw_q = w_q^0 H : grad v`: G and g change along du, and so does H, by `F x grad du`.
+    fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
+        let (body, weight, dim) = (&self.setup.body, self.setup.weight, self.discretization.dim());
+        let (kinematics, gradients) = (body.kinematics(&self.u)?, body.gradients(&along.u));
+        let moved = body.interpolate(&along.u, dim);
+        let points = moved.chunks_exact(dim).map(|v| std::array::from_fn(|d| v.get(d).copied().unwrap_or(0.0)));
+        let at_points = || body.weights().iter().zip(&kinematics).zip(&gradients);
+        let weights = at_points().map(|((w, k), moved)| w * k.h().dot(moved)).collect();
+        let motion = Motion { points: points.collect(), weights };
+        let SecondPartials { change, weights: first } = self.evaluation.partials_change(&motion).map_err(failed)?;
+        let forces: Vec<f64> = change.points.iter().flat_map(|p| p.iter().take(dim).map(move |p| weight * p)).collect();
+        body.spread(&forces, dim, &mut out.u);
+        let by_weight = change.weights.iter().zip(&first);
+        let stresses = at_points()
+            .zip(by_weight)
+            .map(|(((w, k), moved), (change, first))| (k.h() * *change + cross(k.f(), moved) * *first) * (weight * w));
+        let stresses: Vec<Mat3> = stresses.collect();
         body.spread_stress(&stresses, &mut out.u);
         Ok(())
     }

@@ -39,19 +39,27 @@ pub struct CostContext<'a> {
     pub stage: usize,
 }
 
-/// Partial derivatives of a cost, to be added to.
+/// Partial derivatives of a cost, to be added to; also a change of what they are by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Partials {
-    /// `dj/du`, flat, supported unknowns included.
+    /// `dj/du`, flat, supported unknowns included; of a change, that of u.
     pub u: Vec<f64>,
-    /// `dj/dm`.
+    /// `dj/dm`; of a change, that of m.
     pub m: Vec<f64>,
+}
+
+impl Partials {
+    /// Zero, for so many displacements and controls.
+    pub fn zero(u: usize, m: usize) -> Self {
+        Partials { u: vec![0.0; u], m: vec![0.0; m] }
+    }
 }
 
 /// A term of the objective, j(u, m), bound to a body.
 ///
 /// Implement it for your own target; the derivative through the state equation comes for free. Contract: `add_partials`
-/// of a [`CostPoint`] is the exact derivative of its `value` (the same quadrature), and both are deterministic.
+/// of a [`CostPoint`] is the exact derivative of its `value` (the same quadrature), `add_second_partials`, where it is
+/// implemented, that of `add_partials`, and all are deterministic.
 ///
 /// ```
 /// use nastic_control::{ControlError, Cost, CostContext, CostPoint, Partials, Reduced, Space};
@@ -147,6 +155,14 @@ pub trait CostPoint: Debug + Send + Sync {
     /// # Errors
     /// A derivative that is not finite.
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError>;
+
+    /// Adds the change of `dj/du` and `dj/dm` along a change `(du, v)`: `j_uu du + j_um v` and `j_mu du + j_mm v`.
+    ///
+    /// # Errors
+    /// [`ControlError::NoSecondPartials`] where the cost does not implement it (the default).
+    fn add_second_partials(&self, _along: &Partials, _out: &mut Partials) -> Result<(), ControlError> {
+        Err(ControlError::NoSecondPartials { cost: std::any::type_name::<Self>() })
+    }
 
     /// Figures worth reporting beside the value, more expensive than it: for accepted points alone.
     ///

@@ -3,6 +3,9 @@
 use super::{Cost, CostContext, CostPoint, Partials, check_weight};
 use crate::error::ControlError;
 use crate::inner_product::{mass_product, stiffness_product};
+use crate::map::ControlMap;
+use nastic_fem::Discretization;
+use std::fmt;
 use std::sync::Arc;
 
 /// `j = (weight/2) int |m|^2 dX` over the region the control acts on.
@@ -67,31 +70,70 @@ impl Cost for ControlSmoothness {
     }
 }
 
-type Product = fn(&nastic_fem::Discretization, &crate::map::ControlMap, &[f64]) -> Vec<f64>;
+type Product = fn(&Discretization, &ControlMap, &[f64]) -> Vec<f64>;
 
-/// `(weight/2) m . A m` summed over the components, evaluated: its derivative is `weight A m`.
+/// `(weight/2) m . A m` summed over the components, evaluated: its derivative is `weight A m`, the second one `weight A`.
 #[derive(Debug)]
 struct Quadratic {
     value: f64,
-    /// Where the control field begins in the control vector.
-    first: usize,
+    operator: Operator,
     /// `weight A m`, as the control vector has it.
     derivative: Vec<f64>,
+}
+
+/// `weight A` on the components of a control field.
+struct Operator {
+    weight: f64,
+    product: Product,
+    discretization: Arc<Discretization>,
+    map: Arc<ControlMap>,
+    components: usize,
+    /// Where the control field begins in the control vector.
+    first: usize,
+}
+
+impl fmt::Debug for Operator {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "Operator {{ weight: {}, first: {} }}", self.weight, self.first)
+    }
+}
+
+impl Operator {
+    /// `weight A m` of a control field m.
+    fn apply(&self, m: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; m.len()];
+        for c in 0..self.components {
+            let component: Vec<f64> = m.iter().skip(c).step_by(self.components).copied().collect();
+            let image = (self.product)(&self.discretization, &self.map, &component);
+            let entries = out.iter_mut().skip(c).step_by(self.components);
+            entries.zip(&image).for_each(|(out, a)| *out = self.weight * a);
+        }
+        out
+    }
+
+    /// Adds `weight A m` of the field's part of a control vector to that of another.
+    fn add(&self, m: &[f64], out: &mut [f64]) {
+        let own = self.first..self.first + self.components * self.map.len();
+        let image = self.apply(&m[own.clone()]);
+        out[own].iter_mut().zip(&image).for_each(|(out, a)| *out += a);
+    }
 }
 
 impl Quadratic {
     fn new(at: &CostContext, of: &str, weight: f64, product: Product) -> Result<Self, ControlError> {
         let block = at.layout.block(of)?;
+        let operator = Operator {
+            weight,
+            product,
+            discretization: at.solid.discretization().clone(),
+            map: block.map.clone(),
+            components: block.components,
+            first: block.first,
+        };
         let m = block.of(at.m);
-        let (mut value, mut derivative) = (0.0, vec![0.0; m.len()]);
-        for c in 0..block.components {
-            let component: Vec<f64> = m.iter().skip(c).step_by(block.components).copied().collect();
-            let image = product(at.solid.discretization(), &block.map, &component);
-            value += 0.5 * weight * component.iter().zip(&image).map(|(m, a)| m * a).sum::<f64>();
-            let entries = derivative.iter_mut().skip(c).step_by(block.components);
-            entries.zip(&image).for_each(|(d, a)| *d = weight * a);
-        }
-        Ok(Quadratic { value, first: block.first, derivative })
+        let derivative = operator.apply(m);
+        let value = 0.5 * m.iter().zip(&derivative).map(|(m, d)| m * d).sum::<f64>();
+        Ok(Quadratic { value, operator, derivative })
     }
 }
 
@@ -101,8 +143,13 @@ impl CostPoint for Quadratic {
     }
 
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
-        let entries = out.m[self.first..].iter_mut();
+        let entries = out.m[self.operator.first..].iter_mut();
         entries.zip(&self.derivative).for_each(|(o, d)| *o += d);
+        Ok(())
+    }
+
+    fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
+        self.operator.add(&along.m, &mut out.m);
         Ok(())
     }
 }

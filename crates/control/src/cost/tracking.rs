@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// `j = (weight/2) int_{Gamma_0} |x - x_target|^2 dA` over a named surface of the reference body (`dX` over a region, a
 /// plain sum over a node set), with `x = X + u(X)`.
 ///
-/// Derivative: `dj/du [v] = weight int (x - x_target) . v dA`.
+/// Derivatives: `dj/du [v] = weight int (x - x_target) . v dA`, `d2j/du2 [v, w] = weight int v . w dA`.
 /// Units: length^4 times the weight's on a surface, length^5 over a region, length^2 over nodes.
 /// Source: survey, section 4.2.3; docs/model.md section 5.
 #[derive(Clone, Debug)]
@@ -196,6 +196,20 @@ impl TrackedPoints {
         }
     }
 
+    /// `weight w_q v(q)` of a nodal vector at every point, `dim` numbers each.
+    fn weighted(&self, nodal: &[f64], dim: usize, weight: f64) -> Vec<f64> {
+        let mut values = match self {
+            TrackedPoints::Points(points) => points.interpolate(nodal, dim),
+            TrackedPoints::Nodes(nodes) => {
+                nodes.iter().flat_map(|&node| &nodal[node as usize * dim..][..dim]).copied().collect()
+            }
+        };
+        for (q, value) in values.chunks_exact_mut(dim).enumerate() {
+            value.iter_mut().for_each(|v| *v *= weight * self.weight(q));
+        }
+        values
+    }
+
     /// Adds the nodal image of vectors at the points.
     fn spread(&self, values: &[f64], dim: usize, out: &mut [f64]) {
         match self {
@@ -231,7 +245,7 @@ impl Cost for BoundTracking {
         }
         let value = 0.5 * self.weight * squares;
         let distances = [(squares / measure).sqrt(), largest.sqrt()];
-        Ok(Arc::new(TrackingPoint { points: self.points.clone(), dim, value, forces, distances }))
+        Ok(Arc::new(TrackingPoint { points: self.points.clone(), weight: self.weight, dim, value, forces, distances }))
     }
 
     /// The body displaced to where its tracked nodes should be; a node that has no finite place does not matter.
@@ -261,6 +275,7 @@ impl Cost for BoundTracking {
 #[derive(Debug)]
 struct TrackingPoint {
     points: Arc<TrackedPoints>,
+    weight: f64,
     dim: usize,
     value: f64,
     /// `weight w_q (x - x_target)` at every point, `dim` numbers each.
@@ -276,6 +291,13 @@ impl CostPoint for TrackingPoint {
 
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
         self.points.spread(&self.forces, self.dim, &mut out.u);
+        Ok(())
+    }
+
+    /// `weight int du . v dA`.
+    fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
+        let forces = self.points.weighted(&along.u, self.dim, self.weight);
+        self.points.spread(&forces, self.dim, &mut out.u);
         Ok(())
     }
 

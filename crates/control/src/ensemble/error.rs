@@ -90,6 +90,17 @@ fn prefix(who: &str) -> String {
 }
 
 impl EnsembleError {
+    /// Whether a member, or the measure of risk at these costs, has no second derivatives.
+    pub fn lacks_second_derivatives(&self) -> bool {
+        match self {
+            EnsembleError::Member { source, .. } => source.lacks_second_derivatives(),
+            EnsembleError::Risk(error) => {
+                matches!(error, RiskError::NoSecondDerivatives { .. } | RiskError::Kink { .. })
+            }
+            _ => false,
+        }
+    }
+
     pub(super) fn member(who: &str, source: ControlError) -> Self {
         EnsembleError::Member { who: who.to_owned(), source: Box::new(source) }
     }

@@ -8,6 +8,7 @@ mod objective;
 mod point;
 mod product;
 mod report;
+mod second_order;
 mod shape;
 
 pub use blocks::EnsembleBlock;

@@ -31,6 +31,15 @@ impl Objective for Ensemble {
         Ok(self.derivative_typed(point, workspace)?)
     }
 
+    fn hessian_vector(
+        &self,
+        point: &EnsemblePoint,
+        v: &[f64],
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, Failed> {
+        Ok(Ensemble::hessian_vector(self, point, v, workspace)?)
+    }
+
     /// The most of any member; one with fewer stays at its last.
     fn stages(&self) -> usize {
         self.members.iter().map(|member| member.problem.stages()).max().unwrap_or(1)

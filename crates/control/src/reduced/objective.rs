@@ -33,6 +33,15 @@ impl Objective for Reduced {
         Ok(derivative)
     }
 
+    fn hessian_vector(
+        &self,
+        point: &Evaluated,
+        v: &[f64],
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<f64>, Failed> {
+        Ok(Reduced::hessian_vector(self, point, v, workspace)?)
+    }
+
     fn stages(&self) -> usize {
         self.costs().iter().map(|cost| cost.stages()).max().unwrap_or(1)
     }

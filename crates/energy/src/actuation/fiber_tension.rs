@@ -7,7 +7,8 @@ use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Respon
 /// **Energy.** `-(m/2) |F a|^2`, added to the passive energy; `m > 0` lengthens the fibre, `m < 0` contracts it. As a
 /// [`muscle`](Self::muscle) its control is the contraction `c = -m`, energy `(c/2) |F a|^2`: positive pulls.
 ///
-/// **Stress and tangent.** `P = -m F a (x) a`, `dP_iJ/dF_kL = -m delta_ik a_J a_L`, `dP/dm = -F a (x) a`.
+/// **Stress and tangent.** `P = -m F a (x) a`, `dP_iJ/dF_kL = -m delta_ik a_J a_L`, `dP/dm = -F a (x) a`;
+/// `d2P/dF2 = 0`, `d2P/dm dF : A = -A a (x) a`.
 ///
 /// **Convexity.** Convex in `F` for `m <= 0`. A positive tension is covered by the passive law up to its
 /// [`fiber_limit`](EnergyTerm::fiber_limit); there is no lower bound by theory.
@@ -86,6 +87,16 @@ impl EnergyTerm for FiberTension {
         }
     }
 
+    fn second_stress_change(
+        &self,
+        _at: &PointBatch,
+        _m: Slots,
+        _changes: [&[Mat3]; 2],
+        _out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        Ok(())
+    }
+
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
         self.direction.check_len(Self::NAME, "direction", cells, points)
     }
@@ -106,5 +117,20 @@ impl Actuation for FiberTension {
             let a = self.direction.at(at.place(q));
             out[q] = -(k.f() * a) * (a * self.sense).transpose();
         }
+    }
+
+    fn control_stress_change(
+        &self,
+        at: &PointBatch,
+        _m: Slots,
+        change: &[Mat3],
+        _v: Slots,
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        for (q, (change, out)) in change.iter().zip(out).enumerate() {
+            let a = self.direction.at(at.place(q));
+            *out = -(change * a) * (a * self.sense).transpose();
+        }
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
+use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, cross};
 
 use super::polar::Polar;
 use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Response, Slot, Slots, Want};
@@ -49,8 +49,16 @@ pub trait Carrier: Debug + Send + Sync {
     /// `dphi/dF`, linear in `B`.
     fn first(k: &Kinematics, b: &Mat3) -> Mat3;
 
+    /// `d2phi/dF2 : A`, linear in `B`.
+    fn second(k: &Kinematics, b: &Mat3, a: &Mat3) -> Mat3;
+
+    /// `d3phi/dF3 : (A1, A2)`, linear in `B`.
+    fn third(k: &Kinematics, b: &Mat3, along: [&Mat3; 2]) -> Mat3;
+
     /// Adds `s d2phi/dF2`.
-    fn add_second(k: &Kinematics, b: &Mat3, s: f64, out: &mut Tangent);
+    fn add_second(k: &Kinematics, b: &Mat3, s: f64, out: &mut Tangent) {
+        out.add(&Tangent::from_map(|a| Self::second(k, b, a) * s));
+    }
 }
 
 /// `C = F`.
@@ -66,7 +74,8 @@ pub struct Isochoric;
 /// `C = R` of `F = R U`: with `G = (tr U) I - U` and `w = G^-1 axial(R^T B)`, `axial(C)_l = eps_ljk C_kj`,
 /// `dphi/dF = R [w]`, and along `dF`, with the spin `omega = G^-1 axial(dF^T R)` of `R` and
 /// `dU = R^T dF - [omega] U`, `d(R [w]) = R ([omega] [w] + [dw])`,
-/// `G dw = -axial([omega] R^T B) - (tr dU) w + dU w`.
+/// `G dw = -axial([omega] R^T B) - (tr dU) w + dU w`. Third derivatives differentiate these equations once more, along a second
+/// change with spin `omega2`: `d(R^T dF) = -[omega2] R^T dF`, `dG v = (tr dU) v - dU v`.
 #[derive(Clone, Copy, Debug)]
 pub struct Rotation;
 
@@ -79,6 +88,14 @@ impl Carrier for Gradient {
         *b
     }
 
+    fn second(_: &Kinematics, _: &Mat3, _: &Mat3) -> Mat3 {
+        Mat3::zeros()
+    }
+
+    fn third(_: &Kinematics, _: &Mat3, _: [&Mat3; 2]) -> Mat3 {
+        Mat3::zeros()
+    }
+
     fn add_second(_: &Kinematics, _: &Mat3, _: f64, _: &mut Tangent) {}
 }
 
@@ -89,6 +106,25 @@ impl Carrier for Isochoric {
 
     fn first(k: &Kinematics, b: &Mat3) -> Mat3 {
         b / k.j().cbrt() - k.h() * (Self::value(k, b) / (3.0 * k.j()))
+    }
+
+    fn second(k: &Kinematics, b: &Mat3, a: &Mat3) -> Mat3 {
+        let [_, g1, g2, _] = Self::factors(k.j());
+        let (beta, dj, dbeta) = (k.f().dot(b), k.h().dot(a), a.dot(b));
+        b * (g1 * dj) + k.h() * (g1 * dbeta + g2 * dj * beta) + cross(k.f(), a) * (g1 * beta)
+    }
+
+    fn third(k: &Kinematics, b: &Mat3, [a1, a2]: [&Mat3; 2]) -> Mat3 {
+        let [_, g1, g2, g3] = Self::factors(k.j());
+        let (f, h) = (k.f(), k.h());
+        let (dh1, dh2) = (cross(f, a1), cross(f, a2));
+        let (beta, b1, b2) = (f.dot(b), a1.dot(b), a2.dot(b));
+        let (j1, j2, j12) = (h.dot(a1), h.dot(a2), dh2.dot(a1));
+        b * (g2 * j1 * j2 + g1 * j12)
+            + h * (g3 * j1 * j2 * beta + g2 * (j2 * b1 + j1 * b2 + j12 * beta))
+            + dh1 * (g2 * j2 * beta + g1 * b2)
+            + dh2 * (g2 * j1 * beta + g1 * b1)
+            + cross(a1, a2) * (g1 * beta)
     }
 
     fn add_second(k: &Kinematics, b: &Mat3, s: f64, out: &mut Tangent) {
@@ -109,17 +145,73 @@ impl Carrier for Rotation {
         polar.r * (polar.compliance * axial(&(polar.r.transpose() * b))).cross_matrix()
     }
 
-    fn add_second(k: &Kinematics, b: &Mat3, s: f64, out: &mut Tangent) {
-        let Polar { r, u, compliance } = Polar::new(k);
-        let carried = r.transpose() * b;
-        let w = compliance * axial(&carried);
-        out.add(&Tangent::from_map(|df| {
-            let turned = r.transpose() * df;
-            let omega = (compliance * axial(&turned)).cross_matrix();
-            let du = turned - omega * u;
-            let dw = compliance * (du * w - w * du.trace() - axial(&(omega * carried)));
-            r * (omega * w.cross_matrix() + dw.cross_matrix()) * s
-        }));
+    fn second(k: &Kinematics, b: &Mat3, a: &Mat3) -> Mat3 {
+        let spinning = Spinning::new(k, b);
+        spinning.polar.r * spinning.along(a).image(&spinning.w)
+    }
+
+    fn third(k: &Kinematics, b: &Mat3, [a1, a2]: [&Mat3; 2]) -> Mat3 {
+        let spinning = Spinning::new(k, b);
+        let Spinning { polar: Polar { r, u, compliance }, carried, w } = &spinning;
+        let (one, two) = (spinning.along(a1), spinning.along(a2));
+        let g = |du: &Mat3, v: &Vec3| v * du.trace() - du * v;
+        let turned = two.spin * one.turned;
+        let d_spin = (compliance * (-axial(&turned) - g(&two.du, &one.omega))).cross_matrix();
+        let ddu = -turned - d_spin * u - one.spin * two.du;
+        let d_axial = axial(&(d_spin * carried - one.spin * (two.spin * carried)));
+        let ddw = compliance * (-d_axial - g(&ddu, w) - g(&one.du, &two.dw) - g(&two.du, &one.dw));
+        let changed = d_spin * w.cross_matrix() + one.spin * two.dw.cross_matrix() + ddw.cross_matrix();
+        r * (two.spin * one.image(w) + changed)
+    }
+}
+
+/// `F`, `B` and what [`Rotation`] makes of them: `C = R^T B` and `w`.
+struct Spinning {
+    polar: Polar,
+    carried: Mat3,
+    w: Vec3,
+}
+
+/// Changes along a change `A` of `F`: `R^T A`, the spin `omega` as vector and matrix, `dU` and `dw`.
+struct SpinChange {
+    turned: Mat3,
+    omega: Vec3,
+    spin: Mat3,
+    du: Mat3,
+    dw: Vec3,
+}
+
+impl Spinning {
+    fn new(k: &Kinematics, b: &Mat3) -> Self {
+        let polar = Polar::new(k);
+        let carried = polar.r.transpose() * b;
+        let w = polar.compliance * axial(&carried);
+        Spinning { polar, carried, w }
+    }
+
+    fn along(&self, a: &Mat3) -> SpinChange {
+        let Spinning { polar: Polar { r, u, compliance }, carried, w } = self;
+        let turned = r.transpose() * a;
+        let omega = compliance * axial(&turned);
+        let spin = omega.cross_matrix();
+        let du = turned - spin * u;
+        let dw = compliance * (du * w - w * du.trace() - axial(&(spin * carried)));
+        SpinChange { turned, omega, spin, du, dw }
+    }
+}
+
+impl SpinChange {
+    /// `R^T d(R [w]) = [omega] [w] + [dw]`.
+    fn image(&self, w: &Vec3) -> Mat3 {
+        self.spin * w.cross_matrix() + self.dw.cross_matrix()
+    }
+}
+
+impl Isochoric {
+    /// `g = J^(-1/3)` and its first three derivatives by `J`.
+    fn factors(j: f64) -> [f64; 4] {
+        let g = 1.0 / j.cbrt();
+        [g, -g / (3.0 * j), 4.0 * g / (9.0 * j * j), -28.0 * g / (27.0 * j * j * j)]
     }
 }
 
@@ -186,6 +278,27 @@ impl<C: Carrier> EnergyTerm for Magnetic<C> {
         }
     }
 
+    fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        for (q, ((k, change), out)) in at.kinematics.iter().zip(change).zip(out).enumerate() {
+            let (remanence, field) = vectors(&m, q);
+            *out += C::second(k, &(field * remanence.transpose()), change) * self.factor(at.place(q));
+        }
+    }
+
+    fn second_stress_change(
+        &self,
+        at: &PointBatch,
+        m: Slots,
+        [a, b]: [&[Mat3]; 2],
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        for (q, (k, out)) in at.kinematics.iter().zip(out).enumerate() {
+            let (remanence, field) = vectors(&m, q);
+            *out += C::third(k, &(field * remanence.transpose()), [&a[q], &b[q]]) * self.factor(at.place(q));
+        }
+        Ok(())
+    }
+
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
         self.permeability.check_len(Self::NAME, "mu0", cells, points)
     }
@@ -206,6 +319,29 @@ impl<C: Carrier> Actuation for Magnetic<C> {
                 out[6 * q + 3 + n] = C::first(k, &(axis * remanence.transpose())) * factor;
             }
         }
+    }
+
+    /// The energy is bilinear in the two vectors: `d2P/dB_r,k dB_a : v = dP/dB_r,k` at the field `v`, and the other way round.
+    fn control_stress_change(
+        &self,
+        at: &PointBatch,
+        m: Slots,
+        change: &[Mat3],
+        v: Slots,
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+        for (q, (k, change)) in at.kinematics.iter().zip(change).enumerate() {
+            let factor = self.factor(at.place(q));
+            let (remanence, field) = vectors(&m, q);
+            let (d_remanence, d_field) = vectors(&v, q);
+            let along = |b: &Mat3, db: &Mat3| (C::second(k, b, change) + C::first(k, db)) * factor;
+            for (n, axis) in axes.iter().enumerate() {
+                out[6 * q + n] = along(&(field * axis.transpose()), &(d_field * axis.transpose()));
+                out[6 * q + 3 + n] = along(&(axis * remanence.transpose()), &(axis * d_remanence.transpose()));
+            }
+        }
+        Ok(())
     }
 
     fn turn(&self, q: &Mat3, m: &mut [f64]) {

@@ -1,12 +1,13 @@
 use nastic_tensor::{Mat3, cross};
 
-use crate::{Actuation, EnergyTerm, PointBatch, Response, Slot, Slots, Want};
+use crate::{Actuation, EnergyError, EnergyTerm, PointBatch, Response, Slot, Slots, Want};
 
 /// Turgor: a pressure inside the material itself, as in plant cells or fluid-filled foams.
 ///
 /// **Energy.** `-m (J - 1)`, added to the passive energy; `m > 0` inflates.
 ///
-/// **Stress and tangent.** `P = -m H`, `dP/dF = -m X(F)` (the map `B -> -m F x B`), `dP/dm = -H`.
+/// **Stress and tangent.** `P = -m H`, `dP/dF = -m X(F)` (the map `B -> -m F x B`), `dP/dm = -H`;
+/// `d2P/dF2 : (A, B) = -m A x B`, `d2P/dm dF : A = -F x A`.
 ///
 /// **Convexity.** Polyconvex for every `m`, since it is linear in `J`.
 ///
@@ -49,6 +50,19 @@ impl EnergyTerm for Turgor {
             out[q] -= cross(k.f(), g) * m.get(q, 0);
         }
     }
+
+    fn second_stress_change(
+        &self,
+        _at: &PointBatch,
+        m: Slots,
+        [a, b]: [&[Mat3]; 2],
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        for (q, ((a, b), out)) in a.iter().zip(b).zip(out).enumerate() {
+            *out -= cross(a, b) * m.get(q, 0);
+        }
+        Ok(())
+    }
 }
 
 impl Actuation for Turgor {
@@ -60,5 +74,19 @@ impl Actuation for Turgor {
         for (out, k) in out.iter_mut().zip(at.kinematics) {
             *out = -k.h();
         }
+    }
+
+    fn control_stress_change(
+        &self,
+        at: &PointBatch,
+        _m: Slots,
+        change: &[Mat3],
+        _v: Slots,
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        for ((out, k), change) in out.iter_mut().zip(at.kinematics).zip(change) {
+            *out = -cross(k.f(), change);
+        }
+        Ok(())
     }
 }

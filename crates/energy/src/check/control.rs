@@ -42,7 +42,7 @@ pub fn drives(term: &dyn Actuation, at: Place, m: &[f64], towards: &Mat3) -> Res
     Ok(-stress.dot(towards) / (stress.norm() * towards.norm()))
 }
 
-fn by_control(term: &dyn Actuation, at: Place, k: &Kinematics, m: &[f64]) -> Vec<Mat3> {
+pub(super) fn by_control(term: &dyn Actuation, at: Place, k: &Kinematics, m: &[f64]) -> Vec<Mat3> {
     // Not-a-number to begin with: entries left out or added to would show.
     let mut out = vec![Mat3::repeat(f64::NAN); m.len()];
     let points = PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };

@@ -71,7 +71,12 @@ pub(super) fn units() -> impl Iterator<Item = (Mat3, usize, usize)> {
 }
 
 /// Sixth-order central difference of `value` at `k` along `unit`.
-fn along<T>(check: &'static str, k: &Kinematics, unit: &Mat3, value: impl Fn(&Kinematics) -> T) -> Result<T, Violation>
+pub(super) fn along<T>(
+    check: &'static str,
+    k: &Kinematics,
+    unit: &Mat3,
+    value: impl Fn(&Kinematics) -> T,
+) -> Result<T, Violation>
 where
     T: std::ops::Sub<Output = T> + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
 {

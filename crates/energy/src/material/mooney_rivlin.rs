@@ -1,14 +1,14 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use super::engineering::{check_rubber, shear_bulk};
-use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
+use crate::{Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
 
 /// Compressible Mooney-Rivlin law.
 ///
 /// **Energy.** `W = mu1 |F|^2 + mu2 |H|^2 + mu3 (J-1)^2 - 2 (mu1 + 2 mu2) log J - 3 (mu1 + mu2)`
 ///
 /// **Stress and tangent.** `S_F = 2 mu1 F`, `S_H = 2 mu2 H`, `S_J = 2 mu3 (J-1) - 2 (mu1 + 2 mu2) / J`;
-/// `W_FF = 2 mu1 I`, `W_HH = 2 mu2 I`, `W_JJ = 2 mu3 + 2 (mu1 + 2 mu2) / J^2`, no mixed parts; `P` and `dP/dF` by the
+/// `W_FF = 2 mu1 I`, `W_HH = 2 mu2 I`, `W_JJ = 2 mu3 + 2 (mu1 + 2 mu2) / J^2`, `W_JJJ = -4 (mu1 + 2 mu2) / J^3`, no mixed parts; `P` and `dP/dF` by the
 /// chain rule of [`ConvexDensity`]. Small strain: `mu = 2 (mu1 + mu2)`, `lambda = 4 mu2 + 2 mu3`.
 ///
 /// **Convexity.** Polyconvex for `mu1 > 0`, `mu2 >= 0`, `mu3 >= 0`, which are required; `W -> inf` as `J -> 0`. A fibre
@@ -136,6 +136,11 @@ impl ConvexDensity for MooneyRivlin {
         let [mu1, mu2, mu3] = self.at(at);
         let jj = 2.0 * mu3 + 2.0 * (mu1 + 2.0 * mu2) / (j * j);
         Curvature::split(Block::Isotropic(2.0 * mu1), Block::Isotropic(2.0 * mu2), jj)
+    }
+
+    fn third(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+        let [mu1, mu2, _] = self.at(at);
+        Ok(Conjugates::third_by_j(-4.0 * (mu1 + 2.0 * mu2) / (j * j * j), along))
     }
 
     fn tension_bound(&self, at: Place, _a: &Vec3) -> Option<f64> {

@@ -1,14 +1,14 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use super::engineering::{check_rubber, shear_bulk};
-use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
+use crate::{Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
 
 /// Compressible neo-Hookean law, polyconvex form.
 ///
 /// **Energy.** `W = mu/2 (|F|^2 - 3) - mu log J + lambda/2 (J-1)^2`
 ///
 /// **Stress and tangent.** `S_F = mu F`, `S_H = 0`, `S_J = lambda (J-1) - mu / J`; `W_FF = mu I`, `W_HH = 0`,
-/// `W_JJ = lambda + mu / J^2`, no mixed parts; `P` and `dP/dF` by the chain rule of [`ConvexDensity`]. Small strain:
+/// `W_JJ = lambda + mu / J^2`, `W_JJJ = -2 mu / J^3`, no mixed parts; `P` and `dP/dF` by the chain rule of [`ConvexDensity`]. Small strain:
 /// the Lame constants `mu` and `lambda` themselves.
 ///
 /// **Convexity.** Polyconvex for `mu > 0`, `lambda >= 0`, which are required; `lambda = 0` is valid and is Poisson's
@@ -115,6 +115,10 @@ impl ConvexDensity for NeoHooke {
     fn second(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
         let (mu, lambda) = (self.mu.at(at), self.lambda.at(at));
         Curvature::split(Block::Isotropic(mu), Block::Zero, lambda + mu / (j * j))
+    }
+
+    fn third(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+        Ok(Conjugates::third_by_j(-2.0 * self.mu.at(at) / (j * j * j), along))
     }
 
     fn tension_bound(&self, at: Place, _a: &Vec3) -> Option<f64> {

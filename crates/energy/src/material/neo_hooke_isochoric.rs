@@ -1,7 +1,7 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use super::engineering::{check_rubber, shear_bulk};
-use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
+use crate::{Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
 
 /// Neo-Hookean law split into isochoric and volumetric parts, the law of many published benchmarks.
 ///
@@ -9,7 +9,8 @@ use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Mod
 ///
 /// **Stress and tangent.** With `g = J^(-2/3)`: `S_F = mu g F`, `S_H = 0`,
 /// `S_J = -mu g |F|^2 / (3 J) + kappa/2 (J - 1/J)`; `W_FF = mu g I`, `W_FJ = -2 mu g F / (3 J)`,
-/// `W_JJ = 5 mu g |F|^2 / (9 J^2) + kappa/2 (1 + 1/J^2)`; `P` and `dP/dF` by the chain rule of [`ConvexDensity`].
+/// `W_JJ = 5 mu g |F|^2 / (9 J^2) + kappa/2 (1 + 1/J^2)`; `W_FFJ = -2 mu g I / (3 J)`, `W_FJJ = 10 mu g F / (9 J^2)`,
+/// `W_JJJ = -40 mu g |F|^2 / (27 J^3) - kappa / J^3`; `P` and `dP/dF` by the chain rule of [`ConvexDensity`].
 /// Small strain: shear modulus `mu`, bulk modulus `kappa`.
 ///
 /// **Convexity.** Polyconvex for `mu > 0`, `kappa > 0`, which are required; `W -> inf` as `J -> 0`. No positive fibre
@@ -106,6 +107,19 @@ impl ConvexDensity for NeoHookeIsochoric {
         let jj = 5.0 / 9.0 * scaled * f.norm_squared() / square + 0.5 * kappa * (1.0 + 1.0 / square);
         let fj = Some(f * (-2.0 / 3.0 * scaled / j));
         Curvature { fj, ..Curvature::split(Block::Isotropic(scaled), Block::Zero, jj) }
+    }
+
+    fn third(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+        let [a, b] = along;
+        let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
+        let scaled = mu * isochoric(j);
+        let (ffj, fjj) = (-2.0 / 3.0 * scaled / j, 10.0 / 9.0 * scaled / (j * j));
+        let jjj = -(40.0 / 27.0 * scaled * f.norm_squared() + kappa) / (j * j * j);
+        Ok(Conjugates {
+            f: (a.f * b.j + b.f * a.j) * ffj + f * (fjj * a.j * b.j),
+            h: Mat3::zeros(),
+            j: ffj * a.f.dot(&b.f) + fjj * (f.dot(&a.f) * b.j + f.dot(&b.f) * a.j) + jjj * a.j * b.j,
+        })
     }
 
     fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {

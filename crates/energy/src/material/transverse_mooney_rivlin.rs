@@ -1,6 +1,6 @@
 use nastic_tensor::{Mat3, Vec3};
 
-use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place};
+use crate::{Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place};
 
 /// Transversely isotropic Mooney-Rivlin law with stiffening fibres along unit vectors `f(X)`.
 ///
@@ -9,7 +9,7 @@ use crate::{Block, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Mod
 ///
 /// **Stress and tangent.** `S_F = 2 F M1`, `S_H = 2 H M2` with `M1 = mu1 I + mu3 f f`, `M2 = mu2 I + mu3 f f`,
 /// `S_J = 2 mu4 (J-1) - 2 c / J` with `c = mu1 + 2 mu2 + mu3`; `W_FF = 2 delta M1`, `W_HH = 2 delta M2`,
-/// `W_JJ = 2 mu4 + 2 c / J^2`, no mixed parts; `P` and `dP/dF` by the chain rule of [`ConvexDensity`]. Small strain:
+/// `W_JJ = 2 mu4 + 2 c / J^2`, `W_JJJ = -4 c / J^3`, no mixed parts; `P` and `dP/dF` by the chain rule of [`ConvexDensity`]. Small strain:
 /// `mu_T = 2 (mu1 + mu2)`, `mu_L = 2 (mu1 + mu2 + mu3)`, `lambda = 4 mu2 + 4 mu3 + 2 mu4`, `alpha = -4 mu3`, `beta = 0`.
 ///
 /// **Convexity.** Polyconvex for `mu1 > 0` and `mu2`, `mu3`, `mu4 >= 0`, which are required; `W -> inf` as `J -> 0`.
@@ -96,6 +96,11 @@ impl ConvexDensity for TransverseMooneyRivlin {
         let ff = Block::Metric(twice_metric(mu1, mu3, &fiber));
         let hh = Block::Metric(twice_metric(mu2, mu3, &fiber));
         Curvature::split(ff, hh, jj)
+    }
+
+    fn third(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+        let ([mu1, mu2, mu3, _], _) = self.at(at);
+        Ok(Conjugates::third_by_j(-4.0 * (mu1 + 2.0 * mu2 + mu3) / (j * j * j), along))
     }
 
     fn tension_bound(&self, at: Place, a: &Vec3) -> Option<f64> {

@@ -1,14 +1,16 @@
 //! The adjoint of the state equation, and the inertia of an equilibrium.
 
 pub(crate) mod reverse_sweep;
+pub(crate) mod second_order;
 
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::StateError;
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
-use crate::solution::tangent_systems::TangentSystems;
+use crate::solution::tangent_systems::{EXACT, TangentSystems};
 use crate::solution::workspace::Workspace;
+use nastic_linear::solver::Accuracy;
 use nastic_linear::{SparseMatrix, Symmetry};
 use nastic_mesh::CellKind;
 
@@ -67,7 +69,7 @@ impl Model {
         let solver = self.linear_solver(how, workspace);
         let mut systems = TangentSystems::new(self, how.parallel, solver);
         if let [b] = columns[..]
-            && let Some(lambda) = self.adjoint_by_products(state, b, how, &mut systems, &mut report)
+            && let Some(lambda) = self.solve_by_products(state, b, how, (EXACT, &mut systems), &mut report)
         {
             return Ok(Adjoint { lambda: vec![lambda], report });
         }
@@ -76,14 +78,14 @@ impl Model {
         Ok(Adjoint { lambda, report })
     }
 
-    /// The adjoint for one right-hand side with the factor at hand and K(u*) as a product, where that is cheaper than K(u*)
-    /// as a matrix; `None` where it is not, or does not converge in time.
-    fn adjoint_by_products(
+    /// `K(u*) x = b` with the factor at hand and K(u*) as a product, where that is cheaper than K(u*) as a matrix; `None`
+    /// where it is not, or does not converge in time.
+    fn solve_by_products(
         &self,
         state: &State,
         b: &[f64],
         how: &SolveOptions,
-        systems: &mut TangentSystems,
+        (accuracy, systems): (Accuracy, &mut TangentSystems),
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
         let quadratic = self.discretization().points().parts.iter().all(|part| part.kind == CellKind::Hex27);
@@ -98,7 +100,7 @@ impl Model {
             }
             self.supports.clear(out);
         };
-        systems.solve_by_products(&product, &state.u, b, PRODUCTS, report)
+        systems.solve_by_products(&product, &state.u, b, (accuracy, PRODUCTS), report)
     }
 
     /// Where a state was evaluated, at the end of a time step if there is one.

@@ -1,13 +1,13 @@
 //! [`check_contribution`]: what every contribution must fulfil.
 
-use super::{Contribution, Demand, Instant, Sensitivities, Sums};
+use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::TimeStep;
-use crate::error::InvertedAt;
+use crate::error::{InvertedAt, SecondDerivativeError};
 use crate::model::Model;
 use nastic_linear::{SparseMatrix, Symmetry};
 use nastic_numeric::Random;
-use nastic_numeric::vector::{dot, max_abs, norm, sub};
+use nastic_numeric::vector::{axpy, dot, max_abs, norm, sub};
 
 /// Relative size of the displacements, as a share of the body's diagonal, at which a contribution is looked at.
 const AMPLITUDE: f64 = 0.02;
@@ -17,7 +17,8 @@ const TOLERANCE: f64 = 1e-7;
 /// Holds a contribution of a model to its contract at displacements, controls and directions drawn at random from a seed:
 /// the residual is the derivative of the potential (where there is one), the tangent that of the residual, static and in a
 /// time step; the tangent is symmetric if said so; products with it are its products; `vjp` is the derivative of
-/// `lambda . r` by controls, velocity and acceleration; the same question has the same answer to the bit.
+/// `lambda . r` by controls, velocity and acceleration; second derivatives, where there are some, are those of the first ones and
+/// symmetric; the same question has the same answer to the bit.
 ///
 /// # Errors
 /// What is violated, where, by how much; an unknown name.
@@ -97,7 +98,78 @@ impl Subject<'_> {
             let out = sub(&out, lambda);
             agree("the product without a matrix", &out, "the tangent times the vector", &product, norm(lambda))?;
         }
-        self.check_sensitivities(lambda)
+        self.check_sensitivities(lambda)?;
+        self.check_second(direction, lambda)
+    }
+
+    /// Second derivatives of `lambda . r`, where there are some, are differences of the first ones along an increment, and
+    /// symmetric.
+    fn check_second(&self, direction: &[f64], lambda: &[f64]) -> Result<(), String> {
+        let mut controls = self.model.controls();
+        let mut random = Random::new(12);
+        self.draw(&mut controls, &mut random);
+        let along = Increment { u: direction, controls: &controls };
+        let Some(found) = self.second(lambda, &along)? else { return Ok(()) };
+        let first = |s: f64| -> Result<(Vec<f64>, Controls), InvertedAt> {
+            let (u, m) = (self.along(direction, s), self.controls_along(&controls, s));
+            let at = Instant { controls: &m, ..self.moved(&u) };
+            let mut tangent = self.model.matrix();
+            self.contribution.add_tangent(&at, &mut tangent)?;
+            let mut by_u = vec![0.0; u.len()];
+            tangent.multiply_transposed(lambda, &mut by_u, false);
+            let mut by_m = Sensitivities::zero(self.model.controls(), &at);
+            self.contribution.vjp(&at, lambda, &mut by_m)?;
+            Ok((by_u, by_m.controls))
+        };
+        let (by_u, by_m) = first(0.0).map_err(|at| at.to_string())?;
+        let expected = difference(|s| Ok(first(s)?.0))?;
+        agree("the change of K^T lambda", &found.u, "differences", &expected, norm(&by_u))?;
+        for k in 0..controls.len() {
+            let expected = difference(|s| Ok(first(s)?.1.values(k).to_vec()))?;
+            let what = "the change of the derivative by the controls";
+            agree(what, found.controls.values(k), "differences", &expected, norm(by_m.values(k)))?;
+        }
+        let mut product = vec![0.0; direction.len()];
+        let error = |error: SecondDerivativeError| error.to_string();
+        self.contribution.add_control_product(&self.at, &controls, &mut product).map_err(error)?;
+        let expected = difference(|s| {
+            let m = self.controls_along(&controls, s);
+            Ok(self.sums(Instant { controls: &m, ..self.at })?.force)
+        })?;
+        agree("dr/dm v", &product, "differences of the residual", &expected, norm(&product))?;
+        let (other_u, mut other_controls) = (sub(lambda, direction), controls.clone());
+        self.draw(&mut other_controls, &mut random);
+        let other = Increment { u: &other_u, controls: &other_controls };
+        let Some(of_other) = self.second(lambda, &other)? else { return Ok(()) };
+        let pair = |second: &SecondSensitivities, along: &Increment| -> f64 {
+            let by_m = |k: usize| dot(second.controls.values(k), along.controls.values(k));
+            dot(&second.u, along.u) + (0..controls.len()).map(by_m).sum::<f64>()
+        };
+        let (left, right) = (pair(&found, &other), pair(&of_other, &along));
+        agree("second derivatives along a, then b", &[left], "those along b, then a", &[right], 0.0)
+    }
+
+    /// Other values of its own controls.
+    fn draw(&self, controls: &mut Controls, random: &mut Random) {
+        if self.at.block < controls.len() {
+            controls.values_mut(self.at.block).iter_mut().for_each(|m| *m = 1e3 * random.symmetric());
+        }
+    }
+
+    /// `None` where the contribution, or a law in it, gives none.
+    fn second(&self, lambda: &[f64], along: &Increment) -> Result<Option<SecondSensitivities>, String> {
+        let mut sums = SecondSensitivities::zero(self.model.controls(), lambda.len());
+        match self.contribution.second_vjp(&self.at, lambda, along, &mut sums) {
+            Ok(()) => Ok(Some(sums)),
+            Err(SecondDerivativeError::Inverted(at)) => Err(at.to_string()),
+            Err(_) => Ok(None),
+        }
+    }
+
+    fn controls_along(&self, v: &Controls, s: f64) -> Controls {
+        let mut controls = self.at.controls.clone();
+        (0..controls.len()).for_each(|k| axpy(s, v.values(k), controls.values_mut(k)));
+        controls
     }
 
     /// Sums are added to, not overwritten; forces are no larger than what their rounding is measured against.

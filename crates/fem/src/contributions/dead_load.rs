@@ -1,7 +1,7 @@
 //! [`DeadLoad`]: forces that do not depend on the displacement.
 
-use super::{Contribution, Demand, Instant, Sensitivities, Sums};
-use crate::error::InvertedAt;
+use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use crate::error::{InvertedAt, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 
 /// Nodal forces d times the load: potential `-load d . u`, residual `-load d`.
@@ -38,6 +38,16 @@ impl Contribution for DeadLoad {
     }
 
     fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), InvertedAt> {
+        Ok(())
+    }
+
+    fn second_vjp(
+        &self,
+        _: &Instant,
+        _: &[f64],
+        _: &Increment,
+        _: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
         Ok(())
     }
 }

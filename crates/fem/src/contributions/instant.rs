@@ -31,6 +31,11 @@ impl<'a> Instant<'a> {
         self.controls.values(self.block)[slot]
     }
 
+    /// The value of a slot of the contribution that is asked, in other controls of the same model.
+    pub fn slot_of(&self, controls: &Controls, slot: usize) -> f64 {
+        controls.values(self.block)[slot]
+    }
+
     /// Velocity: zero in a static problem.
     pub fn velocity(&self, dof: usize) -> f64 {
         self.step.map_or(0.0, |step| step.velocity.0 * self.u[dof] + step.velocity.1[dof])

@@ -9,21 +9,21 @@ pub(crate) mod dead_load;
 pub(crate) mod instant;
 pub(crate) mod sensitivities;
 
-use crate::error::{FemError, InvertedAt};
+use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::Controls;
 pub use instant::{Instant, TimeStep};
 use nastic_energy::Slot;
 use nastic_linear::{SparseMatrix, Symmetry};
-pub use sensitivities::Sensitivities;
+pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use std::fmt::Debug;
 
 /// A term of the residual `r(u) = sum_c r_c(u; controls, load, v, a)`, whose zero is an equilibrium.
 ///
 /// Contract, checked by [`check_contribution`]: `r` is the derivative of the potential where there
 /// is one, the tangent is the derivative of `r` (by `u`, with `v` and `a` as the time step gives them), `vjp` that of
-/// `lambda . r` by everything else; the same input gives the same bits (for any number of threads, which is not checked there).
+/// `lambda . r` by everything else, `second_vjp`, where it is there, that of both; the same input gives the same bits (for any number of threads, which is not checked there).
 ///
 /// Vectors are flat, `dim * node + component`, supported unknowns included.
 pub trait Contribution: Debug + Send + Sync {
@@ -103,8 +103,36 @@ pub trait Contribution: Debug + Send + Sync {
     /// [`InvertedAt`] where J <= 0.
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt>;
 
+    /// Adds `dr/dm v`, the change of the residual along a change v of the controls. A contribution with slots implements it for
+    /// second derivatives of costs.
+    ///
+    /// # Errors
+    /// [`SecondDerivativeError`] where it does not, or J <= 0.
+    fn add_control_product(&self, _at: &Instant, _v: &Controls, _out: &mut [f64]) -> Result<(), SecondDerivativeError> {
+        if self.slots().is_empty() { Ok(()) } else { Err(no_second_derivatives(self.name(), "add_control_product")) }
+    }
+
+    /// Adds the change of `K^T lambda` and of `lambda . dr/dm` along a change of u and of the controls: second derivatives of
+    /// `lambda . r`, symmetric as a whole. Second derivatives of costs ask for it.
+    ///
+    /// # Errors
+    /// [`SecondDerivativeError`] where it is not implemented, or J <= 0.
+    fn second_vjp(
+        &self,
+        _at: &Instant,
+        _lambda: &[f64],
+        _along: &Increment,
+        _into: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        Err(no_second_derivatives(self.name(), "second_vjp"))
+    }
+
     /// Internal variables at the end of a time step, appended to those of the state.
     fn commit(&self, _at: &Instant, _internal: &mut Vec<f64>) {}
+}
+
+fn no_second_derivatives(name: &str, method: &'static str) -> SecondDerivativeError {
+    SecondDerivativeError::Contribution { name: name.to_owned(), method }
 }
 
 /// What is wanted of a contribution; forces and the potential come together cheaper than one after the other.

@@ -1,4 +1,5 @@
-//! [`Sensitivities`]: `lambda . dr/dp` for everything p that a residual depends on besides the displacement.
+//! [`Sensitivities`]: `lambda . dr/dp` for everything p that a residual depends on besides the displacement;
+//! [`SecondSensitivities`]: how `lambda . dr/d(u, controls)` changes along an [`Increment`].
 
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
@@ -22,6 +23,36 @@ impl Sensitivities {
     }
 
     /// Adds to the derivative by a slot of the contribution that is asked.
+    pub fn add_control(&mut self, at: &Instant, slot: usize, value: f64) {
+        self.controls.values_mut(at.block)[slot] += value;
+    }
+}
+
+/// A change of the displacement and of the controls.
+#[derive(Debug, Clone, Copy)]
+pub struct Increment<'a> {
+    /// Of the displacement, flat.
+    pub u: &'a [f64],
+    /// Of the controls.
+    pub controls: &'a Controls,
+}
+
+/// Second derivatives of `lambda . r` along an [`Increment`] `(du, v)`, added up over contributions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SecondSensitivities {
+    /// `(lambda . r)_uu du + (lambda . r)_um v`, flat: the change of `K^T lambda`.
+    pub u: Vec<f64>,
+    /// `(lambda . r)_mu du + (lambda . r)_mm v`, as [`Sensitivities::controls`]: the change of those.
+    pub controls: Controls,
+}
+
+impl SecondSensitivities {
+    /// Zero, for the unknowns and controls of a model.
+    pub fn zero(controls: Controls, dofs: usize) -> Self {
+        SecondSensitivities { u: vec![0.0; dofs], controls }
+    }
+
+    /// Adds to the change of the derivative by a slot of the contribution that is asked.
     pub fn add_control(&mut self, at: &Instant, slot: usize, value: f64) {
         self.controls.values_mut(at.block)[slot] += value;
     }

@@ -3,7 +3,6 @@
 //! Sums made this way have the same bits for any number of threads.
 
 use crate::discretization::quadrature_points::CellGroup;
-use crate::error::InvertedAt;
 use crate::kernels::CellKernel;
 use crate::kernels::cell_scratch::Scratch;
 use rayon::prelude::*;
@@ -17,13 +16,15 @@ const TASKS: usize = 16;
 pub(crate) trait CellWork: Sync {
     /// The answer of one cell.
     type Answer: Clone + Send + Sync;
+    /// Why a cell may have none.
+    type Error: Clone + Send + Sync;
 
     /// The cells.
     fn cells(&self) -> Cells<'_>;
     /// Room for an answer, and how many numbers it has.
     fn room(&self) -> (Self::Answer, usize);
     /// The answer of the c-th cell.
-    fn compute(&self, c: usize, scratch: &mut Scratch, answer: &mut Self::Answer) -> Result<(), InvertedAt>;
+    fn compute(&self, c: usize, scratch: &mut Scratch, answer: &mut Self::Answer) -> Result<(), Self::Error>;
 }
 
 /// The cells of one kind with their arithmetic.
@@ -52,12 +53,12 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// Computes every cell and takes up the answers in mesh order, until a cell is inverted.
+/// Computes every cell and takes up the answers in mesh order, until a cell has none.
 pub(crate) fn sweep<W: CellWork>(
     work: &W,
     parallel: bool,
     mut take: impl FnMut(usize, &W::Answer) + Send,
-) -> Result<(), InvertedAt> {
+) -> Result<(), W::Error> {
     if parallel && rayon::current_num_threads() > 1 {
         return in_waves(work, take);
     }
@@ -73,7 +74,7 @@ pub(crate) fn sweep<W: CellWork>(
 }
 
 /// One thread takes up a wave while the others compute the next.
-fn in_waves<W: CellWork>(work: &W, mut take: impl FnMut(usize, &W::Answer) + Send) -> Result<(), InvertedAt> {
+fn in_waves<W: CellWork>(work: &W, mut take: impl FnMut(usize, &W::Answer) + Send) -> Result<(), W::Error> {
     let (answer, size) = work.room();
     let wave = (WAVE / (size + 16)).clamp(8, 256);
     let cells: Vec<usize> = (0..work.cells().part.cells.len()).collect();
@@ -81,9 +82,9 @@ fn in_waves<W: CellWork>(work: &W, mut take: impl FnMut(usize, &W::Answer) + Sen
     let (mut ready, mut next) = (vec![room.clone(); wave], vec![room; wave]);
     let mut done: &[usize] = &[];
     for cells in cells.chunks(wave).chain([&[][..]]) {
-        let mut taken = || -> Result<(), InvertedAt> {
+        let mut taken = || -> Result<(), W::Error> {
             for (&c, (answer, outcome)) in done.iter().zip(&ready) {
-                outcome.as_ref().map_err(|&inverted| inverted)?;
+                outcome.as_ref().map_err(W::Error::clone)?;
                 take(c, answer);
             }
             Ok(())
@@ -95,12 +96,12 @@ fn in_waves<W: CellWork>(work: &W, mut take: impl FnMut(usize, &W::Answer) + Sen
     Ok(())
 }
 
-type Outcome<A> = (A, Result<(), InvertedAt>);
+type Outcome<W> = (<W as CellWork>::Answer, Result<(), <W as CellWork>::Error>);
 
-fn compute<W: CellWork>(work: &W, cells: &[usize], answers: &mut [Outcome<W::Answer>]) {
+fn compute<W: CellWork>(work: &W, cells: &[usize], answers: &mut [Outcome<W>]) {
     let chunk = answers.len().div_ceil(TASKS);
     let scratch = || Scratch::new(work.cells().part, work.cells().dim);
-    let task = |scratch: &mut Scratch, (cells, answers): (&[usize], &mut [Outcome<W::Answer>])| {
+    let task = |scratch: &mut Scratch, (cells, answers): (&[usize], &mut [Outcome<W>])| {
         for (&c, (answer, outcome)) in cells.iter().zip(answers) {
             *outcome = work.compute(c, scratch, answer);
         }

@@ -198,7 +198,7 @@ impl Model {
         self.check_controls(&state.controls)
     }
 
-    pub(super) fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
+    pub(crate) fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
         if !controls.fits(&self.controls()) {
             let what = "the controls belong to another body; make them with Solid::controls".to_owned();
             return Err(crate::FemError::Meaningless { what }.into());

@@ -10,6 +10,11 @@ use std::sync::{Arc, OnceLock};
 /// Of a solution that counts as exact: strains, and with them a gradient, are known to `1e-8`, with a margin of ten.
 pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
 
+/// Of the two systems of a second derivative, whose products shall be symmetric to 1e-10. Their errors are errors of `a . H b`
+/// beside the product of the energy norms of both solutions, which is hundreds of times larger where an actuator strains the body
+/// and the cost sees its bending. That is where double precision ends.
+pub(crate) const SYMMETRIC: Accuracy = Accuracy { error: 1e-14, residual: 1e-11 };
+
 /// Of full steps of Newton's method with an indefinite or bordered tangent.
 const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
@@ -20,6 +25,13 @@ pub(crate) enum Wanted {
     Newton,
     /// One downhill.
     Downhill,
+}
+
+/// Whether a system is that of the transposed tangent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Transposition {
+    No,
+    Yes,
 }
 
 /// Systems with the tangent of a model, by the solver of a workspace.
@@ -101,13 +113,28 @@ impl<'a> TangentSystems<'a> {
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, LinearError> {
         eliminate(self.model, &mut matrix);
+        rhs.iter().map(|b| self.solve_to(EXACT, &matrix, u, b, Transposition::Yes, report)).collect()
+    }
+
+    /// `K x = b` or `K^T x = b` with a tangent at u whose supports are eliminated, to an accuracy; it may be indefinite.
+    pub fn solve_to(
+        &mut self,
+        accuracy: Accuracy,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        b: &[f64],
+        transposition: Transposition,
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(&matrix);
+        let system = configuration.system(matrix);
         let mut work = LinearWork::default();
-        let solve = |b: &&[f64]| self.solver.solve_transposed(&system, b, EXACT, &mut work);
-        let solutions = rhs.iter().map(solve).collect();
+        let solution = match transposition {
+            Transposition::No => self.solver.solve(&system, b, accuracy, &mut work),
+            Transposition::Yes => self.solver.solve_transposed(&system, b, accuracy, &mut work),
+        };
         report.add_linear(&work);
-        solutions
+        solution
     }
 
     /// `[K B; C^T D] [x; y] = [f; g]`, K a tangent at u whose supports are eliminated; it may be indefinite and nearly
@@ -135,13 +162,13 @@ impl<'a> TangentSystems<'a> {
         product: &dyn Operator,
         u: &[f64],
         b: &[f64],
-        most: usize,
+        (accuracy, most): (Accuracy, usize),
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let empty = self.model.matrix_without_values();
         let mut work = LinearWork::default();
-        let x = self.solver.solve_by_products(product, &configuration.system(&empty), b, EXACT, most, &mut work);
+        let x = self.solver.solve_by_products(product, &configuration.system(&empty), b, accuracy, most, &mut work);
         report.add_linear(&work);
         x
     }

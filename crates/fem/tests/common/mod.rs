@@ -4,6 +4,7 @@
 
 pub mod block;
 pub mod homogeneous;
+pub mod own_contributions;
 pub mod shells;
 
 use nastic_energy::EnergyTerm;

@@ -8,10 +8,11 @@ mod invariance;
 mod lanes;
 mod phi;
 mod reference;
+mod second;
 mod sweep;
 mod truncation;
 
-use super::{Cloud, Evaluation, Phi, Smoothing, Summation};
+use super::{Cloud, Evaluation, Motion, Partials, Phi, Smoothing, Summation};
 
 /// A repeatable stream of numbers in [0, 1).
 pub(super) struct Stream(u64);

@@ -1,5 +1,6 @@
 //! What a Taylor test found, as tables.
 
+use super::second::SecondOrder;
 use std::fmt;
 
 /// What the remainders say.
@@ -12,6 +13,9 @@ pub enum Verdict {
     /// r1 is at round-off even for the longest step while r0 is far above it: the cost is linear along the curve and
     /// the derivative right.
     Linear,
+    /// Of a second derivative: r2 is at round-off even for the longest step while r0 or r1 is far above it, and the second
+    /// derivative right.
+    Quadratic,
     /// Too few remainders stand clear of round-off, or too few steps could be evaluated.
     Undecided,
 }
@@ -22,6 +26,7 @@ impl fmt::Display for Verdict {
             Self::Right => "right",
             Self::Wrong => "WRONG",
             Self::Linear => "right (linear cost)",
+            Self::Quadratic => "right (quadratic cost)",
             Self::Undecided => "undecided: remainders at round-off",
         })
     }
@@ -75,6 +80,8 @@ pub struct TaylorDirection {
     pub order1: f64,
     /// What it says.
     pub verdict: Verdict,
+    /// What was found of the second derivative, where it was tested.
+    pub second: Option<SecondOrder>,
 }
 
 impl fmt::Display for TaylorDirection {
@@ -90,7 +97,11 @@ impl fmt::Display for TaylorDirection {
             f,
             "orders {:.3} and {:.3} (rows *), noise {:.1e}: {}",
             self.order0, self.order1, self.noise, self.verdict
-        )
+        )?;
+        match &self.second {
+            Some(second) => write!(f, "\n{second}"),
+            None => Ok(()),
+        }
     }
 }
 
@@ -110,9 +121,17 @@ impl TaylorReport {
         [Verdict::Wrong, Verdict::Right, Verdict::Linear].into_iter().find(|v| is(*v)).unwrap_or(Verdict::Undecided)
     }
 
-    /// Whether the derivative was seen to be right, and nowhere wrong.
+    /// The same of the second derivative; `None` where it was not tested.
+    pub fn second_verdict(&self) -> Option<Verdict> {
+        let found: Vec<Verdict> = self.directions.iter().filter_map(|d| Some(d.second.as_ref()?.verdict)).collect();
+        let order = [Verdict::Wrong, Verdict::Right, Verdict::Quadratic, Verdict::Undecided];
+        order.into_iter().find(|v| found.contains(v))
+    }
+
+    /// Whether the derivative was seen to be right, and nowhere wrong; the second one too, where it was tested.
     pub fn passed(&self) -> bool {
         matches!(self.verdict(), Verdict::Right | Verdict::Linear)
+            && matches!(self.second_verdict(), None | Some(Verdict::Right | Verdict::Quadratic))
     }
 }
 

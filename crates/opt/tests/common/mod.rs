@@ -1,18 +1,23 @@
 //! Problems to test optimisers with.
 #![allow(dead_code, clippy::expect_used)]
 
-use nastic_opt::{Admissible, Failed, InnerProduct, Objective, Optimizer, Request, Run, RunError, RunState};
+use nastic_opt::{
+    Admissible, Failed, InnerProduct, NoSecondDerivatives, Objective, Optimizer, Request, Run, RunError, RunState,
+};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 type Value = Box<dyn Fn(&[f64]) -> f64 + Sync>;
 type Gradient = Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>;
+type Product = Box<dyn Fn(&[f64], &[f64]) -> Vec<f64> + Sync>;
 type Test = Box<dyn Fn(&[f64]) -> bool + Sync>;
 
 /// A cost given by two closures. Panics when evaluated outside its guard, fails where told to, counts.
 pub struct Cost {
     pub value: Value,
     pub derivative: Gradient,
+    /// `H v` at m, if it has second derivatives.
+    pub hessian: Option<Product>,
     pub guard: Box<dyn Admissible>,
     pub fails: Test,
     /// While it is raised, every evaluation fails fatally.
@@ -30,12 +35,18 @@ impl Cost {
         Self {
             value: Box::new(value),
             derivative: Box::new(derivative),
+            hessian: None,
             guard: Box::new(guard),
             fails: Box::new(|_| false),
             lacking: Arc::default(),
             evaluations: AtomicUsize::new(0),
             derivatives: AtomicUsize::new(0),
         }
+    }
+
+    pub fn with_hessian(mut self, product: impl Fn(&[f64], &[f64]) -> Vec<f64> + Sync + 'static) -> Self {
+        self.hessian = Some(Box::new(product));
+        self
     }
 
     pub fn failing(mut self, fails: impl Fn(&[f64]) -> bool + Sync + 'static) -> Self {
@@ -73,6 +84,11 @@ impl Objective for Cost {
     fn derivative(&self, m: &mut Vec<f64>, (): &mut ()) -> Result<Vec<f64>, Failed> {
         self.derivatives.fetch_add(1, Ordering::Relaxed);
         Ok((self.derivative)(m))
+    }
+
+    fn hessian_vector(&self, m: &Vec<f64>, v: &[f64], (): &mut ()) -> Result<Vec<f64>, Failed> {
+        let none = || Failed::new(NoSecondDerivatives { objective: "a cost by two closures" });
+        self.hessian.as_ref().map(|product| product(m, v)).ok_or_else(none)
     }
 
     fn restage(&self, _: usize, m: &Vec<f64>) -> Result<Vec<f64>, Failed> {

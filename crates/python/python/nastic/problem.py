@@ -34,7 +34,7 @@ class Control:
 
 
 class Problem:
-    """j(m), the cost of a case (`Case.problem` makes one), and its gradient.
+    """j(m), the cost of a case (`Case.problem` makes one), its gradient, and products with its second derivatives.
 
     **gradient** is the vector of partial derivatives dj/dm_i, in the Euclidean sense: what SciPy, JAX and PyTorch call a gradient, and what
     `derivative.json` holds. It is not the Riesz image in the control's inner product, which is what VTU files call `gradient_NAME`.
@@ -86,6 +86,14 @@ class Problem:
         """Both at once, as `scipy.optimize.minimize(.., jac=True)` wants them."""
         return self._problem.value_and_gradient(self._vector(m))
 
+    def hessian_vector(self, m: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
+        """The product of the second derivatives d2j/dm_i dm_k at m with a vector v: `hessp` of `scipy.optimize.minimize`; `[len(m)]`.
+
+        Two linear solves where state and gradient of m are at hand; exact, no differences. Raises Error where the cost has no second
+        derivatives (equal costs of all scenarios under a measure of risk that has a kink there).
+        """
+        return self._problem.hessian_vector(self._vector(m), self._vector(v, "direction"))
+
     def reset(self) -> None:
         """Forgets all states: the next control is evaluated from rest."""
         self._problem.reset()
@@ -103,13 +111,13 @@ class Problem:
         fields = self.layout.values()
         return {c.name: m[c.slice].reshape(-1, c.components) if c.components > 1 else m[c.slice] for c in fields}
 
-    def _vector(self, m: ArrayLike) -> NDArray[np.float64]:
+    def _vector(self, m: ArrayLike, what: str = "control vector") -> NDArray[np.float64]:
         m = np.ascontiguousarray(m, dtype=np.float64)
         if m.shape != self.start.shape:
-            raise CaseError(f"the control vector has the shape {self.start.shape}, found {m.shape}")
+            raise CaseError(f"the {what} has the shape {self.start.shape}, found {m.shape}")
         if not np.isfinite(m).all():
             at = int(np.flatnonzero(~np.isfinite(m))[0])
-            raise CaseError(f"entry {at} of the control vector is {m[at]}: all must be finite")
+            raise CaseError(f"entry {at} of the {what} is {m[at]}: all must be finite")
         return m
 
 

@@ -114,6 +114,29 @@ impl Risk for Cvar {
         p.iter().zip(&x).zip(costs.deviation_slope(p)).map(weight).collect()
     }
 
+    /// With `b = dR/dD` as in the weights, in units of the deviation: `p_i (ds_i/(1 - level) + db y_i + b dy_i)`, where
+    /// `s_i = g'(x_i)` changes by `s_i (1 - s_i) dx_i`, `dx_i = (dy_i - dt)/e`, t so that the sum of `p_i s_i` stays the same, and
+    /// `db = -e/(1 - level) sum p_i x_i ds_i`.
+    fn weights_change(&self, p: &[f64], j: &[f64], dj: &[f64]) -> Result<Vec<f64>, RiskError> {
+        let costs = Standard::new(p, j);
+        let dy = costs.change(self.name(), p, dj)?;
+        if costs.is_flat() {
+            return Ok(vec![0.0; p.len()]);
+        }
+        let (width, tail) = (self.smoothing, self.tail());
+        let t = self.auxiliary(p, &costs.y, width);
+        let x: Vec<f64> = costs.y.iter().map(|y| (y - t) / width).collect();
+        let slope: Vec<f64> = x.iter().map(|x| sigmoid(*x) * sigmoid(-*x)).collect();
+        let total: f64 = p.iter().zip(&slope).map(|(p, s)| p * s).sum();
+        let moved: f64 = (0..p.len()).map(|i| p[i] * slope[i] * dy[i]).sum();
+        // far from every kink nothing changes
+        let dt = if total > 0.0 { moved / total } else { 0.0 };
+        let ds: Vec<f64> = slope.iter().zip(&dy).map(|(s, dy)| s * (dy - dt) / width).collect();
+        let b = width * p.iter().zip(&x).map(|(p, x)| p * (plus(*x) - x * sigmoid(*x))).sum::<f64>() / tail;
+        let db = -width * (0..p.len()).map(|i| p[i] * x[i] * ds[i]).sum::<f64>() / tail;
+        Ok((0..p.len()).map(|i| p[i] * (ds[i] / tail + db * costs.y[i] + b * dy[i])).collect())
+    }
+
     fn exact(&self, p: &[f64], j: &[f64]) -> Option<f64> {
         Some(conditional_value_at_risk(p, j, self.level))
     }

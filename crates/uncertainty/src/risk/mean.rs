@@ -20,6 +20,14 @@ impl Risk for Mean {
         p.to_vec()
     }
 
+    fn weights_change(&self, p: &[f64], _: &[f64], _: &[f64]) -> Result<Vec<f64>, RiskError> {
+        Ok(vec![0.0; p.len()])
+    }
+
+    fn is_linear(&self) -> bool {
+        true
+    }
+
     /// Negative weights are welcome.
     fn check(&self, p: &[f64]) -> Result<(), RiskError> {
         check_probabilities(p)
@@ -58,6 +66,17 @@ impl Risk for MeanDeviation {
             true => p.to_vec(),
             false => p.iter().zip(&costs.y).map(|(p, y)| p * (1.0 + self.lambda * y)).collect(),
         }
+    }
+
+    /// `p_i lambda dy_i`.
+    fn weights_change(&self, p: &[f64], j: &[f64], dj: &[f64]) -> Result<Vec<f64>, RiskError> {
+        let costs = Standard::new(p, j);
+        let dy = costs.change(self.name(), p, dj)?;
+        Ok(if costs.is_flat() {
+            vec![0.0; p.len()]
+        } else {
+            p.iter().zip(dy).map(|(p, dy)| p * self.lambda * dy).collect()
+        })
     }
 
     fn check(&self, p: &[f64]) -> Result<(), RiskError> {

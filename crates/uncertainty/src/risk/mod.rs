@@ -27,7 +27,7 @@ use thiserror::Error;
 /// A measure of risk R(j) of costs `j_i` with probabilities `p_i`.
 ///
 /// Contract: [`weights`](Self::weights) is the exact derivative of [`value`](Self::value), sums to one (adding a
-/// constant to every cost adds it to R), and both are deterministic. Costs and probabilities have the same length,
+/// constant to every cost adds it to R), [`weights_change`](Self::weights_change) is its derivative, and all are deterministic. Costs and probabilities have the same length,
 /// probabilities have passed [`check`](Self::check), costs are finite.
 ///
 /// Source: Rockafellar & Uryasev, "The fundamental risk quadrangle", Surveys in OR and Management Science 18 (2013).
@@ -40,6 +40,21 @@ pub trait Risk: Debug + Send + Sync {
 
     /// `dR/dj_i`, a pure number for each scenario.
     fn weights(&self, p: &[f64], j: &[f64]) -> Vec<f64>;
+
+    /// The change of [`weights`](Self::weights) along a change of the costs: `sum_k d2R/dj_i dj_k dj_k`. Second derivatives of a
+    /// risk ask for it.
+    ///
+    /// # Errors
+    /// [`RiskError::NoSecondDerivatives`] where the measure does not implement it (the default), [`RiskError::Kink`] where it has
+    /// none.
+    fn weights_change(&self, _p: &[f64], _j: &[f64], _dj: &[f64]) -> Result<Vec<f64>, RiskError> {
+        Err(RiskError::NoSecondDerivatives { measure: self.name() })
+    }
+
+    /// Whether R is linear in the costs, so that its weights never change.
+    fn is_linear(&self) -> bool {
+        false
+    }
 
     /// What a smoothed measure stands for, without the smoothing; for reports.
     fn exact(&self, _p: &[f64], _j: &[f64]) -> Option<f64> {
@@ -72,6 +87,14 @@ impl Risk for Box<dyn Risk> {
 
     fn weights(&self, p: &[f64], j: &[f64]) -> Vec<f64> {
         (**self).weights(p, j)
+    }
+
+    fn weights_change(&self, p: &[f64], j: &[f64], dj: &[f64]) -> Result<Vec<f64>, RiskError> {
+        (**self).weights_change(p, j, dj)
+    }
+
+    fn is_linear(&self) -> bool {
+        (**self).is_linear()
     }
 
     fn exact(&self, p: &[f64], j: &[f64]) -> Option<f64> {
@@ -120,6 +143,21 @@ pub enum RiskError {
         scenario: usize,
         /// Its weight.
         probability: f64,
+        /// The measure.
+        measure: &'static str,
+    },
+    /// A measure that does not give second derivatives.
+    #[error("risk measure {measure} gives no second derivatives; implement `Risk::weights_change`, or take the mean")]
+    NoSecondDerivatives {
+        /// The measure.
+        measure: &'static str,
+    },
+    /// Equal costs, where the deviation has a kink.
+    #[error(
+        "risk measure {measure} has no second derivatives where all costs are equal: its deviation has a kink there; ask at another \
+         control, or take the mean"
+    )]
+    Kink {
         /// The measure.
         measure: &'static str,
     },

@@ -1,5 +1,7 @@
 //! Costs in units of their own spread.
 
+use super::RiskError;
+
 /// Mean, deviation and standardised costs `y_i = (j_i - mean)/deviation`.
 pub(super) struct Standard {
     pub mean: f64,
@@ -26,6 +28,19 @@ impl Standard {
     /// Whether all costs are the same.
     pub fn is_flat(&self) -> bool {
         self.y.is_empty()
+    }
+
+    /// The change of `y` along a change of the costs: `dy_i = (dj_i - dE)/D - y_i dD/D`.
+    ///
+    /// # Errors
+    /// [`RiskError::Kink`] where all costs are the same; a single scenario has none.
+    pub fn change(&self, measure: &'static str, p: &[f64], dj: &[f64]) -> Result<Vec<f64>, RiskError> {
+        if self.is_flat() {
+            return if p.len() == 1 { Ok(vec![]) } else { Err(RiskError::Kink { measure }) };
+        }
+        let mean: f64 = p.iter().zip(dj).map(|(p, d)| p * d).sum();
+        let deviation: f64 = self.deviation_slope(p).iter().zip(dj).map(|(s, d)| s * d).sum();
+        Ok(self.y.iter().zip(dj).map(|(y, d)| (d - mean - y * deviation) / self.deviation).collect())
     }
 
     /// `d deviation / d j_i = p_i y_i`.

@@ -64,6 +64,23 @@ impl Risk for WorstCase {
         q.iter().zip(costs.deviation_slope(p)).map(|(q, slope)| q + by_deviation * slope).collect()
     }
 
+    /// With `b = dR/dD = r - sum q y` in units of the deviation: `dq_i + db p_i y_i + b p_i dy_i`,
+    /// `dq_i = q_i (dy_i - sum q dy)/s`, `db = -sum y dq`.
+    fn weights_change(&self, p: &[f64], j: &[f64], dj: &[f64]) -> Result<Vec<f64>, RiskError> {
+        let costs = Standard::new(p, j);
+        let dy = costs.change(self.name(), p, dj)?;
+        if costs.is_flat() {
+            return Ok(vec![0.0; p.len()]);
+        }
+        let y = &costs.y;
+        let (r, q) = Self::soft_maximum(p, y, self.smoothing);
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (b, mean) = (r - sum(&q, y), sum(&q, &dy));
+        let dq: Vec<f64> = q.iter().zip(&dy).map(|(q, dy)| q * (dy - mean) / self.smoothing).collect();
+        let db = -sum(&dq, y);
+        Ok((0..p.len()).map(|i| dq[i] + p[i] * (db * y[i] + b * dy[i])).collect())
+    }
+
     /// The largest cost among scenarios that have a probability.
     fn exact(&self, p: &[f64], j: &[f64]) -> Option<f64> {
         Some(conditional_value_at_risk(p, j, 1.0))

@@ -153,6 +153,18 @@ impl Objective for Column<'_> {
         }
     }
 
+    fn hessian_vector(&self, point: &Valued, v: &[f64], (): &mut ()) -> Result<Vec<f64>, Failed> {
+        let (base, ensemble) = (&self.memo.base[self.term.stage], self.memo.ensemble);
+        if point.m != base.m {
+            return Err(Failed::because("derivatives are kept at the base control alone"));
+        }
+        let mut known = self.memo.known.lock().map_err(|_| Failed::because("an earlier evaluation broke off"))?;
+        match &self.term.of {
+            None => Ok(ensemble.hessian_vector(base, v, &mut known.workspace)?),
+            Some(name) => Ok(ensemble.hessian_vector_of_term(base, name, v, &mut known.workspace)?),
+        }
+    }
+
     fn restage(&self, _: usize, point: &Valued) -> Result<Valued, Failed> {
         Ok(Valued { m: point.m.clone(), value: point.value })
     }

@@ -64,6 +64,7 @@ struct Job<'a> {
 
 impl CellWork for Job<'_> {
     type Answer = CellResult;
+    type Error = InvertedAt;
 
     fn cells(&self) -> Cells<'_> {
         self.cells

@@ -48,6 +48,7 @@ struct ControlVjp<'a> {
 impl CellWork for ControlVjp<'_> {
     /// Of the cell's actuations one after the other, shape `[points][slots]`.
     type Answer = Vec<f64>;
+    type Error = InvertedAt;
 
     fn cells(&self) -> Cells<'_> {
         self.cells

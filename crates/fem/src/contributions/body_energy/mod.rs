@@ -1,9 +1,9 @@
 //! [`BodyEnergy`]: the energy of a body, `int W(F) dX` summed over laws and actuations.
 
 use crate::contributions::controls::Controls;
-use crate::contributions::{Contribution, Demand, Instant, Sensitivities, Sums};
+use crate::contributions::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::discretization::Discretization;
-use crate::error::{FemError, InvertedAt};
+use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use assembly::Terms;
 use formulation::{Formulation, Standard};
 use nastic_energy::{Actuation, EnergyTerm, Place};
@@ -13,10 +13,12 @@ use nastic_tensor::Vec3;
 use std::sync::Arc;
 
 pub(crate) mod assembly;
+mod control_product;
 mod control_vjp;
 pub(crate) mod formulation;
 pub(crate) mod max_step;
 pub(crate) mod point_strains;
+mod second_order;
 mod tangent_product;
 
 /// The energy of a body: passive materials and actuations, each over some of the cells.
@@ -264,5 +266,19 @@ impl Contribution for BodyEnergy {
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
         control_vjp::add(self, (at.u, at.controls), lambda, &mut into.controls, at.parallel)
+    }
+
+    fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
+        Ok(control_product::add(self, (at.u, at.controls), v, out, at.parallel)?)
+    }
+
+    fn second_vjp(
+        &self,
+        at: &Instant,
+        lambda: &[f64],
+        along: &Increment,
+        into: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        second_order::add(self, (at.u, at.controls), (lambda, along), into, at.parallel)
     }
 }

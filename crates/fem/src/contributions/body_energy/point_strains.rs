@@ -195,6 +195,7 @@ struct Linearised<'a> {
 
 impl CellWork for Linearised<'_> {
     type Answer = (Vec<f64>, Vec<f64>);
+    type Error = InvertedAt;
 
     fn cells(&self) -> Cells<'_> {
         self.cells
@@ -255,6 +256,7 @@ struct CellStrains {
 
 impl CellWork for Extrapolate<'_> {
     type Answer = CellStrains;
+    type Error = InvertedAt;
 
     fn cells(&self) -> Cells<'_> {
         self.cells

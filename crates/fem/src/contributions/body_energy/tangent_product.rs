@@ -37,6 +37,7 @@ struct Product<'a> {
 
 impl CellWork for Product<'_> {
     type Answer = Vec<f64>;
+    type Error = InvertedAt;
 
     fn cells(&self) -> Cells<'_> {
         self.cells

@@ -102,10 +102,23 @@ impl Enclosed {
     }
 
     /// Calls with every share of the volume, in a fixed order; with second derivatives if asked.
-    pub fn each(&self, u: Option<&[f64]>, second: bool, mut call: impl FnMut(&Patch)) {
+    pub fn each(&self, u: Option<&[f64]>, second: bool, call: impl FnMut(&Patch)) {
+        self.each_patch(u, 1.0, second, call);
+    }
+
+    /// Calls with the change of every share along a change a of the displacement, whose second derivatives are `V_uuu[a]`: the
+    /// volume is cubic in positions, so its second derivatives are affine in them, and their linear part is what they are at a
+    /// alone, where nothing else (o, c on planes of symmetry, the normal in plane strain) has a position.
+    pub fn each_change(&self, a: &[f64], call: impl FnMut(&Patch)) {
+        self.each_patch(Some(a), 0.0, true, call);
+    }
+
+    /// `constants` multiplies all positions that do not depend on the displacement: 1, or 0 for the part of highest degree.
+    fn each_patch(&self, u: Option<&[f64]>, constants: f64, second: bool, mut call: impl FnMut(&Patch)) {
         let dim = self.mesh.dim();
+        let origin = constants * self.origin;
         let position = |node: u32| {
-            let mut x = Vec3::from(self.mesh.points()[node as usize]);
+            let mut x = constants * Vec3::from(self.mesh.points()[node as usize]);
             if let Some(u) = u {
                 (0..dim).for_each(|i| x[i] += u[dim * node as usize + i]);
             }
@@ -115,13 +128,13 @@ impl Enclosed {
             for nodes in facets {
                 let x: Vec<Vec3> = nodes.iter().map(|&node| position(node)).collect();
                 let mut volume = Volume::zero(nodes.len(), second);
-                terms.iter().for_each(|term| volume.add(term, &x, &self.origin));
+                terms.iter().for_each(|term| volume.add(term, &x, (&origin, constants)));
                 call(&Patch { nodes, dim, volume });
             }
         }
         for lid in &self.lids {
             let x: Vec<Vec3> = lid.nodes.iter().map(|&node| position(node)).collect();
-            call(&Patch { nodes: &lid.nodes, dim, volume: lid.volume(&x, &self.origin, second) });
+            call(&Patch { nodes: &lid.nodes, dim, volume: lid.volume(&x, (&origin, constants), second) });
         }
     }
 }
@@ -202,14 +215,14 @@ impl Lid {
         Lid { nodes, edges, planes }
     }
 
-    /// By the rim's nodes: c is their mean, on the planes of symmetry.
-    fn volume(&self, x: &[Vec3], origin: &Vec3, second: bool) -> Volume {
+    /// By the rim's nodes: c is their mean, on the planes of symmetry. See [`Volume::add`].
+    fn volume(&self, x: &[Vec3], (origin, constants): (&Vec3, f64), second: bool) -> Volume {
         let n = self.nodes.len();
         let share = 1.0 / n as f64;
         let mut c = share * x.iter().sum::<Vec3>();
         let mut free = Vec3::repeat(share);
         for plane in &self.planes {
-            (c[plane.axis], free[plane.axis]) = (plane.at, 0.0);
+            (c[plane.axis], free[plane.axis]) = (constants * plane.at, 0.0);
         }
         let mut sum = Volume::zero(n, second);
         let mut by_c = Vec3::zeros();
@@ -220,7 +233,7 @@ impl Lid {
             let m = edge.len();
             let local: Vec<Vec3> = edge.iter().map(|&a| x[a]).chain([c]).collect();
             let mut own = Volume::zero(m + 1, second);
-            terms.iter().for_each(|term| own.add(term, &local, origin));
+            terms.iter().for_each(|term| own.add(term, &local, (origin, constants)));
             sum.value += own.value;
             sum.scale += own.scale;
             edge.iter().zip(&own.gradient).for_each(|(&a, g)| sum.gradient[a] += g);

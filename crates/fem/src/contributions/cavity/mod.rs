@@ -5,13 +5,14 @@ mod rim;
 mod triple_product;
 
 use super::catalogue::{Form, Key, KeyKind};
-use super::{Contribution, Demand, Instant, Sensitivities, Sums};
+use super::{Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::discretization::supports::AXES;
-use crate::error::{FemError, InvertedAt};
+use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use enclosed::{Enclosed, Patch};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{GroupNames, Mesh};
+use nastic_numeric::vector::{axpy, dot};
 use std::sync::Arc;
 
 /// A cavity under a pressure p that follows the surface: potential `-p V(u)`, with the enclosed volume
@@ -189,6 +190,33 @@ impl Contribution for CavityPressure {
             patch.each_component(|dof, gradient| work -= lambda[dof] * gradient);
         });
         into.add_control(at, 0, work);
+        Ok(())
+    }
+
+    fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
+        let change = at.slot_of(v, 0);
+        self.enclosed.each(Some(at.u), false, |patch| {
+            patch.each_component(|dof, gradient| out[dof] -= change * gradient);
+        });
+        Ok(())
+    }
+
+    /// `-p V_uuu[lambda, du] - v V_uu lambda` and `-lambda . V_uu du`.
+    fn second_vjp(
+        &self,
+        at: &Instant,
+        lambda: &[f64],
+        along: &Increment,
+        into: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        let (pressure, change) = (at.control(0), at.slot_of(along.controls, 0));
+        let mut of_lambda = vec![0.0; lambda.len()];
+        self.enclosed.each(Some(at.u), true, |patch| patch.add_hessian_product(-1.0, lambda, &mut of_lambda));
+        into.add_control(at, 0, dot(&of_lambda, along.u));
+        axpy(change, &of_lambda, &mut into.u);
+        if pressure != 0.0 {
+            self.enclosed.each_change(lambda, |patch| patch.add_hessian_product(-pressure, along.u, &mut into.u));
+        }
         Ok(())
     }
 }

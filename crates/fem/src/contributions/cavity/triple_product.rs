@@ -30,10 +30,10 @@ impl Volume {
         Volume { value: 0.0, scale: 0.0, gradient: vec![Vec3::zeros(); nodes], hessian }
     }
 
-    /// Adds a term at nodal positions x.
-    pub fn add(&mut self, term: &Term, x: &[Vec3], origin: &Vec3) {
+    /// Adds a term at nodal positions x, its normal times `constants`.
+    pub fn add(&mut self, term: &Term, x: &[Vec3], (origin, constants): (&Vec3, f64)) {
         let linear = |c: &[f64]| c.iter().zip(x).map(|(c, x)| *c * x).sum::<Vec3>();
-        let (p, q, r) = (linear(&term.p) - origin, linear(&term.q), linear(&term.r) + term.normal);
+        let (p, q, r) = (linear(&term.p) - origin, linear(&term.q), linear(&term.r) + constants * term.normal);
         let w = term.weight;
         let (by_p, by_q, by_r) = (q.cross(&r), r.cross(&p), p.cross(&q));
         let value = w * p.dot(&by_p);

@@ -1,0 +1,141 @@
+//! [`SecondOrder`]: the linearised state and the linearised adjoint of an equilibrium.
+
+use crate::contributions::controls::Controls;
+use crate::contributions::instant::Instant;
+use crate::contributions::sensitivities::Increment;
+use crate::error::{SecondDerivativeError, StateError};
+use crate::model::Model;
+use crate::solution::options::SolveOptions;
+use crate::solution::state::{SolveReport, State};
+use crate::solution::tangent_systems::{SYMMETRIC, TangentSystems, Transposition, eliminate};
+use crate::solution::workspace::Workspace;
+use nastic_linear::SparseMatrix;
+use nastic_numeric::vector::axpy;
+
+/// Directional derivatives of a state and its adjoint by the controls, in two linear solves with the factor that a workspace
+/// keeps, as [`Model::adjoint_with`] uses it, and until double precision ends: with `r(u, m) = 0`, `K = r_u` and `K^T lambda = -j_u`,
+///
+/// ```text
+/// K du          = -r_m v
+/// K^T dlambda   = -(j_uu du + j_um v + (lambda . r)_uu du + (lambda . r)_um v)
+/// through state = (r_m)^T dlambda + (lambda . r)_mu du + (lambda . r)_mm v
+/// ```
+///
+/// so that the second derivative of `j(u(m), m)` along v is `j_mm v + j_mu du + through state`. Source: docs/model.md section 6.
+pub struct SecondOrder<'a> {
+    model: &'a Model,
+    state: &'a State,
+    how: &'a SolveOptions<'a>,
+    systems: TangentSystems<'a>,
+    /// The tangent, its supports eliminated, once a solve needed it as a matrix.
+    matrix: Option<SparseMatrix>,
+    report: SolveReport,
+}
+
+/// The change of an adjoint, and of what it gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AdjointChange {
+    /// `dlambda`, flat, zero on the supports.
+    pub lambda: Vec<f64>,
+    /// `(r_m)^T dlambda + (lambda . r)_mu du + (lambda . r)_mm v`: of every actuation by point, weights included.
+    pub controls: Controls,
+}
+
+impl<'a> SecondOrder<'a> {
+    /// At an equilibrium of a model.
+    ///
+    /// # Errors
+    /// A state of another body, or with internal variables.
+    pub fn new(
+        model: &'a Model,
+        state: &'a State,
+        how: &'a SolveOptions<'a>,
+        workspace: &'a mut Workspace,
+    ) -> Result<Self, StateError> {
+        model.check_state(state)?;
+        if !state.internal.is_empty() {
+            let what = "second derivatives of laws with internal variables are not there yet".to_owned();
+            return Err(crate::FemError::Meaningless { what }.into());
+        }
+        let systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, workspace));
+        Ok(SecondOrder { model, state, how, systems, matrix: None, report: SolveReport::default() })
+    }
+
+    /// `du` along v.
+    ///
+    /// # Errors
+    /// A singular tangent; a contribution without second derivatives.
+    pub fn state_change(&mut self, v: &Controls) -> Result<Vec<f64>, StateError> {
+        self.model.check_controls(v)?;
+        let mut rhs = self.model.control_product(&self.instant(), v).map_err(|error| self.failed(error))?;
+        rhs.iter_mut().for_each(|r| *r = -*r);
+        self.solve(rhs, Transposition::No)
+    }
+
+    /// `dlambda` and what comes of it, for the adjoint `lambda`, along `(du, v)`; `by_state` is `j_uu du + j_um v`.
+    ///
+    /// # Errors
+    /// A singular tangent; a term without second derivatives; vectors of the wrong length.
+    pub fn adjoint_change(
+        &mut self,
+        lambda: &[f64],
+        along: &Increment,
+        by_state: &[f64],
+    ) -> Result<AdjointChange, StateError> {
+        let expected = self.model.unknowns().len();
+        if let Some(found) = [lambda.len(), along.u.len(), by_state.len()].into_iter().find(|&n| n != expected) {
+            let what = "a vector of the second-order adjoint".to_owned();
+            return Err(crate::FemError::Length { what, found, expected }.into());
+        }
+        let second = self.model.second_vjp(&self.instant(), lambda, along).map_err(|error| self.failed(error))?;
+        let rhs = second.u.iter().zip(by_state).map(|(r, j)| -(r + j)).collect();
+        let d_lambda = self.solve(rhs, Transposition::Yes)?;
+        let first = self.model.vjp(&self.instant(), &d_lambda).map_err(|error| self.failed(error.into()))?;
+        let mut controls = second.controls;
+        (0..controls.len()).for_each(|k| axpy(1.0, first.controls.values(k), controls.values_mut(k)));
+        Ok(AdjointChange { lambda: d_lambda, controls })
+    }
+
+    /// Work done so far.
+    pub fn report(&self) -> &SolveReport {
+        &self.report
+    }
+
+    fn instant(&self) -> Instant<'a> {
+        self.model.instant(self.state, None, self.how.parallel)
+    }
+
+    fn solve(&mut self, mut rhs: Vec<f64>, transposition: Transposition) -> Result<Vec<f64>, StateError> {
+        self.model.supports.clear(&mut rhs);
+        if rhs.iter().all(|&b| b == 0.0) {
+            return Ok(rhs);
+        }
+        let (state, how) = (self.state, self.how);
+        if self.matrix.is_none()
+            && let Some(x) =
+                self.model.solve_by_products(state, &rhs, how, (SYMMETRIC, &mut self.systems), &mut self.report)
+        {
+            return Ok(x);
+        }
+        let matrix = match self.matrix.take() {
+            Some(matrix) => matrix,
+            None => {
+                let mut matrix = self.model.tangent(state, how.parallel)?;
+                eliminate(self.model, &mut matrix);
+                matrix
+            }
+        };
+        let solved = self.systems.solve_to(SYMMETRIC, &matrix, &state.u, &rhs, transposition, &mut self.report);
+        self.matrix = Some(matrix);
+        Ok(solved?)
+    }
+
+    fn failed(&self, error: SecondDerivativeError) -> StateError {
+        match error {
+            SecondDerivativeError::Inverted(at) => {
+                StateError::Inverted { at, load: self.state.load, cuts: 0, last: Box::new(self.state.clone()) }
+            }
+            refused => refused.into(),
+        }
+    }
+}
