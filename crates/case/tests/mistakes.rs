@@ -355,7 +355,7 @@ fn contradictions_between_blocks_are_found() {
         "\"start\": \"0 Pa\"",
         "\"start\": \"1 mT\"",
         ": controls/0/start: unit of the wrong kind: \"1 mT\" is a magnetic field, a pressure is wanted (Pa, \
-         kPa, MPa, GPa)",
+         kPa, MPa, GPa, bar, mbar)",
     );
     one(
         COMPLETE,

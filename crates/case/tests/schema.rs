@@ -65,7 +65,7 @@ fn required_keys_defaults_and_units_are_told() {
         assert!(told(key).contains(sign), "{key}: {}", told(key));
     }
     let optimizer = &schema["$defs"]["Optimizer"]["properties"];
-    assert_eq!(optimizer["method"]["default"], "projected_gradient");
+    assert_eq!(optimizer["method"]["default"], "lbfgs");
     assert_eq!(optimizer["tolerance"]["default"], 1e-4);
     assert_eq!(optimizer["max_iterations"]["default"], 100);
     let eps = &schema["$defs"]["Inverse"]["properties"]["eps"]["description"];

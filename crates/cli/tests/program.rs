@@ -163,7 +163,7 @@ fn a_sweep_ends_as_its_worst_run_and_prints_its_table() {
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["runs"][1]["run"], "mu1=110_kPa");
-    let output = place.nastic(&[&sweep[..], &["--set", "materials/0/mu1=-1,110 kPa"]].concat());
+    let output = place.nastic(&[&sweep[..], &["--set", "materials/0/mu1=-1 kPa,110 kPa"]].concat());
     assert_eq!(code(&output), 2, "a shear modulus below zero is a row");
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&answer["runs"][0]["exit"], &answer["runs"][1]["exit"]), (&2.into(), &0.into()));

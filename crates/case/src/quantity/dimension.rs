@@ -79,7 +79,7 @@ impl Dimension {
         self.0.iter().all(|e| e % STEPS == 0).then(|| self.0.map(|e| e / STEPS))
     }
 
-    /// The units a reader of an error message may choose from: "Pa, kPa, MPa, GPa".
+    /// The units a reader of an error message may choose from: "Pa, kPa, MPa, GPa, bar, mbar".
     #[must_use]
     pub fn examples(self) -> String {
         let symbols: Vec<_> = UNITS.iter().filter(|u| u.dimension == self).map(|u| u.symbol).collect();

@@ -50,7 +50,7 @@ use std::time::Instant;
 ///
 /// let body = Solid::new(box_mesh([1.0, 0.2, 0.2], [3, 1, 2], CellKind::Hex8)?)?
 ///     .material("body", NeoHooke::from_young_poisson(3e5, 0.3)?)?
-///     .actuate("body", "muscle", FiberTension::muscle(Vec3::x())?)?
+///     .actuate("body", "muscle", FiberTension::along(Vec3::x())?.muscle())?
 ///     .clamp("x-")?;
 /// let shorter = Target::position(|x| [0.9 * x[0], x[1], x[2]]);
 /// let problem = Reduced::new(body).control("muscle", Space::Cell)?.cost(Tracking::surface("x+", shorter))?;
