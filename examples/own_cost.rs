@@ -80,7 +80,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     for (name, problem) in [("without", problem(None)?), ("with", kept)] {
         let print = Print::of(&problem, std::io::stdout());
-        let mut search = Lbfgs::default().within(set.clone()).tolerance(1e-3).observe(print);
+        let mut search = Lbfgs::default().within(set.clone()).tolerance(1e-6).observe(print);
         let best = search.minimize(&problem, start.clone())?;
         let points = problem.solid().mesh().points();
         let u = &best.point.state.u;

@@ -64,7 +64,7 @@ example_met() { # NAME
   case "$1" in
     shortest) between "$log" "cost " 0.1352 0.1362 ;;
     air_finger) between "$log" "free: " 41669 41689 ;;
-    own_cost) between "$log" "with the table: cost " 0 2 && grep -q "verdict: right" "$log" ;;
+    own_cost) between "$log" "with the table: cost " 0 0.05 && grep -q "verdict: right" "$log" ;;
     own_energy) between "$log" "tracking cost " 0 1e-6 && grep -q "verdict: right" "$log" ;;
     tip_tracking) between "$log" "cost " 0 2.4e-8 ;;
     turgor_stem) between "$log" "mm -> " 0.7 0.9 ;;
