@@ -59,10 +59,10 @@ fn case() -> Value {
     })
 }
 
-/// A result without what a clock, a file name or a directory makes of it.
+/// A result without what a clock, the process, a file name or a directory makes of it.
 fn compared(mut result: Value) -> Value {
     let entries = result.as_object_mut().unwrap();
-    for key in ["seconds", "case", "case_hash", "files", "expect", "resumed", "warnings"] {
+    for key in ["seconds", "peak_memory", "case", "case_hash", "files", "expect", "resumed", "warnings"] {
         entries.remove(key);
     }
     result
