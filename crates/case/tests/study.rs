@@ -3,15 +3,20 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
 use nastic_case::console::Console;
-use nastic_case::run::{Exit, OnTrial, Optimum, Options, Outcome, Study, StudyError, run_document};
+use nastic_case::lower::AssemblyError;
+use nastic_case::quantity::{Unit, Units};
+use nastic_case::run::{Exit, OnTrial, Optimum, Options, Outcome, RunError, Study, StudyError, run_document};
 use nastic_case::schema::Command;
 use nastic_case::syntax::Document;
-use nastic_control::{ControlError, Cost, CostContext, CostPoint, Partials, Reduced, Space, Target, Tracking};
-use nastic_energy::{FiberTension, NeoHooke};
+use nastic_control::{
+    ControlError, Cost, CostContext, CostPoint, Ensemble, LoadCase, Metric, Partials, Reduced, Space, Target, Tracking,
+};
+use nastic_energy::{FiberTension, Magnet, NeoHooke};
 use nastic_fem::Solid;
 use nastic_mesh::{CellKind, box_mesh};
-use nastic_opt::{Ball, Bounds, Lbfgs, Options as Stops};
+use nastic_opt::{Ball, Bounds, Lbfgs, Options as Stops, Sphere};
 use nastic_tensor::Vec3;
+use nastic_uncertainty::risk::Mean;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
@@ -38,8 +43,12 @@ fn tracking(weight: f64) -> Tracking {
 }
 
 fn study(young: f64, weight: f64) -> Result<Study> {
-    let study = Study::new(bar(young)?.cost(tracking(weight))?)?.within("top", Bounds::new(-1e5, 0.0)?);
-    Ok(study.start("top", vec![-1e3]).probe("tip", [1.0, 0.1, 0.1]).checkpoints_every(2).snapshots_every(3).threads(2))
+    Ok(set_up(Study::new(bar(young)?.cost(tracking(weight))?)?.within("top", Bounds::new(-1e5, 0.0)?)))
+}
+
+/// Start, probe and schedule of all studies that are compared.
+fn set_up(study: Study) -> Study {
+    study.start("top", vec![-1e3]).probe("tip", [1.0, 0.1, 0.1]).checkpoints_every(2).snapshots_every(3).threads(2)
 }
 
 /// The same as [`study`], as a case file says it.
@@ -59,10 +68,10 @@ fn case() -> Value {
     })
 }
 
-/// A result without what a clock, a file name or a directory makes of it.
+/// A result without what a clock, the process, a file name or a directory makes of it.
 fn compared(mut result: Value) -> Value {
     let entries = result.as_object_mut().unwrap();
-    for key in ["seconds", "case", "case_hash", "files", "expect", "resumed", "warnings", "peak_memory"] {
+    for key in ["seconds", "peak_memory", "case", "case_hash", "files", "expect", "resumed", "warnings"] {
         entries.remove(key);
     }
     result
@@ -166,6 +175,25 @@ fn another_problem_does_not_go_on() -> Result {
     let set = refused(study(3e5, 1.0)?.within("top", Bounds::new(-2e5, 0.0)?))?;
     assert!(set.contains("controls/top/set was"), "{set}");
 
+    // What is more than laws and costs is compared before anything is computed.
+    let problem = || -> Result<Reduced> { Ok(bar(3e5)?.cost(tracking(1.0))?) };
+    let of =
+        |problem: Reduced| -> Result<Study> { Ok(set_up(Study::new(problem)?.within("top", Bounds::new(-1e5, 0.0)?))) };
+    let weight = refused(of(problem()?.weigh("top", 2.0)?)?)?;
+    assert!(weight.contains("controls/top/weight was 1, is 2"), "{weight}");
+    let metric = refused(of(problem()?.metric(Metric::H1 { length: 0.1 }))?)?;
+    assert!(metric.contains("controls/top/metric was \"L2\""), "{metric}");
+    let supported = passive_bar([4, 1, 2])?.actuate("body", "top", FiberTension::along(Vec3::x())?)?.clamp("x+")?;
+    let supports = refused(of(Reduced::new(supported).control("top", Space::Cell)?.cost(tracking(1.0))?)?)?;
+    assert!(supports.contains("members/0/supports was"), "{supports}");
+    match study(3e5, 1.0)?.directory(&out).resume(&Lbfgs { memory: 3, ..lbfgs() }) {
+        Err(StudyError::Changed { what, .. }) => assert!(what[0].contains("memory: 3"), "{what:?}"),
+        other => panic!("{other:?}"),
+    }
+    // No number is not the same number.
+    let none = refused(of(bar(3e5)?.cost(Stillness { factor: f64::NAN, name: "tracking" })?)?)?;
+    assert!(none.contains("does not fit: the cost is NaN"), "{none}");
+
     // The command line cannot know the program's code, and says so.
     let catalogue = nastic_case::catalogue::Catalogue::standard();
     let told = nastic_case::run::resume(&catalogue, &out, &Options::default(), &Console::silent()).unwrap_err();
@@ -177,10 +205,95 @@ fn another_problem_does_not_go_on() -> Result {
     Ok(())
 }
 
-/// `sum_a |u_a|^2`, with a derivative that is `factor` times the right one.
+#[test]
+fn resume_begins_anew_where_that_is_said() -> Result {
+    let place = tempfile::tempdir()?;
+    stopped_after(study(3e5, 1.0)?.directory(place.path()), 5).optimize(&lbfgs())?;
+    let anew = study(3.1e5, 1.0)?.directory(place.path()).restart(true).resume(&lbfgs())?;
+    assert!(anew.outcome.result["resumed"].is_null());
+    assert_eq!(anew.outcome.result["iterations"], ITERATIONS);
+    Ok(())
+}
+
+#[test]
+fn a_checkpoint_that_does_not_serve_is_told_in_words_for_a_program() -> Result {
+    let place = tempfile::tempdir()?;
+    stopped_after(study(3e5, 1.0)?.directory(place.path()), 5).optimize(&lbfgs())?;
+    let file = place.path().join("checkpoint.bin");
+    let whole = std::fs::read(&file)?;
+    let told = |content: Vec<u8>| -> Result<[String; 2]> {
+        std::fs::write(&file, content)?;
+        let of =
+            |found: std::result::Result<Optimum, StudyError>| found.err().map_or_else(String::new, |e| e.to_string());
+        let study = || study(3e5, 1.0).map(|study| study.directory(place.path()));
+        Ok([of(study()?.resume(&lbfgs())), of(study()?.optimize(&lbfgs()))])
+    };
+    for text in told(whole[..whole.len() - 1].to_vec())? {
+        assert!(text.contains("is damaged") && text.contains("Study::restart(true)"), "{text}");
+        assert!(!text.contains("--restart"), "{text}");
+    }
+    let [version, _] = told(of_version(whole, "0.0.9"))?;
+    assert!(version.contains("was written by version 0.0.9") && version.contains("Study::restart(true)"), "{version}");
+    Ok(())
+}
+
+/// The bytes of a checkpoint as another version would have written it: the version's text, then the checksum (FNV-1a) of length and content.
+fn of_version(mut bytes: Vec<u8>, version: &str) -> Vec<u8> {
+    let (own, header) = (env!("CARGO_PKG_VERSION").as_bytes(), "nastic-checkpoint".len() + 24);
+    let at = bytes.windows(own.len()).position(|window| window == own).unwrap();
+    bytes[at..at + own.len()].copy_from_slice(version.as_bytes());
+    let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    let hashed = bytes[header - 16..header - 8].iter().chain(&bytes[header..]);
+    let sum = hashed.fold(0xcbf2_9ce4_8422_2325, mix);
+    bytes[header - 8..header].copy_from_slice(&sum.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn a_study_without_a_flag_leaves_the_problem_its_own() -> Result {
+    let raised = Arc::new(AtomicBool::new(true));
+    let of = || -> Result<Study> {
+        let problem = bar(3e5)?.cost(tracking(1.0))?.cancelled_by(raised.clone());
+        Ok(set_up(Study::new(problem)?.within("top", Bounds::new(-1e5, 0.0)?)))
+    };
+    assert!(matches!(of()?.optimize(&lbfgs()), Err(StudyError::Run(RunError::Cancelled))));
+    let lowered = Arc::new(AtomicBool::new(false));
+    assert_eq!(of()?.cancelled_by(lowered).optimize(&lbfgs())?.outcome.exit, Exit::NotConverged);
+    Ok(())
+}
+
+#[test]
+fn a_body_in_millimetres_that_is_taken_for_metres_is_warned_of() -> Result {
+    let of = || -> Result<Study> {
+        let body = Solid::new(box_mesh([40.0, 8.0, 8.0], [4, 1, 2], CellKind::Hex8)?)?
+            .material("body", NeoHooke::from_young_poisson(0.3, 0.3)?)?
+            .actuate("body", "top", FiberTension::along(Vec3::x())?)?
+            .clamp("x-")?;
+        let target = Target::position(|x| [0.95 * x[0], x[1], x[2]]);
+        let problem = Reduced::new(body).control("top", Space::Uniform)?.cost(Tracking::surface("x+", target))?;
+        Ok(Study::new(problem)?.within("top", Bounds::new(-0.1, 0.0)?).start("top", vec![-1e-3]))
+    };
+    let warned = |study: Study| -> Result<Vec<String>> {
+        let result = study.optimize(&lbfgs())?.outcome.result;
+        let all = result["warnings"].as_array().cloned().unwrap_or_default();
+        let units = all.iter().filter(|one| one["code"] == "units");
+        Ok(units.filter_map(|one| one["message"].as_str().map(str::to_owned)).collect())
+    };
+    assert_eq!(
+        warned(of()?)?,
+        ["the body measures 40 x 8 x 8 m: if the program computes in millimetres, say so with Study::units"]
+    );
+    let unit = |symbol: &str| Unit::named(symbol).ok_or("no such unit");
+    let units = Units::new(unit("mm")?, unit("N")?, unit("s")?, unit("T")?).ok_or("one is no unit of this kind")?;
+    assert!(warned(of()?.units(units))?.is_empty());
+    Ok(())
+}
+
+/// `sum_a |u_a|^2`, with a derivative that is `factor` times the right one; no number where that is none.
 #[derive(Debug)]
 struct Stillness {
     factor: f64,
+    name: &'static str,
 }
 
 #[derive(Debug)]
@@ -191,7 +304,7 @@ struct Moved {
 
 impl Cost for Stillness {
     fn name(&self) -> &str {
-        "stillness"
+        self.name
     }
 
     fn at(&self, at: &CostContext) -> std::result::Result<Arc<dyn CostPoint>, ControlError> {
@@ -201,7 +314,8 @@ impl Cost for Stillness {
 
 impl CostPoint for Moved {
     fn value(&self) -> f64 {
-        self.u.iter().map(|u| u * u).sum()
+        let sum: f64 = self.u.iter().map(|u| u * u).sum();
+        if self.factor.is_nan() { f64::NAN } else { sum }
     }
 
     fn add_partials(&self, out: &mut Partials) -> std::result::Result<(), ControlError> {
@@ -213,13 +327,16 @@ impl CostPoint for Moved {
 #[test]
 fn a_cost_of_ones_own_is_checked_before_anything_is_optimised() -> Result {
     let of = |factor: f64| -> Result<Study> {
-        let problem = bar(3e5)?.cost(tracking(1.0))?.cost(Stillness { factor })?;
+        let problem = bar(3e5)?.cost(tracking(1.0))?.cost(Stillness { factor, name: "stillness" })?;
         Ok(Study::new(problem)?.within("top", Bounds::new(-1e5, 0.0)?).start("top", vec![-1e4]))
     };
     let right = of(1.0)?.optimize(&lbfgs())?;
     assert!(right.outcome.result["cost"]["terms"]["stillness"].as_f64() > Some(0.0));
     match of(1.5)?.optimize(&lbfgs()) {
-        Err(StudyError::Derivative { mismatch: Some(mismatch) }) => assert!(mismatch > 1e-3, "{mismatch}"),
+        Err(error @ StudyError::Derivative { mismatch: Some(mismatch) }) => {
+            assert!(mismatch > 1e-3, "{mismatch}");
+            assert!(error.to_string().contains("test each cost alone with Taylor::test"), "{error}");
+        }
         other => panic!("{other:?}"),
     }
     Ok(())
@@ -240,7 +357,111 @@ fn what_does_not_fit_is_told_before_anything_is_solved() -> Result {
     assert!(probe.starts_with("probe \"tip\": (1, 0.1, 0.3) is outside the body"), "{probe}");
     let short = told(new()?.within("top", Bounds::new(vec![0.0; 3], vec![1.0; 3])?));
     assert!(short.contains("the bounds are for 3 components, the control has 8"), "{short}");
-    let ball = told(new()?.within("top", Ball::new(3, 1.0)?));
-    assert!(!ball.is_empty());
     Ok(())
+}
+
+#[test]
+fn a_set_of_vectors_has_the_components_of_the_control() -> Result {
+    // Three components would fit the number of values, 6, though not the scalars.
+    let body = passive_bar([3, 1, 2])?.actuate("body", "top", FiberTension::along(Vec3::x())?)?;
+    let problem = Reduced::new(body).control("top", Space::Cell)?.cost(tracking(1.0))?;
+    let told = refused(Study::new(problem)?.within("top", Ball::new(3, 1e5)?))?;
+    assert_eq!(
+        told,
+        "the vectors of the set of \"top\" have 3 components, the values of the control 1: make the set for 1, or give bounds"
+    );
+    let told = refused(magnet(Space::Cell, None)?.within("magnet.remanence", Sphere::new(2, 0.1)?))?;
+    assert!(told.contains("have 2 components, the values of the control 3"), "{told}");
+    Ok(())
+}
+
+#[test]
+fn a_nodal_field_on_a_sphere_has_its_length_between_the_nodes_too() -> Result {
+    let start = Sphere::new(3, 0.1)?.random(1, 1);
+    let of = |space: Space, length: Option<f64>| -> Result<Study> {
+        let study = magnet(space, length)?.within("magnet.remanence", Sphere::new(3, 0.1)?);
+        let points = if space == Space::Node { 24 } else { 6 };
+        Ok(study.start("magnet.remanence", start.repeat(points)))
+    };
+    let told = refused(of(Space::Node, None)?)?;
+    assert!(told.contains("Reduced::of_length(\"magnet.remanence\", 0.1)"), "{told}");
+    of(Space::Node, Some(0.1))?.optimize(&lbfgs())?;
+    of(Space::Cell, None)?.optimize(&lbfgs())?;
+    Ok(())
+}
+
+#[test]
+fn random_starts_are_drawn_within_what_is_bounded() -> Result {
+    let new = || -> Result<Study> { Ok(Study::new(bar(3e5)?.cost(tracking(1.0))?)?.random_starts(1, 5)) };
+    assert_eq!(
+        refused(new()?)?,
+        "random starts are drawn within the bounds, and \"top\" has no lower bound: give it one with Study::within"
+    );
+    let above = refused(new()?.within("top", Bounds::new(-1e5, f64::INFINITY)?))?;
+    assert!(above.contains("\"top\" has no upper bound"), "{above}");
+
+    // Vectors of one component: as many of them as there are values.
+    let found = new()?.within("top", Ball::new(1, 1e3)?).optimize(&lbfgs())?;
+    let starts = found.outcome.result["starts"].as_array().map_or(&[][..], Vec::as_slice);
+    assert_eq!(starts.len(), 2);
+    assert!(starts.iter().all(|start| start["cost"].is_number()), "{starts:?}");
+    Ok(())
+}
+
+#[test]
+fn members_on_different_meshes_or_with_other_load_cases_are_refused_before_anything_is_solved() -> Result {
+    let on = |cells: [usize; 3]| -> Result<Reduced> {
+        let body = passive_bar(cells)?.actuate("body", "top", FiberTension::along(Vec3::x())?)?;
+        Ok(Reduced::new(body).control("top", Space::Uniform)?.cost(tracking(1.0))?)
+    };
+    let meshes = Ensemble::new(Mean).scenario("coarse", 0.5, on([3, 1, 2])?).scenario("fine", 0.5, on([4, 1, 2])?);
+    match Study::of(meshes.build()?).optimize(&lbfgs()) {
+        Err(StudyError::Assembly(AssemblyError::Mesh { member, other })) => {
+            assert_eq!((&*member, &*other), ("fine", "coarse"))
+        }
+        other => panic!("{other:?}"),
+    }
+
+    let case = |name: &str| -> Result<LoadCase> { Ok(LoadCase::new(name, 1.0, on([3, 1, 2])?)) };
+    for (first, second, expected) in [
+        (&["push", "lift"][..], &["push"][..], ("soft/lift", "stiff/push")),
+        (&["push"][..], &["push", "lift"][..], ("stiff/lift", "soft/push")),
+    ] {
+        let cases = |names: &[&str]| names.iter().map(|name| case(name)).collect::<Result<Vec<_>>>();
+        let ragged =
+            Ensemble::new(Mean).scenario_of("soft", 0.5, cases(first)?).scenario_of("stiff", 0.5, cases(second)?);
+        match Study::of(ragged.build()?).optimize(&lbfgs()) {
+            Err(StudyError::Assembly(AssemblyError::LoadCases { member, other, load_case })) => {
+                assert_eq!((&*member, &*other, &*load_case), (expected.0, expected.1, "lift"));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    Ok(())
+}
+
+fn refused(study: Study) -> Result<String> {
+    match study.optimize(&lbfgs()) {
+        Err(error) => Ok(error.to_string()),
+        Ok(_) => panic!("it was not refused"),
+    }
+}
+
+/// A passive bar, clamped.
+fn passive_bar(cells: [usize; 3]) -> Result<Solid> {
+    let body = Solid::new(box_mesh([1.0, 0.2, 0.2], cells, CellKind::Hex8)?)?;
+    Ok(body.material("body", NeoHooke::from_young_poisson(3e5, 0.3)?)?.clamp("x-")?)
+}
+
+/// A bar whose remanence is controlled, in a given field.
+fn magnet(space: Space, length: Option<f64>) -> Result<Study> {
+    let body = passive_bar([3, 1, 2])?.actuate("body", "magnet", Magnet::new())?;
+    let points = body.discretization().points().weights().len();
+    let problem = Reduced::new(body).fix(0, 5, &vec![0.05; points])?;
+    let problem = problem.control("magnet.remanence", space)?.cost(tracking(1.0))?;
+    let problem = match length {
+        Some(length) => problem.of_length("magnet.remanence", length)?,
+        None => problem,
+    };
+    Ok(Study::new(problem)?)
 }

@@ -172,6 +172,11 @@ impl Reduced {
         self
     }
 
+    /// Which inner product the gradient has: see [`metric`](Self::metric).
+    pub fn metric_kind(&self) -> Metric {
+        self.metric
+    }
+
     /// A flag that ends a state solve between its iterations, with [`StateError::Cancelled`](nastic_fem::StateError).
     pub fn cancelled_by(mut self, flag: Arc<AtomicBool>) -> Self {
         self.cancel = Some(flag);

@@ -8,6 +8,7 @@ use crate::objective::DEFAULT_ACCURACY;
 use crate::projected_gradient::ProjectedGradient;
 use crate::spectral::Spectral;
 use crate::within::Within;
+use std::fmt::Debug;
 
 /// What all optimisers share. Every default is dimensionless: none depends on the unit system.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +68,7 @@ impl Options {
 }
 
 /// An optimiser: a method with its options.
-pub trait Optimizer {
+pub trait Optimizer: Debug {
     /// The name in case files.
     fn name(&self) -> &'static str;
 

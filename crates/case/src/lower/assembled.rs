@@ -1,17 +1,22 @@
 //! [`Assembled`]: what a program that has no case file makes a [`CaseProblem`] of.
 
+mod check;
+mod error;
+
+pub use error::AssemblyError;
+
 use super::control::{Admitted, ControlField, is_reserved, limit};
 use super::member::Label;
 use super::probe::{LocatedProbe, outside};
 use super::variant::stems;
-use super::{CaseProblem, TargetShape};
+use super::{CaseProblem, TargetShape, sizes};
 use crate::expression::dimension_of;
 use crate::quantity::Dimension;
 use crate::schema::Case;
 use crate::syntax::{At, Document};
-use crate::warning::{CONVEXITY, HAUSDORFF_LENGTH, UNBOUNDED, Warning};
-use nastic_control::{ControlBlock, Ensemble, EnsembleBlock, Member, Reduced};
-use nastic_opt::{Admissible, Bounds, Outside, Product};
+use crate::warning::{CONVEXITY, HAUSDORFF_LENGTH, UNBOUNDED, UNITS, Warning};
+use nastic_control::{Ensemble, EnsembleBlock, Member, Reduced};
+use nastic_opt::{Admissible, Bounds, Product};
 use serde_json::Map;
 use std::sync::Arc;
 
@@ -41,45 +46,10 @@ pub(crate) struct ControlProblem {
 #[derive(Debug, Clone)]
 pub(crate) enum Admission {
     Bounds(Bounds),
-    Vectors(Admitted),
-}
-
-/// What does not fit the problem.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum AssemblyError {
-    /// The start of a control lies outside its set, or has another length.
-    #[error("the start of \"{control}\" at {place} lies outside its set: {source}")]
-    Start {
-        /// The control.
-        control: String,
-        /// Cell, node or region.
-        place: String,
-        /// What is allowed.
-        source: Outside,
-    },
-    /// A start or bounds of another length.
-    #[error("\"{control}\" has {expected} values, its start {found}")]
-    Length {
-        /// The control.
-        control: String,
-        /// Values of the start.
-        found: usize,
-        /// Values of the control.
-        expected: usize,
-    },
-    /// A control bears the name of a result.
-    #[error("results have an array \"{control}\" already: give the actuation another name")]
-    Reserved {
-        /// The control.
-        control: String,
-    },
-    /// A probe lies outside the body.
-    #[error("probe \"{name}\": {what}")]
-    Probe {
-        /// Its name.
-        name: String,
-        /// Where it lies.
-        what: String,
+    /// Vectors of so many components.
+    Vectors {
+        admitted: Admitted,
+        dim: usize,
     },
 }
 
@@ -87,13 +57,15 @@ impl CaseProblem {
     /// The problem of a program.
     ///
     /// # Errors
-    /// The first start, control or probe that does not fit.
+    /// The first member, start, control or probe that does not fit.
     pub(crate) fn assemble(assembled: Assembled) -> Result<Self, AssemblyError> {
         let Assembled { ensemble, controls, probes, case, document } = assembled;
+        check::members(&ensemble)?;
         let labels: Vec<Label> = ensemble.members().iter().map(|member| label(&ensemble, member, &case)).collect();
         let (mut fields, mut start, mut set, mut warnings) = (vec![], vec![], Product::new(), vec![]);
         for (block, control) in ensemble.blocks().iter().zip(controls) {
             let field = field(&ensemble, block, &control, &case, &mut warnings)?;
+            check::random_starts(&field, &case)?;
             fields.push(field);
             start.extend(control.start);
             set.push(block.len, control.set);
@@ -104,6 +76,10 @@ impl CaseProblem {
             None => Err(AssemblyError::Probe { what: outside(&mesh, point), name }),
         };
         let probes = probes.into_iter().map(locate).collect::<Result<_, _>>()?;
+        if let Some(large) = sizes::large(&mesh, case.units) {
+            let message = format!("{large}: if the program computes in millimetres, say so with Study::units");
+            warnings.push(Warning::new(&UNITS, message));
+        }
         for member in ensemble.members() {
             let body = member.problem();
             let told = body.costs().iter().flat_map(|cost| cost.warnings(body.solid()));
@@ -156,7 +132,8 @@ fn field(
     if is_reserved(&array) {
         return Err(AssemblyError::Reserved { control: array });
     }
-    check_start(own, control)?;
+    check::set(own, control)?;
+    check::start(own, control)?;
     let name = block.name.replace('/', ".");
     let unit = case.units.label(dimension_of(own.unit).unwrap_or(Dimension::NONE));
     let bodies = ensemble.members().iter().map(Member::problem);
@@ -168,7 +145,7 @@ fn field(
         })
         .reduce(f64::min);
     let (admitted, bounds) = match &control.admitted {
-        Admission::Vectors(admitted) => (*admitted, None),
+        Admission::Vectors { admitted, .. } => (*admitted, None),
         Admission::Bounds(bounds) => {
             let all = (0..own.len()).map(|i| bounds.at(i));
             let (lower, upper) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, u), (a, b)| (l.min(a), u.max(b)));
@@ -187,16 +164,4 @@ fn field(
     }
     let load_case = block.name.contains('/').then_some(block.owner);
     Ok(ControlField { at: At::root(), name, array, load_case, unit, admitted, bounds, limit })
-}
-
-fn check_start(own: &ControlBlock, control: &ControlProblem) -> Result<(), AssemblyError> {
-    if control.start.len() != own.len() {
-        let (found, expected) = (control.start.len(), own.len());
-        return Err(AssemblyError::Length { control: own.name.clone(), found, expected });
-    }
-    control.set.check(&control.start).map_err(|source| {
-        let unknown = source.index / own.components.max(1);
-        let place = if unknown < own.map.len() { own.map.describe(unknown) } else { format!("value {unknown}") };
-        AssemblyError::Start { control: own.name.clone(), place, source }
-    })
 }

@@ -349,12 +349,8 @@ impl Lowering<'_> {
                     context.complain(&at, "random directions need a length: give \"norm\" or \"max_norm\"");
                     return None;
                 };
-                Some(start::on_sphere(
-                    &mut Random::new(*seed),
-                    norm,
-                    positions.len(),
-                    self.reduced.solid().mesh().dim(),
-                ))
+                let dim = self.reduced.solid().mesh().dim();
+                Some(start::on_sphere(&mut Random::new(*seed), norm, positions.len(), dim).concat())
             }
         }
     }

@@ -4,7 +4,7 @@ use super::context::Context;
 use super::control::{Admitted, ControlField};
 use super::cost::TargetShape;
 use super::elements::Elastic;
-use crate::quantity::Dimension;
+use crate::quantity::{Dimension, Units};
 use crate::schema::Case;
 use crate::warning::{BOUNDS, UNITS};
 use nastic_fem::Solid;
@@ -41,14 +41,10 @@ pub(super) fn check_bounds(controls: &[ControlField], solid: &Solid, context: &m
 
 pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], context: &mut Context<'_>) {
     let at = super::mesh::at(case);
-    let units = context.units;
-    let metres = |length: f64| units.in_si(length, Dimension::LENGTH);
-    let unit = units.length().symbol;
-    let size = mesh.size().into_iter().fold(0.0, f64::max);
-    if metres(size) > LARGE {
-        let extent = show(mesh, unit);
+    let unit = context.units.length().symbol;
+    if let Some(large) = large(mesh, context.units) {
         let message = format!(
-            "the body measures {extent}: if {} is drawn in millimetres, write \"mesh\": {{ \"file\": ..., \"scale\": \
+            "{large}: if {} is drawn in millimetres, write \"mesh\": {{ \"file\": ..., \"scale\": \
              1e-3 }}, or \"units\": \"mm\"",
             mesh.name()
         );
@@ -64,6 +60,13 @@ pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], c
             context.warn(&UNITS, &target.at.key("target"), message);
         }
     }
+}
+
+/// What is said of a body that is larger than soft bodies are.
+pub(super) fn large(mesh: &Mesh, units: Units) -> Option<String> {
+    let size = mesh.size().into_iter().fold(0.0, f64::max);
+    let metres = units.in_si(size, Dimension::LENGTH);
+    (metres > LARGE).then(|| format!("the body measures {}", show(mesh, units.length().symbol)))
 }
 
 fn show(mesh: &Mesh, unit: &str) -> String {

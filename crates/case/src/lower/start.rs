@@ -14,14 +14,34 @@ pub(super) fn check(case: &Case, controls: &[ControlField], context: &mut Contex
         return;
     }
     for field in controls {
-        let missing = match field.admitted {
-            Admitted::Between { lower, .. } if !lower.is_finite() => "\"lower\"",
-            Admitted::Between { upper, .. } if !upper.is_finite() => "\"upper\"",
-            Admitted::Any => "\"norm\" or \"max_norm\"",
-            _ => continue,
+        let missing = match unbounded(field) {
+            None => continue,
+            Some(Unbounded::Below) => "\"lower\"",
+            Some(Unbounded::Above) => "\"upper\"",
+            Some(Unbounded::Length) => "\"norm\" or \"max_norm\"",
         };
         let message = format!("random starts (optimizer/starts) are drawn within the bounds: give {missing}");
         context.complain(&field.at, message);
+    }
+}
+
+/// What keeps a control from being drawn at random.
+pub(super) enum Unbounded {
+    /// Some value has no lower bound.
+    Below,
+    /// Some value has no upper bound.
+    Above,
+    /// Vectors may be of any length.
+    Length,
+}
+
+/// What a random value of a control lacks, if anything.
+pub(super) fn unbounded(field: &ControlField) -> Option<Unbounded> {
+    match field.admitted {
+        Admitted::Between { lower, .. } if !lower.is_finite() => Some(Unbounded::Below),
+        Admitted::Between { upper, .. } if !upper.is_finite() => Some(Unbounded::Above),
+        Admitted::Any => Some(Unbounded::Length),
+        _ => None,
     }
 }
 
@@ -33,11 +53,18 @@ impl CaseProblem {
         let (mut random, dim) = (Random::new(seed), self.mesh().dim());
         let mut out = Vec::with_capacity(self.start.len());
         for (block, field) in self.ensemble.blocks().iter().zip(&self.controls) {
-            let vectors = block.len / 3;
+            let n = self.ensemble.members()[block.owner].problem().layout().blocks()[block.field].components;
+            // Of vectors in a plane body the third component stays zero.
+            let (vectors, dim) = (block.len / n, dim.min(n));
+            let entries = |v: [f64; 3]| v.into_iter().take(n);
             out.extend(match (&field.bounds, field.admitted) {
                 (Some(bounds), _) => between(&mut random, bounds, block.len),
-                (None, Admitted::Norm(norm)) => on_sphere(&mut random, norm, vectors, dim),
-                (None, Admitted::MaxNorm(most)) => in_ball(&mut random, most, vectors, dim),
+                (None, Admitted::Norm(norm)) => {
+                    on_sphere(&mut random, norm, vectors, dim).into_iter().flat_map(entries).collect()
+                }
+                (None, Admitted::MaxNorm(most)) => {
+                    in_ball(&mut random, most, vectors, dim).into_iter().flat_map(entries).collect()
+                }
                 // Refused when the case was lowered.
                 (None, _) => block.of(&self.start).to_vec(),
             });
@@ -88,18 +115,18 @@ fn between(random: &mut Random, bounds: &Bounds, count: usize) -> Vec<f64> {
 }
 
 /// Vectors of one length and random directions, uniform on the sphere (in the plane: on the circle).
-pub(super) fn on_sphere(random: &mut Random, norm: f64, count: usize, dim: usize) -> Vec<f64> {
+pub(super) fn on_sphere(random: &mut Random, norm: f64, count: usize, dim: usize) -> Vec<[f64; 3]> {
     let vector = |_| {
         let v = unit_ball(random, dim, 0.1);
         let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
         v.map(|x| x * norm / length)
     };
-    (0..count).flat_map(vector).collect()
+    (0..count).map(vector).collect()
 }
 
-fn in_ball(random: &mut Random, most: f64, count: usize, dim: usize) -> Vec<f64> {
+fn in_ball(random: &mut Random, most: f64, count: usize, dim: usize) -> Vec<[f64; 3]> {
     // Rounding shall not carry one past the radius.
-    (0..count).flat_map(|_| unit_ball(random, dim, 0.0).map(|x| x * most * (1.0 - 1e-12))).collect()
+    (0..count).map(|_| unit_ball(random, dim, 0.0).map(|x| x * most * (1.0 - 1e-12))).collect()
 }
 
 /// A vector of length `least` to one, uniform there.

@@ -33,10 +33,11 @@ pub(super) fn check(
         if let Some(full) = &certificate.full {
             session.console.say(full);
         }
-        let how = if session.problem.case_file().is_some() { "nastic gradcheck" } else { "Taylor::test" };
-        session
-            .console
-            .say(format!("The derivative does not belong to the cost here: {how} shows which term is at fault."));
+        let how = match session.problem.case_file() {
+            Some(_) => "nastic gradcheck shows which term is at fault",
+            None => "test each cost alone with Taylor::test",
+        };
+        session.console.say(format!("The derivative does not belong to the cost here: {how}."));
         session
             .console
             .say("A cost with a kink at the start (target and body on the same points) fails this check too.");

@@ -25,6 +25,11 @@ impl Sphere {
         Ok(Self { dim, radius })
     }
 
+    /// Number of components of each vector.
+    pub fn dim(&self) -> usize {
+        self.dim
+    }
+
     /// The radius.
     pub fn radius(&self) -> f64 {
         self.radius

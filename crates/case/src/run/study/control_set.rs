@@ -33,8 +33,8 @@ impl ControlSet {
     pub(super) fn admission(&self) -> Admission {
         match self {
             Self::Bounds(set) => Admission::Bounds(set.clone()),
-            Self::Sphere(set) => Admission::Vectors(Admitted::Norm(set.radius())),
-            Self::Ball(set) => Admission::Vectors(Admitted::MaxNorm(set.radius())),
+            Self::Sphere(set) => Admission::Vectors { admitted: Admitted::Norm(set.radius()), dim: set.dim() },
+            Self::Ball(set) => Admission::Vectors { admitted: Admitted::MaxNorm(set.radius()), dim: set.dim() },
         }
     }
 }

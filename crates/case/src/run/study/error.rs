@@ -29,13 +29,13 @@ pub enum StudyError {
         /// Values of the control vector.
         expected: usize,
     },
-    /// A start, a control or a probe that does not fit.
+    /// Members, a set, a start, a control or a probe that do not fit.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),
     /// The derivative does not belong to the cost, so nothing was optimised.
     #[error(
-        "the derivative at the start does not belong to the cost, so nothing was optimised{}: Taylor::test shows which term is at fault; \
-         a cost with a kink at the start is refused too: start elsewhere", mismatch_text(.mismatch)
+        "the derivative at the start does not belong to the cost, so nothing was optimised{}: test each cost alone \
+         with Taylor::test; a cost with a kink at the start is refused too: start elsewhere", mismatch_text(.mismatch)
     )]
     Derivative {
         /// Relative difference between the derivative and a difference quotient.
@@ -63,6 +63,20 @@ pub enum StudyError {
         /// What differs.
         what: Vec<String>,
     },
+    /// The checkpoint is of another version of the library, which may not give the same bits.
+    #[error(
+        "{} was written by version {found} of the library, this is version {}: build with that one, begin anew with Study::restart(true), \
+         or choose another directory", file.display(), env!("CARGO_PKG_VERSION")
+    )]
+    Version {
+        /// The checkpoint.
+        file: PathBuf,
+        /// The version that wrote it.
+        found: String,
+    },
+    /// The checkpoint cannot be read, or is not what this problem would have written.
+    #[error("{0}; begin anew with Study::restart(true), or choose another directory")]
+    Checkpoint(#[source] CheckpointError),
     /// All else that can go wrong in an optimisation.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -73,8 +87,16 @@ impl StudyError {
     pub(super) fn of(error: RunError) -> Self {
         match error {
             RunError::Interrupted { directory, iteration } => Self::Interrupted { directory, iteration },
-            RunError::Checkpoint(CheckpointError::Changed { directory, what }) => Self::Changed { directory, what },
+            RunError::Checkpoint(error) | RunError::UnreadableCheckpoint(error) => Self::of_checkpoint(error),
             other => Self::Run(other),
+        }
+    }
+
+    fn of_checkpoint(error: CheckpointError) -> Self {
+        match error {
+            CheckpointError::Changed { directory, what } => Self::Changed { directory, what },
+            CheckpointError::Program { file, found } => Self::Version { file, found },
+            other => Self::Checkpoint(other),
         }
     }
 }

@@ -5,11 +5,12 @@ use crate::lower::ControlProblem;
 use crate::result::fingerprint::Fingerprint;
 use crate::schema::Case;
 use nastic_control::{Ensemble, Member};
+use nastic_fem::Solid;
 use nastic_mesh::Mesh;
 use nastic_opt::Optimizer;
 use serde_json::{Map, Value, json};
 
-/// Meshes, costs, controls, sets, starts, optimiser. Laws, actuations and the insides of costs are code: what they give is compared when an
+/// Meshes, supports, costs, controls, inner products, sets, starts, optimiser. Laws, actuations and the insides of costs are code: what they give is compared when an
 /// optimisation goes on.
 pub(super) fn identity(
     ensemble: &Ensemble,
@@ -19,9 +20,11 @@ pub(super) fn identity(
 ) -> Value {
     let members: Vec<Value> = ensemble.members().iter().map(|member| of_member(ensemble, member)).collect();
     let blocks = ensemble.blocks().iter().zip(controls).map(|(block, (set, control))| {
-        let own = &ensemble.members()[block.owner].problem().layout().blocks()[block.field];
+        let owner = ensemble.members()[block.owner].problem();
+        let own = &owner.layout().blocks()[block.field];
         let entry = json!({
             "space": own.map.space().name(), "values": block.len, "set": format!("{set:?}"), "start": hash(&control.start),
+            "weight": own.weight, "length": own.length, "metric": format!("{:?}", owner.metric_kind()),
         });
         (block.name.clone(), entry)
     });
@@ -29,7 +32,7 @@ pub(super) fn identity(
         "members": members,
         "controls": blocks.collect::<Map<_, _>>(),
         "risk": format!("{:?}", ensemble.risk()),
-        "optimizer": { "name": optimizer.name(), "options": format!("{:?}", optimizer.options()) },
+        "optimizer": format!("{optimizer:?}"),
         "starts": case.optimizer.starts,
         "seed": case.optimizer.seed,
         "snapshots_every": case.output.every,
@@ -43,12 +46,20 @@ fn of_member(ensemble: &Ensemble, member: &Member) -> Value {
     json!({
         "name": member.name(), "probability": ensemble.probabilities()[member.scenario()], "weight": member.weight(),
         "mesh": mesh.name(), "cells": mesh.cells(), "nodes": hash_of_mesh(mesh),
-        "unknowns": problem.solid().discretization().dofs(), "costs": problem.term_names(),
+        "unknowns": problem.solid().discretization().dofs(), "supports": hash_of_supports(problem.solid()),
+        "costs": problem.term_names(),
     })
 }
 
 fn hash_of_mesh(mesh: &Mesh) -> String {
     hash(mesh.points().as_flattened())
+}
+
+/// Of which degrees of freedom are fixed, and of the displacements there.
+fn hash_of_supports(solid: &Solid) -> String {
+    let supports = solid.supports();
+    let held = supports.fixed().iter().zip(supports.values());
+    hash(&held.flat_map(|(fixed, value)| [f64::from(u8::from(*fixed)), *value]).collect::<Vec<_>>())
 }
 
 /// Of the bits of numbers.
