@@ -13,10 +13,8 @@ const SCENARIOS: &str = include_str!("cases/scenarios.json");
 fn problems(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "nothing to replace: {from}");
     let broken = text.replacen(from, to, 1);
-    match Document::parse("case.json", &broken).and_then(|document| Case::read(&document)) {
-        Ok(_) => String::new(),
-        Err(problems) => problems.to_string(),
-    }
+    let read = Document::parse("case.json", &broken).and_then(|document| Case::read(&document));
+    read.map_or_else(|problems| problems.to_string(), |_| String::new())
 }
 
 /// Expects one problem, ending so; its place is checked where it matters.
