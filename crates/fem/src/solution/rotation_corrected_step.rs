@@ -305,7 +305,11 @@ mod tests {
                 let found = turned_between(&g, s);
                 let error = |expected: &Mat3| (found - expected).norm();
                 // A half turn may be taken either way round.
-                let either = error(&expected[0]).min(if angle > 3.14 { error(&expected[1]) } else { f64::INFINITY });
+                let either = error(&expected[0]).min(if angle == std::f64::consts::PI {
+                    error(&expected[1])
+                } else {
+                    f64::INFINITY
+                });
                 assert!(either < 1e-9, "angle {angle}, s {s}: {either:e}");
             }
         }
