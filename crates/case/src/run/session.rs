@@ -21,7 +21,7 @@ use nastic_fem::{Progress, StateError, peak_memory};
 use nastic_opt::{Failed, Objective, Request};
 use nastic_report::case_name;
 use serde_json::{Map, Value, json};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -437,7 +437,21 @@ fn usual_directory(problem: &CaseProblem) -> PathBuf {
 
 /// `own` of a case, else `out/CASE` beside it.
 pub(super) fn directory_of(document: &Document, own: Option<&str>) -> PathBuf {
-    document.resolve(own.unwrap_or(&format!("out/{}", case_name(document.name()))))
+    plain(&document.resolve(own.unwrap_or(&format!("out/{}", case_name(document.name())))))
+}
+
+/// The same place with fewer words: `a/../b` is `b`, unless `a` is a link.
+fn plain(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        let is_named = matches!(out.components().next_back(), Some(Component::Normal(_)));
+        if part == Component::ParentDir && is_named && !out.is_symlink() {
+            out.pop();
+        } else {
+            out.push(part);
+        }
+    }
+    if out.as_os_str().is_empty() { PathBuf::from(".") } else { out }
 }
 
 impl From<Exit> for u8 {
