@@ -69,13 +69,13 @@ impl GradientFit {
 
     /// `u(s) - u - s du`, zero where supported.
     pub fn correction(&self, model: &Model, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
-        self.fit(model, misfit(model.discretization(), u, du, |g| turned(g, s) - s * g, parallel))
+        self.fit(model, misfit(model.discretization(), u, du, s, turned, parallel))
     }
 
     /// The same between two states u and u + du: the way from F to `R U F`, with the polar decomposition `1 + G = R U`, is
     /// `F(s) = R^s (1 + s (U - 1)) F`, with `R^s` the rotation about the axis of R by s times its angle.
     pub fn correction_between(&self, model: &Model, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
-        self.fit(model, misfit(model.discretization(), u, du, |g| turned_between(g, s) - s * g, parallel))
+        self.fit(model, misfit(model.discretization(), u, du, s, turned_between, parallel))
     }
 
     fn fit(&self, model: &Model, mut rhs: Vec<f64>) -> Vec<f64> {
@@ -143,12 +143,13 @@ impl Found {
     }
 }
 
-/// `int (F(s) - F - s grad du) : grad N_a dX`, flat, with `F(s) - s grad du = change(G) F`.
+/// `int (F(s) - F - s grad du) : grad N_a dX`, flat, with `F(s) = turned(G, s) F`.
 fn misfit(
     disc: &Discretization,
     u: &[f64],
     du: &[f64],
-    change: impl Fn(&Mat3) -> Mat3 + Sync,
+    s: f64,
+    turned: impl Fn(&Mat3, f64) -> Mat3 + Sync,
     parallel: bool,
 ) -> Vec<f64> {
     let (dim, mut out) = (disc.dim(), vec![0.0; disc.dofs()]);
@@ -160,7 +161,7 @@ fn misfit(
             let mut targets = vec![Mat3::zeros(); part.table.points];
             let mut cell = 0;
             each_point(disc, part, cells, u, du, |q, weight, shapes, (f, g)| {
-                targets[q] = (change(&g) * f - f) * weight;
+                targets[q] = (turned(&g, s) * f - f - s * g * f) * weight;
                 if q + 1 == targets.len() {
                     kernel.force(shapes, &targets, &mut rows[length * cell..length * (cell + 1)]);
                     cell += 1;
