@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{BAR, Place, with};
+use common::{BAR, OPTIMUM_POINTS, Place, with};
 use nastic_case::console::Console;
 use nastic_case::run::{Exit, Options, RunError};
 use nastic_case::schema::Command;
@@ -178,19 +178,7 @@ fn optimize_lowers_the_cost_and_keeps_its_promises() {
     }
     let optimum = nastic_io::read_snapshot(place.path("out/optimum.vtu")).unwrap();
     let points: Vec<&str> = optimum.point_data.iter().map(|a| a.name.as_str()).collect();
-    assert_eq!(
-        points,
-        [
-            "displacement",
-            "adjoint",
-            "tension",
-            "gradient_tension",
-            "reaction",
-            "nodal_cauchy_stress",
-            "nodal_mises",
-            "target_distance"
-        ]
-    );
+    assert_eq!(points, OPTIMUM_POINTS);
     let collection = std::fs::read_to_string(place.path("out/iterations.pvd")).unwrap();
     assert!(collection.contains("iteration_0000.vtu") && collection.contains("iteration_0004.vtu"), "{collection}");
     assert!(

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{BAR, Place, problems, with};
+use common::{BAR, OPTIMUM_POINTS, Place, problems, with};
 use nastic_case::console::Console;
 use nastic_case::run::{Exit, Options};
 use nastic_case::schema::Command;
@@ -131,19 +131,7 @@ fn optimize_serves_all_scenarios_and_writes_their_files() {
     }
     let optimum = nastic_io::read_snapshot(place.path("out/scenario_001_optimum.vtu")).unwrap();
     let points: Vec<&str> = optimum.point_data.iter().map(|a| a.name.as_str()).collect();
-    assert_eq!(
-        points,
-        [
-            "displacement",
-            "adjoint",
-            "tension",
-            "gradient_tension",
-            "reaction",
-            "nodal_cauchy_stress",
-            "nodal_mises",
-            "target_distance"
-        ]
-    );
+    assert_eq!(points, OPTIMUM_POINTS);
     assert!(std::fs::read_to_string(place.path("out/scenarios.pvd")).unwrap().contains("scenario_001_optimum.vtu"));
     let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let last: Value = serde_json::from_str(history.lines().last().unwrap()).unwrap();

@@ -102,7 +102,15 @@ fn units_become_numbers_of_the_case() {
 fn a_case_in_millimetres_computes_in_millimetres() {
     let unit = |name| Unit::named(name).unwrap();
     let units = Units::new(unit("mm"), unit("N"), unit("s"), unit("mT")).unwrap();
-    for (text, expected) in [("1 MPa", 1.0), ("100 kPa", 0.1), ("3 cm", 30.0), ("20 mT", 20.0), ("0.1 T", 100.0)] {
+    for (text, expected) in [
+        ("1 MPa", 1.0),
+        ("100 kPa", 0.1),
+        ("2 bar", 0.2),
+        ("50 mbar", 5e-3),
+        ("3 cm", 30.0),
+        ("20 mT", 20.0),
+        ("0.1 T", 100.0),
+    ] {
         assert_eq!(Formula::parse(text, &units).unwrap().constant(), Some(expected), "{text}");
     }
     // Coordinates are in millimetres too, so 0.6 m is compared as 600.

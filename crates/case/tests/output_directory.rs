@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{BAR, Place};
+use common::{BAR, Heard, Place};
 use nastic_case::console::Console;
 use nastic_case::run::{Exit, Options, RunError, run};
 use nastic_case::schema::Command;
@@ -64,4 +64,18 @@ fn unfinished_files_of_a_killed_program_are_removed_and_no_others() {
     place.run(Command::Solve, BAR, &[]).unwrap();
     assert!(ours.iter().all(|name| !place.path("out").join(name).exists()));
     assert!(others.iter().all(|name| place.path("out").join(name).exists()));
+}
+
+#[test]
+fn a_directory_is_told_by_its_plain_path() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("cases")).unwrap();
+    let file = place.write("cases/case.json", BAR);
+    let heard = Heard::default();
+    let set = vec![r#"output/directory="../there""#.to_owned()];
+    let options = Options { set, ..Options::default() };
+    run(Command::Solve, &file, &options, &Console::new(heard.clone())).unwrap();
+    let line = format!("results     {}", place.path("there").display());
+    assert!(heard.text().lines().any(|said| said == line), "{}", heard.text());
+    assert!(place.path("there/result.json").is_file());
 }

@@ -169,6 +169,7 @@ fn what_cannot_be_swept_is_refused_before_anything_is_written() {
     let place = PLACE.get_or_init(Place::new);
     for (how, set, part) in [
         (&OPTIMIZE, "materials/0/mu1=1", "no option has several values"),
+        (&OPTIMIZE, "materials/0/mu1=50,100 kPa", "a unit belongs to the value before it alone"),
         (&OPTIMIZE, "matter/0/mu1=1,2", "matter"),
         (&Sweep { command: Command::Check, warm: false }, "materials/0/mu1=1,2", "not \"check\""),
         (&Sweep { warm: true, ..SOLVE }, "materials/0/mu1=1,2", "--warm"),

@@ -179,6 +179,16 @@ fn an_optimisation_in_which_nothing_moves() {
     assert!(message(&outcome, "no_movement").contains("exactly zero"), "{}", outcome.result["warnings"]);
 }
 
+/// Sideways, where the fibres cannot bend the bar.
+#[test]
+fn an_optimisation_whose_cost_hardly_falls() {
+    let case = from_rest(r#""target": ["X - 0.001", "Y + 1000", "Z"]"#);
+    let outcome = Place::new().run(Command::Optimize, &case, &["optimizer/max_iterations=1"]).unwrap();
+    assert!(message(&outcome, "no_movement").contains("of itself alone"), "{}", outcome.result["warnings"]);
+    let fine = Place::new().run(Command::Optimize, BAR, &["optimizer/max_iterations=1"]).unwrap();
+    assert!(!codes(&fine).contains(&"no_movement".to_owned()), "{}", fine.result["warnings"]);
+}
+
 #[test]
 fn bounds_that_decide() {
     let shorter = from_rest(r#""target": ["X - 0.1", "Y", "Z"]"#);

@@ -76,3 +76,25 @@ fn charts_without_points_or_ending_are_refused() {
     let one = Chart::new("", "", "").curve(Curve::new("", [(0.0, 0.0, true)]));
     one.write(directory.path().join("one.svg")).unwrap();
 }
+
+#[test]
+fn names_that_need_more_than_a_row_have_two() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("chart.svg");
+    let name = |k: usize| format!("controls/muscle_{k}/values/0 (1: 0.0196)");
+    let chart = (0..4).fold(Chart::new("a", "x", "y"), |chart, k| {
+        chart.curve(Curve::new(&name(k), [(0.0, k as f64, true), (1.0, 2.0, true)]))
+    });
+    chart.write(&file).unwrap();
+    let svg = std::fs::read_to_string(&file).unwrap();
+    let place = |k: usize, key: &str| -> f64 {
+        let line = svg.lines().find(|line| line.contains(&name(k))).unwrap();
+        line.split(&format!(" {key}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    for k in 0..4 {
+        // Letters of a monospaced face are 0.6 of their height wide.
+        let right = place(k, "x") + 0.6 * place(k, "font-size") * name(k).len() as f64;
+        assert!(right < 1600.0 && place(k, "y") < 1000.0, "{k}: {right}");
+    }
+    assert!(place(3, "y") > place(0, "y"));
+}

@@ -14,6 +14,18 @@ use std::sync::{Arc, Mutex};
 /// A bar of four hexahedra with a fibre along it, tracked at its end.
 pub const BAR: &str = include_str!("../cases/bar.json");
 
+/// Point arrays of the optimum of [`BAR`].
+pub const OPTIMUM_POINTS: [&str; 8] = [
+    "displacement",
+    "adjoint",
+    "tension",
+    "gradient_tension",
+    "reaction",
+    "nodal_cauchy_stress",
+    "nodal_mises",
+    "target_distance",
+];
+
 /// A case beside a directory for its results.
 pub struct Place {
     pub directory: tempfile::TempDir,

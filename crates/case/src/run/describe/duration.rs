@@ -3,7 +3,7 @@
 use super::super::number::count;
 use super::{Line, line};
 use crate::lower::{CaseMember, CaseProblem};
-use nastic_control::Partials;
+use nastic_control::{ControlError, Partials};
 use nastic_fem::{Solver, available_memory};
 use nastic_report::duration as text;
 use std::time::Instant;
@@ -22,7 +22,14 @@ pub(in super::super) fn duration(problem: &CaseProblem) -> Vec<Line> {
     };
     let mut out = vec![line("duration", format!("the tangent at rest, assembled and factorised: {}", text(tangent)))];
     let mut trial = FACTORISATIONS * tangent;
-    if let Some(costs) = costs(problem, member) {
+    if !member.reduced().costs().is_empty() {
+        let costs = match costs(problem, member) {
+            Ok(seconds) => seconds,
+            Err(why) => {
+                out.push(line("duration", format!("of the costs not estimated: {why}")));
+                return out;
+            }
+        };
         let points: Vec<String> = member.reduced().costs().iter().filter_map(|cost| cost.size()).collect();
         let points = if points.is_empty() { String::new() } else { format!(": {}", points.join("; ")) };
         out.push(line("duration", format!("the costs and their derivatives at rest: {}{points}", text(costs))));
@@ -58,16 +65,12 @@ fn tangent(member: CaseMember<'_>) -> Result<f64, String> {
     Ok(began.elapsed().as_secs_f64())
 }
 
-/// Seconds that all costs take for their values and derivatives; `None` without costs.
-fn costs(problem: &CaseProblem, member: CaseMember<'_>) -> Option<f64> {
-    let reduced = member.reduced();
-    if reduced.costs().is_empty() {
-        return None;
-    }
+/// Seconds that all costs take for their values and derivatives.
+fn costs(problem: &CaseProblem, member: CaseMember<'_>) -> Result<f64, ControlError> {
     let (m, rest) = (member.local(&problem.start), member.solid().rest());
     let began = Instant::now();
-    let points = reduced.costs_at(&rest, &m, 0).ok()?;
+    let points = member.reduced().costs_at(&rest, &m, 0)?;
     let mut partials = Partials { u: vec![0.0; rest.u.len()], m: vec![0.0; m.len()] };
-    points.iter().try_for_each(|point| point.add_partials(&mut partials)).ok()?;
-    Some(began.elapsed().as_secs_f64())
+    points.iter().try_for_each(|point| point.add_partials(&mut partials))?;
+    Ok(began.elapsed().as_secs_f64())
 }

@@ -288,8 +288,12 @@ fn begin(session: &Session<'_>, index: usize, seed: u64) -> Result<Begun, Failed
 
 fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {
     let options = optimizer.options();
+    let absolute = match options.absolute_tolerance {
+        norm if norm > 0.0 => format!(", or {}", short(norm)),
+        _ => String::new(),
+    };
     session.console.say(format!(
-        "optimizer   {}, at most {} iterations, until the projected gradient is {} of the first",
+        "optimizer   {}, at most {} iterations, until the projected gradient is {} of the first{absolute}",
         optimizer.name(),
         options.max_iterations,
         short(options.tolerance)

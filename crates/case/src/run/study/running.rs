@@ -129,6 +129,7 @@ impl Study {
         (case.output.every, case.output.checkpoint) = (self.every, self.checkpoint);
         (case.optimizer.starts, case.optimizer.seed) = (1 + self.random_starts, self.seed);
         (case.optimizer.max_iterations, case.optimizer.tolerance) = (options.max_iterations, options.tolerance);
+        case.optimizer.absolute_tolerance = options.absolute_tolerance;
         case.optimizer.method = Method::named(optimizer.name()).unwrap_or_default();
         Ok(case)
     }
