@@ -33,7 +33,7 @@ find_python() {
   rm -rf "$venv"
   python3 -m venv "$venv" >"$log" 2>&1 || { why="python3 cannot make a virtual environment, see $log"; return 1; }
   "$venv/bin/python" -m pip install --quiet --disable-pip-version-check -r scripts/requirements.txt >>"$log" 2>&1 ||
-    { why="pip could not install them, see $log"; return 1; }
+    { why="pip could not install them: $(grep -i error "$log" | tail -n 1) (all of it: $log)"; return 1; }
   "$venv/bin/python" -c "$imports" >>"$log" 2>&1 || { why="they do not load, see $log"; return 1; }
   export NASTIC_PYTHON="$venv/bin/python"
 }
