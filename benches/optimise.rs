@@ -28,7 +28,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let lifted = Target::position(move |x| [0.90 - s * (x[2] - 0.1), x[1], 0.35 + c * (x[2] - 0.1)]);
     let body = cantilever(CellKind::Hex8, across)?;
     let problem = Reduced::new(body).control("tension", Space::Node)?.cost(Tracking::surface("x+", lifted))?;
-    let optimizer = by_name(&method, options).ok_or("method is projected_gradient, spectral or lbfgs")?;
+    let optimizer =
+        by_name(&method, options).ok_or("method is projected_gradient, spectral, lbfgs, gauss_newton or newton_cg")?;
 
     let set = Bounds::new(-3e5, 0.0)?;
     let began = Instant::now();
@@ -43,15 +44,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let work: Vec<String> = work.iter().map(|(name, sum)| format!("\"{name}\": {sum}")).collect();
     println!(
         "{{\"peer\": \"nastic\", \"method\": \"{method}\", \"ndof\": {}, \"ncontrol\": {}, \"threads\": {}, \"opt_s\": {seconds:.3}, \
-         \"opt_iters\": {}, \"opt_evals\": {}, \"J0\": {:e}, \"J1\": {:e}, {}, \"rss_mb\": {:.1}}}",
+         \"opt_iters\": {}, \"opt_evals\": {}, \"products\": {}, \"J0\": {:e}, \"J1\": {:e}, {}, \"stop\": \"{}\", \"rss_mb\": {:.1}}}",
         problem.solid().discretization().dofs(),
         problem.layout().len(),
         threads(),
         best.counts.iterations,
         best.counts.trials,
+        best.counts.products,
         first.unwrap_or(f64::NAN),
         best.cost,
         work.join(", "),
+        best.stop,
         peak_memory(),
     );
     Ok(())

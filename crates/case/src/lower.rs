@@ -27,7 +27,6 @@ mod sizes;
 mod start;
 mod support;
 mod survey;
-mod unsupported;
 mod variant;
 
 pub(crate) use actuation::CONTRACTION;
@@ -100,7 +99,6 @@ impl CaseProblem {
             Reading { case, problems } => return Err(all_problems(case.as_ref(), problems, &document)),
         };
         let mut context = Context::new(&document, case.units);
-        unsupported::check(&case, &mut context);
         let lowered = members(&case, &document, cancel, &mut context);
         let files = context.files();
         let Found { problems, warnings, notes } = context.found;

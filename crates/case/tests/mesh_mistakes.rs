@@ -269,15 +269,6 @@ fn a_target_of_another_size_is_warned_about() {
 }
 
 #[test]
-fn what_is_not_supported_yet_says_so() {
-    let found = problems(&with(BAR, r#""method": "lbfgs""#, r#""method": "newton_cg""#));
-    assert!(
-        found.ends_with("\"newton_cg\" is not supported yet; take one of projected_gradient, spectral, lbfgs"),
-        "{found}"
-    );
-}
-
-#[test]
 fn a_fixed_value_beside_a_control_is_refused() {
     let fixed = r#""direction": [1, 0, 0], "tension": "5 kPa" }"#;
     one(

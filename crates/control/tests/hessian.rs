@@ -8,10 +8,12 @@ use nastic_energy::catalogue::{actuations, materials};
 use nastic_energy::{FiberTension, MooneyRivlin, Turgor};
 use nastic_fem::Solid;
 use nastic_mesh::{CellKind, box_mesh};
-use nastic_opt::{Bounds, Objective, Request, Taylor, Verdict};
+use nastic_opt::{Bounds, Hessian, Objective, Request, Taylor, Verdict};
 use nastic_tensor::Vec3;
 use nastic_uncertainty::risk::{CATALOGUE as RISKS, Mean};
 use std::sync::Arc;
+
+const EXACT: Hessian = Hessian::Exact;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
@@ -88,8 +90,10 @@ fn assert_symmetric<O: Objective>(problem: &O, m: &[f64], stage: usize, what: &s
     problem.derivative(&mut point, &mut workspace)?;
     let scaled = |seed: f64| noise(m.len(), seed).iter().zip(m).map(|(r, m)| r * m).collect::<Vec<f64>>();
     let (a, b) = (scaled(0.4), scaled(7.7));
-    let (of_a, of_b) =
-        (problem.hessian_vector(&point, &a, &mut workspace)?, problem.hessian_vector(&point, &b, &mut workspace)?);
+    let (of_a, of_b) = (
+        problem.hessian_vector(&point, &a, EXACT, &mut workspace)?,
+        problem.hessian_vector(&point, &b, EXACT, &mut workspace)?,
+    );
     let (left, right) = (dot(&b, &of_a), dot(&a, &of_b));
     let size = (dot(&a, &of_a).abs() * dot(&b, &of_b).abs()).sqrt().max(left.abs());
     assert!((left - right).abs() <= 1e-10 * size, "{what}, stage {stage}: {left:e} and {right:e} of {size:e}");
@@ -267,8 +271,9 @@ fn costs_without_second_derivatives_refuse() -> Outcome {
 
     let ensemble = Ensemble::new(Mean).scenario("one", 1.0, problem()?).build()?;
     let mut workspace = Default::default();
-    let failed =
-        Objective::hessian_vector(&ensemble, &ensemble.at(&m)?, &m, &mut workspace).err().ok_or("not refused")?;
+    let failed = Objective::hessian_vector(&ensemble, &ensemble.at(&m)?, &m, EXACT, &mut workspace)
+        .err()
+        .ok_or("not refused")?;
     let typed = failed.downcast_ref::<EnsembleError>();
     assert!(matches!(typed, Some(EnsembleError::Member { who, .. }) if who == "one"), "{failed}");
     assert!(failed.to_string().contains("implement `CostPoint::add_second_partials`"), "{failed}");

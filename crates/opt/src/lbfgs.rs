@@ -1,7 +1,8 @@
 //! Limited-memory quasi-Newton method within an admissible set.
 
+use crate::failed::Failed;
 use crate::inner_product::InnerProduct;
-use crate::method::{Current, Memory, Method, Secant};
+use crate::method::{Current, HessianProducts, Memory, Method, Secant};
 use crate::model::{Curvature, Steepest, minimise};
 use crate::optimizer::{Optimizer, Options};
 use nastic_numeric::vector::{axpy, dot, scale};
@@ -90,16 +91,17 @@ impl Method for QuasiNewton {
         self.skipped = 0;
     }
 
-    fn prepare(&mut self, here: &Current<'_>) {
+    fn prepare(&mut self, here: &Current<'_>, _: &mut dyn HessianProducts) -> Result<(), Failed> {
         if !self.pairs.is_empty() {
             let hessian = Bfgs::new(here.metric, self.theta, &self.pairs);
             self.direction = minimise(here.set, here.metric, here.m, here.derivative, &hessian);
             if dot(&self.direction, here.derivative) < 0.0 {
-                return;
+                return Ok(());
             }
             self.pairs.clear();
         }
         self.direction = self.steepest(here);
+        Ok(())
     }
 
     fn trial(&self, here: &Current<'_>, fraction: f64) -> Vec<f64> {

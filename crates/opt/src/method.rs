@@ -1,6 +1,8 @@
 //! [`Method`]: the strategy of an optimiser, which proposes the next trial.
 
 use crate::admissible::Admissible;
+use crate::failed::Failed;
+use crate::hessian::Hessian;
 use crate::inner_product::InnerProduct;
 use nastic_numeric::vector::dot;
 use std::fmt::Debug;
@@ -18,6 +20,15 @@ pub struct Current<'a> {
     pub cost: f64,
     /// Its derivative there (dual), tangential part.
     pub derivative: &'a [f64],
+}
+
+/// Products with the second derivative of the cost at an accepted control, through the curvature of the set too.
+pub trait HessianProducts {
+    /// `H v`, a dual vector, for a v of the set's tangent space there.
+    ///
+    /// # Errors
+    /// As [`Objective::hessian_vector`](crate::Objective::hessian_vector).
+    fn product(&mut self, v: &[f64], which: Hessian) -> Result<Vec<f64>, Failed>;
 }
 
 /// The change of derivative between two controls in the tangent space of the second: what secant methods learn from.
@@ -71,8 +82,11 @@ pub trait Method: Debug + Send {
     /// Begins a stage: forget what belongs to another cost; `step` is a sensible length t of a first step -t gradient.
     fn restart(&mut self, step: f64, cost: f64);
 
-    /// Chooses a direction (or a length) at a control.
-    fn prepare(&mut self, here: &Current<'_>);
+    /// Chooses a direction (or a length) at a control; `hessian` costs as much as it is asked for.
+    ///
+    /// # Errors
+    /// Second derivatives that the method needs and cannot have.
+    fn prepare(&mut self, here: &Current<'_>, hessian: &mut dyn HessianProducts) -> Result<(), Failed>;
 
     /// The trial control at a fraction (1 first) of the chosen step: admissible.
     fn trial(&self, here: &Current<'_>, fraction: f64) -> Vec<f64>;

@@ -1,6 +1,7 @@
 //! What an optimiser asks of a problem.
 
 use crate::failed::Failed;
+use crate::hessian::Hessian;
 use crate::inner_product::InnerProduct;
 use crate::summary::Summary;
 use std::sync::Arc;
@@ -80,7 +81,7 @@ pub trait Objective: Sync {
     /// [`Failed`] when the adjoint cannot be had; the driver treats the trial as failed.
     fn derivative(&self, point: &mut Self::Point, workspace: &mut Self::Workspace) -> Result<Vec<f64>, Failed>;
 
-    /// The second derivative of j at an evaluated point, applied to a direction v: `d2j/dm2 v`, a dual vector. Symmetric:
+    /// The second derivative of j at an evaluated point, applied to a direction v: `H v`, a dual vector. Symmetric:
     /// `w . H v = v . H w`.
     ///
     /// # Errors
@@ -89,6 +90,7 @@ pub trait Objective: Sync {
         &self,
         _point: &Self::Point,
         _v: &[f64],
+        _which: Hessian,
         _workspace: &mut Self::Workspace,
     ) -> Result<Vec<f64>, Failed> {
         Err(Failed::new(NoSecondDerivatives { objective: std::any::type_name::<Self>() }))
@@ -177,9 +179,10 @@ macro_rules! forward {
                 &self,
                 point: &T::Point,
                 v: &[f64],
+                which: Hessian,
                 workspace: &mut T::Workspace,
             ) -> Result<Vec<f64>, Failed> {
-                (**self).hessian_vector(point, v, workspace)
+                (**self).hessian_vector(point, v, which, workspace)
             }
 
             fn stages(&self) -> usize {

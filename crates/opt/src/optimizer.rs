@@ -4,6 +4,7 @@ use crate::admissible::Admissible;
 use crate::lbfgs::Lbfgs;
 use crate::line_search::LineSearch;
 use crate::method::Method;
+use crate::newton_cg::NewtonCg;
 use crate::objective::DEFAULT_ACCURACY;
 use crate::projected_gradient::ProjectedGradient;
 use crate::spectral::Spectral;
@@ -129,6 +130,16 @@ pub const CATALOGUE: &[OptimizerRow] = &[
         name: "lbfgs",
         about: "Limited-memory quasi-Newton with bounds.",
         build: |options| Box::new(Lbfgs { options, ..Lbfgs::default() }),
+    },
+    OptimizerRow {
+        name: "gauss_newton",
+        about: "Trust-region Newton with the state linearised: for tracking costs.",
+        build: |options| Box::new(NewtonCg { options, ..NewtonCg::gauss_newton() }),
+    },
+    OptimizerRow {
+        name: "newton_cg",
+        about: "Trust-region Newton with exact second derivatives.",
+        build: |options| Box::new(NewtonCg { options, ..NewtonCg::exact() }),
     },
 ];
 

@@ -1,6 +1,7 @@
 //! Projected gradient with Armijo backtracking along the projection arc.
 
-use crate::method::{Current, Memory, Method};
+use crate::failed::Failed;
+use crate::method::{Current, HessianProducts, Memory, Method};
 use crate::model::{Steepest, minimise};
 use crate::optimizer::{Optimizer, Options};
 
@@ -43,7 +44,9 @@ impl Method for ProjectionArc {
         self.step = step;
     }
 
-    fn prepare(&mut self, _here: &Current<'_>) {}
+    fn prepare(&mut self, _: &Current<'_>, _: &mut dyn HessianProducts) -> Result<(), Failed> {
+        Ok(())
+    }
 
     fn trial(&self, here: &Current<'_>, fraction: f64) -> Vec<f64> {
         let curvature = Steepest { metric: here.metric, step: self.step(fraction) };

@@ -146,7 +146,7 @@ impl<O: Objective> Run<O> {
             m: at.m.clone(),
             point: self.setting.objective.save(&at.point),
             cost: at.cost,
-            derivative: at.derivative.clone(),
+            derivative: at.whole_derivative.clone(),
             gradient_norm: at.gradient_norm,
             active: at.active,
         };
@@ -205,7 +205,7 @@ impl<O: Objective> Run<O> {
     /// Ends the run where it stands, for a reason.
     pub fn finish(mut self, stop: Stop) -> Best<O::Point> {
         self.settle(&stop);
-        let Iterate { m, point, cost, derivative, gradient_norm, active } = self.current;
+        let Iterate { m, point, cost, derivative, gradient_norm, active, .. } = self.current;
         let Progress { counts, ends: stages, stage, .. } = self.progress;
         Best { m, point, stage, cost, derivative, gradient_norm, active, stop, counts, stages, certificate: None }
     }

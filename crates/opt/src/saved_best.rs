@@ -7,7 +7,7 @@ use crate::run::Best;
 use crate::saved_run::{read_counts, read_ends, write_counts, write_ends};
 use crate::stop::{Stall, Stop, Tolerance};
 
-const MAGIC: &str = "nastic-best-1";
+const MAGIC: &str = "nastic-best-2";
 
 impl<P> Best<P> {
     /// Little-endian bytes of all but the certificate, the point as [`Objective::save`] writes it.

@@ -4,7 +4,7 @@ use crate::bytes::{Reader, SavedRunError, Writer};
 use crate::method::Memory;
 use crate::state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 
-const MAGIC: &str = "nastic-run-1";
+const MAGIC: &str = "nastic-run-2";
 
 impl RunState {
     /// Little-endian bytes: numbers as they are, lists with their length first.
@@ -61,8 +61,8 @@ fn write_progress(p: &Progress, out: &mut Writer) {
 }
 
 pub(crate) fn write_counts(counts: &Counts, out: &mut Writer) {
-    let Counts { iterations, trials, failed, derivatives } = *counts;
-    [iterations, trials, failed, derivatives].into_iter().for_each(|n| out.count(n));
+    let Counts { iterations, trials, failed, derivatives, products } = *counts;
+    [iterations, trials, failed, derivatives, products].into_iter().for_each(|n| out.count(n));
 }
 
 pub(crate) fn write_ends(ends: &[StageEnd], out: &mut Writer) {
@@ -101,6 +101,7 @@ pub(crate) fn read_counts(input: &mut Reader<'_>) -> Result<Counts, SavedRunErro
         trials: input.number()?,
         failed: input.number()?,
         derivatives: input.number()?,
+        products: input.number()?,
     })
 }
 

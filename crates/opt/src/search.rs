@@ -2,6 +2,7 @@
 
 use crate::admissible::Admissible;
 use crate::failed::Failed;
+use crate::hessian::ProductsAt;
 use crate::inner_product::InnerProduct;
 use crate::method::{Current, Method};
 use crate::objective::{Objective, Request};
@@ -33,7 +34,10 @@ pub(crate) struct Iterate<P> {
     pub m: Vec<f64>,
     pub point: P,
     pub cost: f64,
+    /// Tangential part.
     pub derivative: Vec<f64>,
+    /// Across the set too.
+    pub whole_derivative: Vec<f64>,
     pub gradient_norm: f64,
     pub active: usize,
 }
@@ -82,19 +86,21 @@ impl<O: Objective> Setting<O> {
         m: Vec<f64>,
         point: O::Point,
         cost: f64,
-        mut derivative: Vec<f64>,
+        whole_derivative: Vec<f64>,
     ) -> Result<Iterate<O::Point>, (O::Point, Failed)> {
-        if derivative.len() != m.len() {
-            let why = format!("{} components for {} controls", derivative.len(), m.len());
+        if whole_derivative.len() != m.len() {
+            let why = format!("{} components for {} controls", whole_derivative.len(), m.len());
             return Err((point, Failed::because(why)));
         }
-        if let Some(i) = derivative.iter().position(|d| !d.is_finite()) {
-            let why = format!("component {i} is {}", derivative[i]);
+        if let Some(i) = whole_derivative.iter().position(|d| !d.is_finite()) {
+            let why = format!("component {i} is {}", whole_derivative[i]);
             return Err((point, Failed::because(why)));
         }
+        let mut derivative = whole_derivative.clone();
         self.set.tangent(&m, &mut derivative);
         let optimality = self.set.optimality(self.metric.as_ref(), &m, &derivative);
-        Ok(Iterate { m, point, cost, derivative, gradient_norm: optimality.norm, active: optimality.active })
+        let (gradient_norm, active) = (optimality.norm, optimality.active);
+        Ok(Iterate { m, point, cost, derivative, whole_derivative, gradient_norm, active })
     }
 
     pub fn here<'s>(&'s self, at: &'s Iterate<O::Point>) -> Current<'s> {
@@ -113,7 +119,9 @@ impl<O: Objective> Setting<O> {
     ) -> Result<Found<O::Point>, Stop> {
         let mut line = Line { fraction: 1.0, trials: 0, failed: 0, shortest: f64::INFINITY, last: "none".into() };
         loop {
-            method.prepare(&self.here(at));
+            let count = &mut progress.counts.products;
+            let mut hessian = ProductsAt { setting: self, at, workspace: &mut *workspace, count };
+            method.prepare(&self.here(at), &mut hessian).map_err(Stop::Aborted)?;
             line.fraction = 1.0;
             match self.search_line(method, at, progress, workspace, observer, &mut line)? {
                 Ok(found) => return Ok(found),

@@ -1,6 +1,7 @@
 //! Spectral projected gradient: Barzilai-Borwein lengths, non-monotone search.
 
-use crate::method::{Current, Memory, Method, Secant};
+use crate::failed::Failed;
+use crate::method::{Current, HessianProducts, Memory, Method, Secant};
 use crate::model::{Steepest, minimise};
 use crate::optimizer::{Optimizer, Options};
 
@@ -66,9 +67,10 @@ impl Method for BarzilaiBorwein {
         self.short.clear();
     }
 
-    fn prepare(&mut self, here: &Current<'_>) {
+    fn prepare(&mut self, here: &Current<'_>, _: &mut dyn HessianProducts) -> Result<(), Failed> {
         let curvature = Steepest { metric: here.metric, step: self.step };
         self.direction = minimise(here.set, here.metric, here.m, here.derivative, &curvature);
+        Ok(())
     }
 
     fn trial(&self, here: &Current<'_>, fraction: f64) -> Vec<f64> {

@@ -13,6 +13,8 @@ pub struct Counts {
     pub failed: usize,
     /// Derivatives taken.
     pub derivatives: usize,
+    /// Products with the second derivative.
+    pub products: usize,
 }
 
 /// How a stage ended.
@@ -70,7 +72,7 @@ pub struct SavedPoint {
     pub point: Vec<u8>,
     /// Its cost.
     pub cost: f64,
-    /// Its derivative (dual, tangential part).
+    /// Its derivative (dual), across the set too.
     pub derivative: Vec<f64>,
     /// Norm of the projected gradient.
     pub gradient_norm: f64,

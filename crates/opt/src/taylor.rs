@@ -8,6 +8,7 @@ pub use second::SecondOrder;
 
 use crate::admissible::{Admissible, Outside};
 use crate::failed::Failed;
+use crate::hessian::Hessian;
 use crate::objective::{Objective, Request};
 use nastic_numeric::Random;
 use nastic_numeric::vector::{dot, max_abs};
@@ -135,7 +136,10 @@ impl Taylor {
         let direction = self.direction(base.set, base.m, seed)?;
         let slope = dot(&base.derivative, &direction);
         let curvature = match self.second {
-            true => Some(dot(&base.objective.hessian_vector(&base.point, &direction, workspace)?, &direction)),
+            true => Some(dot(
+                &base.objective.hessian_vector(&base.point, &direction, Hessian::Exact, workspace)?,
+                &direction,
+            )),
             false => None,
         };
         let how = Request { near: Some(&base.point), accuracy: self.accuracy, stage: self.stage };

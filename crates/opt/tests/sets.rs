@@ -193,3 +193,33 @@ fn inward_directions_stay_inside() {
         assert!(extent.len() == m.len() && extent.iter().all(|e| e.is_finite() && *e >= 0.0), "{}", at.row.name);
     });
 }
+
+/// Along the curve m(t) of v, a cost c . m changes by t c . v + t^2/2 (curvature along v) . v + O(t^3).
+#[test]
+fn curvature_is_that_of_the_curve() {
+    for row in CATALOGUE {
+        let points = 3;
+        let set = (row.make)(points).unwrap();
+        let n = points * row.components;
+        let numbers = |seed: f64| (0..n).map(|i| ((i as f64 + seed) * 12.9898).sin()).collect::<Vec<f64>>();
+        // Far out, so that balls are met at their boundary, and pushed on.
+        let mut m: Vec<f64> = numbers(0.4).iter().map(|x| 10.0 * x).collect();
+        set.project(&mut m);
+        let c: Vec<f64> = numbers(0.4).iter().map(|x| -x).collect();
+        let mut v = set.face(&m, &vec![0.0; n], &c).projected(&numbers(2.0));
+        set.tangent(&m, &mut v);
+        let mut curvature = vec![0.0; n];
+        set.add_curvature(&m, &c, &v, &mut curvature);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let remainder = |t: f64| {
+            let mut at = m.clone();
+            set.retract(&m, &v, t, &mut at);
+            let change: Vec<f64> = at.iter().zip(&m).map(|(a, b)| a - b).collect();
+            (dot(&c, &change) - t * dot(&c, &v) - 0.5 * t * t * dot(&curvature, &v)).abs()
+        };
+        let (large, small) = (remainder(1e-2), remainder(1e-3));
+        assert!(large < 1e-13 || small < large / 500.0, "{}: {large:e} {small:e}", row.name);
+        let flat = row.name == "bounds";
+        assert!(flat == curvature.iter().all(|x| *x == 0.0), "{}", row.name);
+    }
+}

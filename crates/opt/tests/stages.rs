@@ -5,8 +5,8 @@ mod common;
 
 use common::{begin, resume};
 use nastic_opt::{
-    Bounds, CATALOGUE, Euclidean, Failed, InnerProduct, Lbfgs, Objective, Options, Outcome, Reason, Request, RunState,
-    Stall, Stop, Summary, Trial,
+    Bounds, CATALOGUE, Euclidean, Failed, Hessian, InnerProduct, Lbfgs, Objective, Options, Outcome, Reason, Request,
+    RunState, Stall, Stop, Summary, Trial,
 };
 use std::sync::Mutex;
 
@@ -55,6 +55,14 @@ impl Objective for Staged {
         let root = 2.0 * (p.root - 1.0) + 2.0 * a * p.root * p.m[1] * p.m[1];
         let slope = 1.0 / (3.0 * p.root * p.root + 1.0);
         Ok(vec![root * slope, 2.0 * (p.m[1] - 2.0) + 2.0 * a * p.root * p.root * p.m[1]])
+    }
+
+    fn hessian_vector(&self, p: &Point, v: &[f64], _: Hessian, (): &mut ()) -> Result<Vec<f64>, Failed> {
+        let (a, root, slope) = (self.alpha[p.stage], p.root, 1.0 / (3.0 * p.root * p.root + 1.0));
+        let by_root = 2.0 * (root - 1.0) + 2.0 * a * root * p.m[1] * p.m[1];
+        let first = (2.0 + 2.0 * a * p.m[1] * p.m[1]) * slope * slope - by_root * 6.0 * root * slope.powi(3);
+        let (mixed, second) = (4.0 * a * root * p.m[1] * slope, 2.0 + 2.0 * a * root * root);
+        Ok(vec![first * v[0] + mixed * v[1], mixed * v[0] + second * v[1]])
     }
 
     fn stages(&self) -> usize {
@@ -175,6 +183,9 @@ fn kinks_end_in_stagnation() {
         }
         fn derivative(&self, m: &mut Vec<f64>, (): &mut ()) -> Result<Vec<f64>, Failed> {
             Ok(m.iter().enumerate().map(|(i, m)| (m - (i as f64).sin()).signum() * (1.0 + i as f64)).collect())
+        }
+        fn hessian_vector(&self, _: &Vec<f64>, v: &[f64], _: Hessian, (): &mut ()) -> Result<Vec<f64>, Failed> {
+            Ok(vec![0.0; v.len()])
         }
         fn restage(&self, _: usize, m: &Vec<f64>) -> Result<Vec<f64>, Failed> {
             Ok(m.clone())

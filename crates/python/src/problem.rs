@@ -7,7 +7,7 @@ use crate::run::document;
 use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_case::run::thread_pool;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
-use nastic_opt::{Failed, Objective, Request};
+use nastic_opt::{Failed, Hessian, Objective, Request};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -65,7 +65,9 @@ impl History {
     fn hessian_vector(&mut self, of: &Problem, m: &[f64], v: &[f64]) -> Result<Vec<f64>, Failed> {
         self.derivative(of, m)?;
         match &self.last {
-            Some(point) => Objective::hessian_vector(&of.problem.ensemble, point, v, &mut self.workspace),
+            Some(point) => {
+                Objective::hessian_vector(&of.problem.ensemble, point, v, Hessian::Exact, &mut self.workspace)
+            }
             None => Err(Failed::because("the control was not evaluated")),
         }
     }

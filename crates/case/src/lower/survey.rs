@@ -2,7 +2,7 @@
 //! lacks, parameters out of range, probes outside the body.
 
 use super::context::Context;
-use super::{actuation, cost, load, material, mesh, place, probe, support, unsupported};
+use super::{actuation, cost, load, material, mesh, place, probe, support};
 use crate::quantity::Want;
 use crate::schema::{Case, GroupNames, Read, Reader};
 use crate::syntax::{At, Document, Node, Value};
@@ -14,7 +14,6 @@ const BLOCKS: [&str; 5] = ["materials", "supports", "loads", "actuation", "costs
 
 /// Looks at everything that can be read of a case with mistakes of form; what is found joins the context's problems.
 pub(super) fn look(case: &Case, document: &Document, context: &mut Context<'_>) {
-    unsupported::check(case, context);
     cost::load_targets(case, context);
     for load_case in &case.load_cases {
         cost::load_targets(&Case { costs: load_case.costs.clone(), ..case.clone() }, context);

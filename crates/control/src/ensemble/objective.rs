@@ -4,7 +4,7 @@ use super::blocks::gather;
 use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
 use crate::error::ControlError;
 use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{Failed, InnerProduct, Objective, Problem, Request, SavedRunError, Summary};
+use nastic_opt::{Failed, Hessian, InnerProduct, Objective, Problem, Request, SavedRunError, Summary};
 use std::sync::Arc;
 
 const MAGIC: &str = "nastic-ensemble-point-1";
@@ -35,9 +35,13 @@ impl Objective for Ensemble {
         &self,
         point: &EnsemblePoint,
         v: &[f64],
+        which: Hessian,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, Failed> {
-        Ok(Ensemble::hessian_vector(self, point, v, workspace)?)
+        Ok(match which {
+            Hessian::Exact => Ensemble::hessian_vector(self, point, v, workspace)?,
+            Hessian::GaussNewton => self.gauss_newton_vector(point, v, workspace)?,
+        })
     }
 
     /// The most of any member; one with fewer stays at its last.

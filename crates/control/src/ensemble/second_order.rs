@@ -3,6 +3,7 @@
 use super::blocks::{gather, scatter};
 use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
 use nastic_numeric::vector::{axpy, dot};
+use nastic_opt::Hessian;
 
 impl Ensemble {
     /// `d2jhat/dm2 v` at an evaluated point, `jhat = R(j_1, .., j_n)`:
@@ -21,6 +22,29 @@ impl Ensemble {
         v: &[f64],
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
+        self.second_derivative(point, v, Hessian::Exact, workspace)
+    }
+
+    /// The same with every member's state linearised; see [`Reduced::gauss_newton_vector`](crate::Reduced::gauss_newton_vector).
+    ///
+    /// # Errors
+    /// As there; a measure of risk that has no second derivatives there.
+    pub fn gauss_newton_vector(
+        &self,
+        point: &EnsemblePoint,
+        v: &[f64],
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
+        self.second_derivative(point, v, Hessian::GaussNewton, workspace)
+    }
+
+    fn second_derivative(
+        &self,
+        point: &EnsemblePoint,
+        v: &[f64],
+        which: Hessian,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
         self.check_len(v)?;
         let bends = self.names.len() > 1 && !self.risk.is_linear();
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
@@ -28,7 +52,7 @@ impl Ensemble {
             let along = gather(&self.blocks, member, v);
             match point.members.get(index) {
                 Some(at) if bends || by_cost[member.scenario] != 0.0 => {
-                    member.problem.second_derivative(at, None, (&along, bends), workspace).map(Some)
+                    member.problem.second_derivative(at, None, (&along, which, bends), workspace).map(Some)
                 }
                 _ => Ok(None),
             }

@@ -6,7 +6,7 @@ use crate::error::ControlError;
 use crate::evaluated::{Evaluated, Expected};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::SolveReport;
-use nastic_opt::{EvaluatedStart, Failed, InnerProduct, Objective, Problem, Request, Start, Summary};
+use nastic_opt::{EvaluatedStart, Failed, Hessian, InnerProduct, Objective, Problem, Request, Start, Summary};
 use std::sync::Arc;
 
 impl Objective for Reduced {
@@ -37,9 +37,13 @@ impl Objective for Reduced {
         &self,
         point: &Evaluated,
         v: &[f64],
+        which: Hessian,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, Failed> {
-        Ok(Reduced::hessian_vector(self, point, v, workspace)?)
+        Ok(match which {
+            Hessian::Exact => Reduced::hessian_vector(self, point, v, workspace)?,
+            Hessian::GaussNewton => self.gauss_newton_vector(point, v, workspace)?,
+        })
     }
 
     fn stages(&self) -> usize {

@@ -7,6 +7,7 @@ use crate::evaluated::Evaluated;
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Controls, Increment, Instant, SecondOrder, SolveOptions};
 use nastic_numeric::vector::axpy;
+use nastic_opt::Hessian;
 use std::borrow::Cow;
 
 /// The second derivative along a direction, and the first one where it was asked for.
@@ -38,7 +39,26 @@ impl Reduced {
         v: &[f64],
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, ControlError> {
-        Ok(self.second_derivative(point, None, (v, false), workspace)?.product)
+        Ok(self.second_derivative(point, None, (v, Hessian::Exact, false), workspace)?.product)
+    }
+
+    /// The same with the state and the fields linearised, `du = -K^-1 r_m v` (Gauss-Newton's matrix, if the cost is a sum of squares):
+    ///
+    /// ```text
+    /// j_mm v + j_mu du + r_m^T mu,   K mu = -(j_uu du + j_um v)
+    /// ```
+    ///
+    /// Two linear solves too, as exact as an adjoint, and neither third derivatives of the energy nor an adjoint.
+    ///
+    /// # Errors
+    /// A cost without second derivatives, by name; a singular tangent; a direction of the wrong length.
+    pub fn gauss_newton_vector(
+        &self,
+        point: &Evaluated,
+        v: &[f64],
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<f64>, ControlError> {
+        Ok(self.second_derivative(point, None, (v, Hessian::GaussNewton, false), workspace)?.product)
     }
 
     /// The same of one term.
@@ -52,7 +72,7 @@ impl Reduced {
         v: &[f64],
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, ControlError> {
-        Ok(self.second_derivative(point, Some(term), (v, false), workspace)?.product)
+        Ok(self.second_derivative(point, Some(term), (v, Hessian::Exact, false), workspace)?.product)
     }
 
     /// Of all terms, or of one, along v; with the first derivative if asked.
@@ -60,29 +80,40 @@ impl Reduced {
         &self,
         point: &Evaluated,
         term: Option<usize>,
-        (v, first): (&[f64], bool),
+        (v, which, first): (&[f64], Hessian, bool),
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
         let at_points = self.layout.change(&point.m, v)?;
-        let lambda = self.adjoint_of(point, term, workspace)?;
+        let exact = which == Hessian::Exact;
+        let lambda = if exact || first { Some(self.adjoint_of(point, term, workspace)?) } else { None };
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
         let mut second = SecondOrder::new(self.solid.model(), &point.state, &how, &mut workspace.solve)?;
+        if !exact {
+            second = second.for_iterations();
+        }
         let along = Partials { u: second.state_change(&at_points)?, m: v.to_vec() };
         let mut change = Partials::zero(along.u.len(), v.len());
         let costs = self.costs_of(point)?;
         for (_, cost) in costs.iter().enumerate().filter(|(k, _)| term.is_none_or(|term| term == *k)) {
             cost.add_second_partials(&along, &mut change)?;
         }
-        let increment = Increment { u: &along.u, controls: &at_points };
-        let adjoint = second.adjoint_change(&lambda, &increment, &change.u)?;
+        let adjoint = match &lambda {
+            Some(lambda) if exact => {
+                let increment = Increment { u: &along.u, controls: &at_points };
+                second.adjoint_change(lambda, &increment, &change.u)?
+            }
+            _ => second.through_state(&change.u)?,
+        };
         self.forget(workspace);
         let mut product = change.m;
         axpy(1.0, &self.layout.control_vjp(&point.m, &adjoint.controls), &mut product);
-        let fixed_lengths = self.layout.blocks().iter().any(|block| block.length.is_some());
         let mut derivative = Vec::new();
-        if first || fixed_lengths {
+        let fixed_lengths = exact && self.layout.blocks().iter().any(|block| block.length.is_some());
+        if let Some(lambda) = lambda.filter(|_| first || fixed_lengths) {
             let by_point = self.by_point(point, &lambda)?;
-            axpy(1.0, &self.layout.second_vjp(&point.m, v, &by_point), &mut product);
+            if exact {
+                axpy(1.0, &self.layout.second_vjp(&point.m, v, &by_point), &mut product);
+            }
             if first {
                 derivative = self.partials(point, term)?.m;
                 axpy(1.0, &self.layout.control_vjp(&point.m, &by_point), &mut derivative);

@@ -7,9 +7,9 @@ use crate::error::{SecondDerivativeError, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
-use crate::solution::tangent_systems::{SYMMETRIC, TangentSystems, Transposition, eliminate};
+use crate::solution::tangent_systems::{EXACT, SYMMETRIC, TangentSystems, Transposition, eliminate};
 use crate::solution::workspace::Workspace;
-use nastic_linear::SparseMatrix;
+use nastic_linear::solver::Accuracy;
 use nastic_numeric::vector::axpy;
 
 /// Directional derivatives of a state and its adjoint by the controls, in two linear solves with the factor that a workspace
@@ -26,9 +26,10 @@ pub struct SecondOrder<'a> {
     model: &'a Model,
     state: &'a State,
     how: &'a SolveOptions<'a>,
-    systems: TangentSystems<'a>,
-    /// The tangent, its supports eliminated, once a solve needed it as a matrix.
-    matrix: Option<SparseMatrix>,
+    workspace: &'a mut Workspace,
+    /// Whether the tangent is worth a matrix and a factor of its own: the workspace has met this state before.
+    again: bool,
+    accuracy: Accuracy,
     report: SolveReport,
 }
 
@@ -57,8 +58,14 @@ impl<'a> SecondOrder<'a> {
             let what = "second derivatives of laws with internal variables are not there yet".to_owned();
             return Err(crate::FemError::Meaningless { what }.into());
         }
-        let systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, workspace));
-        Ok(SecondOrder { model, state, how, systems, matrix: None, report: SolveReport::default() })
+        let again = workspace.comes_again(state);
+        Ok(SecondOrder { model, state, how, workspace, again, accuracy: SYMMETRIC, report: SolveReport::default() })
+    }
+
+    /// The same with solutions as exact as an adjoint, which is what iterations with the products need; they are symmetric to less.
+    #[must_use]
+    pub fn for_iterations(self) -> Self {
+        SecondOrder { accuracy: EXACT, ..self }
     }
 
     /// `du` along v.
@@ -96,6 +103,21 @@ impl<'a> SecondOrder<'a> {
         Ok(AdjointChange { lambda: d_lambda, controls })
     }
 
+    /// What comes of a cost's derivative by the state alone: `(r_m)^T mu` with `K^T mu = -by_state`.
+    ///
+    /// # Errors
+    /// A singular tangent; a vector of the wrong length.
+    pub fn through_state(&mut self, by_state: &[f64]) -> Result<AdjointChange, StateError> {
+        let expected = self.model.unknowns().len();
+        if by_state.len() != expected {
+            let what = "a derivative by the state".to_owned();
+            return Err(crate::FemError::Length { what, found: by_state.len(), expected }.into());
+        }
+        let lambda = self.solve(by_state.iter().map(|j| -j).collect(), Transposition::Yes)?;
+        let controls = self.model.vjp(&self.instant(), &lambda).map_err(|error| self.failed(error.into()))?.controls;
+        Ok(AdjointChange { lambda, controls })
+    }
+
     /// Work done so far.
     pub fn report(&self) -> &SolveReport {
         &self.report
@@ -110,23 +132,28 @@ impl<'a> SecondOrder<'a> {
         if rhs.iter().all(|&b| b == 0.0) {
             return Ok(rhs);
         }
-        let (state, how) = (self.state, self.how);
-        if self.matrix.is_none()
-            && let Some(x) =
-                self.model.solve_by_products(state, &rhs, how, (SYMMETRIC, &mut self.systems), &mut self.report)
+        let Self { model, state, how, again, accuracy, .. } = *self;
+        let kept = self.workspace.take_tangent();
+        let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
+        if !again
+            && kept.is_none()
+            && let Some(x) = model.solve_by_products(state, &rhs, how, (accuracy, &mut systems), &mut self.report)
         {
             return Ok(x);
         }
-        let matrix = match self.matrix.take() {
-            Some(matrix) => matrix,
+        let (matrix, factorised) = match kept {
+            Some(kept) => kept,
             None => {
-                let mut matrix = self.model.tangent(state, how.parallel)?;
-                eliminate(self.model, &mut matrix);
-                matrix
+                let mut matrix = model.tangent(state, how.parallel)?;
+                eliminate(model, &mut matrix);
+                (matrix, false)
             }
         };
-        let solved = self.systems.solve_to(SYMMETRIC, &matrix, &state.u, &rhs, transposition, &mut self.report);
-        self.matrix = Some(matrix);
+        if again && !factorised {
+            systems.prepare(&matrix, &state.u, &mut self.report)?;
+        }
+        let solved = systems.solve_to(accuracy, &matrix, &state.u, &rhs, transposition, &mut self.report);
+        self.workspace.put_tangent(matrix, again);
         Ok(solved?)
     }
 

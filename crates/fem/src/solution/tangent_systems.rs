@@ -137,6 +137,15 @@ impl<'a> TangentSystems<'a> {
         solution
     }
 
+    /// Factorises a tangent at u whose supports are eliminated, for several solutions with it.
+    pub fn prepare(&mut self, matrix: &SparseMatrix, u: &[f64], report: &mut SolveReport) -> Result<(), LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let mut work = LinearWork::default();
+        let prepared = self.solver.prepare(&configuration.system(matrix), &mut work);
+        report.add_linear(&work);
+        prepared
+    }
+
     /// `[K B; C^T D] [x; y] = [f; g]`, K a tangent at u whose supports are eliminated; it may be indefinite and nearly
     /// singular.
     pub fn solve_bordered(

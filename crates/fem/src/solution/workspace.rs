@@ -1,8 +1,10 @@
 //! [`Workspace`]: what makes the next solve faster, and decides no result beyond the accuracy asked for.
 
+use crate::contributions::controls::Controls;
 use crate::model::Model;
+use crate::solution::state::State;
 use nastic_linear::solver::{Direct, solver};
-use nastic_linear::{Factor, LinearSolver, Solver, Symbolic};
+use nastic_linear::{Factor, LinearSolver, Solver, SparseMatrix, Symbolic};
 use std::fmt;
 use std::sync::Arc;
 
@@ -13,6 +15,17 @@ use std::sync::Arc;
 #[derive(Default)]
 pub struct Workspace {
     solver: Option<Kept>,
+    tangent: Option<KeptTangent>,
+}
+
+/// The tangent at the state whose second derivatives were last asked for, its supports eliminated.
+#[derive(Clone)]
+struct KeptTangent {
+    /// Of which state: these are shared with it, so that no other can have them.
+    of: (Arc<Vec<f64>>, Arc<Controls>, f64),
+    matrix: Option<SparseMatrix>,
+    /// Whether the solver's factor is that of the matrix.
+    factorised: bool,
 }
 
 struct Kept {
@@ -26,7 +39,7 @@ impl Workspace {
     pub fn with_factor(factor: Factor) -> Self {
         let symbolic = factor.symbolic().clone();
         let solver = Box::new(Direct::with_factor(factor));
-        Workspace { solver: Some(Kept { kind: Solver::Direct, symbolic, solver }) }
+        Workspace { solver: Some(Kept { kind: Solver::Direct, symbolic, solver }), tangent: None }
     }
 
     /// The linear solver of a kind for a model: the one that is here, if it is such.
@@ -38,8 +51,35 @@ impl Workspace {
         self.solver.insert(kept.unwrap_or_else(new)).solver.as_mut()
     }
 
+    /// Notes that second derivatives at a state are asked for; whether that is not the first time in a row.
+    pub(crate) fn comes_again(&mut self, state: &State) -> bool {
+        let again = self.tangent.as_ref().is_some_and(|kept| {
+            let (u, controls, load) = &kept.of;
+            Arc::ptr_eq(u, &state.u) && Arc::ptr_eq(controls, &state.controls) && *load == state.load
+        });
+        if !again {
+            let of = (state.u.clone(), state.controls.clone(), state.load);
+            self.tangent = Some(KeptTangent { of, matrix: None, factorised: false });
+        }
+        again
+    }
+
+    /// Takes out the tangent of the state that was noted last, if it was put there, and whether it was factorised.
+    pub(crate) fn take_tangent(&mut self) -> Option<(SparseMatrix, bool)> {
+        let kept = self.tangent.as_mut()?;
+        Some((kept.matrix.take()?, kept.factorised))
+    }
+
+    /// Puts it there.
+    pub(crate) fn put_tangent(&mut self, matrix: SparseMatrix, factorised: bool) {
+        if let Some(kept) = &mut self.tangent {
+            (kept.matrix, kept.factorised) = (Some(matrix), factorised);
+        }
+    }
+
     /// Drops factors and hierarchies; a solver that fell back on another stays with that.
     pub(crate) fn forget(&mut self) {
+        self.tangent = None;
         if let Some(kept) = &mut self.solver {
             kept.solver.clear();
         }
@@ -58,6 +98,7 @@ impl Workspace {
     /// Drops everything: the next solve starts as if it were the first.
     pub fn clear(&mut self) {
         self.solver = None;
+        self.tangent = None;
     }
 }
 
@@ -65,7 +106,7 @@ impl Clone for Workspace {
     fn clone(&self) -> Self {
         let copy =
             |kept: &Kept| Kept { kind: kept.kind, symbolic: kept.symbolic.clone(), solver: kept.solver.boxed_clone() };
-        Workspace { solver: self.solver.as_ref().map(copy) }
+        Workspace { solver: self.solver.as_ref().map(copy), tangent: self.tangent.clone() }
     }
 }
 

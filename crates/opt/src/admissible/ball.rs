@@ -1,5 +1,6 @@
 //! The ball per point: |m_p| <= radius at every point p.
 
+use super::sphere::add_curvature;
 use super::{Admissible, Face, Outside, SetError, check_radius};
 use nastic_numeric::vector::{add, dot, norm};
 
@@ -72,6 +73,20 @@ impl Admissible for Ball {
         }
     }
 
+    /// Where the first vector that is not at the radius yet gets there.
+    fn reach(&self, m: &[f64], d: &[f64], s: &[f64]) -> f64 {
+        let mut reach = 1.0f64;
+        for at in (0..m.len()).step_by(self.dim) {
+            let x: Vec<f64> = (at..at + self.dim).map(|i| m[i] + d[i]).collect();
+            let s = &s[at..at + self.dim];
+            if norm(&x) < self.radius * (1.0 - Self::BOUNDARY) && norm(&add(&x, s)) > self.radius {
+                let (ss, xs, room) = (dot(s, s), dot(&x, s), self.radius * self.radius - dot(&x, &x));
+                reach = reach.min(((xs * xs + ss * room).sqrt() - xs) / ss);
+            }
+        }
+        reach.max(0.0)
+    }
+
     fn tangent(&self, _m: &[f64], _v: &mut [f64]) {}
 
     fn retract(&self, m: &[f64], d: &[f64], t: f64, out: &mut [f64]) {
@@ -92,6 +107,17 @@ impl Admissible for Ball {
             }
         }
         face
+    }
+
+    /// That of the sphere, where the vector is held at the boundary.
+    fn add_curvature(&self, m: &[f64], derivative: &[f64], v: &[f64], out: &mut [f64]) {
+        for (p, m) in m.chunks(self.dim).enumerate() {
+            let at = p * self.dim..(p + 1) * self.dim;
+            let outward = -dot(&derivative[at.clone()], m);
+            if norm(m) >= self.radius * (1.0 - Self::BOUNDARY) && outward > 0.0 {
+                add_curvature(m, &derivative[at.clone()], &v[at.clone()], self.radius, &mut out[at]);
+            }
+        }
     }
 
     fn inward(&self, m: &[f64], d: &mut [f64]) {

@@ -121,6 +121,18 @@ impl Admissible for Bounds {
         }
     }
 
+    fn reach(&self, m: &[f64], d: &[f64], s: &[f64]) -> f64 {
+        let room = |i: usize| {
+            let (lower, upper) = self.at(i);
+            match s[i] {
+                s if s > 0.0 => (upper - m[i] - d[i]) / s,
+                s if s < 0.0 => (lower - m[i] - d[i]) / s,
+                _ => 1.0,
+            }
+        };
+        (0..m.len()).map(room).fold(1.0, f64::min).max(0.0)
+    }
+
     fn tangent(&self, _m: &[f64], _v: &mut [f64]) {}
 
     fn retract(&self, m: &[f64], d: &[f64], t: f64, out: &mut [f64]) {

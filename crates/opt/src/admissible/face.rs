@@ -50,6 +50,14 @@ impl Face {
         self.normals.extend(block.normals.iter().map(|n| Normal { at: n.at + offset, ..n.clone() }));
     }
 
+    /// Bars what another face bars too.
+    pub fn join(&mut self, other: &Face) {
+        self.fixed.iter_mut().zip(&other.fixed).for_each(|(own, other)| *own |= other);
+        let known = |normal: &&Normal| !self.normals.iter().any(|own| own.at == normal.at);
+        let new: Vec<Normal> = other.normals.iter().filter(known).cloned().collect();
+        self.normals.extend(new);
+    }
+
     /// Number of active bounds: fixed components and points held at a ball's boundary.
     pub fn active(&self) -> usize {
         self.fixed.iter().filter(|f| **f).count() + self.normals.iter().filter(|n| n.bound).count()

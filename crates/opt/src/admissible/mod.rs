@@ -101,9 +101,18 @@ pub trait Admissible: Debug + Send + Sync {
     /// for t <= 1. Always admissible, whatever t.
     fn retract(&self, m: &[f64], d: &[f64], t: f64, out: &mut [f64]);
 
+    /// Adds `derivative . m''(0)` as a bilinear form of the direction, `m(t)` the curve of [`Admissible::retract`] along v: what the set's
+    /// own curvature adds to the second derivative of a cost with this (whole, not only tangential) derivative. Nothing in a flat set.
+    fn add_curvature(&self, _m: &[f64], _derivative: &[f64], _v: &[f64], _out: &mut [f64]) {}
+
     /// Carries a tangential vector from one admissible control to another.
     fn transport(&self, _from: &[f64], to: &[f64], v: &mut [f64]) {
         self.tangent(to, v);
+    }
+
+    /// The largest t <= 1 with d + t s in the local model at m, which d is in; points that d holds at a curved boundary are left out.
+    fn reach(&self, _m: &[f64], _d: &[f64], _s: &[f64]) -> f64 {
+        1.0
     }
 
     /// The free directions of the local model at m + d, given the derivative there: a bound is active when the step has

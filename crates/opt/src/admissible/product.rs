@@ -66,6 +66,12 @@ impl Admissible for Product {
         self.blocks().for_each(|(range, set)| set.restrict(&m[range.clone()], &mut d[range]));
     }
 
+    fn reach(&self, m: &[f64], d: &[f64], s: &[f64]) -> f64 {
+        let of =
+            |(range, set): (Range<usize>, &dyn Admissible)| set.reach(&m[range.clone()], &d[range.clone()], &s[range]);
+        self.blocks().map(of).fold(1.0, f64::min)
+    }
+
     fn tangent(&self, m: &[f64], v: &mut [f64]) {
         self.blocks().for_each(|(range, set)| set.tangent(&m[range.clone()], &mut v[range]));
     }
@@ -73,6 +79,12 @@ impl Admissible for Product {
     fn retract(&self, m: &[f64], d: &[f64], t: f64, out: &mut [f64]) {
         for (range, set) in self.blocks() {
             set.retract(&m[range.clone()], &d[range.clone()], t, &mut out[range]);
+        }
+    }
+
+    fn add_curvature(&self, m: &[f64], derivative: &[f64], v: &[f64], out: &mut [f64]) {
+        for (range, set) in self.blocks() {
+            set.add_curvature(&m[range.clone()], &derivative[range.clone()], &v[range.clone()], &mut out[range]);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Admissible, Face, Outside, SetError, check_radius};
 use nastic_numeric::Random;
-use nastic_numeric::vector::norm;
+use nastic_numeric::vector::{dot, norm};
 
 /// Vectors of `dim` components, one per point and stored point by point, each of the same given length: a magnetisation.
 /// The retraction is (m + t d) radius/|m + t d|, the transport the projection onto the new tangent plane.
@@ -63,6 +63,12 @@ impl Sphere {
     }
 }
 
+/// `-(derivative . m / radius^2) v` of one vector: `(m + t v) radius/|m + t v|` bends by `-t^2 |v|^2 m / (2 radius^2)`.
+pub(super) fn add_curvature(m: &[f64], derivative: &[f64], v: &[f64], radius: f64, out: &mut [f64]) {
+    let factor = -dot(derivative, m) / (radius * radius);
+    out.iter_mut().zip(v).for_each(|(out, v)| *out += factor * v);
+}
+
 impl Admissible for Sphere {
     fn check(&self, m: &[f64]) -> Result<(), Outside> {
         let ragged = !m.len().is_multiple_of(self.dim);
@@ -114,6 +120,14 @@ impl Admissible for Sphere {
             face.bar(p * self.dim, v, false);
         }
         face
+    }
+
+    /// `-(derivative . m / radius^2) v` at every point.
+    fn add_curvature(&self, m: &[f64], derivative: &[f64], v: &[f64], out: &mut [f64]) {
+        for (p, m) in m.chunks(self.dim).enumerate() {
+            let at = p * self.dim..(p + 1) * self.dim;
+            add_curvature(m, &derivative[at.clone()], &v[at.clone()], self.radius, &mut out[at]);
+        }
     }
 
     fn inward(&self, m: &[f64], d: &mut [f64]) {

@@ -67,7 +67,7 @@ impl<O: Objective> Run<O> {
             return Err(saved(format!("it is of \"{}\", not of \"{name}\"", state.method)));
         }
         let n = state.current.m.len();
-        if state.memory.vectors.iter().any(|v| name == "lbfgs" && v.len() != n) || !method.load(&state.memory) {
+        if state.memory.vectors.iter().any(|v| name != "spectral" && v.len() != n) || !method.load(&state.memory) {
             return Err(saved(format!("its memory is not one of \"{name}\" with these options")));
         }
         let stage = state.progress.stage;
@@ -148,7 +148,9 @@ fn revive<O: Objective>(setting: &Setting<O>, saved: &SavedPoint, stage: usize) 
     }
     let how = Request { near: None, accuracy: setting.options.accuracy, stage };
     let point = setting.objective.load(&saved.m, &saved.point, &how).map_err(RunError::Saved)?;
-    let SavedPoint { m, derivative, .. } = saved.clone();
+    let SavedPoint { m, derivative: whole_derivative, .. } = saved.clone();
+    let mut derivative = whole_derivative.clone();
+    setting.set.tangent(&m, &mut derivative);
     let (cost, gradient_norm, active) = (saved.cost, saved.gradient_norm, saved.active);
-    Ok(Iterate { m, point, cost, derivative, gradient_norm, active })
+    Ok(Iterate { m, point, cost, derivative, whole_derivative, gradient_norm, active })
 }

@@ -2,7 +2,8 @@
 #![allow(dead_code, clippy::expect_used)]
 
 use nastic_opt::{
-    Admissible, Failed, InnerProduct, NoSecondDerivatives, Objective, Optimizer, Request, Run, RunError, RunState,
+    Admissible, Failed, Hessian, InnerProduct, NoSecondDerivatives, Objective, Optimizer, Request, Run, RunError,
+    RunState,
 };
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -16,8 +17,10 @@ type Test = Box<dyn Fn(&[f64]) -> bool + Sync>;
 pub struct Cost {
     pub value: Value,
     pub derivative: Gradient,
-    /// `H v` at m, if it has second derivatives.
+    /// `H v` at m; else a difference of derivatives takes its place.
     pub hessian: Option<Product>,
+    /// Whether there are no second derivatives at all.
+    pub without_hessian: bool,
     pub guard: Box<dyn Admissible>,
     pub fails: Test,
     /// While it is raised, every evaluation fails fatally.
@@ -36,6 +39,7 @@ impl Cost {
             value: Box::new(value),
             derivative: Box::new(derivative),
             hessian: None,
+            without_hessian: false,
             guard: Box::new(guard),
             fails: Box::new(|_| false),
             lacking: Arc::default(),
@@ -46,6 +50,11 @@ impl Cost {
 
     pub fn with_hessian(mut self, product: impl Fn(&[f64], &[f64]) -> Vec<f64> + Sync + 'static) -> Self {
         self.hessian = Some(Box::new(product));
+        self
+    }
+
+    pub fn without_hessian(mut self) -> Self {
+        self.without_hessian = true;
         self
     }
 
@@ -62,6 +71,17 @@ impl Cost {
     pub fn counts(&self) -> (usize, usize) {
         (self.evaluations.load(Ordering::Relaxed), self.derivatives.load(Ordering::Relaxed))
     }
+}
+
+/// The central difference of a derivative along v.
+fn difference(derivative: &Gradient, m: &[f64], v: &[f64]) -> Vec<f64> {
+    let size = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if size(v) == 0.0 {
+        return vec![0.0; v.len()];
+    }
+    let t = 1e-5 * size(m).max(1e-3) / size(v);
+    let at = |t: f64| derivative(&m.iter().zip(v).map(|(m, v)| m + t * v).collect::<Vec<_>>());
+    at(t).iter().zip(at(-t)).map(|(a, b)| (a - b) / (2.0 * t)).collect()
 }
 
 impl Objective for Cost {
@@ -86,9 +106,12 @@ impl Objective for Cost {
         Ok((self.derivative)(m))
     }
 
-    fn hessian_vector(&self, m: &Vec<f64>, v: &[f64], (): &mut ()) -> Result<Vec<f64>, Failed> {
-        let none = || Failed::new(NoSecondDerivatives { objective: "a cost by two closures" });
-        self.hessian.as_ref().map(|product| product(m, v)).ok_or_else(none)
+    fn hessian_vector(&self, m: &Vec<f64>, v: &[f64], _: Hessian, (): &mut ()) -> Result<Vec<f64>, Failed> {
+        match (&self.hessian, self.without_hessian) {
+            (Some(product), _) => Ok(product(m, v)),
+            (None, false) => Ok(difference(&self.derivative, m, v)),
+            (None, true) => Err(Failed::new(NoSecondDerivatives { objective: "a cost by two closures" })),
+        }
     }
 
     fn restage(&self, _: usize, m: &Vec<f64>) -> Result<Vec<f64>, Failed> {
@@ -140,7 +163,7 @@ pub fn quadratic(
     unit_j: f64,
     offset: f64,
 ) -> Cost {
-    let (c2, target2) = (c.clone(), target.clone());
+    let (c2, c3, target2) = (c.clone(), c.clone(), target.clone());
     let value = move |m: &[f64]| {
         let terms = m.iter().zip(&c).zip(&target).map(|((m, c), t)| 0.5 * c * (m / unit_m - t).powi(2));
         unit_j * (terms.sum::<f64>() + offset)
@@ -149,7 +172,9 @@ pub fn quadratic(
         let terms = m.iter().zip(&c2).zip(&target2);
         terms.map(|((m, c), t)| unit_j * (c * (m / unit_m - t)) / unit_m).collect()
     };
-    Cost::new(guard, value, derivative)
+    let product =
+        move |_: &[f64], v: &[f64]| v.iter().zip(&c3).map(|(v, c)| unit_j * (c * (v / unit_m)) / unit_m).collect();
+    Cost::new(guard, value, derivative).with_hessian(product)
 }
 
 /// The obstacle-like problem on a line: 1/2 m.K m - f.m with K the second difference matrix plus a little mass.

@@ -1,7 +1,7 @@
 //! One state serves all terms: what was evaluated is kept by control vector.
 
 use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
-use nastic_opt::{Failed, Objective, Request};
+use nastic_opt::{Failed, Hessian, Objective, Request};
 use std::sync::Mutex;
 
 /// Member of the cost.
@@ -153,14 +153,15 @@ impl Objective for Column<'_> {
         }
     }
 
-    fn hessian_vector(&self, point: &Valued, v: &[f64], (): &mut ()) -> Result<Vec<f64>, Failed> {
+    fn hessian_vector(&self, point: &Valued, v: &[f64], which: Hessian, (): &mut ()) -> Result<Vec<f64>, Failed> {
         let (base, ensemble) = (&self.memo.base[self.term.stage], self.memo.ensemble);
         if point.m != base.m {
             return Err(Failed::because("derivatives are kept at the base control alone"));
         }
         let mut known = self.memo.known.lock().map_err(|_| Failed::because("an earlier evaluation broke off"))?;
         match &self.term.of {
-            None => Ok(ensemble.hessian_vector(base, v, &mut known.workspace)?),
+            None => Objective::hessian_vector(ensemble, base, v, which, &mut known.workspace),
+            Some(_) if which != Hessian::Exact => Err(Failed::because("of a single term there is the exact one alone")),
             Some(name) => Ok(ensemble.hessian_vector_of_term(base, name, v, &mut known.workspace)?),
         }
     }

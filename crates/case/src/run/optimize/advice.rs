@@ -11,6 +11,8 @@ use std::path::{Component, Path, PathBuf};
 
 /// The method to take instead of another.
 const QUASI_NEWTON: &str = "lbfgs";
+/// Methods that make nothing of the cost's curvature, or little.
+const FIRST_ORDER: [&str; 2] = ["projected_gradient", "spectral"];
 /// Starts to try where one ended too high.
 const STARTS: usize = 4;
 /// Many of a control's values on bounds: the bounds may decide. Of one that converged, all of them.
@@ -78,7 +80,8 @@ fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
         }
         _ => {}
     }
-    if optimizer.method.name() != QUASI_NEWTON && !best.stop.is_interrupted() && !best.stop.is_converged() {
+    let first_order = FIRST_ORDER.contains(&optimizer.method.name());
+    if first_order && !best.stop.is_interrupted() && !best.stop.is_converged() {
         let set = with(format!("optimizer/method={QUASI_NEWTON}"));
         out.insert(0, again("take the quasi-Newton method, which needs fewer iterations".into(), set));
     }

@@ -71,6 +71,9 @@ pub(super) fn report(
     session.put("iterations", json!(best.counts.iterations));
     session.put("trials", json!(best.counts.trials));
     session.put("failed_solves", json!(best.counts.failed));
+    if best.counts.products > 0 {
+        session.put("hessian_products", json!(best.counts.products));
+    }
     let stages: Vec<Value> = best
         .stages
         .iter()
@@ -141,10 +144,14 @@ fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Writ
     }
     say_tracked(session, &result);
     console.say(format!(
-        "work        {}, {} ({} failed), {} Newton iterations, {} factorisations ({} reused)",
+        "work        {}, {} ({} failed){}, {} Newton iterations, {} factorisations ({} reused)",
         count(best.counts.iterations, "iteration"),
         count(best.counts.trials, "trial"),
         best.counts.failed,
+        match best.counts.products {
+            0 => String::new(),
+            products => format!(", {}", count(products, "Hessian product")),
+        },
         result["newton_iterations"],
         result["factorisations"],
         result["reused_factorisations"]
