@@ -11,7 +11,8 @@ use std::collections::VecDeque;
 /// Limited-memory BFGS in the control's inner product. Each iteration minimises the quasi-Newton model over the local
 /// model of the set (active bounds fixed, the free components by conjugate gradients preconditioned with the two-loop
 /// recursion), then searches along that segment by backtracking. Derivatives are taken of accepted points alone; a pair
-/// without positive curvature is left out and the next step is made longer.
+/// without positive curvature is left out and the next step is made longer. After a search that had to shorten its step the next
+/// first trial is at most four times as long as the step that was accepted.
 ///
 /// In directions that no stored pair covers, the curvature is `theta = |y|/|s|` of the last one (norms dual and primal in the inner product): the geometric
 /// mean of the two lengths of Barzilai and Borwein, as of Dai, Al-Baali and Yang (2015), "A positive Barzilai-Borwein-like stepsize and an
@@ -41,7 +42,8 @@ impl Optimizer for Lbfgs {
 
     fn method(&self) -> Box<dyn Method> {
         let keep = self.memory.max(1);
-        Box::new(QuasiNewton { keep, theta: 0.0, pairs: VecDeque::new(), skipped: 0, direction: Vec::new() })
+        let (pairs, direction) = (VecDeque::new(), Vec::new());
+        Box::new(QuasiNewton { keep, theta: 0.0, pairs, skipped: 0, direction, share: 1.0, reach: f64::INFINITY })
     }
 }
 
@@ -55,6 +57,10 @@ struct QuasiNewton {
     /// Iterations in a row without a usable pair.
     skipped: usize,
     direction: Vec<f64>,
+    /// The direction's share of the step to the model's minimiser.
+    share: f64,
+    /// Largest length of the next direction: infinite unless the last search had to shorten its step.
+    reach: f64,
 }
 
 impl QuasiNewton {
@@ -62,6 +68,21 @@ impl QuasiNewton {
     const RELAX: f64 = 0.25;
     /// Pairs left out in a row before the memory is cleared.
     const PATIENCE: usize = 2;
+    /// Length of a first trial after a search that shortened its step, in lengths of the step it accepted.
+    const GROWTH: f64 = 4.0;
+
+    /// The step to the minimiser of the model over the set's local model.
+    fn model_step(&mut self, here: &Current<'_>) -> Vec<f64> {
+        if !self.pairs.is_empty() {
+            let hessian = Bfgs::new(here.metric, self.theta, &self.pairs);
+            let step = minimise(here.set, here.metric, here.m, here.derivative, &hessian);
+            if dot(&step, here.derivative) < 0.0 {
+                return step;
+            }
+            self.pairs.clear();
+        }
+        self.steepest(here)
+    }
 
     fn steepest(&self, here: &Current<'_>) -> Vec<f64> {
         let curvature = Steepest { metric: here.metric, step: 1.0 / self.theta };
@@ -89,18 +110,15 @@ impl Method for QuasiNewton {
         self.theta = 1.0 / step;
         self.pairs.clear();
         self.skipped = 0;
+        self.reach = f64::INFINITY;
     }
 
     fn prepare(&mut self, here: &Current<'_>, _: &mut dyn HessianProducts) -> Result<(), Failed> {
-        if !self.pairs.is_empty() {
-            let hessian = Bfgs::new(here.metric, self.theta, &self.pairs);
-            self.direction = minimise(here.set, here.metric, here.m, here.derivative, &hessian);
-            if dot(&self.direction, here.derivative) < 0.0 {
-                return Ok(());
-            }
-            self.pairs.clear();
+        self.direction = self.model_step(here);
+        self.share = (self.reach / here.metric.norm(&self.direction)).min(1.0);
+        if self.share < 1.0 {
+            scale(self.share, &mut self.direction);
         }
-        self.direction = self.steepest(here);
         Ok(())
     }
 
@@ -111,12 +129,13 @@ impl Method for QuasiNewton {
     }
 
     fn step(&self, fraction: f64) -> f64 {
-        fraction
+        self.share * fraction
     }
 
-    fn accepted(&mut self, from: &Current<'_>, to: &Current<'_>, fraction: f64, _trials: usize) {
+    fn accepted(&mut self, from: &Current<'_>, to: &Current<'_>, fraction: f64, trials: usize) {
         self.carry(from, to);
         let secant = Secant::between(from, to);
+        self.reach = if trials > 1 { Self::GROWTH * secant.ss.sqrt() } else { f64::INFINITY };
         if secant.is_convex() {
             // The largest curvature met, y.y / s.y, would be too stiff for most directions of an ill-posed problem; this is the geometric mean
             // of that and of s.y / s.s.
@@ -130,37 +149,42 @@ impl Method for QuasiNewton {
         }
         self.skipped += 1;
         if self.pairs.is_empty() {
-            self.theta *= Self::RELAX / fraction;
+            self.theta *= Self::RELAX / self.step(fraction);
         } else if self.skipped >= Self::PATIENCE {
-            // The step just taken, four times as long, is where the next gradient step begins.
+            // The step just taken, four times as long, is where the next gradient step begins. The gradient's part that pushes on
+            // active bounds moves nothing.
             self.pairs.clear();
-            let gradient = to.metric.dual_norm(to.derivative);
-            self.theta = Self::RELAX * gradient / secant.ss.sqrt();
+            let gradient = to.set.optimality(to.metric, to.m, to.derivative).norm;
+            if gradient > 0.0 {
+                self.theta = Self::RELAX * gradient / secant.ss.sqrt();
+            }
         }
     }
 
     fn recover(&mut self) -> bool {
         let had = !self.pairs.is_empty();
         self.pairs.clear();
+        self.reach = f64::INFINITY;
         had
     }
 
     fn save(&self) -> Memory {
         let vectors = self.pairs.iter().flat_map(|pair| [pair.s.clone(), pair.y.clone()]).collect();
-        let mut numbers = vec![self.theta, self.skipped as f64];
+        let mut numbers = vec![self.theta, self.skipped as f64, self.reach];
         numbers.extend(self.pairs.iter().flat_map(|pair| [pair.ss, pair.sy, pair.yy]));
         Memory { numbers, vectors }
     }
 
     fn load(&mut self, memory: &Memory) -> bool {
-        let [theta, skipped, products @ ..] = &memory.numbers[..] else { return false };
+        let [theta, skipped, reach, products @ ..] = &memory.numbers[..] else { return false };
         let pairs = products.len() / 3;
-        let fits = products.len() == 3 * pairs && memory.vectors.len() == 2 * pairs && *theta > 0.0;
+        let fits = products.len() == 3 * pairs && memory.vectors.len() == 2 * pairs && *theta > 0.0 && *reach > 0.0;
         if !fits {
             return false;
         }
         self.theta = *theta;
         self.skipped = *skipped as usize;
+        self.reach = *reach;
         let pairs = memory.vectors.chunks(2).zip(products.chunks(3));
         let secant =
             |(v, p): (&[Vec<f64>], &[f64])| Secant { s: v[0].clone(), y: v[1].clone(), ss: p[0], sy: p[1], yy: p[2] };

@@ -3,7 +3,7 @@
 use crate::admissible::{Admissible, Face};
 use crate::conjugate_gradient::conjugate_gradient;
 use crate::inner_product::InnerProduct;
-use nastic_numeric::vector::{add, axpy, dot, scale, sub};
+use nastic_numeric::vector::{add, axpy, dot, norm, scale, sub};
 
 /// A symmetric positive definite bilinear form B, close to theta G.
 pub(crate) trait Curvature {
@@ -110,10 +110,22 @@ impl Model<'_> {
         (face, size)
     }
 
-    /// A gradient step of length 1/theta, brought back into the set, then shortened to the best point of its segment.
+    /// A gradient step of length 1/theta, brought back into the set, then shortened to the best point of its segment. Where bringing back is not
+    /// the projection in the metric (one that is not lumped, or weighs the components of a point differently) that may be no
+    /// descent; then the step is along the Euclidean gradient, in whose product it is.
     fn gradient_step(&self, at: &At) -> Option<At> {
+        let gradient = self.metric.riesz(&at.gradient);
+        let length = 1.0 / self.b.size();
+        self.step_along(at, &gradient, length).or_else(|| {
+            let ratio = norm(&gradient) / norm(&at.gradient);
+            self.step_along(at, &at.gradient, ratio * length)
+        })
+    }
+
+    /// The best point on the segment from d to d - length v brought back into the set, if q is smaller there.
+    fn step_along(&self, at: &At, v: &[f64], length: f64) -> Option<At> {
         let mut d = at.d.clone();
-        axpy(-1.0 / self.b.size(), &self.metric.riesz(&at.gradient), &mut d);
+        axpy(-length, v, &mut d);
         self.set.restrict(self.m, &mut d);
         let mut step = sub(&d, &at.d);
         let slope = dot(&at.gradient, &step);

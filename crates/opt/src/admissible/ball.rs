@@ -35,6 +35,12 @@ impl Ball {
         self.radius
     }
 
+    /// Where a step has led one vector; a step tangential at the boundary stays in the tangent plane of its beginning.
+    fn boundary_point(&self, m: &[f64], d: &[f64]) -> Vec<f64> {
+        let tangential = dot(m, d).abs() <= Self::BOUNDARY * norm(m) * norm(d);
+        if tangential && norm(m) >= self.radius * (1.0 - Self::BOUNDARY) { m.to_vec() } else { add(m, d) }
+    }
+
     /// Shortens one vector to the radius, never past it by rounding.
     fn shorten(&self, v: &mut [f64]) {
         let size = norm(v);
@@ -77,7 +83,7 @@ impl Admissible for Ball {
     fn reach(&self, m: &[f64], d: &[f64], s: &[f64]) -> f64 {
         let mut reach = 1.0f64;
         for at in (0..m.len()).step_by(self.dim) {
-            let x: Vec<f64> = (at..at + self.dim).map(|i| m[i] + d[i]).collect();
+            let x = self.boundary_point(&m[at..at + self.dim], &d[at..at + self.dim]);
             let s = &s[at..at + self.dim];
             if norm(&x) < self.radius * (1.0 - Self::BOUNDARY) && norm(&add(&x, s)) > self.radius {
                 let (ss, xs, room) = (dot(s, s), dot(&x, s), self.radius * self.radius - dot(&x, &x));
@@ -100,7 +106,7 @@ impl Admissible for Ball {
         let mut face = Face::free(m.len());
         for at in (0..m.len()).step_by(self.dim) {
             let block = at..at + self.dim;
-            let x: Vec<f64> = block.clone().map(|i| m[i] + d[i]).collect();
+            let x = self.boundary_point(&m[block.clone()], &d[block.clone()]);
             let outward = -dot(&derivative[block], &x);
             if norm(&x) >= self.radius * (1.0 - Self::BOUNDARY) && outward > 0.0 {
                 face.bar(at, &x, true);

@@ -58,6 +58,14 @@ impl Face {
         self.normals.extend(new);
     }
 
+    /// Puts the vectors of points held at a curved boundary back into a step that was bent there.
+    pub fn keep_tangential(&self, unbent: &[f64], d: &mut [f64]) {
+        for normal in self.normals.iter().filter(|normal| normal.bound) {
+            let at = normal.at..normal.at + normal.dim;
+            d[at.clone()].copy_from_slice(&unbent[at]);
+        }
+    }
+
     /// Number of active bounds: fixed components and points held at a ball's boundary.
     pub fn active(&self) -> usize {
         self.fixed.iter().filter(|f| **f).count() + self.normals.iter().filter(|n| n.bound).count()
