@@ -1,9 +1,9 @@
 //! Second derivatives of the reduced cost.
 
-use super::Reduced;
+use super::{Lagrangian, Reduced};
 use crate::cost::Partials;
 use crate::error::ControlError;
-use crate::evaluated::Evaluated;
+use crate::evaluated::{AdjointState, Evaluated};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Controls, Increment, Instant, SecondOrder, SolveOptions};
 use nastic_numeric::vector::axpy;
@@ -63,28 +63,74 @@ impl Reduced {
         (v, first): (&[f64], bool),
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
-        let at_points = self.layout.change(&point.m, v)?;
         let lambda = self.adjoint_of(point, term, workspace)?;
+        let costs = self.costs_of(point)?;
+        let own = costs.iter().enumerate().filter(|(k, _)| term.is_none_or(|term| term == *k));
+        let own: Vec<_> = own.map(|(_, cost)| cost).collect();
+        let add = |along: &Partials, change: &mut Partials| {
+            own.iter().try_for_each(|cost| cost.add_second_partials(along, change))
+        };
+        let by_m = || Ok(self.partials(point, term)?.m);
+        self.second_derivative_by(point, &lambda, add, (v, first.then_some(&by_m)), workspace)
+    }
+
+    /// `(d2j + sum_k y_k d2c_k + sum_k w_k dc_k dc_k^T) v` of costs and constraints by the controls, as `of` weighs them.
+    pub(crate) fn lagrangian_second_derivative(
+        &self,
+        point: &Evaluated,
+        (of, w): (Lagrangian<'_>, &[f64]),
+        v: &[f64],
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<f64>, ControlError> {
+        let lambda = match &point.adjoint {
+            Some(adjoint) if of.costs && is_of(adjoint, of.y) => Cow::Borrowed(adjoint.lambda.as_slice()),
+            _ => self.lambda(point, self.lagrangian_sensitivity(point, of, workspace)?.1),
+        };
+        let costs = if of.costs { self.costs_of(point)? } else { Cow::default() };
+        let constraints = self.constraints_of(point)?;
+        let add = |along: &Partials, change: &mut Partials| {
+            costs.iter().try_for_each(|cost| cost.add_second_partials(along, change))?;
+            for ((constraint, y), (_, w)) in
+                Self::with_weights(&constraints, of.y).zip(Self::with_weights(&constraints, w))
+            {
+                constraint.add_second_partials(y, along, change)?;
+                let slopes = constraint.change(along)?;
+                let bent: Vec<f64> = w.iter().zip(&slopes).map(|(w, slope)| w * slope).collect();
+                constraint.add_partials(&bent, change)?;
+            }
+            Ok(())
+        };
+        Ok(self.second_derivative_by(point, &lambda, add, (v, None), workspace)?.product)
+    }
+
+    /// The second derivative of what has the adjoint `lambda` and whose second partials `add` adds; the first one too, where its
+    /// partial derivative by the controls is given.
+    fn second_derivative_by(
+        &self,
+        point: &Evaluated,
+        lambda: &[f64],
+        add: impl Fn(&Partials, &mut Partials) -> Result<(), ControlError>,
+        (v, first): (&[f64], Option<&dyn Fn() -> Result<Vec<f64>, ControlError>>),
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<SecondDerivative, ControlError> {
+        let at_points = self.layout.change(&point.m, v)?;
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
         let mut second = SecondOrder::new(self.solid.model(), &point.state, &how, &mut workspace.solve)?;
         let along = Partials { u: second.state_change(&at_points)?, m: v.to_vec() };
         let mut change = Partials::zero(along.u.len(), v.len());
-        let costs = self.costs_of(point)?;
-        for (_, cost) in costs.iter().enumerate().filter(|(k, _)| term.is_none_or(|term| term == *k)) {
-            cost.add_second_partials(&along, &mut change)?;
-        }
+        add(&along, &mut change)?;
         let increment = Increment { u: &along.u, controls: &at_points };
-        let adjoint = second.adjoint_change(&lambda, &increment, &change.u)?;
+        let adjoint = second.adjoint_change(lambda, &increment, &change.u)?;
         self.forget(workspace);
         let mut product = change.m;
         axpy(1.0, &self.layout.control_vjp(&point.m, &adjoint.controls), &mut product);
         let fixed_lengths = self.layout.blocks().iter().any(|block| block.length.is_some());
         let mut derivative = Vec::new();
-        if first || fixed_lengths {
-            let by_point = self.by_point(point, &lambda)?;
+        if first.is_some() || fixed_lengths {
+            let by_point = self.by_point(point, lambda)?;
             axpy(1.0, &self.layout.second_vjp(&point.m, v, &by_point), &mut product);
-            if first {
-                derivative = self.partials(point, term)?.m;
+            if let Some(by_m) = first {
+                derivative = by_m()?;
                 axpy(1.0, &self.layout.control_vjp(&point.m, &by_point), &mut derivative);
             }
         }
@@ -98,12 +144,16 @@ impl Reduced {
         term: Option<usize>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Cow<'p, [f64]>, ControlError> {
-        if let (None, Some(lambda)) = (term, point.adjoint()) {
-            return Ok(Cow::Borrowed(lambda));
+        match (term, &point.adjoint) {
+            (None, Some(adjoint)) if is_of(adjoint, &[]) => Ok(Cow::Borrowed(&adjoint.lambda)),
+            _ => Ok(self.lambda(point, self.sensitivity(point, term, workspace)?.1)),
         }
-        let (_, adjoint) = self.sensitivity(point, term, workspace)?;
+    }
+
+    /// The adjoint displacement, which is zero where nothing depends on the state.
+    fn lambda<'p>(&self, point: &Evaluated, adjoint: Option<AdjointState>) -> Cow<'p, [f64]> {
         let none = || vec![0.0; point.state.u.len()];
-        Ok(Cow::Owned(adjoint.map_or_else(none, |adjoint| adjoint.lambda)))
+        Cow::Owned(adjoint.map_or_else(none, |adjoint| adjoint.lambda))
     }
 
     /// `lambda . dr/dm` by values at the points.
@@ -113,4 +163,9 @@ impl Reduced {
         at.parallel = self.parallel;
         Ok(self.solid.model().vjp(&at, lambda)?.controls)
     }
+}
+
+/// Whether an adjoint state of the costs has these weights of the constraints.
+fn is_of(adjoint: &AdjointState, y: &[f64]) -> bool {
+    adjoint.multipliers == y || adjoint.multipliers.is_empty() && y.iter().all(|y| *y == 0.0)
 }
