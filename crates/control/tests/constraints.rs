@@ -8,7 +8,7 @@ use nastic_fem::Solid;
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{
     AugmentedLagrangian, AugmentedRun, Bounds, Constrained, Domain, Lbfgs, Objective, Options, Outcome, Problem,
-    Reason, Stop, Taylor, Trial, Verdict,
+    Reason, Stop, Taylor, Trial,
 };
 use nastic_tensor::Vec3;
 use nastic_uncertainty::risk::{Mean, MeanDeviation};
@@ -62,7 +62,7 @@ fn taylor<O: Constrained + Problem>(problem: O, what: &str) -> Done {
     let m = run.m().to_vec();
     let test = Taylor { second: true, length: 0.02, ..Taylor::default() };
     let report = test.test(run.augmented(), &set()?, &m)?;
-    assert_eq!(report.verdict(), Verdict::Right, "{what}, {n} controls: {report}");
+    assert!(report.passed() && report.second_verdict().is_some(), "{what}, {n} controls: {report}");
     Ok(())
 }
 
@@ -104,7 +104,7 @@ fn derivatives_over_an_ensemble() -> Done {
     }
     let m = run.m().to_vec();
     let report = Taylor { second: true, length: 0.02, ..Taylor::default() }.test(run.augmented(), &set()?, &m)?;
-    assert_eq!(report.verdict(), Verdict::Right, "{report}");
+    assert!(report.passed() && report.second_verdict().is_some(), "{report}");
     Ok(())
 }
 

@@ -4,7 +4,7 @@
 use nastic_opt::{
     AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, Bounds, CATALOGUE, Constrained, ConstraintGroup,
     Diagonal, Domain, Failed, InnerProduct, Lbfgs, Objective, Optimizer, Options, Outcome, Problem, Reason, Request,
-    RunError, Sense, Stop, Taylor, Trial, Verdict,
+    RunError, Sense, Stop, Taylor, Trial,
 };
 use std::sync::Arc;
 
@@ -359,7 +359,10 @@ fn the_augmented_lagrangian_passes_the_taylor_test() -> Outcomes {
                 case.start.iter().zip(case.bounds[0]).map(|(m, low)| 0.9 * m + 0.1 * (low + 1.0)).collect();
             for m in [at.as_slice(), run.m()] {
                 let report = Taylor { second: true, ..Taylor::default() }.test(run.augmented(), set.as_ref(), m)?;
-                assert_eq!(report.verdict(), Verdict::Right, "{name} after {updates} updates at {m:?}: {report}");
+                assert!(
+                    report.passed() && report.second_verdict().is_some(),
+                    "{name} after {updates} updates at {m:?}: {report}"
+                );
             }
         }
     }
