@@ -22,7 +22,7 @@ pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
             meshes.push(mesh);
         }
     }
-    if member.mesh().dim() == 3 { meshes.into_iter().map(|mesh| Snapshot::new(mesh)).collect() } else { vec![] }
+    if member.mesh().dim() == 3 { meshes.into_iter().map(Snapshot::new).collect() } else { vec![] }
 }
 
 /// A ball or a capsule of bricks.

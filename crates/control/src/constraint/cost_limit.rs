@@ -42,7 +42,7 @@ impl<C: IntoCost> IntoConstraint for CostLimit<C> {
         let CostLimit { cost, sense, bound, scale } = self;
         let cost = cost.bind(solid)?;
         let (name, scale) = (cost.name().to_owned(), scale.unwrap_or(bound.abs()));
-        if !bound.is_finite() || !(scale > 0.0 && scale.is_finite()) {
+        if !(bound.is_finite() && scale > 0.0 && scale.is_finite()) {
             let what = format!(
                 "the constraint {name} has the bound {bound} and the scale {scale}: a bound is finite, a scale positive; a bound of zero \
                  needs a scale, a value of the functional that counts as large"

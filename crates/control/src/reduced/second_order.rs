@@ -18,6 +18,9 @@ pub(crate) struct SecondDerivative {
     pub derivative: Vec<f64>,
 }
 
+/// The partial derivative by the controls, for those who want it.
+type ByControls<'a> = &'a dyn Fn() -> Result<Vec<f64>, ControlError>;
+
 impl Reduced {
     /// `d2jhat/dm2 v` at an evaluated point: one linear solve for the change `du` of the state, one for that of the adjoint, with
     /// the factor that the workspace keeps; a third one where the point has no adjoint yet (its derivative was not taken).
@@ -110,7 +113,7 @@ impl Reduced {
         point: &Evaluated,
         lambda: &[f64],
         add: impl Fn(&Partials, &mut Partials) -> Result<(), ControlError>,
-        (v, first): (&[f64], Option<&dyn Fn() -> Result<Vec<f64>, ControlError>>),
+        (v, first): (&[f64], Option<ByControls<'_>>),
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
         let at_points = self.layout.change(&point.m, v)?;
