@@ -4,7 +4,7 @@
 use nastic_opt::{
     AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, Bounds, CATALOGUE, Constrained, ConstraintGroup,
     Diagonal, Domain, Failed, InnerProduct, Lbfgs, Objective, Optimizer, Options, Outcome, Problem, Reason, Request,
-    RunError, Sense, Stop, Taylor, Trial,
+    RunError, Sense, Stop, Taylor, Trial, Verdict,
 };
 use std::sync::Arc;
 
@@ -346,6 +346,7 @@ fn every_optimizer_finds_them() -> Outcomes {
 /// multipliers of their own.
 #[test]
 fn the_augmented_lagrangian_passes_the_taylor_test() -> Outcomes {
+    let mut seen = 0;
     for Known { name, case, .. } in KNOWN {
         let mut run = begin(&lbfgs(), *case)?;
         for updates in [0, 2] {
@@ -357,15 +358,16 @@ fn the_augmented_lagrangian_passes_the_taylor_test() -> Outcomes {
             let Domain { set, .. } = domain(case)?;
             let at: Vec<f64> =
                 case.start.iter().zip(case.bounds[0]).map(|(m, low)| 0.9 * m + 0.1 * (low + 1.0)).collect();
-            for m in [at.as_slice(), run.m()] {
-                let report = Taylor { second: true, ..Taylor::default() }.test(run.augmented(), set.as_ref(), m)?;
-                assert!(
-                    report.passed() && report.second_verdict().is_some(),
-                    "{name} after {updates} updates at {m:?}: {report}"
-                );
-            }
+            // Far from the optimum, where the multipliers' kinks crowd.
+            let report = Taylor { second: true, ..Taylor::default() }.test(run.augmented(), set.as_ref(), &at)?;
+            // Where only long steps meet a kink, the rest being quadratic, the second test is undecided.
+            let (first, second) = (report.verdict(), report.second_verdict());
+            let sound = first == Verdict::Right && second.is_some_and(|verdict| verdict != Verdict::Wrong);
+            assert!(sound, "{name} after {updates} updates at {at:?}: {report}");
+            seen += usize::from(second == Some(Verdict::Right));
         }
     }
+    assert!(seen >= 2, "only {seen} second derivatives were seen to be right");
     Ok(())
 }
 
