@@ -8,6 +8,7 @@ mod array;
 mod assembled;
 mod bending;
 mod body;
+mod constraint;
 mod context;
 mod control;
 mod cost;
@@ -274,9 +275,10 @@ struct Built {
 /// Bodies, then bounds, then costs: bounds and costs look at the bodies, and those of one that is not as written would
 /// complain of their own.
 fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts: &mut [Context<'_>]) -> Option<Built> {
-    let (mut aims, mut bodies) = (Vec::new(), Vec::new());
+    let (mut aims, mut limits, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
     for (variant, context) in variants.iter().zip(contexts.iter_mut()) {
         let targets = cost::load_targets(&variant.case, context);
+        limits.push(constraint::load_targets(&variant.case, context));
         bodies.push(body::lower(variant, disc, context));
         sizes::check(&variant.case, disc.mesh(), &targets, context);
         if let Some(Some(body)) = bodies.last() {
@@ -291,9 +293,11 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
     let controls = control::lower(case.controls.len(), variants, &bodies, contexts);
     let fields = controls.as_ref().map_or(&[][..], |controls| &controls.controls);
     let (mut out, mut targets) = (Vec::new(), Vec::new());
-    for (((variant, body), aims), context) in variants.iter().zip(bodies).zip(aims).zip(contexts) {
+    let members = variants.iter().zip(bodies).zip(aims.into_iter().zip(limits)).zip(contexts);
+    for (((variant, body), (aims, limits)), context) in members {
         let body = control::weigh(variant, case.controls.len(), body, fields, context)?;
         let (body, shapes) = cost::add(&variant.case, aims, body, context)?;
+        let body = constraint::add(&variant.case, limits, body, context)?;
         cost::warn(&variant.case, &body, context);
         out.push(body);
         targets.push(shapes);

@@ -13,6 +13,7 @@ mod added_cost;
 mod case;
 mod catalogue;
 mod check;
+mod constraint;
 mod control;
 mod cost;
 mod direction;
@@ -26,6 +27,7 @@ mod load_case;
 mod material;
 mod mesh;
 mod named;
+mod obstacle;
 mod optimizer;
 mod read;
 mod scenario;
@@ -38,9 +40,11 @@ pub use actuation::{Actuation, Fixed, Means};
 pub use added_cost::AddedCost;
 pub use case::{Case, Output, Probe};
 pub use catalogue::Input;
+pub use constraint::{Constraint, KeepOut};
 pub use control::{Control, ControlsFile, Space, Start};
 pub use cost::{
-    ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Phi, SmoothedHausdorff, Stage, Target, Tracking,
+    ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Penetration, Phi, SmoothedHausdorff, Stage, Target,
+    Tracking,
 };
 pub use direction::Direction;
 pub use expectation::{Command, Expectation};
@@ -51,6 +55,7 @@ pub use load_case::LoadCase;
 pub use material::Material;
 pub use mesh::{BoxMesh, MeshFile, MeshSource};
 pub use named::{Element, Method};
+pub use obstacle::{Capsule, HalfSpace, Shape, Sphere};
 pub use optimizer::{Metric, Optimizer, Unstable};
 pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,

@@ -37,7 +37,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"optimizer\"",
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
-         mesh, materials, supports, loads, actuation, controls, costs, load_cases, scenarios, risk, optimizer, \
+         mesh, materials, supports, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, optimizer, \
          probes, expect, output, $schema)",
     );
     one(
@@ -182,7 +182,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         COMPLETE,
         "\"kind\": \"smoothed_hausdorff\", ",
         "",
-        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, control_norm, control_smoothness)",
+        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, obstacle, control_norm, control_smoothness)",
     );
     one(
         COMPLETE,

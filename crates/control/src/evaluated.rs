@@ -1,5 +1,6 @@
 //! [`Evaluated`]: one control with its equilibrium and cost, as a value and as bytes.
 
+use crate::constraint::ConstraintPoint;
 use crate::cost::CostPoint;
 use nastic_fem::{Controls, SolveReport, Solver, State};
 use nastic_opt::SavedRunError;
@@ -15,23 +16,29 @@ pub struct Evaluated {
     pub state: State,
     /// Value of every cost term, weights included, in the order they were added.
     pub terms: Vec<f64>,
+    /// Value of every constraint, in the order they were added.
+    pub constraints: Vec<f64>,
     /// Continuation stage of the values.
     pub stage: usize,
     /// Work of the state solve.
     pub work: SolveReport,
-    /// The adjoint state of the whole cost, once its derivative was taken.
+    /// The adjoint state of the whole cost (under constraints of the augmented Lagrangian), once its derivative was taken.
     pub adjoint: Option<AdjointState>,
     /// The evaluated terms, for their partials and figures; empty where they are not kept, or the point was loaded.
     pub(crate) costs: Vec<Arc<dyn CostPoint>>,
+    /// The evaluated constraints, likewise.
+    pub(crate) constraint_points: Vec<Arc<dyn ConstraintPoint>>,
 }
 
-/// The adjoint displacement `K(u*) lambda = -dj/du` and the work of its solve.
+/// The adjoint displacement `K(u*) lambda = -d(j + y . c)/du` and the work of its solve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AdjointState {
     /// lambda, flat like the displacement.
     pub lambda: Vec<f64>,
     /// Work of the solve.
     pub work: SolveReport,
+    /// The weights y of the constraints in what it is the adjoint of; empty where all are zero.
+    pub multipliers: Vec<f64>,
 }
 
 impl Evaluated {
@@ -59,12 +66,14 @@ impl Evaluated {
         let mut out = Writer::new(MAGIC);
         out.count(self.stage);
         out.floats(&self.terms);
+        out.floats(&self.constraints);
         write_state(&self.state, &mut out);
         write_report(&self.work, &mut out);
         out.count(usize::from(self.adjoint.is_some()));
         if let Some(adjoint) = &self.adjoint {
             out.floats(&adjoint.lambda);
             write_report(&adjoint.work, &mut out);
+            out.floats(&adjoint.multipliers);
         }
         out.finish()
     }
@@ -79,20 +88,28 @@ impl Evaluated {
         let mut input = Reader::new(bytes, MAGIC)?;
         let stage = input.number()?;
         let terms = input.floats()?;
+        let constraints = input.floats()?;
         let state = read_state(&mut input, controls)?;
         if (stage, terms.len(), state.u.len()) != (expected.stage, expected.terms, expected.dofs) {
             return Err(input.damaged("a point of another stage, with other cost terms or on another mesh"));
         }
+        if constraints.len() != expected.constraints {
+            return Err(input.damaged("a point with other constraints"));
+        }
         let work = read_report(&mut input)?;
         let adjoint = match input.flag()? {
-            true => Some(AdjointState { lambda: input.floats()?, work: read_report(&mut input)? }),
+            true => {
+                let (lambda, work) = (input.floats()?, read_report(&mut input)?);
+                Some(AdjointState { lambda, work, multipliers: input.floats()? })
+            }
             false => None,
         };
         if adjoint.as_ref().is_some_and(|adjoint| adjoint.lambda.len() != expected.dofs) {
             return Err(input.damaged("an adjoint state on another mesh"));
         }
         input.finish()?;
-        Ok(Evaluated { m: m.to_vec(), state, terms, stage, work, adjoint, costs: vec![] })
+        let (m, costs, constraint_points) = (m.to_vec(), vec![], vec![]);
+        Ok(Evaluated { m, state, terms, constraints, stage, work, adjoint, costs, constraint_points })
     }
 }
 
@@ -101,10 +118,11 @@ impl Evaluated {
 pub(crate) struct Expected {
     pub stage: usize,
     pub terms: usize,
+    pub constraints: usize,
     pub dofs: usize,
 }
 
-const MAGIC: &str = "nastic-point-2";
+const MAGIC: &str = "nastic-point-3";
 
 /// All but the controls, which follow from the control vector.
 fn write_state(state: &State, out: &mut Writer) {

@@ -4,6 +4,7 @@
 //! actuations are controlled and how ([`Space`]), and adds up [`Cost`]s. It is an
 //! [`Objective`](nastic_opt::Objective), so every optimiser of `nastic-opt` drives it.
 
+mod constraint;
 mod control_values;
 mod cost;
 mod ensemble;
@@ -18,11 +19,12 @@ mod snapshot;
 mod state_predictor;
 mod workspace;
 
+pub use constraint::{Constraint, ConstraintPoint, CostLimit, IntoConstraint, ObstacleDistance};
 pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, ControlNorm, ControlSmoothness, Cost, CostContext, CostExample,
-    CostForm, CostPoint, CostRow, CostTarget, Figure, FigureKind, IntoCost, MakeCost, Partials, SmoothedHausdorff,
-    Target, Tracking,
+    CostForm, CostPoint, CostRow, CostTarget, Figure, FigureKind, IntoCost, MakeCost, Obstacle, ObstaclePenetration,
+    Partials, SmoothedHausdorff, Target, Tracking,
 };
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,

@@ -1,10 +1,13 @@
 //! [`Reduced`]: the cost as a function of the controls alone.
 
+mod constrained;
 mod objective;
 mod second_order;
 
+pub(crate) use constrained::Lagrangian;
 pub(crate) use objective::work_summary;
 
+use crate::constraint::Constraint;
 use crate::control_values::ControlValues;
 use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost, Partials};
 use crate::error::ControlError;
@@ -65,6 +68,7 @@ pub struct Reduced {
     solid: Solid,
     layout: Layout,
     costs: Vec<Box<dyn Cost>>,
+    constraints: Vec<Box<dyn Constraint>>,
     metric: Metric,
     /// Compute on all threads; `false` for a member of an ensemble.
     parallel: bool,
@@ -102,6 +106,7 @@ impl Reduced {
             solid,
             layout,
             costs: vec![],
+            constraints: vec![],
             metric: Metric::L2,
             parallel: true,
             keep_factors: true,
@@ -298,9 +303,20 @@ impl Reduced {
         self.forget(workspace);
         let state = solved?;
         self.check_stable(&state)?;
-        let (terms, costs) = self.terms(&state, m, how.stage)?;
         let work = state.report;
-        Ok(Evaluated { m: m.to_vec(), state, terms, stage: how.stage, work, costs, adjoint: None })
+        self.valued(state, m, how.stage, work)
+    }
+
+    /// The values of costs and constraints in a state.
+    fn valued(&self, state: State, m: &[f64], stage: usize, work: SolveReport) -> Result<Evaluated, ControlError> {
+        let (terms, costs) = self.terms(&state, m, stage)?;
+        let mut constraint_points = self.constraints_at(&state, m)?;
+        let constraints = constraint_points.iter().flat_map(|point| point.values().to_vec()).collect();
+        if !self.keep_factors {
+            constraint_points.clear();
+        }
+        let m = m.to_vec();
+        Ok(Evaluated { m, state, terms, constraints, stage, work, costs, constraint_points, adjoint: None })
     }
 
     fn check_stable(&self, state: &State) -> Result<(), ControlError> {
@@ -356,9 +372,7 @@ impl Reduced {
     }
 
     pub(crate) fn restage_typed(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
-        let (terms, costs) = self.terms(&point.state, &point.m, stage)?;
-        let (m, state, work) = (point.m.clone(), point.state.clone(), SolveReport::default());
-        Ok(Evaluated { m, state, terms, stage, work, costs, adjoint: None })
+        self.valued(point.state.clone(), &point.m, stage, SolveReport::default())
     }
 
     /// Partial derivatives of the cost (all terms, or one of them).
@@ -395,7 +409,16 @@ impl Reduced {
         term: Option<usize>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        let partials = self.partials(point, term)?;
+        self.sensitivity_of(point, self.partials(point, term)?, workspace)
+    }
+
+    /// `d/dm` of what has these partials, and its adjoint state.
+    fn sensitivity_of(
+        &self,
+        point: &Evaluated,
+        partials: Partials,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
         let mut derivative = partials.m;
         if partials.u.iter().all(|&d| d == 0.0) {
             return Ok((derivative, None));
@@ -409,7 +432,8 @@ impl Reduced {
         for (d, through_state) in derivative.iter_mut().zip(self.layout.control_vjp(&point.m, &swept.controls[0])) {
             *d += through_state;
         }
-        Ok((derivative, Some(AdjointState { lambda: swept.lambda.swap_remove(0), work: swept.report })))
+        let (lambda, work) = (swept.lambda.swap_remove(0), swept.report);
+        Ok((derivative, Some(AdjointState { lambda, work, multipliers: vec![] })))
     }
 
     /// Names of the terms; those that occur several times are numbered, `tracking_0`, `tracking_1`.

@@ -52,9 +52,11 @@
 //! ```
 
 pub mod admissible;
+mod augmented;
 pub mod bytes;
 mod certificate;
 mod conjugate_gradient;
+mod constrained;
 mod failed;
 mod hessian;
 mod inner_product;
@@ -83,8 +85,13 @@ mod trust_region;
 mod within;
 
 pub use admissible::{Admissible, Ball, Bounds, Face, Limit, Optimality, Outside, Product, SetError, Sphere};
+pub use augmented::{
+    Augmented, AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, ConstraintReport, ConstraintsReport,
+    Domain,
+};
 pub use bytes::SavedRunError;
 pub use certificate::{Base, Certificate};
+pub use constrained::{Constrained, ConstraintGroup, Sense};
 pub use failed::Failed;
 pub use hessian::Hessian;
 pub use inner_product::{Diagonal, Euclidean, INNER_PRODUCTS, InnerProduct, InnerProductError, InnerProductRow};

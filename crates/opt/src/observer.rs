@@ -11,6 +11,8 @@ pub enum Reason {
     Start,
     /// The accepted control, valued by the next stage.
     Stage,
+    /// The accepted control, valued with new multipliers and a new penalty of the constraints.
+    Multipliers,
     /// Accepted by Armijo's test.
     Armijo,
     /// The cost did not fall enough.
@@ -24,11 +26,19 @@ pub enum Reason {
     DerivativeFailed(Failed),
 }
 
+impl Reason {
+    /// Whether it is the state of the trial before, valued anew.
+    pub fn is_revaluation(&self) -> bool {
+        matches!(self, Self::Stage | Self::Multipliers)
+    }
+}
+
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Start => write!(f, "start"),
             Self::Stage => write!(f, "stage"),
+            Self::Multipliers => write!(f, "multipliers"),
             Self::Armijo => write!(f, "armijo"),
             Self::NoDecrease { wanted } => write!(f, "no decrease: wanted {wanted:.6e}"),
             Self::Failed(why) => write!(f, "failed: {why}"),

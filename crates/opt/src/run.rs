@@ -56,6 +56,17 @@ pub enum RunError {
         /// How many there are.
         stages: usize,
     },
+    /// No first penalty of the constraints.
+    #[error(
+        "nothing tells how large the first penalty of the constraints should be: the cost at the start is {cost:e}, the penalty {penalty:e}; \
+         start where the cost is not zero, or give a penalty > 0 in the unit of the cost"
+    )]
+    NoPenalty {
+        /// The cost at the start.
+        cost: f64,
+        /// The penalty.
+        penalty: f64,
+    },
     /// The derivative does not belong to the cost.
     #[error(
         "the derivative at the start does not belong to the cost, so nothing was optimised: {0}. Taylor::test shows where; a cost \
@@ -112,12 +123,12 @@ pub struct Best<P> {
 /// [workspace](Objective::Workspace) of its evaluations. Between two calls of [`Run::step`] it can be looked at and saved.
 #[derive(Debug)]
 pub struct Run<O: Objective> {
-    setting: Setting<O>,
+    pub(crate) setting: Setting<O>,
     name: &'static str,
     method: Box<dyn Method>,
     workspace: O::Workspace,
-    progress: Progress,
-    current: Iterate<O::Point>,
+    pub(crate) progress: Progress,
+    pub(crate) current: Iterate<O::Point>,
     /// A better point than the present one, met before in this stage.
     best: Option<Iterate<O::Point>>,
     ended: Option<Stop>,
@@ -211,7 +222,7 @@ impl<O: Objective> Run<O> {
     }
 
     /// Where a stage ends: at the point that met the tolerance, else at the best one.
-    fn settle(&mut self, stop: &Stop) {
+    pub(crate) fn settle(&mut self, stop: &Stop) {
         if !stop.is_converged() {
             self.take_best();
         }

@@ -104,6 +104,10 @@ fn write_stop(stop: &Stop, out: &mut Writer) {
             out.count(*window);
             [decrease, total, relative_gradient].into_iter().for_each(|x| out.float(*x));
         }
+        Stop::Infeasible { violation, penalty, gradient } => {
+            out.count(9);
+            [violation, penalty, gradient].into_iter().for_each(|x| out.float(*x));
+        }
         Stop::Aborted(why) => {
             out.count(7);
             out.bytes(why.to_string().as_bytes());
@@ -144,6 +148,7 @@ fn read_stop(input: &mut Reader<'_>) -> Result<Stop, SavedRunError> {
             relative_gradient: input.float()?,
         }),
         6 => Stop::Stalled(Stall::Stage { stage: input.number()?, why: Failed::because(input.text()?) }),
+        9 => Stop::Infeasible { violation: input.float()?, penalty: input.float()?, gradient: input.float()? },
         7 => Stop::Aborted(Failed::because(input.text()?).fatal()),
         _ => return Err(input.damaged("an unknown reason to stop")),
     })
@@ -161,6 +166,7 @@ mod tests {
             Stop::Converged { gradient_norm: 1e-3, first: 3.0, tolerance: Tolerance::Absolute(2e-3) },
             Stop::MaxIterations { iterations: 7, relative_gradient },
             Stop::Cancelled,
+            Stop::Infeasible { violation: 1e-3, penalty: 1e5, gradient: 1e-12 },
             Stop::Aborted(Failed::because("no memory").fatal()),
             Stop::Stalled(Stall::Flat { cost: 1.0, predicted: -1e-17, relative_gradient }),
             Stop::Stalled(Stall::LineSearch {

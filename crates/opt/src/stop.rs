@@ -24,6 +24,16 @@ pub enum Stop {
         /// The projected gradient's norm relative to the stage's first.
         relative_gradient: f64,
     },
+    /// The constraints cannot be met from here: ten times the penalty, several times over, hardly changes their violation. The point is
+    /// (nearly) a stationary point of the squared violation.
+    Infeasible {
+        /// The largest violation, relative to its scale.
+        violation: f64,
+        /// The penalty reached, as a multiple of the first.
+        penalty: f64,
+        /// Norm of the projected gradient of half the squared violations (relative to their scales) in the metric.
+        gradient: f64,
+    },
     /// The cancellation flag was raised.
     Cancelled,
     /// An evaluation failed for a reason that has nothing to do with the control ([`Failed::is_fatal`]). The run stands before the
@@ -118,6 +128,12 @@ impl fmt::Display for Stop {
             Self::MaxIterations { iterations, relative_gradient } => write!(
                 f,
                 "stopped after {iterations} iterations: projected gradient {relative_gradient:.1e} of the first"
+            ),
+            Self::Infeasible { violation, penalty, gradient } => write!(
+                f,
+                "infeasible: the largest violation of the constraints stays {violation:.3e} of its scale, with {penalty:.0e} times the \
+                 first penalty; gradient of the squared violation {gradient:.1e} (constraints that contradict each other or the \
+                 bounds? a start from which they cannot be met? try another start, wider bounds, a looser constraint)"
             ),
             Self::Cancelled => write!(f, "cancelled"),
             Self::Aborted(why) => write!(f, "aborted: {why}"),

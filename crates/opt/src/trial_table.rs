@@ -18,13 +18,21 @@ pub struct TrialTable {
     pub distance: bool,
     /// Whether there is a column of continuation stages.
     pub stages: bool,
+    /// Whether there is a column of violations of constraints.
+    pub violation: bool,
 }
 
 impl TrialTable {
     /// The columns for a problem of so many stages whose points have these figures.
     #[must_use]
     pub fn new(stages: usize, figures: &Summary) -> Self {
-        Self { distance: figures.get(TRUE_DISTANCE).is_some(), stages: stages > 1 }
+        Self { distance: figures.get(TRUE_DISTANCE).is_some(), stages: stages > 1, violation: false }
+    }
+
+    /// With a column of violations, for a problem with constraints.
+    #[must_use]
+    pub fn with_violation(self, violation: bool) -> Self {
+        Self { violation, ..self }
     }
 
     /// Names of the columns.
@@ -37,6 +45,9 @@ impl TrialTable {
         let _ = write!(out, "  {:>13} {:>10} {:>9}", "cost", "gradient", "step");
         if self.distance {
             let _ = write!(out, " {:>10}", "distance");
+        }
+        if self.violation {
+            let _ = write!(out, " {:>9}", "violation");
         }
         let _ = write!(out, " {:>6} {:>6} {:>7} {:>7} {:>8}", "newton", "factor", "min J", "active", "seconds");
         out
@@ -63,6 +74,11 @@ impl TrialTable {
         if self.distance {
             out.insert(out.len() - 5, "distance    true Hausdorff distance of an accepted state from the target");
         }
+        if self.violation {
+            let what =
+                "violation   largest violation of a constraint, relative to its scale; the cost includes their penalty";
+            out.insert(out.len() - 5, what);
+        }
         out
     }
 
@@ -84,6 +100,10 @@ impl TrialTable {
             let distance = figures.get(TRUE_DISTANCE).map_or_else(|| "-".to_owned(), |d| scientific(d, 4));
             let _ = write!(out, " {distance:>10}");
         }
+        if self.violation {
+            let violation = trial.summary.get("violation").map_or_else(|| "-".to_owned(), |v| scientific(v, 2));
+            let _ = write!(out, " {violation:>9}");
+        }
         let count = |name: &str| trial.summary.get(name).map(|value| value as usize);
         let show = |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |n| n.to_string());
         let newton = show(count("newton"));
@@ -104,6 +124,7 @@ fn remark(reason: &Reason) -> Option<String> {
         Reason::Armijo => None,
         Reason::Start => Some("start".to_owned()),
         Reason::Stage => Some("new stage".to_owned()),
+        Reason::Multipliers => Some("new multipliers".to_owned()),
         Reason::NoDecrease { .. } => Some("rejected: not enough decrease".to_owned()),
         Reason::Failed(why) | Reason::DerivativeFailed(why) => Some(format!("failed: {}", shortened(&why.to_string()))),
     }

@@ -87,6 +87,11 @@ fn figures(result: &Value) -> Vec<(String, String, String)> {
         let before = before.map_or_else(String::new, |x| format!("at the start {}", short(x)));
         add("Standard deviation of the cost", short(deviation), before);
     }
+    for (name, group) in result["constraints"]["groups"].as_object().into_iter().flatten() {
+        let share = group["violation"].as_f64().zip(group["scale"].as_f64()).map_or(f64::NAN, |(v, scale)| v / scale);
+        let remark = format!("{} of its scale; {} of {} active", short(share), group["active"], group["count"]);
+        add(&format!("Largest violation, {name}"), number(&group["violation"], text(&group["unit"])), remark);
+    }
     for (suffix, own, begin) in members(result) {
         let (own_h, begin_h) = (&own["hausdorff"], &begin["hausdorff"]);
         if let Some(distance) = own_h["true"].as_f64() {

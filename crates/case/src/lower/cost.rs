@@ -9,8 +9,8 @@ use crate::schema::{self, AddedCost, Case, Cost as Block, Input, Phi as PhiBlock
 use crate::syntax::At;
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
-    ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, CostTarget, IntoCost, Phi, Reduced,
-    SmoothedHausdorff, Target, Tracking,
+    ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, CostTarget, IntoCost,
+    ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Tracking,
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
 use nastic_fem::Solid;
@@ -57,7 +57,7 @@ pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option
     case.costs.iter().map(|cost| load_target(cost, context)).collect()
 }
 
-fn load_target(cost: &Block, context: &mut Context<'_>) -> Option<TargetShape> {
+pub(super) fn load_target(cost: &Block, context: &mut Context<'_>) -> Option<TargetShape> {
     let (source, at) = match cost {
         Block::SmoothedHausdorff(block) => (&block.target, block.at.key("target")),
         Block::Tracking(block) => match &block.target {
@@ -105,17 +105,19 @@ pub(super) fn warn(case: &Case, reduced: &Reduced, context: &mut Context<'_>) {
     }
 }
 
-struct Lowering<'a> {
-    case: &'a Case,
-    reduced: &'a Reduced,
-    block: &'a Block,
+/// A block of the case with what it refers to.
+pub(super) struct Lowering<'a> {
+    pub case: &'a Case,
+    pub reduced: &'a Reduced,
+    pub block: &'a Block,
 }
 
 impl Lowering<'_> {
-    fn lower(&self, target: Option<TargetShape>, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
+    pub fn lower(&self, target: Option<TargetShape>, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
         match self.block {
             Block::SmoothedHausdorff(block) => self.hausdorff(block, target?, context),
             Block::Tracking(block) => self.tracking(block, target, context),
+            Block::Obstacle(block) => self.obstacle(block, context),
             Block::ControlNorm(block) => {
                 let cost = ControlNorm::of(self.control(&block.of)?, block.weight);
                 Some(Box::new(context.take(&block.at, cost)?))
@@ -196,6 +198,19 @@ impl Lowering<'_> {
                 None
             }
         }
+    }
+
+    fn obstacle(&self, block: &schema::Penetration, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
+        let solid = self.reduced.solid();
+        let place = Place::of(&block.surface, &block.region, &block.nodes)?;
+        place.nodes(solid.mesh(), &block.at, context)?;
+        let shape = super::constraint::obstacle(&block.shape);
+        let penetration = match place.kind {
+            Kind::Surface => ObstaclePenetration::surface(place.names, shape),
+            Kind::Region => ObstaclePenetration::region(place.names, shape),
+            Kind::Nodes => ObstaclePenetration::nodes(place.names, shape),
+        };
+        context.take(&block.at, penetration.clearance(block.clearance).weight(block.weight).bind(solid))
     }
 
     fn goal(

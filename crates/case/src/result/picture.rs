@@ -1,6 +1,7 @@
 //! Pictures of start, target and result, for those who do not have ParaView open.
 
 use super::files::Directory;
+use super::obstacle_shape;
 use super::snapshot;
 use crate::lower::{Admitted, CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, Space};
@@ -80,6 +81,8 @@ fn ground(member: CaseMember<'_>, (title, subtitle): (&str, &str), ghost: Option
     if let Some((label, ghost)) = ghost {
         picture = picture.body(Body::of(label, ghost).appearance(Appearance::Glass(Colour::GREY)));
     }
+    let grey = |shape: &Snapshot| Body::of("obstacle", shape).appearance(Appearance::Solid(Colour::GREY));
+    let picture = obstacle_shape::all(member).iter().map(grey).fold(picture, Picture::body);
     member.targets().iter().filter_map(target).fold(picture, Picture::body)
 }
 

@@ -19,6 +19,7 @@ use crate::schema::{Cost, Input, Means, Metric, Parameter, Phi, VectorField};
 use nastic_control::EnsembleBlock;
 use nastic_energy::catalogue::{self, Takes};
 use nastic_mesh::{CellKind, GroupNames};
+use nastic_opt::Constrained;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
@@ -176,6 +177,20 @@ pub(super) fn supports(problem: &CaseProblem) -> Vec<Line> {
 
 pub(super) fn costs(problem: &CaseProblem) -> Vec<Line> {
     let mut out: Vec<Line> = problem.case.costs.iter().map(|cost| cost_line("costs", cost)).collect();
+    for (block, group) in problem.case.constraints.iter().zip(problem.member(0).reduced().constraints()) {
+        let bound = match (&block.obstacle, block.at_most, block.equal) {
+            (Some(keep_out), ..) => format!(
+                "{} at least {} {} from a {}",
+                count(group.len, "node"),
+                short(keep_out.clearance),
+                problem.units().length().symbol,
+                keep_out.shape.name().replace('_', "-")
+            ),
+            (None, Some(most), _) => format!("at most {}", short(most)),
+            (None, None, value) => format!("equal to {}", short(value.unwrap_or_default())),
+        };
+        out.push(line("constraints", format!("{}: {bound}", block.name())));
+    }
     for target in problem.member(0).targets() {
         out.push(target_line(problem, target));
     }
@@ -194,6 +209,11 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
         Cost::Tracking(block) => {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
             format!("weight/2 int |x - x_target|^2 on {}", place.map(ToString::to_string).unwrap_or_default())
+        }
+        Cost::Obstacle(block) => {
+            let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
+            let place = place.map(ToString::to_string).unwrap_or_default();
+            format!("weight/2 int max(0, {} - d)^2 on {place}, d from a {}", short(block.clearance), block.shape.name())
         }
         Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
         Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),

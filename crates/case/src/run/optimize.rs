@@ -3,6 +3,7 @@
 mod advice;
 mod branch_changes;
 mod checkpoint;
+mod constraints;
 mod finished_run;
 mod journal;
 mod outcome;
@@ -25,7 +26,8 @@ use finished_run::FinishedRun;
 use journal::{Journal, Written};
 use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{
-    DEFAULT_ACCURACY, EvaluatedStart, Failed, Objective, Optimizer, Outcome, Problem as _, Run, RunState, Stop, Verdict,
+    AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, DEFAULT_ACCURACY, Domain, EvaluatedStart, Failed,
+    Objective, Optimizer, Outcome, Problem as _, Stop, Verdict,
 };
 use recorder::Recorder;
 use serde_json::json;
@@ -185,31 +187,35 @@ fn begin_run<'s>(
     session: &'s Session<'_>,
     optimizer: &dyn Optimizer,
     begun: Begun,
-) -> Result<Run<&'s Ensemble>, RunError> {
-    let problem = &session.problem;
+) -> Result<AugmentedRun<&'s Ensemble>, RunError> {
     let Begun { point, derivative, workspace, .. } = begun;
-    let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
     let start = EvaluatedStart { m: point.m.clone(), point, derivative: Some(derivative) };
-    let run = Run::start(optimizer, &problem.ensemble, Arc::new(problem.set.clone()), metric, start)?;
-    Ok(run.with_workspace(workspace).cancelled_by(session.cancel.clone()))
+    let ensemble = &session.problem.ensemble;
+    let run = AugmentedLagrangian::default().start(optimizer, ensemble, domain(session)?, start)?;
+    Ok(run.with_workspace(workspace))
+}
+
+/// Where controls may be, how they are measured, and the flag that stops the run.
+fn domain(session: &Session<'_>) -> Result<Domain, RunError> {
+    let problem = &session.problem;
+    let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
+    Ok(Domain { set: Arc::new(problem.set.clone()), metric, cancel: Some(session.cancel.clone()) })
 }
 
 /// A run from a checkpoint.
 fn resume_run<'s>(
     session: &'s Session<'_>,
     optimizer: &dyn Optimizer,
-    state: &RunState,
-) -> Result<Run<&'s Ensemble>, RunError> {
-    let problem = &session.problem;
-    let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
-    let run = Run::load(optimizer, &problem.ensemble, Arc::new(problem.set.clone()), metric, state)?;
-    Ok(run.cancelled_by(session.cancel.clone()))
+    state: &AugmentedState,
+) -> Result<AugmentedRun<&'s Ensemble>, RunError> {
+    let ensemble = &session.problem.ensemble;
+    Ok(AugmentedLagrangian::default().load(optimizer, ensemble, domain(session)?, state)?)
 }
 
 /// Runs the optimiser to its end. `saved` is the iteration of the checkpoint that the run comes from.
 fn minimize(
     session: &Session<'_>,
-    mut run: Run<&Ensemble>,
+    mut run: AugmentedRun<&Ensemble>,
     start: EnsemblePoint,
     mut recorder: Recorder<'_>,
     mut saved: Option<usize>,
@@ -228,7 +234,8 @@ fn minimize(
         }
     };
     let trials = recorder.finish();
-    (FinishedRun { start, best: run.finish(stop), work: trials.work }, trials.changes)
+    let AugmentedBest { best, constraints } = run.finish(stop);
+    (FinishedRun { start, best, constraints, work: trials.work }, trials.changes)
 }
 
 /// Why it ended, for people.

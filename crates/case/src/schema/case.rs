@@ -3,6 +3,7 @@
 use crate::quantity::{Units, Want};
 use crate::schema::actuation::Actuation;
 use crate::schema::check;
+use crate::schema::constraint::Constraint;
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::expectation::Expectation;
@@ -41,6 +42,8 @@ object! {
         pub controls: Vec<Control> = Vec::new(),
         /// What the optimiser makes small: the sum.
         pub costs: Vec<Cost> = Vec::new(),
+        /// What the optimum must fulfil, in every load case of every scenario.
+        pub constraints: Vec<Constraint> = Vec::new(),
         /// Several states that share the design.
         pub load_cases: Vec<LoadCase> = Vec::new(),
         /// Scenarios that share the control.

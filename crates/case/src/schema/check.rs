@@ -77,6 +77,7 @@ pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
         actuation: list(reader, "actuation"),
         controls: list(reader, "controls"),
         costs: list(reader, "costs"),
+        constraints: list(reader, "constraints"),
         load_cases: list(reader, "load_cases"),
         scenarios: Read::absent()?,
         risk: Risk::Mean,

@@ -6,6 +6,7 @@ use crate::schema::added_cost::AddedCost;
 use crate::schema::field::ArrayFile;
 use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::mesh::MeshSource;
+use crate::schema::obstacle::Shape;
 use crate::schema::read::{Read, Reader};
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Value};
@@ -20,6 +21,8 @@ tagged! {
         "smoothed_hausdorff" => SmoothedHausdorff(SmoothedHausdorff),
         /// Distance of every point to its own target position.
         "tracking" => Tracking(Tracking),
+        /// Squared penetration into an obstacle.
+        "obstacle" => Obstacle(Penetration),
         /// Size of a control.
         "control_norm" => ControlNorm(ControlNorm),
         /// Slope of a control.
@@ -109,6 +112,26 @@ object! {
     }
 }
 
+object! {
+    /// weight/2 int max(0, clearance - d(x))^2 over a surface or region, the sum over a node set; d is the distance from an obstacle.
+    pub struct Penetration one of [surface, region, nodes] {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// Surface of the mesh.
+        pub surface: Option<GroupNames>,
+        /// Region of the mesh.
+        pub region: Option<GroupNames>,
+        /// Node set of the mesh.
+        pub nodes: Option<GroupNames>,
+        /// The obstacle.
+        pub shape: Shape,
+        /// The distance to keep.
+        pub clearance: f64 as LENGTH = 0.0,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
 /// Where points shall go.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Target {
@@ -159,6 +182,7 @@ impl Cost {
         match self {
             Self::SmoothedHausdorff(block) => &block.at,
             Self::Tracking(block) => &block.at,
+            Self::Obstacle(block) => &block.at,
             Self::ControlNorm(block) => &block.at,
             Self::ControlSmoothness(block) => &block.at,
             Self::Added(block) => &block.at,
@@ -171,6 +195,7 @@ impl Cost {
         let own = match self {
             Self::SmoothedHausdorff(block) => &block.name,
             Self::Tracking(block) => &block.name,
+            Self::Obstacle(block) => &block.name,
             Self::ControlNorm(block) => &block.name,
             Self::ControlSmoothness(block) => &block.name,
             Self::Added(block) => &block.name,
@@ -184,6 +209,7 @@ impl Cost {
         match self {
             Self::SmoothedHausdorff(block) => block.weight,
             Self::Tracking(block) => block.weight,
+            Self::Obstacle(block) => block.weight,
             Self::ControlNorm(block) => block.weight,
             Self::ControlSmoothness(block) => block.weight,
             Self::Added(block) => block.weight,
@@ -195,7 +221,7 @@ impl Cost {
         match self {
             Self::ControlNorm(block) => Some(&block.of),
             Self::ControlSmoothness(block) => Some(&block.of),
-            Self::SmoothedHausdorff(_) | Self::Tracking(_) | Self::Added(_) => None,
+            Self::SmoothedHausdorff(_) | Self::Tracking(_) | Self::Obstacle(_) | Self::Added(_) => None,
         }
     }
 }

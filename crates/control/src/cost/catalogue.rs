@@ -1,6 +1,9 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
-use super::{ControlNorm, ControlSmoothness, Cost, CostForm, IntoCost, SmoothedHausdorff, Target, Tracking};
+use super::{
+    ControlNorm, ControlSmoothness, Cost, CostForm, IntoCost, Obstacle, ObstaclePenetration, SmoothedHausdorff, Target,
+    Tracking,
+};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_hausdorff::Phi;
@@ -49,6 +52,12 @@ pub const CATALOGUE: &[CostRow] = &[
         examples: smoothed_hausdorff,
     },
     CostRow {
+        name: "obstacle",
+        about: "squared penetration of a surface, region or node set into an obstacle",
+        form: None,
+        examples: obstacle,
+    },
+    CostRow {
         name: "control_norm",
         about: "half the squared L2 norm of a control",
         form: None,
@@ -91,4 +100,23 @@ fn smoothed_hausdorff(on: &CostExample) -> Bound {
     let phi = Phi::Exponential { length: 0.1 * size };
     all.push(example(phi).region(&region).target_region(&region).quadrature(3).stages([(2.0, 3.0, 2.0)]));
     all.into_iter().map(|cost| cost.bind(on.solid)).collect()
+}
+
+fn obstacle(on: &CostExample) -> Bound {
+    let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
+    let place = |names: Option<&String>| names.cloned().unwrap_or_default();
+    let (surface, region) = (place(mesh.surfaces().keys().next_back()), place(mesh.regions().keys().next()));
+    // All points lie inside, away from centers and axes, so that second derivatives exist; of the half-space with a clearance some.
+    let sphere = Obstacle::sphere([-0.3 * size, 0.6 * size, -0.2 * size], 3.0 * size);
+    let capsule =
+        Obstacle::capsule([0.31 * size, 0.8 * size, -size], [0.33 * size, 0.7 * size, 1.1 * size], 3.0 * size);
+    let half_space = Obstacle::half_space([0.5 * size, 0.0, 0.0], [1.0, 0.4, -0.2]);
+    [
+        ObstaclePenetration::surface(&surface, half_space).clearance(0.0137 * size),
+        ObstaclePenetration::region(&region, sphere),
+        ObstaclePenetration::nodes(&surface, capsule),
+    ]
+    .into_iter()
+    .map(|cost| cost.weight(on.weight).bind(on.solid))
+    .collect()
 }

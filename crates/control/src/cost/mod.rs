@@ -1,9 +1,11 @@
 //! Costs: terms j(u, m) of the objective functional.
 
+pub(crate) mod body_points;
 mod bound_hausdorff;
 mod catalogue;
 mod cost_form;
 mod figure;
+pub(crate) mod obstacle;
 mod regularization;
 mod smoothed_hausdorff;
 mod target;
@@ -13,6 +15,7 @@ pub use bound_hausdorff::BoundHausdorff;
 pub use catalogue::{CATALOGUE, CostExample, CostRow};
 pub use cost_form::{CostForm, MakeCost};
 pub use figure::{Figure, FigureKind};
+pub use obstacle::{Obstacle, ObstaclePenetration};
 pub use regularization::{ControlNorm, ControlSmoothness};
 pub use smoothed_hausdorff::SmoothedHausdorff;
 pub use target::CostTarget;

@@ -1,8 +1,9 @@
 //! [`Tracking`]: the mean squared distance of a surface, region or node set from target positions.
 
+use super::body_points::{BodyPoints, Place};
 use super::{Cost, CostContext, CostPoint, CostTarget, Figure, FigureKind, IntoCost, Partials, check_weight};
 use crate::error::ControlError;
-use nastic_fem::{QuadraturePoints, Solid};
+use nastic_fem::Solid;
 use nastic_mesh::{GroupNames, Mesh};
 use std::fmt;
 use std::sync::Arc;
@@ -18,13 +19,6 @@ pub struct Tracking {
     place: Place,
     target: Target,
     weight: f64,
-}
-
-#[derive(Clone, Debug)]
-enum Place {
-    Surface(GroupNames),
-    Region(GroupNames),
-    Nodes(GroupNames),
 }
 
 /// Target positions of the tracked points.
@@ -107,26 +101,8 @@ impl Tracking {
     /// Unknown names, a target of the wrong size or not finite, a weight that is not positive.
     pub fn bind_to(self, solid: &Solid) -> Result<BoundTracking, ControlError> {
         let weight = check_weight("tracking", self.weight)?;
-        let mesh = solid.mesh();
-        // Two points more than the shape functions need: targets are curved.
-        let (points, nodes) = match &self.place {
-            Place::Surface(names) => {
-                let facets = mesh.facets_of(names)?;
-                let points = QuadraturePoints::of_facets(mesh, &facets, |k| k.rule_of_points(k.order() + 2));
-                (TrackedPoints::Points(points), mesh.nodes_of_facets(&facets))
-            }
-            Place::Region(names) => {
-                let cells = mesh.cells_of(names)?;
-                let nodes = mesh.nodes_of_cells(&cells);
-                let points = QuadraturePoints::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?;
-                (TrackedPoints::Points(points), nodes)
-            }
-            Place::Nodes(names) => {
-                let nodes = solid.nodes_of(names)?;
-                (TrackedPoints::Nodes(nodes.clone()), nodes)
-            }
-        };
-        let target = points.targets(solid, &self.target)?;
+        let (points, nodes) = self.place.points(solid)?;
+        let target = targets(&points, solid, &self.target)?;
         Ok(BoundTracking { points: Arc::new(points), target, weight, nodes, wanted: self.target })
     }
 }
@@ -134,7 +110,7 @@ impl Tracking {
 /// [`Tracking`] bound to a body.
 #[derive(Debug)]
 pub struct BoundTracking {
-    points: Arc<TrackedPoints>,
+    points: Arc<BodyPoints>,
     target: Vec<[f64; 3]>,
     weight: f64,
     /// The nodes of what is tracked, and where they should be.
@@ -142,87 +118,28 @@ pub struct BoundTracking {
     wanted: Target,
 }
 
-#[derive(Debug)]
-enum TrackedPoints {
-    Points(QuadraturePoints),
-    Nodes(Vec<u32>),
-}
-
-impl TrackedPoints {
-    fn targets(&self, solid: &Solid, target: &Target) -> Result<Vec<[f64; 3]>, ControlError> {
-        let reference = self.positions(solid, None);
-        let out: Vec<[f64; 3]> = match target {
-            Target::Position(at) => reference.into_iter().map(|x| at(x)).collect(),
-            Target::Displacement(u) => {
-                let expected = solid.discretization().dofs();
-                if u.len() != expected {
-                    let what = format!("tracking target has {} entries where the mesh needs {expected}", u.len());
-                    return Err(ControlError::Cost { what });
-                }
-                self.positions(solid, Some(u))
+/// Where the points should be.
+fn targets(points: &BodyPoints, solid: &Solid, target: &Target) -> Result<Vec<[f64; 3]>, ControlError> {
+    let reference = points.positions(solid, None);
+    let out: Vec<[f64; 3]> = match target {
+        Target::Position(at) => reference.into_iter().map(|x| at(x)).collect(),
+        Target::Displacement(u) => {
+            let expected = solid.discretization().dofs();
+            if u.len() != expected {
+                let what = format!("tracking target has {} entries where the mesh needs {expected}", u.len());
+                return Err(ControlError::Cost { what });
             }
-        };
-        if let Some(bad) = out.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
-            let what = format!(
-                "tracking target is not finite at its point {bad} ({:?}); check the formula, or whether the target's mesh covers the body",
-                out[bad]
-            );
-            return Err(ControlError::Cost { what });
+            points.positions(solid, Some(u))
         }
-        Ok(out)
+    };
+    if let Some(bad) = out.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
+        let what = format!(
+            "tracking target is not finite at its point {bad} ({:?}); check the formula, or whether the target's mesh covers the body",
+            out[bad]
+        );
+        return Err(ControlError::Cost { what });
     }
-
-    fn positions(&self, solid: &Solid, u: Option<&[f64]>) -> Vec<[f64; 3]> {
-        let (mesh, dim) = (solid.mesh(), solid.discretization().dim());
-        match self {
-            TrackedPoints::Points(points) => points.positions(mesh, u),
-            TrackedPoints::Nodes(nodes) => {
-                let position = |&node: &u32| {
-                    let mut x = mesh.points()[node as usize];
-                    if let Some(u) = u {
-                        (0..dim).for_each(|i| x[i] += u[node as usize * dim + i]);
-                    }
-                    x
-                };
-                nodes.iter().map(position).collect()
-            }
-        }
-    }
-
-    fn weight(&self, q: usize) -> f64 {
-        match self {
-            TrackedPoints::Points(points) => points.weights()[q],
-            TrackedPoints::Nodes(_) => 1.0,
-        }
-    }
-
-    /// `weight w_q v(q)` of a nodal vector at every point, `dim` numbers each.
-    fn weighted(&self, nodal: &[f64], dim: usize, weight: f64) -> Vec<f64> {
-        let mut values = match self {
-            TrackedPoints::Points(points) => points.interpolate(nodal, dim),
-            TrackedPoints::Nodes(nodes) => {
-                nodes.iter().flat_map(|&node| &nodal[node as usize * dim..][..dim]).copied().collect()
-            }
-        };
-        for (q, value) in values.chunks_exact_mut(dim).enumerate() {
-            value.iter_mut().for_each(|v| *v *= weight * self.weight(q));
-        }
-        values
-    }
-
-    /// Adds the nodal image of vectors at the points.
-    fn spread(&self, values: &[f64], dim: usize, out: &mut [f64]) {
-        match self {
-            TrackedPoints::Points(points) => points.spread(values, dim, out),
-            TrackedPoints::Nodes(nodes) => {
-                for (&node, value) in nodes.iter().zip(values.chunks_exact(dim)) {
-                    for (i, v) in value.iter().enumerate() {
-                        out[node as usize * dim + i] += v;
-                    }
-                }
-            }
-        }
-    }
+    Ok(out)
 }
 
 impl Cost for BoundTracking {
@@ -274,7 +191,7 @@ impl Cost for BoundTracking {
 /// [`Tracking`] evaluated.
 #[derive(Debug)]
 struct TrackingPoint {
-    points: Arc<TrackedPoints>,
+    points: Arc<BodyPoints>,
     weight: f64,
     dim: usize,
     value: f64,

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod builder;
+mod constrained;
 mod error;
 mod member;
 mod objective;

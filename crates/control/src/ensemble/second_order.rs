@@ -38,7 +38,7 @@ impl Ensemble {
         self.second_derivative(point, v, Hessian::GaussNewton, workspace)
     }
 
-    fn second_derivative(
+    pub(super) fn second_derivative(
         &self,
         point: &EnsemblePoint,
         v: &[f64],

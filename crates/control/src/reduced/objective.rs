@@ -6,7 +6,9 @@ use crate::error::ControlError;
 use crate::evaluated::{Evaluated, Expected};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::SolveReport;
-use nastic_opt::{EvaluatedStart, Failed, Hessian, InnerProduct, Objective, Problem, Request, Start, Summary};
+use nastic_opt::{
+    Constrained, EvaluatedStart, Failed, Hessian, InnerProduct, Objective, Problem, Request, Start, Summary,
+};
 use std::sync::Arc;
 
 impl Objective for Reduced {
@@ -89,7 +91,8 @@ impl Objective for Reduced {
     fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, Evaluated>) -> Result<Evaluated, Failed> {
         let controls = self.layout().to_points(m)?;
         let (terms, dofs) = (self.costs().len(), self.solid().discretization().dofs());
-        let expected = Expected { stage: how.stage, terms, dofs };
+        let constraints = Constrained::constraints(self).iter().map(|group| group.len).sum();
+        let expected = Expected { stage: how.stage, terms, constraints, dofs };
         Evaluated::from_bytes(bytes, m, controls, expected).map_err(Failed::new)
     }
 }

@@ -1,9 +1,9 @@
 //! Second derivatives of the reduced cost.
 
-use super::Reduced;
+use super::{Lagrangian, Reduced};
 use crate::cost::Partials;
 use crate::error::ControlError;
-use crate::evaluated::Evaluated;
+use crate::evaluated::{AdjointState, Evaluated};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Controls, Increment, Instant, SecondOrder, SolveOptions};
 use nastic_numeric::vector::axpy;
@@ -18,6 +18,9 @@ pub(crate) struct SecondDerivative {
     /// `djhat/dm`; empty unless asked for.
     pub derivative: Vec<f64>,
 }
+
+/// The partial derivative by the controls, for those who want it.
+type ByControls<'a> = &'a dyn Fn() -> Result<Vec<f64>, ControlError>;
 
 impl Reduced {
     /// `d2jhat/dm2 v` at an evaluated point: one linear solve for the change `du` of the state, one for that of the adjoint, with
@@ -83,9 +86,61 @@ impl Reduced {
         (v, which, first): (&[f64], Hessian, bool),
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
-        let at_points = self.layout.change(&point.m, v)?;
         let exact = which == Hessian::Exact;
         let lambda = if exact || first { Some(self.adjoint_of(point, term, workspace)?) } else { None };
+        let costs = self.costs_of(point)?;
+        let own = costs.iter().enumerate().filter(|(k, _)| term.is_none_or(|term| term == *k));
+        let own: Vec<_> = own.map(|(_, cost)| cost).collect();
+        let add = |along: &Partials, change: &mut Partials| {
+            own.iter().try_for_each(|cost| cost.add_second_partials(along, change))
+        };
+        let by_m = || Ok(self.partials(point, term)?.m);
+        let first: Option<ByControls<'_>> = if first { Some(&by_m) } else { None };
+        self.second_derivative_by(point, lambda.as_deref(), add, (v, which, first), workspace)
+    }
+
+    /// `(d2j + sum_k y_k d2c_k + sum_k w_k dc_k dc_k^T) v` of costs and constraints by the controls, as `of` weighs them.
+    pub(crate) fn lagrangian_second_derivative(
+        &self,
+        point: &Evaluated,
+        (of, w): (Lagrangian<'_>, &[f64]),
+        (v, which): (&[f64], Hessian),
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<f64>, ControlError> {
+        let lambda = match &point.adjoint {
+            _ if which == Hessian::GaussNewton => None,
+            Some(adjoint) if of.costs && is_of(adjoint, of.y) => Some(Cow::Borrowed(adjoint.lambda.as_slice())),
+            _ => Some(self.lambda(point, self.lagrangian_sensitivity(point, of, workspace)?.1)),
+        };
+        let costs = if of.costs { self.costs_of(point)? } else { Cow::default() };
+        let constraints = self.constraints_of(point)?;
+        let add = |along: &Partials, change: &mut Partials| {
+            costs.iter().try_for_each(|cost| cost.add_second_partials(along, change))?;
+            for ((constraint, y), (_, w)) in
+                Self::with_weights(&constraints, of.y).zip(Self::with_weights(&constraints, w))
+            {
+                constraint.add_second_partials(y, along, change)?;
+                let slopes = constraint.change(along)?;
+                let bent: Vec<f64> = w.iter().zip(&slopes).map(|(w, slope)| w * slope).collect();
+                constraint.add_partials(&bent, change)?;
+            }
+            Ok(())
+        };
+        Ok(self.second_derivative_by(point, lambda.as_deref(), add, (v, which, None), workspace)?.product)
+    }
+
+    /// The second derivative of what has the adjoint `lambda` (the exact one needs it) and whose second partials `add` adds; the
+    /// first one too, where its partial derivative by the controls is given.
+    fn second_derivative_by(
+        &self,
+        point: &Evaluated,
+        lambda: Option<&[f64]>,
+        add: impl Fn(&Partials, &mut Partials) -> Result<(), ControlError>,
+        (v, which, first): (&[f64], Hessian, Option<ByControls<'_>>),
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<SecondDerivative, ControlError> {
+        let at_points = self.layout.change(&point.m, v)?;
+        let exact = which == Hessian::Exact;
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
         let mut second = SecondOrder::new(self.solid.model(), &point.state, &how, &mut workspace.solve)?;
         if !exact {
@@ -93,11 +148,8 @@ impl Reduced {
         }
         let along = Partials { u: second.state_change(&at_points)?, m: v.to_vec() };
         let mut change = Partials::zero(along.u.len(), v.len());
-        let costs = self.costs_of(point)?;
-        for (_, cost) in costs.iter().enumerate().filter(|(k, _)| term.is_none_or(|term| term == *k)) {
-            cost.add_second_partials(&along, &mut change)?;
-        }
-        let adjoint = match &lambda {
+        add(&along, &mut change)?;
+        let adjoint = match lambda {
             Some(lambda) if exact => {
                 let increment = Increment { u: &along.u, controls: &at_points };
                 second.adjoint_change(lambda, &increment, &change.u)?
@@ -109,13 +161,13 @@ impl Reduced {
         axpy(1.0, &self.layout.control_vjp(&point.m, &adjoint.controls), &mut product);
         let mut derivative = Vec::new();
         let fixed_lengths = exact && self.layout.blocks().iter().any(|block| block.length.is_some());
-        if let Some(lambda) = lambda.filter(|_| first || fixed_lengths) {
-            let by_point = self.by_point(point, &lambda)?;
+        if let Some(lambda) = lambda.filter(|_| first.is_some() || fixed_lengths) {
+            let by_point = self.by_point(point, lambda)?;
             if exact {
                 axpy(1.0, &self.layout.second_vjp(&point.m, v, &by_point), &mut product);
             }
-            if first {
-                derivative = self.partials(point, term)?.m;
+            if let Some(by_m) = first {
+                derivative = by_m()?;
                 axpy(1.0, &self.layout.control_vjp(&point.m, &by_point), &mut derivative);
             }
         }
@@ -129,12 +181,16 @@ impl Reduced {
         term: Option<usize>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Cow<'p, [f64]>, ControlError> {
-        if let (None, Some(lambda)) = (term, point.adjoint()) {
-            return Ok(Cow::Borrowed(lambda));
+        match (term, &point.adjoint) {
+            (None, Some(adjoint)) if is_of(adjoint, &[]) => Ok(Cow::Borrowed(&adjoint.lambda)),
+            _ => Ok(self.lambda(point, self.sensitivity(point, term, workspace)?.1)),
         }
-        let (_, adjoint) = self.sensitivity(point, term, workspace)?;
+    }
+
+    /// The adjoint displacement, which is zero where nothing depends on the state.
+    fn lambda<'p>(&self, point: &Evaluated, adjoint: Option<AdjointState>) -> Cow<'p, [f64]> {
         let none = || vec![0.0; point.state.u.len()];
-        Ok(Cow::Owned(adjoint.map_or_else(none, |adjoint| adjoint.lambda)))
+        Cow::Owned(adjoint.map_or_else(none, |adjoint| adjoint.lambda))
     }
 
     /// `lambda . dr/dm` by values at the points.
@@ -144,4 +200,9 @@ impl Reduced {
         at.parallel = self.parallel;
         Ok(self.solid.model().vjp(&at, lambda)?.controls)
     }
+}
+
+/// Whether an adjoint state of the costs has these weights of the constraints.
+fn is_of(adjoint: &AdjointState, y: &[f64]) -> bool {
+    adjoint.multipliers == y || adjoint.multipliers.is_empty() && y.iter().all(|y| *y == 0.0)
 }

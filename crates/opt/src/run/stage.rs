@@ -5,6 +5,7 @@ use crate::failed::Failed;
 use crate::objective::Objective;
 use crate::observer::{Observer, Reason};
 use crate::optimizer::Options;
+use crate::search::Iterate;
 use crate::state::{Progress, StageEnd};
 use crate::stop::{Stall, Stop, Tolerance};
 use nastic_numeric::vector::sub;
@@ -95,14 +96,33 @@ impl<O: Objective> Run<O> {
 
     /// The same control and state under the next stage's value; nothing changes if that fails.
     fn enter(&mut self, stage: usize) -> Result<(), Failed> {
+        let next = self.valued(stage)?;
+        self.progress.stage = stage;
+        self.progress.counts.trials += 1;
+        self.begin_at(next)
+    }
+
+    /// The same control and state under the value that `change` gives the objective, as a new stage begins; `counts` says whether
+    /// that is a trial. The change stays if the new value cannot be had.
+    pub(crate) fn revalue(&mut self, change: impl FnOnce(&mut O), counts: bool) -> Result<(), Failed> {
+        change(&mut self.setting.objective);
+        let next = self.valued(self.progress.stage)?;
+        self.progress.counts.trials += usize::from(counts);
+        self.ended = None;
+        self.begin_at(next)
+    }
+
+    /// The present control as a stage values it, with its derivative.
+    fn valued(&mut self, stage: usize) -> Result<Iterate<O::Point>, Failed> {
         let point = self.setting.objective.restage(stage, &self.current.point)?;
         let cost = self.setting.finite_cost(&point)?;
         let next = self.setting.differentiate(self.current.m.clone(), point, cost, &mut self.workspace);
-        let next = next.map_err(|(_, failed)| failed)?;
+        next.map_err(|(_, failed)| failed)
+    }
+
+    fn begin_at(&mut self, next: Iterate<O::Point>) -> Result<(), Failed> {
         let travel = self.setting.metric.norm(&sub(&self.current.m, &self.progress.stage_start));
         self.current = next;
-        self.progress.stage = stage;
-        self.progress.counts.trials += 1;
         self.progress.counts.derivatives += 1;
         self.begin_stage(Some(travel).filter(|travel| *travel > 0.0)).map_err(Failed::new)
     }

@@ -7,11 +7,11 @@ use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
 use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{RunState, SavedRunError};
+use nastic_opt::{AugmentedState, SavedRunError};
 use serde_json::Value;
 use std::path::Path;
 
-const MAGIC: &str = "nastic-optimisation-4";
+const MAGIC: &str = "nastic-optimisation-5";
 
 /// The content of `checkpoint.bin`.
 pub(in crate::run) struct Checkpoint {
@@ -27,7 +27,7 @@ pub(in crate::run) struct Position {
     pub(super) fixed: Fixed,
     pub(super) trials: Trials,
     /// The run from the present start.
-    pub(super) run: RunState,
+    pub(super) run: AugmentedState,
 }
 
 /// What stays the same from one start to the next.
@@ -55,7 +55,7 @@ pub(super) struct Trials {
 impl Position {
     /// The start and iteration it is of.
     pub(super) fn place(&self) -> Written {
-        Written { start: self.fixed.index, iteration: self.run.progress.counts.iterations }
+        Written { start: self.fixed.index, iteration: self.run.run.progress.counts.iterations }
     }
 
     /// Whether nothing was done yet beyond the first start.
@@ -172,7 +172,13 @@ pub(super) fn before_the_start(case: &CaseRecord) -> Vec<u8> {
 }
 
 /// A checkpoint of a run; `fixed` is [`Fixed::to_bytes`], made once for all checkpoints of a start.
-pub(super) fn of_run(case: &CaseRecord, fixed: &[u8], history: &[u8], trials: &RunTrials, run: &RunState) -> Vec<u8> {
+pub(super) fn of_run(
+    case: &CaseRecord,
+    fixed: &[u8],
+    history: &[u8],
+    trials: &RunTrials,
+    run: &AugmentedState,
+) -> Vec<u8> {
     let mut out = Writer::new("");
     out.bytes(&case.to_bytes());
     out.count(1);
@@ -186,7 +192,7 @@ pub(super) fn of_run(case: &CaseRecord, fixed: &[u8], history: &[u8], trials: &R
 fn read_position(input: &mut Reader<'_>) -> Result<Position, SavedRunError> {
     let fixed = Fixed::from_bytes(&input.list()?)?;
     let trials = Trials { history: input.list()?, run: RunTrials::read(input)? };
-    let run = RunState::from_bytes(&input.list()?)?;
+    let run = AugmentedState::from_bytes(&input.list()?)?;
     Ok(Position { fixed, trials, run })
 }
 

@@ -3,24 +3,38 @@
 use nastic_control::{Ensemble, EnsemblePoint, read_report, write_report};
 use nastic_fem::SolveReport;
 use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{Best, Failed, Objective, Request, SavedRunError};
+use nastic_opt::{AugmentedLagrangian, Best, ConstraintsReport, Failed, Objective, Request, SavedRunError};
 
-const MAGIC: &str = "nastic-finished-run-1";
+const MAGIC: &str = "nastic-finished-run-2";
 
 /// A run from one start.
 pub(super) struct FinishedRun {
     /// Where it began.
     pub start: EnsemblePoint,
     pub best: Best<EnsemblePoint>,
+    /// Values and multipliers of the constraints there.
+    pub constraints: ConstraintsReport,
     /// Work of all trials, by member.
     pub work: Vec<SolveReport>,
 }
 
 impl FinishedRun {
+    /// Whether it came down deeper; of runs that do not both meet the constraints, whether it comes closer to that.
+    pub fn is_better_than(&self, other: &Self) -> bool {
+        // What feasible runs violate is rounding.
+        let violation = |run: &Self| match run.constraints.violation {
+            violation if violation <= AugmentedLagrangian::default().feasibility => 0.0,
+            violation => violation,
+        };
+        let (own, others) = (violation(self), violation(other));
+        own < others || own == others && self.best.cost < other.best.cost
+    }
+
     pub fn to_bytes(&self, ensemble: &Ensemble) -> Vec<u8> {
         let mut out = Writer::new(MAGIC);
         write_start(&self.start, ensemble, &mut out);
         out.bytes(&self.best.save(ensemble));
+        self.constraints.write(&mut out);
         write_work(&self.work, &mut out);
         out.finish()
     }
@@ -29,9 +43,10 @@ impl FinishedRun {
         let mut input = Reader::new(bytes, MAGIC).map_err(Failed::new)?;
         let start = read_start(&mut input, ensemble)?;
         let best = Best::load(ensemble, &input.list().map_err(Failed::new)?)?;
+        let constraints = ConstraintsReport::read(&mut input).map_err(Failed::new)?;
         let work = read_work(&mut input).map_err(Failed::new)?;
         input.finish().map_err(Failed::new)?;
-        Ok(Self { start, best, work })
+        Ok(Self { start, best, constraints, work })
     }
 }
 

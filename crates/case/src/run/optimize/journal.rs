@@ -9,7 +9,7 @@ use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
 use crate::run::session::Session;
-use nastic_opt::RunState;
+use nastic_opt::AugmentedState;
 use serde_json::Value;
 
 /// `history.jsonl` and `checkpoint.bin`. An optimisation does not end for a file that cannot be written: that is said at
@@ -105,13 +105,13 @@ impl Journal {
     }
 
     /// Writes a scheduled checkpoint; if that fails the last good one stays.
-    pub fn save(&mut self, run: &RunState, trials: &RunTrials) {
+    pub fn save(&mut self, run: &AugmentedState, trials: &RunTrials) {
         let Some(out) = &self.out else { return };
         let history = self.history.as_ref().map_or(&[] as &[u8], History::text);
         let content = checkpoint::of_run(&self.case, &self.fixed, history, trials, run);
         match checkpoint_file::write(out, &content) {
             Ok(()) => {
-                self.written = Some(Written { start: self.index, iteration: run.progress.counts.iterations });
+                self.written = Some(Written { start: self.index, iteration: run.run.progress.counts.iterations });
                 self.unsaved = None;
             }
             Err(error) => {

@@ -11,7 +11,7 @@ use super::super::solve::{
 use super::super::states::Shown;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
-use super::{advice, fall, revalued, starts, why};
+use super::{advice, constraints, fall, revalued, starts, why};
 use crate::lower::CaseMember;
 use crate::result::convergence;
 use crate::result::inspection::Inspection;
@@ -45,7 +45,7 @@ pub(super) fn report(
     entries_of_starts: &[Value],
     resumable: Option<Written>,
 ) -> Result<Vec<Inspection>, RunError> {
-    let FinishedRun { start, best, work } = ended;
+    let FinishedRun { start, best, work, .. } = ended;
     let found = session.inspect("optimum", &best.point);
     let problem = &session.problem;
     let reports = member_report::of_inspected(problem, &best.point, &found);
@@ -59,9 +59,13 @@ pub(super) fn report(
     let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(problem, &best.derivative);
     let controls = summary::controls(problem, &best.m);
+    let constraints = constraints::json(problem, &ended.constraints);
     session.put_all(entries);
     if let Some(begin) = begin {
         session.put("start", Value::Object(begin));
+    }
+    if let Some(constraints) = constraints {
+        session.put("constraints", constraints);
     }
     session.put("controls", controls);
     session.put("derivative_norm", norm);
@@ -89,7 +93,7 @@ pub(super) fn report(
     session.put_all(summary::work(&total));
     session.console.say("");
     starts::say(session, entries_of_starts, index);
-    say(session, best, resumable);
+    say(session, ended, resumable);
     session.timed("write", |session| write(session, ended, &found, (index, entries_of_starts.len())))?;
     Ok(found)
 }
@@ -112,7 +116,8 @@ pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: V
     session.shown = Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
 }
 
-fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Written>) {
+fn say(session: &Session<'_>, ended: &FinishedRun, resumable: Option<Written>) {
+    let best = &ended.best;
     let (console, result) = (session.console, session.result_value());
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
     console.say(format!("end         {}", why(&best.stop)));
@@ -132,6 +137,7 @@ fn say(session: &Session<'_>, best: &Best<EnsemblePoint>, resumable: Option<Writ
             console.say(format!("            {name} {}", fall(from, number(value))));
         }
     }
+    constraints::say(session, &ended.constraints);
     if result["hausdorff"].is_object() {
         let unit = session.problem.units().length().symbol;
         let (from, to) = (number(&result["start"]["hausdorff"]["true"]), number(&result["hausdorff"]["true"]));

@@ -14,7 +14,7 @@ use crate::result::snapshot;
 use nastic_control::{EnsemblePoint, Evaluated, StateFields};
 use nastic_fem::SolveOptions;
 use nastic_io::write_atomically;
-use nastic_opt::{Objective, Reason, RunState, Summary, Trial, TrialTable};
+use nastic_opt::{AugmentedState, Constrained, Objective, Reason, Summary, Trial, TrialTable};
 use nastic_report::Iterates;
 use rayon::prelude::*;
 use serde_json::json;
@@ -74,7 +74,8 @@ impl<'s> Recorder<'s> {
 
     /// Says the names of the columns, which follow from what is known of a point.
     fn begin_table(&mut self, figures: &Summary) -> TrialTable {
-        let table = TrialTable::new(self.problem.stages(), figures);
+        let table = TrialTable::new(self.problem.stages(), figures)
+            .with_violation(!self.problem.ensemble.constraints().is_empty());
         if self.explain {
             table.explain().into_iter().for_each(|line| self.console.say(line));
             self.console.say("");
@@ -84,7 +85,7 @@ impl<'s> Recorder<'s> {
     }
 
     /// Writes a scheduled checkpoint, unless something that belongs into it was broken off.
-    pub fn save(&mut self, run: &RunState) {
+    pub fn save(&mut self, run: &AugmentedState) {
         if self.broken_off {
             return;
         }
@@ -100,7 +101,7 @@ impl<'s> Recorder<'s> {
         let figures = point.map_or_else(Summary::default, |point| self.problem.ensemble.figures(point));
         let seconds = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
-        if let Some(point) = trial.point.filter(|_| trial.reason != Reason::Stage) {
+        if let Some(point) = trial.point.filter(|_| !trial.reason.is_revaluation()) {
             self.trials.work.iter_mut().zip(&point.members).for_each(|(work, at)| work.add_work(&at.total_work()));
         } else if let (None, Some(newton), Some(first)) =
             (trial.cost, trial.summary.get("newton"), self.trials.work.first_mut())
@@ -127,6 +128,11 @@ impl<'s> Recorder<'s> {
             if let (Some(point), true) = (trial.point, self.problem.has_scenarios()) {
                 line.insert("scenarios".into(), json!(point.costs));
             }
+            for name in ["objective", "violation", "penalty"] {
+                if let Some(value) = trial.summary.get(name) {
+                    line.insert(name.into(), json!(value));
+                }
+            }
             if self.start.1 > 1 {
                 line.insert("start".into(), json!(self.start.0));
             }
@@ -140,7 +146,7 @@ impl<'s> Recorder<'s> {
     /// Whether an accepted point lies on another branch than the one before; `None` where that is not known.
     fn changes_branch(&mut self, point: &EnsemblePoint, trial: &Trial<'_, EnsemblePoint>) -> Option<bool> {
         // The start, which a resumed run tells of once more, and the point of a new stage have none before them.
-        let fresh = trial.iteration == 0 || trial.reason == Reason::Stage;
+        let fresh = trial.iteration == 0 || trial.reason.is_revaluation();
         let before = self.before.replace(Before::new(point)).filter(|_| !fresh);
         let Some(before) = before else { return Some(false) };
         let changed = self.trials.changes.add((self.problem, &self.cancel), &before, point, trial.iteration);
@@ -162,7 +168,8 @@ impl<'s> Recorder<'s> {
     /// Every so many iterations, the start among them.
     fn snapshot(&mut self, trial: &Trial<'_, EnsemblePoint>) {
         let every = self.problem.case.output.every;
-        let due = trial.accepted && every > 0 && trial.iteration.is_multiple_of(every) && trial.reason != Reason::Stage;
+        let due =
+            trial.accepted && every > 0 && trial.iteration.is_multiple_of(every) && !trial.reason.is_revaluation();
         let (Some(point), true) = (trial.point, due) else { return };
         if let Err(error) = self.write(trial.iteration, point, trial.derivative) {
             self.trials.snapshots.retain(|iteration| *iteration != trial.iteration);
@@ -172,7 +179,7 @@ impl<'s> Recorder<'s> {
 
     /// Keeps shape and controls of an accepted iteration, load case by load case.
     fn keep(&mut self, trial: &Trial<'_, EnsemblePoint>) {
-        let due = self.out.is_some() && trial.accepted && trial.reason != Reason::Stage;
+        let due = self.out.is_some() && trial.accepted && !trial.reason.is_revaluation();
         let (Some(point), true) = (trial.point, due && Iterates::wants(trial.iteration)) else { return };
         for ((member, at), kept) in self.problem.leads().zip(&point.members).zip(&mut self.trials.iterates) {
             match snapshot::iterate(member, &StateFields::new(&at.state, &at.m)) {

@@ -67,7 +67,7 @@ impl Starts {
     ) -> Result<(), RunError> {
         let ensemble = &session.problem.ensemble;
         let Position { fixed, trials, run } = position;
-        let (index, iteration) = (fixed.index, run.progress.counts.iterations);
+        let (index, iteration) = (fixed.index, run.run.progress.counts.iterations);
         let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
         *self = Starts::from_bytes(&fixed.finished, ensemble).map_err(unfit)?;
         self.warnings.iter().for_each(|warning| session.say_warning(warning));
@@ -188,7 +188,7 @@ impl Starts {
             self.abort(why);
         }
         self.entries.push(entry(seed(session, index), &ended, certificate));
-        if self.best.as_ref().is_none_or(|(_, best)| ended.best.cost < best.best.cost) {
+        if self.best.as_ref().is_none_or(|(_, best)| ended.is_better_than(best)) {
             self.best = Some((index, ended));
         }
     }
@@ -316,6 +316,9 @@ fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Value) -> Value {
         "iterations": best.counts.iterations, "trials": best.counts.trials, "converged": best.stop.is_converged(),
         "stop": best.stop.to_string(),
     });
+    if !ended.constraints.groups.is_empty() {
+        out["violation"] = json!(ended.constraints.violation);
+    }
     // That of the start as written is the result's own.
     if seed.is_some() {
         out["gradient_check"] = certificate;

@@ -1,0 +1,64 @@
+//! Obstacles as bodies to be drawn.
+
+use crate::lower::CaseMember;
+use crate::schema::{Constraint, Cost, Shape};
+use nastic_mesh::{CellKind, Mesh, Snapshot, box_mesh};
+
+/// Cells per direction; odd, so that a layer in the middle can be stretched.
+const CELLS: usize = 11;
+
+/// The obstacles of a member's constraints and costs, each once; half-spaces have no end and are left out.
+pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
+    let case = member.case();
+    let of_constraint = |block: &Constraint| block.obstacle.as_ref().map(|keep_out| keep_out.shape.clone());
+    let of_cost = |block: &Cost| match block {
+        Cost::Obstacle(block) => Some(block.shape.clone()),
+        _ => None,
+    };
+    let mut meshes: Vec<Mesh> = Vec::new();
+    let shapes = case.constraints.iter().filter_map(of_constraint).chain(case.costs.iter().filter_map(of_cost));
+    for mesh in shapes.filter_map(|shape| mesh(&shape)) {
+        if !meshes.iter().any(|known| known.points() == mesh.points()) {
+            meshes.push(mesh);
+        }
+    }
+    if member.mesh().dim() == 3 { meshes.into_iter().map(Snapshot::new).collect() } else { vec![] }
+}
+
+/// A ball or a capsule of bricks.
+fn mesh(shape: &Shape) -> Option<Mesh> {
+    let (from, to, radius) = match shape {
+        Shape::Sphere(sphere) => (sphere.center.xyz(), sphere.center.xyz(), sphere.radius),
+        Shape::Capsule(capsule) => (capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
+        Shape::HalfSpace(_) => return None,
+    };
+    let along: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
+    let length = norm(&along);
+    let axis = if length > 0.0 { along.map(|a| a / length) } else { [0.0, 0.0, 1.0] };
+    let frame = frame(axis);
+    let cube = box_mesh([2.0; 3], [CELLS; 3], CellKind::Hex8).ok()?;
+    let place = |x: [f64; 3]| {
+        // The cube to the unit ball: the same direction, the largest coordinate for a length.
+        let p = x.map(|x| x - 1.0);
+        let (size, largest) = (norm(&p), p.iter().fold(0.0, |most: f64, p| most.max(p.abs())));
+        let q = p.map(|p| if size > 0.0 { radius * p * largest / size } else { 0.0 });
+        let end = if p[2] > 0.0 { to } else { from };
+        std::array::from_fn(|i| end[i] + (0..3).map(|k| q[k] * frame[k][i]).sum::<f64>())
+    };
+    cube.mapped(place).ok()
+}
+
+fn norm(v: &[f64; 3]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// An orthonormal, right-handed frame with this third vector.
+fn frame(c: [f64; 3]) -> [[f64; 3]; 3] {
+    let helper = if c[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let b = cross(c, helper);
+    let size = norm(&b);
+    let b = b.map(|b| b / size);
+    [cross(b, c), b, c]
+}

@@ -1,0 +1,68 @@
+//! The blocks of `constraints`.
+
+use crate::schema::cost::Cost;
+use crate::schema::obstacle::Shape;
+use crate::schema::read::Reader;
+use nastic_mesh::GroupNames;
+
+object! {
+    /// A condition that the optimum must fulfil: nodes keep clear of an obstacle, or a bound on a functional.
+    pub struct Constraint one of [obstacle, cost] checked by check_bound {
+        /// Name in results; "obstacle" or the kind of the functional if left out.
+        pub name: Option<String>,
+        /// Nodes keep clear of an obstacle.
+        pub obstacle: Option<KeepOut>,
+        /// A functional, as a term of the cost is written.
+        pub cost: Option<Cost>,
+        /// Its upper bound.
+        pub at_most: Option<f64>,
+        /// The value that it must have.
+        pub equal: Option<f64>,
+        /// A value that counts as large, in which violations of the bound are measured; the bound's absolute value if left out.
+        pub scale: Option<f64> as POSITIVE,
+    }
+}
+
+object! {
+    /// Every node keeps at least the clearance from an obstacle.
+    pub struct KeepOut one of [surface, region, nodes] {
+        /// Surface of the mesh.
+        pub surface: Option<GroupNames>,
+        /// Region of the mesh.
+        pub region: Option<GroupNames>,
+        /// Node set of the mesh.
+        pub nodes: Option<GroupNames>,
+        /// The obstacle.
+        pub shape: Shape,
+        /// The distance to keep.
+        pub clearance: f64 as LENGTH = 0.0,
+    }
+}
+
+impl Constraint {
+    /// Name in results.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        let kind = self.cost.as_ref().map_or("obstacle", Cost::name);
+        self.name.as_deref().unwrap_or(kind)
+    }
+}
+
+fn check_bound(block: &Constraint, reader: &mut Reader<'_>) {
+    let bounds = usize::from(block.at_most.is_some()) + usize::from(block.equal.is_some());
+    if block.cost.is_some() && bounds != 1 {
+        reader.complain_at(&block.at, "a bounded functional needs exactly one of \"at_most\" and \"equal\"");
+    }
+    if block.obstacle.is_some() && (bounds > 0 || block.scale.is_some()) {
+        let message = "an obstacle has no bound: \"clearance\" in its block is the distance to keep";
+        reader.complain_at(&block.at, message);
+    }
+    let bound = block.at_most.or(block.equal);
+    if block.cost.is_some() && bound == Some(0.0) && block.scale.is_none() {
+        let message = "a bound of zero needs a \"scale\": a value of the functional that counts as large";
+        reader.complain_at(&block.at, message);
+    }
+    if block.cost.as_ref().is_some_and(|cost| cost.weight() == 0.0) {
+        reader.complain_at(&block.at.key("cost"), "the weight is zero: the functional is zero, whatever the state");
+    }
+}

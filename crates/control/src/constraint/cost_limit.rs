@@ -1,0 +1,121 @@
+//! [`CostLimit`]: a bound on any cost.
+
+use super::{Constraint, ConstraintPoint, IntoConstraint};
+use crate::cost::{Cost, CostContext, CostPoint, CostTarget, IntoCost, Partials};
+use crate::error::ControlError;
+use nastic_fem::Solid;
+use nastic_numeric::vector::{axpy, dot};
+use nastic_opt::{ConstraintGroup, Sense};
+use std::sync::Arc;
+
+/// `c = j(u, m) - bound <= 0` (or `= 0`) for any cost j, in its last continuation stage.
+///
+/// Scale: `|bound|`, unless it is given ([`scale`](Self::scale)); a bound of zero needs one.
+#[derive(Debug)]
+pub struct CostLimit<C> {
+    cost: C,
+    sense: Sense,
+    bound: f64,
+    scale: Option<f64>,
+}
+
+impl<C: IntoCost> CostLimit<C> {
+    /// `j <= bound`
+    pub fn at_most(cost: C, bound: f64) -> Self {
+        CostLimit { cost, sense: Sense::AtMost, bound, scale: None }
+    }
+
+    /// `j = bound`
+    pub fn equal(cost: C, bound: f64) -> Self {
+        CostLimit { cost, sense: Sense::Equal, bound, scale: None }
+    }
+
+    /// What violations are measured in, > 0, in the cost's unit.
+    pub fn scale(mut self, scale: f64) -> Self {
+        self.scale = Some(scale);
+        self
+    }
+}
+
+impl<C: IntoCost> IntoConstraint for CostLimit<C> {
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Constraint>, ControlError> {
+        let CostLimit { cost, sense, bound, scale } = self;
+        let cost = cost.bind(solid)?;
+        let (name, scale) = (cost.name().to_owned(), scale.unwrap_or(bound.abs()));
+        if !(bound.is_finite() && scale > 0.0 && scale.is_finite()) {
+            let what = format!(
+                "the constraint {name} has the bound {bound} and the scale {scale}: a bound is finite, a scale positive; a bound of zero \
+                 needs a scale, a value of the functional that counts as large"
+            );
+            return Err(ControlError::Cost { what });
+        }
+        Ok(Box::new(BoundLimit { cost, group: ConstraintGroup { name, sense, len: 1, scale }, bound }))
+    }
+}
+
+#[derive(Debug)]
+struct BoundLimit {
+    cost: Box<dyn Cost>,
+    group: ConstraintGroup,
+    bound: f64,
+}
+
+impl Constraint for BoundLimit {
+    fn group(&self) -> ConstraintGroup {
+        self.group.clone()
+    }
+
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
+        let cost = self.cost.at(&CostContext { stage: self.cost.stages().saturating_sub(1), ..*at })?;
+        Ok(Arc::new(Point { values: [cost.value() - self.bound], cost, sizes: [at.u.len(), at.m.len()] }))
+    }
+
+    fn target(&self, solid: &Solid) -> Option<CostTarget> {
+        self.cost.target(solid)
+    }
+}
+
+#[derive(Debug)]
+struct Point {
+    cost: Arc<dyn CostPoint>,
+    values: [f64; 1],
+    /// Lengths of u and m.
+    sizes: [usize; 2],
+}
+
+impl Point {
+    fn zero(&self) -> Partials {
+        Partials::zero(self.sizes[0], self.sizes[1])
+    }
+}
+
+fn add(y: f64, from: &Partials, out: &mut Partials) {
+    axpy(y, &from.u, &mut out.u);
+    axpy(y, &from.m, &mut out.m);
+}
+
+impl ConstraintPoint for Point {
+    fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    fn add_partials(&self, y: &[f64], out: &mut Partials) -> Result<(), ControlError> {
+        let mut own = self.zero();
+        self.cost.add_partials(&mut own)?;
+        y.iter().for_each(|y| add(*y, &own, out));
+        Ok(())
+    }
+
+    fn change(&self, along: &Partials) -> Result<Vec<f64>, ControlError> {
+        let mut own = self.zero();
+        self.cost.add_partials(&mut own)?;
+        Ok(vec![dot(&own.u, &along.u) + dot(&own.m, &along.m)])
+    }
+
+    fn add_second_partials(&self, y: &[f64], along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
+        let mut own = self.zero();
+        self.cost.add_second_partials(along, &mut own)?;
+        y.iter().for_each(|y| add(*y, &own, out));
+        Ok(())
+    }
+}

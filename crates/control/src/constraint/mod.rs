@@ -1,0 +1,76 @@
+//! Constraints: conditions c(u, m) <= 0 or c(u, m) = 0 on state and control.
+
+mod cost_limit;
+mod obstacle_distance;
+
+pub use cost_limit::CostLimit;
+pub use obstacle_distance::ObstacleDistance;
+
+use crate::cost::{CostContext, CostTarget, Partials};
+use crate::error::ControlError;
+use nastic_fem::Solid;
+use nastic_opt::ConstraintGroup;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// Constraints of one name bound to a body: one value c, or one for each of many points. What the augmented Lagrangian
+/// ([`nastic_opt::AugmentedLagrangian`]) needs of them follows by one adjoint, as for [`Cost`](crate::Cost)s. Contract: as there.
+pub trait Constraint: Debug + Send + Sync {
+    /// Name, sense, number of values and scale; the same for every state.
+    fn group(&self) -> ConstraintGroup;
+
+    /// SI unit of the values; empty for plain numbers, and where it is not known.
+    fn unit(&self) -> &'static str {
+        ""
+    }
+
+    /// Evaluated at a displacement and a control; `at.stage` does not matter.
+    ///
+    /// # Errors
+    /// Where the constraint is not defined.
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError>;
+
+    /// The shape to be shown with the body, where there is one.
+    fn target(&self, _solid: &Solid) -> Option<CostTarget> {
+        None
+    }
+}
+
+/// Constraints evaluated at one (u, m). A value: it depends on nothing that changes.
+pub trait ConstraintPoint: Debug + Send + Sync {
+    /// The values c_k.
+    fn values(&self) -> &[f64];
+
+    /// Adds `sum_k y_k dc_k/du` and `sum_k y_k dc_k/dm`.
+    ///
+    /// # Errors
+    /// A derivative that is not finite.
+    fn add_partials(&self, y: &[f64], out: &mut Partials) -> Result<(), ControlError>;
+
+    /// The changes `dc_k` along a change `(du, v)`.
+    ///
+    /// # Errors
+    /// As [`add_partials`](Self::add_partials).
+    fn change(&self, along: &Partials) -> Result<Vec<f64>, ControlError>;
+
+    /// Adds the change of `sum_k y_k dc_k/d(u, m)` along a change `(du, v)`.
+    ///
+    /// # Errors
+    /// [`ControlError::NoSecondPartials`] of constraints without second derivatives.
+    fn add_second_partials(&self, y: &[f64], along: &Partials, out: &mut Partials) -> Result<(), ControlError>;
+}
+
+/// What can become constraints once the body is known.
+pub trait IntoConstraint {
+    /// Looks up surfaces, checks.
+    ///
+    /// # Errors
+    /// Unknown names, numbers that make no sense.
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Constraint>, ControlError>;
+}
+
+impl IntoConstraint for Box<dyn Constraint> {
+    fn bind(self, _: &Solid) -> Result<Box<dyn Constraint>, ControlError> {
+        Ok(self)
+    }
+}

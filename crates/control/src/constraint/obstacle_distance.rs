@@ -1,0 +1,138 @@
+//! [`ObstacleDistance`]: nodes that keep clear of an obstacle.
+
+use super::{Constraint, ConstraintPoint, IntoConstraint};
+use crate::cost::body_points::Place;
+use crate::cost::obstacle::Distance;
+use crate::cost::{CostContext, Obstacle, Partials};
+use crate::error::ControlError;
+use nastic_fem::Solid;
+use nastic_mesh::GroupNames;
+use nastic_numeric::vector::dot;
+use nastic_opt::{ConstraintGroup, Sense};
+use std::sync::Arc;
+
+/// `c_a = clearance - d(x_a) <= 0` for every node a of a surface, region or node set, with `x_a = X_a + u_a` and d the signed distance
+/// from an [`Obstacle`]: one inequality and one multiplier for every node. Between nodes a surface may enter the obstacle by what
+/// its cells bend.
+///
+/// `dc_a/du_a = -grad d`, `d2c_a/du_a^2 = -d2d/dx2`. Unit: length. Scale: the diagonal of the body's bounding box. The multiplier of a
+/// node is the force (cost per length) with which the obstacle would push it.
+/// Source: docs/model.md section 5.
+#[derive(Clone, Debug)]
+pub struct ObstacleDistance {
+    place: Place,
+    obstacle: Obstacle,
+    clearance: f64,
+}
+
+impl ObstacleDistance {
+    fn of(place: Place, obstacle: Obstacle) -> Self {
+        ObstacleDistance { place, obstacle, clearance: 0.0 }
+    }
+
+    /// Of the nodes of a named surface, or of several.
+    pub fn surface(names: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
+        Self::of(Place::Surface(names.into()), obstacle)
+    }
+
+    /// Of the nodes of a named region, or of several.
+    pub fn region(names: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
+        Self::of(Place::Region(names.into()), obstacle)
+    }
+
+    /// Of named node sets.
+    pub fn nodes(names: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
+        Self::of(Place::Nodes(names.into()), obstacle)
+    }
+
+    /// The distance to keep; zero if not given.
+    pub fn clearance(mut self, clearance: f64) -> Self {
+        self.clearance = clearance;
+        self
+    }
+}
+
+impl IntoConstraint for ObstacleDistance {
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Constraint>, ControlError> {
+        self.obstacle.check()?;
+        if !self.clearance.is_finite() {
+            let what = format!("an obstacle has the clearance {}; clearances are finite", self.clearance);
+            return Err(ControlError::Cost { what });
+        }
+        let (_, nodes) = self.place.points(solid)?;
+        let scale = solid.mesh().diagonal();
+        Ok(Box::new(Bound { nodes: nodes.into(), obstacle: self.obstacle, clearance: self.clearance, scale }))
+    }
+}
+
+#[derive(Debug)]
+struct Bound {
+    nodes: Arc<[u32]>,
+    obstacle: Obstacle,
+    clearance: f64,
+    scale: f64,
+}
+
+impl Constraint for Bound {
+    fn group(&self) -> ConstraintGroup {
+        let (sense, len) = (Sense::AtMost, self.nodes.len());
+        ConstraintGroup { name: "obstacle".into(), sense, len, scale: self.scale }
+    }
+
+    fn unit(&self) -> &'static str {
+        "m"
+    }
+
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
+        let (dim, rest) = (at.solid.discretization().dim(), at.solid.mesh().points());
+        let distance = |node: &u32| {
+            let mut x = rest[*node as usize];
+            (0..dim).for_each(|i| x[i] += at.u[*node as usize * dim + i]);
+            self.obstacle.at(&x)
+        };
+        let distances: Vec<Distance> = self.nodes.iter().map(distance).collect();
+        let values = distances.iter().map(|d| self.clearance - d.value).collect();
+        Ok(Arc::new(Point { nodes: self.nodes.clone(), dim, distances, values }))
+    }
+}
+
+#[derive(Debug)]
+struct Point {
+    nodes: Arc<[u32]>,
+    dim: usize,
+    distances: Vec<Distance>,
+    values: Vec<f64>,
+}
+
+impl Point {
+    /// Every node's first unknown, and its distance.
+    fn each(&self) -> impl Iterator<Item = (usize, &Distance)> {
+        self.nodes.iter().map(|node| *node as usize * self.dim).zip(&self.distances)
+    }
+}
+
+impl ConstraintPoint for Point {
+    fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    fn add_partials(&self, y: &[f64], out: &mut Partials) -> Result<(), ControlError> {
+        for ((first, d), y) in self.each().zip(y) {
+            (0..self.dim).for_each(|i| out.u[first + i] -= y * d.normal[i]);
+        }
+        Ok(())
+    }
+
+    fn change(&self, along: &Partials) -> Result<Vec<f64>, ControlError> {
+        let of = |(first, d): (usize, &Distance)| -dot(&d.normal[..self.dim], &along.u[first..first + self.dim]);
+        Ok(self.each().map(of).collect())
+    }
+
+    fn add_second_partials(&self, y: &[f64], along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
+        for ((first, d), y) in self.each().zip(y) {
+            let bent = d.second(&along.u[first..first + self.dim]);
+            (0..self.dim).for_each(|i| out.u[first + i] -= y * bent[i]);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,140 @@
+//! Constraints of an ensemble: those of every member.
+
+use super::blocks::{gather, scatter};
+use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member};
+use crate::reduced::Lagrangian;
+use nastic_numeric::vector::axpy;
+use nastic_opt::{Constrained, ConstraintGroup, Failed, Hessian};
+
+impl Constrained for Ensemble {
+    /// Every load case of every scenario keeps its own: groups `MEMBER/NAME`, member by member.
+    fn constraints(&self) -> Vec<ConstraintGroup> {
+        let of = |member: &Member| {
+            let named = |group: ConstraintGroup| match member.name.as_str() {
+                "" => group,
+                member => ConstraintGroup { name: format!("{member}/{}", group.name), ..group },
+            };
+            member.problem.constraints().into_iter().map(named).collect::<Vec<_>>()
+        };
+        self.members.iter().flat_map(of).collect()
+    }
+
+    fn constraint_values(&self, point: &EnsemblePoint) -> Vec<f64> {
+        point.members.iter().flat_map(|at| at.constraints.iter().copied()).collect()
+    }
+
+    fn lagrangian_derivative(
+        &self,
+        point: &mut EnsemblePoint,
+        y: &[f64],
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, Failed> {
+        Ok(self.lagrangian_derivative_typed(point, y, workspace)?)
+    }
+
+    /// Costs and constraints of a member together, two linear solves; apart where the measure of risk is not linear.
+    fn lagrangian_hessian_vector(
+        &self,
+        point: &EnsemblePoint,
+        weights: [&[f64]; 2],
+        along: (&[f64], Hessian),
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, Failed> {
+        Ok(self.lagrangian_hessian_typed(point, weights, along, workspace)?)
+    }
+}
+
+/// What of a member enters the sum `R(j) + y . c`: `factor * (costs * j + y . c)`.
+struct Share {
+    factor: f64,
+    costs: bool,
+    y: Vec<f64>,
+    w: Vec<f64>,
+}
+
+impl Share {
+    /// Of a cost of this weight; its adjoint is that of the cost itself where it can be.
+    fn new(weight: f64, y: &[f64], w: &[f64]) -> Self {
+        let factor = if weight != 0.0 { weight } else { 1.0 };
+        let scaled = |x: &[f64]| x.iter().map(|x| x / factor).collect();
+        Share { factor, costs: weight != 0.0, y: scaled(y), w: scaled(w) }
+    }
+
+    fn is_nothing(&self) -> bool {
+        !self.costs && self.y.iter().chain(&self.w).all(|x| *x == 0.0)
+    }
+}
+
+impl Ensemble {
+    /// The shares of all members whose costs have these weights.
+    fn shares(&self, point: &EnsemblePoint, [y, w]: [&[f64]; 2], weight: impl Fn(&Member) -> f64) -> Vec<Share> {
+        let mut first = 0;
+        let of = |(member, at): (&Member, &crate::evaluated::Evaluated)| {
+            let own = |x: &[f64]| x.get(first..first + at.constraints.len()).unwrap_or_default().to_vec();
+            let share = Share::new(weight(member), &own(y), &own(w));
+            first += at.constraints.len();
+            share
+        };
+        self.members.iter().zip(&point.members).map(of).collect()
+    }
+
+    fn lagrangian_derivative_typed(
+        &self,
+        point: &mut EnsemblePoint,
+        y: &[f64],
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
+        let by_cost = self.risk.weights(&self.probabilities, &point.costs);
+        let shares = self.shares(point, [y, &[]], |member| by_cost[member.scenario] * member.weight);
+        let members = &point.members;
+        let found = self.side_by_side(workspace, |index, member, workspace| {
+            let (Some(share), Some(at)) = (shares.get(index).filter(|share| !share.is_nothing()), members.get(index))
+            else {
+                return Ok(None);
+            };
+            let of = Lagrangian { costs: share.costs, y: &share.y };
+            member.problem.lagrangian_sensitivity(at, of, workspace).map(Some)
+        })?;
+        let mut out = vec![0.0; self.len];
+        for (((member, at), share), found) in self.members.iter().zip(&mut point.members).zip(&shares).zip(found) {
+            let Some((derivative, adjoint)) = found else { continue };
+            scatter(&self.blocks, member, share.factor, &derivative, &mut out);
+            // Without its costs it is no adjoint that a point is said to have.
+            at.adjoint = adjoint.filter(|_| share.costs);
+        }
+        Ok(out)
+    }
+
+    fn lagrangian_hessian_typed(
+        &self,
+        point: &EnsemblePoint,
+        weights: [&[f64]; 2],
+        (v, which): (&[f64], Hessian),
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
+        self.check_len(v)?;
+        let bends = self.names.len() > 1 && !self.risk.is_linear();
+        let by_cost = self.risk.weights(&self.probabilities, &point.costs);
+        let weight = |member: &Member| if bends { 0.0 } else { by_cost[member.scenario] * member.weight };
+        let shares = self.shares(point, weights, weight);
+        let found = self.side_by_side(workspace, |index, member, workspace| {
+            let (Some(share), Some(at)) =
+                (shares.get(index).filter(|share| !share.is_nothing()), point.members.get(index))
+            else {
+                return Ok(None);
+            };
+            let (of, along) = (Lagrangian { costs: share.costs, y: &share.y }, gather(&self.blocks, member, v));
+            member.problem.lagrangian_second_derivative(at, (of, &share.w), (&along, which), workspace).map(Some)
+        })?;
+        let mut out = vec![0.0; self.len];
+        for ((member, share), product) in self.members.iter().zip(&shares).zip(found) {
+            if let Some(product) = product {
+                scatter(&self.blocks, member, share.factor, &product, &mut out);
+            }
+        }
+        if bends {
+            axpy(1.0, &self.second_derivative(point, v, which, workspace)?, &mut out);
+        }
+        Ok(out)
+    }
+}

@@ -1,0 +1,131 @@
+//! Constraints of a reduced problem.
+
+use super::Reduced;
+use crate::constraint::{Constraint, ConstraintPoint, IntoConstraint};
+use crate::cost::Partials;
+use crate::error::ControlError;
+use crate::evaluated::{AdjointState, Evaluated};
+use crate::workspace::ReducedWorkspace;
+use nastic_fem::State;
+use nastic_opt::{Constrained, ConstraintGroup, Failed, Hessian};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// What a derivative is of: the sum of the costs (or nothing) and `sum_k y_k c_k`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lagrangian<'a> {
+    pub costs: bool,
+    pub y: &'a [f64],
+}
+
+impl Reduced {
+    /// Adds a constraint, which [`nastic_opt::AugmentedLagrangian`] holds; optimisers by themselves know nothing of it.
+    ///
+    /// # Errors
+    /// What the constraint does not find on the body.
+    pub fn constrain(mut self, constraint: impl IntoConstraint) -> Result<Self, ControlError> {
+        self.constraints.push(constraint.bind(&self.solid)?);
+        Ok(self)
+    }
+
+    /// The bound constraints.
+    pub fn constraint_terms(&self) -> &[Box<dyn Constraint>] {
+        &self.constraints
+    }
+
+    /// Evaluates the constraints in a state.
+    pub(super) fn constraints_at(
+        &self,
+        state: &State,
+        m: &[f64],
+    ) -> Result<Vec<Arc<dyn ConstraintPoint>>, ControlError> {
+        let context = self.context(state, m, 0);
+        self.constraints.iter().map(|constraint| constraint.at(&context)).collect()
+    }
+
+    /// The evaluated constraints of a point: those it keeps, or evaluated again.
+    pub(super) fn constraints_of<'a>(
+        &self,
+        point: &'a Evaluated,
+    ) -> Result<Cow<'a, [Arc<dyn ConstraintPoint>]>, ControlError> {
+        if point.constraint_points.len() == self.constraints.len() {
+            return Ok(Cow::Borrowed(&point.constraint_points));
+        }
+        self.constraints_at(&point.state, &point.m).map(Cow::Owned)
+    }
+
+    /// Each evaluated constraint with its part of weights given for all values.
+    pub(super) fn with_weights<'a>(
+        constraints: &'a [Arc<dyn ConstraintPoint>],
+        weights: &'a [f64],
+    ) -> impl Iterator<Item = (&'a Arc<dyn ConstraintPoint>, &'a [f64])> {
+        let mut rest = weights;
+        constraints.iter().map(move |constraint| {
+            let (own, behind) = rest.split_at(constraint.values().len().min(rest.len()));
+            rest = behind;
+            (constraint, own)
+        })
+    }
+
+    /// `d/dm` of costs and constraints as `of` weighs them, by one adjoint, with the adjoint state.
+    pub(crate) fn lagrangian_sensitivity(
+        &self,
+        point: &Evaluated,
+        of: Lagrangian<'_>,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
+        let mut partials = match of.costs {
+            true => self.partials(point, None)?,
+            false => Partials::zero(point.state.u.len(), point.m.len()),
+        };
+        if of.y.iter().any(|y| *y != 0.0) {
+            let constraints = self.constraints_of(point)?;
+            for (constraint, y) in Self::with_weights(&constraints, of.y) {
+                constraint.add_partials(y, &mut partials)?;
+            }
+        }
+        let (derivative, adjoint) = self.sensitivity_of(point, partials, workspace)?;
+        let multipliers = if of.y.iter().any(|y| *y != 0.0) { of.y.to_vec() } else { vec![] };
+        Ok((derivative, adjoint.map(|adjoint| AdjointState { multipliers, ..adjoint })))
+    }
+}
+
+impl Constrained for Reduced {
+    /// In the order they were added; those of one name are numbered, `obstacle_0`, `obstacle_1`.
+    fn constraints(&self) -> Vec<ConstraintGroup> {
+        let mut groups: Vec<ConstraintGroup> = self.constraints.iter().map(|constraint| constraint.group()).collect();
+        let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
+        for (k, group) in groups.iter_mut().enumerate() {
+            if names.iter().filter(|name| **name == group.name).count() > 1 {
+                group.name = format!("{}_{}", names[k], names[..k].iter().filter(|name| **name == names[k]).count());
+            }
+        }
+        groups
+    }
+
+    fn constraint_values(&self, point: &Evaluated) -> Vec<f64> {
+        point.constraints.clone()
+    }
+
+    /// Leaves the adjoint state of the sum in the point.
+    fn lagrangian_derivative(
+        &self,
+        point: &mut Evaluated,
+        y: &[f64],
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<f64>, Failed> {
+        let (derivative, adjoint) = self.lagrangian_sensitivity(point, Lagrangian { costs: true, y }, workspace)?;
+        point.adjoint = adjoint;
+        Ok(derivative)
+    }
+
+    fn lagrangian_hessian_vector(
+        &self,
+        point: &Evaluated,
+        [y, w]: [&[f64]; 2],
+        along: (&[f64], Hessian),
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<f64>, Failed> {
+        Ok(self.lagrangian_second_derivative(point, (Lagrangian { costs: true, y }, w), along, workspace)?)
+    }
+}

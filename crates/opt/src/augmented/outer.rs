@@ -1,0 +1,59 @@
+//! [`Outer`]: where the updates of multipliers and penalty stand, and what comes next.
+
+use super::AugmentedLagrangian;
+use super::multipliers::Multipliers;
+
+/// Tenfold penalties in a row that hardly change the violation, at which it is called infeasible.
+const STAGNANT: usize = 3;
+/// A violation that is still this part of the one before has hardly changed.
+const HARDLY: f64 = 0.9;
+/// Bound of the multipliers, as a multiple of the first penalty.
+const LARGEST: f64 = 1e10;
+
+/// Where the updates stand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Outer {
+    /// Updates done.
+    pub updates: usize,
+    /// The first penalty.
+    pub first_penalty: f64,
+    /// The projected gradient of the cost at the start; that of the augmented Lagrangian where it is zero.
+    pub first_gradient: f64,
+    /// Violation and failing complementarity at the last update; infinite before.
+    pub measure: f64,
+    /// Violation at the last update; infinite before.
+    pub violation: f64,
+    /// Growths of the penalty in a row that hardly changed the violation.
+    pub stagnant: usize,
+    /// Whether the penalty grew at the last update.
+    pub grew: bool,
+    /// Iterations of the run at which the optimiser is to stop for the next update.
+    pub limit: usize,
+}
+
+impl Outer {
+    /// Looks at the values c that a converged or stalled inner run ended with; whether they cannot be made feasible.
+    pub fn is_infeasible(&mut self, options: &AugmentedLagrangian, multipliers: &Multipliers, c: &[f64]) -> bool {
+        let violation = multipliers.violation(c);
+        let stays = self.grew && violation > options.feasibility && violation > HARDLY * self.violation;
+        self.stagnant = if stays { self.stagnant + 1 } else { 0 };
+        self.stagnant >= STAGNANT
+    }
+
+    /// Multipliers and penalty after an update at values c. Where the optimiser was cut short (not `settled`), they say nothing of
+    /// the penalty, which stays.
+    pub fn update(
+        &mut self,
+        options: &AugmentedLagrangian,
+        multipliers: &Multipliers,
+        (c, settled): (&[f64], bool),
+    ) -> (Vec<f64>, f64) {
+        let measure = multipliers.measure(c);
+        let values = multipliers.updated(c, LARGEST * self.first_penalty);
+        self.grew = settled && measure > options.decrease * self.measure;
+        self.measure = measure;
+        self.violation = multipliers.violation(c);
+        self.updates += 1;
+        (values, multipliers.penalty * if self.grew { options.growth } else { 1.0 })
+    }
+}

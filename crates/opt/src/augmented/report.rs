@@ -1,0 +1,93 @@
+//! [`ConstraintsReport`]: constraints at the end of a run.
+
+use super::multipliers::Multipliers;
+use crate::bytes::{Reader, SavedRunError, Writer};
+use crate::constrained::{ConstraintGroup, Sense};
+
+/// A group of constraints at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConstraintReport {
+    /// Which.
+    pub group: ConstraintGroup,
+    /// The values c_k.
+    pub values: Vec<f64>,
+    /// The multipliers y_k, of `c <= 0` never negative: cost per unit of c.
+    pub multipliers: Vec<f64>,
+}
+
+impl ConstraintReport {
+    /// The largest violation, in the unit of the values.
+    pub fn violation(&self) -> f64 {
+        self.values.iter().map(|c| self.group.sense.violation(*c)).fold(0.0, f64::max)
+    }
+
+    /// How many multipliers are not zero.
+    pub fn active(&self) -> usize {
+        self.multipliers.iter().filter(|y| **y != 0.0).count()
+    }
+}
+
+/// All constraints at a point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ConstraintsReport {
+    /// The groups; none without constraints.
+    pub groups: Vec<ConstraintReport>,
+    /// The largest violation, relative to the scales.
+    pub violation: f64,
+    /// The last penalty, in the unit of the cost.
+    pub penalty: f64,
+    /// Updates of the multipliers.
+    pub updates: usize,
+}
+
+impl ConstraintsReport {
+    pub(super) fn new(multipliers: &Multipliers, values: Vec<f64>, updates: usize) -> Self {
+        let (violation, slopes) = (multipliers.violation(&values), multipliers.slopes(&values));
+        let mut groups = Vec::new();
+        let mut first = 0;
+        for group in multipliers.groups() {
+            let own = first..first + group.len;
+            let (values, multipliers) = (values[own.clone()].to_vec(), slopes[own].to_vec());
+            groups.push(ConstraintReport { group: group.clone(), values, multipliers });
+            first += group.len;
+        }
+        Self { groups, violation, penalty: multipliers.penalty, updates }
+    }
+
+    /// Appends it to saved bytes.
+    pub fn write(&self, out: &mut Writer) {
+        out.count(self.groups.len());
+        for ConstraintReport { group, values, multipliers } in &self.groups {
+            out.bytes(group.name.as_bytes());
+            out.count(usize::from(group.sense == Sense::Equal));
+            out.float(group.scale);
+            out.floats(values);
+            out.floats(multipliers);
+        }
+        out.float(self.violation);
+        out.float(self.penalty);
+        out.count(self.updates);
+    }
+
+    /// Reads what [`write`](Self::write) wrote.
+    ///
+    /// # Errors
+    /// Bytes that end early or are damaged.
+    pub fn read(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
+        let group = |input: &mut Reader<'_>| {
+            let name = input.text()?;
+            let sense = if input.flag()? { Sense::Equal } else { Sense::AtMost };
+            let (scale, values, multipliers) = (input.float()?, input.floats()?, input.floats()?);
+            if values.len() != multipliers.len() {
+                return Err(input.damaged("constraints with another number of multipliers"));
+            }
+            Ok(ConstraintReport {
+                group: ConstraintGroup { name, sense, len: values.len(), scale },
+                values,
+                multipliers,
+            })
+        };
+        let groups = (0..input.count(8)?).map(|_| group(input)).collect::<Result<_, _>>()?;
+        Ok(Self { groups, violation: input.float()?, penalty: input.float()?, updates: input.number()? })
+    }
+}
