@@ -414,6 +414,12 @@ fn several_starts_are_run_and_compared() {
     assert_eq!(number(&result, "cost/total"), costs[best]);
     assert!(starts[0]["seed"].is_null() && starts[1]["seed"] == 4_000_013 && starts[1]["iterations"] == 3);
     assert_ne!(starts[1]["start_cost"], starts[2]["start_cost"]);
+    // Three steps from random directions: three places.
+    assert_eq!((number(&result, "minima"), &starts[best]["minimum"]), (3.0, &serde_json::json!(0)));
+    assert!(number(&starts[best], "distance") == 0.0 && text.contains("minimum 2, its control "), "{text}");
+    for start in starts.iter().filter(|start| start["minimum"] != 0) {
+        assert!(number(start, "distance") > 0.05, "{start}");
+    }
     assert_eq!(text.matches("gradient    right").count(), 3, "every start has its certificate: {text}");
     for check in [&result["gradient_check"], &starts[1]["gradient_check"], &starts[2]["gradient_check"]] {
         assert!(check["verdict"] == "right" && number(check, "mismatch") < 0.1, "{check}");
@@ -423,6 +429,9 @@ fn several_starts_are_run_and_compared() {
     let plain =
         place.run(Command::Optimize, BAR, &["optimizer/starts=2", "optimizer/max_iterations=1"]).unwrap().result;
     assert_eq!(plain["starts"].as_array().unwrap().len(), 2);
+    let hint = "vectors of given length often have several minima: --set optimizer/starts=4";
+    assert!(place.text(Command::Optimize, MAGNET, &["optimizer/max_iterations=1"]).contains(hint));
+    assert!(!place.text(Command::Optimize, BAR, &["optimizer/max_iterations=1"]).contains(hint));
     let unbounded = with(BAR, r#""lower": "-200 kPa", "#, "");
     let found = problems(&with(&unbounded, r#""max_iterations": 4"#, r#""max_iterations": 4, "starts": 2"#));
     assert!(found.contains("random starts (optimizer/starts) are drawn within the bounds: give \"lower\""), "{found}");

@@ -6,6 +6,7 @@ mod checkpoint;
 mod constraints;
 mod finished_run;
 mod journal;
+mod minima;
 mod outcome;
 mod recorder;
 mod run_trials;
@@ -132,12 +133,16 @@ fn conclude(
 ) -> Result<Exit, RunError> {
     session.note_time("optimize", began.elapsed().as_secs_f64());
     // They were said: the result has them, however the runs ended.
-    session.warnings.extend(starts.warnings);
+    session.warnings.append(&mut starts.warnings);
     ran?;
     let written = journal.written();
     let unwritten = journal.finish();
-    let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
     let resumable = written.filter(|_| starts.interrupted);
+    let minima = minima::tell(session, &mut starts);
+    let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
+    if starts.entries.len() > 1 {
+        session.put("minima", json!(minima));
+    }
     run_warnings::warn(session, &ended, starts.interrupted);
     let reported = outcome::report(session, (index, &ended), &starts.entries, resumable);
     let reported = reported.and_then(|found| unwritten.map(|()| found));

@@ -6,6 +6,7 @@ use super::finished_run::{FinishedRun, read_start, write_start};
 use super::journal::Journal;
 use super::recorder::Recorder;
 use super::{Begun, Session, begin_run, evaluate, minimize, resume_run};
+use crate::lower::Admitted;
 use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::number::{scientific, short};
@@ -16,7 +17,7 @@ use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{Failed, Objective, Optimizer, SavedRunError, Stop, TaylorError, Verdict};
 use serde_json::{Value, json};
 
-const MAGIC: &str = "nastic-starts-2";
+const MAGIC: &str = "nastic-starts-3";
 
 /// What became of the starts so far.
 #[derive(Default)]
@@ -25,6 +26,8 @@ pub(super) struct Starts {
     pub best: Option<(usize, FinishedRun)>,
     /// An entry for each, for the result.
     pub entries: Vec<Value>,
+    /// The control at which each ended; empty of one that failed.
+    pub optima: Vec<Vec<f64>>,
     /// What deserves attention in the states at the starts, those of the present one included; said already.
     pub warnings: Vec<Warning>,
     /// A stop was requested, or the machine had too little memory, before all had ended.
@@ -125,19 +128,19 @@ impl Starts {
                 Ok((Err(error), begun)) => {
                     self.warnings.extend(begun.warnings);
                     session.console.say(format!("failed      {error}"));
-                    self.entries.push(json!({ "seed": seed, "failed": error.to_string() }));
+                    self.failed(json!({ "seed": seed, "failed": error.to_string() }));
                     continue;
                 }
                 Err(failed) => {
                     session.console.say(format!("failed      {failed}"));
-                    self.entries.push(json!({ "seed": seed, "failed": failed.to_string() }));
+                    self.failed(json!({ "seed": seed, "failed": failed.to_string() }));
                     continue;
                 }
             };
             let check = check_gradient::json(&certificate);
             if certificate.verdict == Verdict::Wrong {
                 self.warnings.extend(begun.warnings);
-                self.entries.push(json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check }));
+                self.failed(json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check }));
                 continue;
             }
             self.run_from(session, optimizer, (index, begun), (gradient_check, check), journal)?;
@@ -188,9 +191,15 @@ impl Starts {
             self.abort(why);
         }
         self.entries.push(entry(seed(session, index), &ended, certificate));
+        self.optima.push(ended.best.m.clone());
         if self.best.as_ref().is_none_or(|(_, best)| ended.is_better_than(best)) {
             self.best = Some((index, ended));
         }
+    }
+
+    fn failed(&mut self, entry: Value) {
+        self.entries.push(entry);
+        self.optima.push(Vec::new());
     }
 
     fn abort(&mut self, why: &Failed) {
@@ -202,6 +211,7 @@ impl Starts {
         let mut out = Writer::new(MAGIC);
         out.count(self.entries.len());
         self.entries.iter().for_each(|entry| out.bytes(entry.to_string().as_bytes()));
+        self.optima.iter().for_each(|m| out.floats(m));
         out.count(self.warnings.len());
         self.warnings.iter().for_each(|warning| out.bytes(warning.json().to_string().as_bytes()));
         out.count(usize::from(self.best.is_some()));
@@ -214,8 +224,9 @@ impl Starts {
 
     fn from_bytes(bytes: &[u8], ensemble: &Ensemble) -> Result<Self, Failed> {
         let mut input = Reader::new(bytes, MAGIC).map_err(Failed::new)?;
-        let entries = input.count(8).and_then(|n| (0..n).map(|_| read_json(&mut input)).collect());
+        let entries = input.count(8).and_then(|n| (0..n).map(|_| read_json(&mut input)).collect::<Result<Vec<_>, _>>());
         let entries = entries.map_err(Failed::new)?;
+        let optima = entries.iter().map(|_| input.floats()).collect::<Result<_, _>>().map_err(Failed::new)?;
         let warnings = input.count(8).and_then(|n| (0..n).map(|_| read_warning(&mut input)).collect());
         let warnings = warnings.map_err(Failed::new)?;
         let best = if input.flag().map_err(Failed::new)? {
@@ -225,7 +236,7 @@ impl Starts {
             None
         };
         input.finish().map_err(Failed::new)?;
-        Ok(Self { best, entries, warnings, interrupted: false, aborted: None })
+        Ok(Self { best, entries, optima, warnings, interrupted: false, aborted: None })
     }
 }
 
@@ -328,6 +339,11 @@ fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Value) -> Value {
 
 /// One line per start.
 pub(super) fn say(session: &Session<'_>, entries: &[Value], best: usize) {
+    let directions = session.problem.controls.iter().any(|field| matches!(field.admitted, Admitted::Norm(_)));
+    if entries.len() == 1 && session.problem.case.optimizer.starts == 1 && directions {
+        let hint = "one; vectors of given length often have several minima: --set optimizer/starts=4 tries three more";
+        session.console.say(format!("starts      {hint}"));
+    }
     for (k, entry) in entries.iter().enumerate().filter(|_| entries.len() > 1) {
         let head = if k == 0 { "starts" } else { "" };
         let seed = entry["seed"].as_u64().map_or_else(|| "as written".to_owned(), |seed| format!("seed {seed}"));
@@ -337,7 +353,15 @@ pub(super) fn say(session: &Session<'_>, entries: &[Value], best: usize) {
             }
             (None, why) => format!("failed: {}", why.unwrap_or_default()),
         };
-        let mark = if k == best { ", the best" } else { "" };
+        let mark = match (entry["minimum"].as_u64(), k == best) {
+            (_, true) => ", the best".to_owned(),
+            (Some(0), _) => ", the same minimum".to_owned(),
+            (Some(minimum), _) => {
+                let percent = 100.0 * entry["distance"].as_f64().unwrap_or(f64::NAN);
+                format!(", minimum {}, its control {percent:.0} % away", minimum + 1)
+            }
+            (None, _) => String::new(),
+        };
         session.console.say(format!("{head:<12}{} ({seed}): {what}{mark}", k + 1));
     }
 }
