@@ -132,3 +132,21 @@ fn few_iterations_on_spheres_and_in_balls() -> Outcome {
     }
     Ok(())
 }
+
+/// Between two iterations the workspace may hold a tangent: a run that goes on from a checkpoint gives the same bits.
+#[test]
+fn a_run_taken_up_gives_the_same_bits() -> Outcome {
+    let options = Options { tolerance: 1e-7, max_iterations: 6, ..Options::default() };
+    let (problem, _) = inverse(CellKind::Hex8)?;
+    let within =
+        || NewtonCg::gauss_newton().within(Bounds::new(-7e4, 0.0).unwrap_or_else(|_| Bounds::none())).options(options);
+    let mut run = within().start(&problem, 0.0)?;
+    run.step(&mut ());
+    run.step(&mut ());
+    let state = run.checkpoint();
+    let whole = run.minimize(&mut ());
+    let again = within().resume(&problem, &state)?.minimize(&mut ());
+    assert_eq!((whole.m, whole.cost), (again.m, again.cost));
+    assert!(whole.counts == again.counts && whole.counts.products > 2, "{:?}", whole.counts);
+    Ok(())
+}

@@ -28,6 +28,9 @@ impl<O: Objective> HessianProducts for ProductsAt<'_, O> {
         *self.count += 1;
         let (Setting { objective, set, .. }, Iterate { m, whole_derivative, point, .. }) = (self.setting, self.at);
         let mut out = objective.hessian_vector(point, v, which, self.workspace)?;
+        if out.len() != m.len() {
+            return Err(Failed::because(format!("{} second derivatives for {} controls", out.len(), m.len())));
+        }
         if let Some(i) = out.iter().position(|x| !x.is_finite()) {
             return Err(Failed::because(format!("component {i} of a second derivative is {}", out[i])));
         }

@@ -21,7 +21,7 @@ pub struct NewtonCg {
     /// Which second derivative.
     pub hessian: Hessian,
     /// The model's projected gradient is reduced to `min(forcing, sqrt(relative))` of the cost's, `relative` the projected gradient's norm
-    /// relative to the stage's first: so the steps become exact as the run converges.
+    /// relative to the stage's first: so the steps become exact as the run converges. More than 0.5 counts as 0.5.
     pub forcing: f64,
     /// Products with the second derivative per iteration, at most.
     pub max_products: usize,
@@ -53,7 +53,16 @@ impl Optimizer for NewtonCg {
 
     fn method(&self) -> Box<dyn Method> {
         let Self { hessian, forcing, max_products, .. } = *self;
-        Box::new(TrustRegion { hessian, forcing, max_products, first_step: 0.0, first: 0.0, radius: 0.0, step: None })
+        Box::new(TrustRegion {
+            hessian,
+            forcing,
+            max_products,
+            first_step: 0.0,
+            first: 0.0,
+            radius: 0.0,
+            step: None,
+            gradient_alone: false,
+        })
     }
 }
 
@@ -68,7 +77,12 @@ struct TrustRegion {
     first: f64,
     radius: f64,
     step: Option<ModelStep>,
+    /// After a search that found nothing along the model's step.
+    gradient_alone: bool,
 }
+
+/// The largest share of the projected gradient that a model may leave.
+const COARSEST: f64 = 0.5;
 
 impl TrustRegion {
     /// The first radius, in lengths of a sensible first gradient step: the model is better than a gradient, and a trial too far costs one.
@@ -82,6 +96,7 @@ impl TrustRegion {
 impl Method for TrustRegion {
     fn restart(&mut self, step: f64, _cost: f64) {
         (self.first_step, self.first, self.radius, self.step) = (step, 0.0, 0.0, None);
+        self.gradient_alone = false;
     }
 
     fn prepare(&mut self, here: &Current<'_>, hessian: &mut dyn HessianProducts) -> Result<(), Failed> {
@@ -93,11 +108,14 @@ impl Method for TrustRegion {
         let subproblem = Subproblem {
             here: *here,
             radius: self.radius,
-            forcing: self.forcing.min((size / self.first).sqrt()),
-            max_products: self.max_products,
-            precondition: &|r| here.metric.riesz(r),
+            forcing: self.forcing.min(COARSEST).min((size / self.first).sqrt()),
+            max_products: self.max_products.max(1),
         };
-        self.step = Some(subproblem.solve(&mut |v| hessian.product(v, self.hessian))?);
+        let mut product = |v: &[f64]| hessian.product(v, self.hessian);
+        self.step = Some(match self.gradient_alone {
+            true => subproblem.gradient_step(&mut product)?,
+            false => subproblem.solve(&mut product)?,
+        });
         Ok(())
     }
 
@@ -114,6 +132,7 @@ impl Method for TrustRegion {
     }
 
     fn accepted(&mut self, from: &Current<'_>, to: &Current<'_>, fraction: f64, _trials: usize) {
+        self.gradient_alone = false;
         let Some(step) = &self.step else { return };
         let predicted = step.model(from.derivative, fraction);
         let length = to.metric.norm(&sub(to.m, from.m));
@@ -130,6 +149,10 @@ impl Method for TrustRegion {
         }
     }
 
+    fn recover(&mut self) -> bool {
+        !std::mem::replace(&mut self.gradient_alone, true)
+    }
+
     fn save(&self) -> Memory {
         Memory { numbers: vec![self.first_step, self.first, self.radius], vectors: vec![] }
     }
@@ -137,6 +160,6 @@ impl Method for TrustRegion {
     fn load(&mut self, memory: &Memory) -> bool {
         let [first_step, first, radius] = memory.numbers[..] else { return false };
         (self.first_step, self.first, self.radius) = (first_step, first, radius);
-        memory.vectors.is_empty() && first_step > 0.0
+        memory.vectors.is_empty() && first_step > 0.0 && first >= 0.0 && radius >= 0.0
     }
 }

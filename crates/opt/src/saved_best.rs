@@ -113,6 +113,10 @@ fn write_stop(stop: &Stop, out: &mut Writer) {
             out.bytes(why.to_string().as_bytes());
         }
         // The failure keeps its words, not its type.
+        Stop::Stalled(Stall::SecondDerivatives { why }) => {
+            out.count(10);
+            out.bytes(why.to_string().as_bytes());
+        }
         Stop::Stalled(Stall::Stage { stage, why }) => {
             out.count(6);
             out.count(*stage);
@@ -148,6 +152,7 @@ fn read_stop(input: &mut Reader<'_>) -> Result<Stop, SavedRunError> {
             relative_gradient: input.float()?,
         }),
         6 => Stop::Stalled(Stall::Stage { stage: input.number()?, why: Failed::because(input.text()?) }),
+        10 => Stop::Stalled(Stall::SecondDerivatives { why: Failed::because(input.text()?) }),
         9 => Stop::Infeasible { violation: input.float()?, penalty: input.float()?, gradient: input.float()? },
         7 => Stop::Aborted(Failed::because(input.text()?).fatal()),
         _ => return Err(input.damaged("an unknown reason to stop")),
@@ -177,6 +182,7 @@ mod tests {
                 relative_gradient,
             }),
             Stop::Stalled(Stall::Stagnation { window: 5, decrease: 1e-9, total: 2.0, relative_gradient }),
+            Stop::Stalled(Stall::SecondDerivatives { why: Failed::because("a kink") }),
             Stop::Stalled(Stall::Stage { stage: 2, why: Failed::because("no value there") }),
         ];
         for stop in all {

@@ -121,7 +121,10 @@ impl<O: Objective> Setting<O> {
         loop {
             let count = &mut progress.counts.products;
             let mut hessian = ProductsAt { setting: self, at, workspace: &mut *workspace, count };
-            method.prepare(&self.here(at), &mut hessian).map_err(Stop::Aborted)?;
+            method.prepare(&self.here(at), &mut hessian).map_err(|why| match why.is_fatal() {
+                true => Stop::Aborted(why),
+                false => Stop::Stalled(Stall::SecondDerivatives { why }),
+            })?;
             line.fraction = 1.0;
             match self.search_line(method, at, progress, workspace, observer, &mut line)? {
                 Ok(found) => return Ok(found),

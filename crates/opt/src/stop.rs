@@ -95,6 +95,11 @@ pub enum Stall {
         /// The projected gradient's norm relative to the stage's first.
         relative_gradient: f64,
     },
+    /// The second derivatives that the method needs cannot be had at this point.
+    SecondDerivatives {
+        /// What the objective said.
+        why: Failed,
+    },
     /// The next stage has no value at this point.
     Stage {
         /// Which stage.
@@ -160,6 +165,9 @@ impl fmt::Display for Stall {
                 "the cost fell by {decrease:.1e} in {window} iterations, of {total:.1e} in all; \
                  projected gradient {relative_gradient:.1e} of the first"
             ),
+            Self::SecondDerivatives { why } => {
+                write!(f, "the method needs second derivatives, and has none here: {why}; \"lbfgs\" does without")
+            }
             Self::Stage { stage, why } => write!(f, "stage {stage} cannot begin here: {why}"),
         }
     }

@@ -3,12 +3,13 @@
 use crate::admissible::Face;
 use crate::failed::Failed;
 use crate::method::Current;
+use crate::model::{Steepest, minimise};
 use nastic_numeric::vector::{add, axpy, dot, scale, sub};
 
 /// min q(d) = derivative . d + d . H d / 2 over steps d of the set's local model with |d| <= radius in the control's inner product.
 ///
 /// Rounds of face identification: the bounds that the last round reached and whose multiplier keeps them are fixed; on the rest, conjugate
-/// gradients (Steihaug 1983) end at the tolerance, at the radius, or along a direction of negative curvature, which is followed to the radius;
+/// gradients in that product (Steihaug 1983) end at the tolerance, at the radius, or along a direction of negative curvature, which is followed to the radius;
 /// their step is taken to the first bound that it meets, or to a point of its projection where q is lower. q falls from round to round, from
 /// q(0) = 0.
 ///
@@ -21,8 +22,6 @@ pub(crate) struct Subproblem<'a> {
     pub forcing: f64,
     /// Products with H at most.
     pub max_products: usize,
-    /// An approximation of H^-1, positive definite.
-    pub precondition: &'a dyn Fn(&[f64]) -> Vec<f64>,
 }
 
 /// A step with what the model says of it.
@@ -31,8 +30,6 @@ pub(crate) struct ModelStep {
     pub d: Vec<f64>,
     /// H d.
     pub image: Vec<f64>,
-    /// Directions of the conjugate gradients with their products, in order.
-    pub pairs: Vec<(Vec<f64>, Vec<f64>)>,
     /// Whether the radius held it back.
     pub at_radius: bool,
 }
@@ -51,6 +48,8 @@ const HALVINGS: usize = 4;
 /// Share of the linear prediction by which q must fall there.
 const DECREASE: f64 = 1e-4;
 
+/// Cosine between a step and the steepest descent below which no line search goes along it.
+const SLIGHT: f64 = 1e-12;
 /// Share of a step that may lie outside the set while conjugate gradients go on.
 const OUTSIDE: f64 = 0.2;
 
@@ -63,7 +62,7 @@ impl Subproblem<'_> {
     /// A product that failed.
     pub fn solve(&self, product: &mut Product) -> Result<ModelStep, Failed> {
         let n = self.here.m.len();
-        let mut at = ModelStep { d: vec![0.0; n], image: vec![0.0; n], pairs: Vec::new(), at_radius: false };
+        let mut at = ModelStep { d: vec![0.0; n], image: vec![0.0; n], at_radius: false };
         let mut left = self.max_products;
         let mut first = None;
         for _ in 0..ROUNDS {
@@ -79,13 +78,20 @@ impl Subproblem<'_> {
                 // Bounds that the step so far has reached and this one would pass are active too.
                 let before = face.active();
                 face.join(&self.here.set.face(self.here.m, &at.d, &moved.s.iter().map(|s| -s).collect::<Vec<_>>()));
-                if face.active() == before || left == 0 {
-                    break moved;
+                if face.active() == before {
+                    break Some(moved);
+                }
+                if left == 0 {
+                    break None;
                 }
             };
+            // A step that was made for another face is of no use.
+            let Some(moved) = moved else { break };
             let before = (at.d.clone(), at.image.clone());
             let falls = self.bring_back(&mut at, &face, &gradient, moved, &mut left, product)?;
-            if dot(self.here.derivative, &at.d) >= 0.0 {
+            if dot(self.here.derivative, &at.d)
+                >= -SLIGHT * self.here.metric.dual_norm(self.here.derivative) * self.here.metric.norm(&at.d)
+            {
                 // q fell by negative curvature alone: a line search would not find that it does.
                 (at.d, at.image) = before;
                 break;
@@ -94,7 +100,21 @@ impl Subproblem<'_> {
                 break;
             }
         }
-        Ok(at)
+        let stays = at.d.iter().all(|d| *d == 0.0);
+        if stays && first.is_some_and(|size| size > 0.0) { self.gradient_step(product) } else { Ok(at) }
+    }
+
+    /// The projected gradient step as long as the radius: downhill whatever H is.
+    ///
+    /// # Errors
+    /// A product that failed.
+    pub fn gradient_step(&self, product: &mut Product) -> Result<ModelStep, Failed> {
+        let Current { set, metric, m, derivative, .. } = self.here;
+        let size = set.optimality(metric, m, derivative).norm;
+        let curvature = Steepest { metric, step: if size > 0.0 { self.radius / size } else { 1.0 } };
+        let d = minimise(set, metric, m, derivative, &curvature);
+        let image = product(&d)?;
+        Ok(ModelStep { d, image, at_radius: true })
     }
 
     /// The minimiser of q on the face of the step so far, relative to it: s and H s.
@@ -108,7 +128,7 @@ impl Subproblem<'_> {
         product: &mut Product,
     ) -> Result<Moved, Failed> {
         let metric = self.here.metric;
-        let precondition = |r: &[f64]| face.projected(&(self.precondition)(r));
+        let precondition = |r: &[f64]| face.projected(&metric.riesz(r));
         let mut s = vec![0.0; gradient.len()];
         let mut image = s.clone();
         let mut r = face.projected(gradient);
@@ -127,12 +147,10 @@ impl Subproblem<'_> {
             axpy(step, &p, &mut s);
             axpy(step, &hp, &mut image);
             at.at_radius = step == to_radius;
-            let kept = face.projected(&hp);
-            at.pairs.push((p.clone(), hp));
             if at.at_radius {
                 break;
             }
-            axpy(-step, &kept, &mut r);
+            axpy(-step, &face.projected(&hp), &mut r);
             if metric.dual_norm(&r) <= goal || self.is_mostly_outside(face, &at.d, &s) {
                 break;
             }
@@ -162,7 +180,8 @@ impl Subproblem<'_> {
         if pp == 0.0 { 0.0 } else { ((dp * dp + pp * room).sqrt() - dp) / pp }
     }
 
-    /// Brings a step back into the set, but where it is tangential at a curved boundary: H has that curvature.
+    /// Brings a step back into the set, but where it is tangential at a curved boundary: there H has that curvature, of points that
+    /// were at the boundary before the step.
     fn restrict(&self, face: &Face, d: &mut [f64]) {
         let unbent = d.to_vec();
         self.here.set.restrict(self.here.m, d);

@@ -5,8 +5,8 @@ mod common;
 
 use common::{Cost, Tridiagonal, begin, chain, distance, quadratic, resume, rosenbrock};
 use nastic_opt::{
-    Admissible, Best, Bounds, CATALOGUE, Diagonal, Euclidean, InnerProduct, Objective, Optimizer, Options, Outcome,
-    Reason, RunError, RunState, Stall, Stop, Trial, by_name,
+    Admissible, Best, Bounds, CATALOGUE, Diagonal, Euclidean, Hessian, InnerProduct, NoSecondDerivatives, Objective,
+    Optimizer, Options, Outcome, Reason, RunError, RunState, Stall, Stop, Trial, by_name,
 };
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -266,6 +266,25 @@ fn a_wall_of_failures_is_said_so() {
         let Stop::Stalled(Stall::LineSearch { trials, failed, .. }) = best.stop else { panic!("{}", best.stop) };
         assert!(trials == failed && trials > 5, "{trials} {failed}");
         assert_eq!(best.m, [-1.2, 1.0]);
+    }
+}
+
+/// Each of Newton's methods asks for its own second derivative, and an objective without any ends the run with the reason.
+#[test]
+fn newton_methods_ask_for_their_own_second_derivative() {
+    for (name, wanted) in [("gauss_newton", Hessian::GaussNewton), ("newton_cg", Hessian::Exact)] {
+        let cost = rosenbrock(Bounds::none());
+        let optimizer = by_name(name, options(1e-6, 200)).unwrap();
+        let best = run(optimizer.as_ref(), &cost, &Bounds::none(), &Euclidean::new(2), &[-1.2, 1.0]);
+        assert!(best.stop.is_converged() && best.counts.products > 0, "{}", best.stop);
+        let asked = cost.asked.lock().unwrap();
+        assert!(asked.len() == best.counts.products && asked.iter().all(|which| *which == wanted), "{asked:?}");
+
+        let none = rosenbrock(Bounds::none()).without_hessian();
+        let ended = run(optimizer.as_ref(), &none, &Bounds::none(), &Euclidean::new(2), &[-1.2, 1.0]);
+        let Stop::Stalled(Stall::SecondDerivatives { why }) = &ended.stop else { panic!("{}", ended.stop) };
+        assert!(why.downcast_ref::<NoSecondDerivatives>().is_some() && ended.counts.trials == 0, "{why}");
+        assert!(ended.stop.to_string().contains("\"lbfgs\" does without"), "{}", ended.stop);
     }
 }
 

@@ -170,9 +170,10 @@ fn gradient_methods_reach_most_optima() {
     assert_eq!(misses(&spectral), [&["HS 25", "MGH 3", "MGH 4"], &ill_conditioned[..]].concat());
 }
 
-/// Newton's method, its second derivatives by differences of first ones: half of SciPy's evaluations. On MGH 14 it ends in another minimum.
+/// Newton's method, its second derivatives by differences of first ones: half of SciPy's trials. Products with second derivatives come on top
+/// (of a body two linear solves each, where a trial is an equilibrium). On MGH 14 it ends at another stationary point.
 #[test]
-fn newton_takes_half_the_evaluations_of_scipy() {
+fn newton_takes_half_the_trials_of_scipy() {
     let rows = table("newton_cg", 1000);
     assert_eq!(misses(&rows), ["MGH 3", "MGH 14"]);
     let [theirs, own] = totals(rows.iter());

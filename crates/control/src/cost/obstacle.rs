@@ -112,6 +112,14 @@ impl Obstacle {
                 "the obstacle {self:?} is not finite; a half-space needs a normal that is not zero"
             ));
         }
+        if let Obstacle::HalfSpace { normal, .. } = self
+            && (norm(normal) - 1.0).abs() > 1e-9
+        {
+            let size = norm(normal);
+            return complain(format!(
+                "the normal of a half-space has the length {size}; Obstacle::half_space makes it 1"
+            ));
+        }
         if !(radius > 0.0 && radius.is_finite()) {
             return complain(format!("an obstacle has the radius {radius}; radii are positive numbers"));
         }
@@ -178,6 +186,10 @@ impl IntoCost for ObstaclePenetration {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         self.obstacle.check()?;
         let weight = check_weight("obstacle", self.weight)?;
+        if !self.clearance.is_finite() {
+            let what = format!("an obstacle has the clearance {}; clearances are finite lengths", self.clearance);
+            return Err(ControlError::Cost { what });
+        }
         let (points, _) = self.place.points(solid)?;
         Ok(Box::new(Bound { points: Arc::new(points), obstacle: self.obstacle, clearance: self.clearance, weight }))
     }

@@ -58,7 +58,7 @@ impl<'a> SecondOrder<'a> {
             let what = "second derivatives of laws with internal variables are not there yet".to_owned();
             return Err(crate::FemError::Meaningless { what }.into());
         }
-        let again = workspace.comes_again(state);
+        let again = workspace.comes_again(state, model);
         Ok(SecondOrder { model, state, how, workspace, again, accuracy: SYMMETRIC, report: SolveReport::default() })
     }
 

@@ -21,8 +21,10 @@ pub struct Workspace {
 /// The tangent at the state whose second derivatives were last asked for, its supports eliminated.
 #[derive(Clone)]
 struct KeptTangent {
-    /// Of which state: these are shared with it, so that no other can have them.
+    /// Of which state: these are shared with it, so that no other state of the body can have them.
     of: (Arc<Vec<f64>>, Arc<Controls>, f64),
+    /// On which mesh.
+    symbolic: Arc<Symbolic>,
     matrix: Option<SparseMatrix>,
     /// Whether the solver's factor is that of the matrix.
     factorised: bool,
@@ -52,14 +54,16 @@ impl Workspace {
     }
 
     /// Notes that second derivatives at a state are asked for; whether that is not the first time in a row.
-    pub(crate) fn comes_again(&mut self, state: &State) -> bool {
+    pub(crate) fn comes_again(&mut self, state: &State, model: &Model) -> bool {
+        let symbolic = model.discretization().symbolic();
         let again = self.tangent.as_ref().is_some_and(|kept| {
             let (u, controls, load) = &kept.of;
-            Arc::ptr_eq(u, &state.u) && Arc::ptr_eq(controls, &state.controls) && *load == state.load
+            let same_state = Arc::ptr_eq(u, &state.u) && Arc::ptr_eq(controls, &state.controls) && *load == state.load;
+            same_state && Arc::ptr_eq(symbolic, &kept.symbolic)
         });
         if !again {
             let of = (state.u.clone(), state.controls.clone(), state.load);
-            self.tangent = Some(KeptTangent { of, matrix: None, factorised: false });
+            self.tangent = Some(KeptTangent { of, symbolic: symbolic.clone(), matrix: None, factorised: false });
         }
         again
     }

@@ -73,9 +73,12 @@ impl Admissible for Ball {
 
     fn restrict(&self, m: &[f64], d: &mut [f64]) {
         for (m, d) in m.chunks(self.dim).zip(d.chunks_mut(self.dim)) {
-            d.iter_mut().zip(m).for_each(|(d, m)| *d += m);
-            self.shorten(d);
-            d.iter_mut().zip(m).for_each(|(d, m)| *d -= m);
+            let mut x = add(m, d);
+            // To the bit what it was where nothing holds it.
+            if norm(&x) > self.radius {
+                self.shorten(&mut x);
+                d.iter_mut().zip(x.iter().zip(m)).for_each(|(d, (x, m))| *d = x - m);
+            }
         }
     }
 

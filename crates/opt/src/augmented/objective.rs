@@ -34,6 +34,18 @@ impl<O: Constrained> Augmented<O> {
         self.multipliers.penalty
     }
 
+    /// A missing value, or one that is no number, would pass as a constraint that is met.
+    fn check(&self, c: &[f64]) -> Result<(), Failed> {
+        let expected = self.multipliers.values.len();
+        if c.len() != expected {
+            return Err(Failed::because(format!("{} values of {expected} constraints", c.len())));
+        }
+        match c.iter().position(|c| !c.is_finite()) {
+            Some(k) => Err(Failed::because(format!("value {k} of the constraints is {}", c[k]))),
+            None => Ok(()),
+        }
+    }
+
     fn is_constrained(&self) -> bool {
         !self.multipliers.values.is_empty()
     }
@@ -50,7 +62,9 @@ impl<O: Constrained> Objective for Augmented<O> {
         workspace: &mut O::Workspace,
     ) -> Result<O::Point, Failed> {
         let accuracy = if self.is_constrained() { how.accuracy.min(self.accuracy) } else { how.accuracy };
-        self.objective.evaluate(m, &Request { accuracy, ..*how }, workspace)
+        let point = self.objective.evaluate(m, &Request { accuracy, ..*how }, workspace)?;
+        self.check(&self.objective.constraint_values(&point))?;
+        Ok(point)
     }
 
     fn value(&self, point: &O::Point) -> f64 {

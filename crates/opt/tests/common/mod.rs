@@ -5,8 +5,8 @@ use nastic_opt::{
     Admissible, Failed, Hessian, InnerProduct, NoSecondDerivatives, Objective, Optimizer, Request, Run, RunError,
     RunState,
 };
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 type Value = Box<dyn Fn(&[f64]) -> f64 + Sync>;
 type Gradient = Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>;
@@ -25,6 +25,8 @@ pub struct Cost {
     pub fails: Test,
     /// While it is raised, every evaluation fails fatally.
     pub lacking: Arc<AtomicBool>,
+    /// Which second derivatives were asked for.
+    pub asked: Mutex<Vec<Hessian>>,
     pub evaluations: AtomicUsize,
     pub derivatives: AtomicUsize,
 }
@@ -43,6 +45,7 @@ impl Cost {
             guard: Box::new(guard),
             fails: Box::new(|_| false),
             lacking: Arc::default(),
+            asked: Mutex::new(Vec::new()),
             evaluations: AtomicUsize::new(0),
             derivatives: AtomicUsize::new(0),
         }
@@ -106,7 +109,8 @@ impl Objective for Cost {
         Ok((self.derivative)(m))
     }
 
-    fn hessian_vector(&self, m: &Vec<f64>, v: &[f64], _: Hessian, (): &mut ()) -> Result<Vec<f64>, Failed> {
+    fn hessian_vector(&self, m: &Vec<f64>, v: &[f64], which: Hessian, (): &mut ()) -> Result<Vec<f64>, Failed> {
+        self.asked.lock().expect("no test panics while it holds this").push(which);
         match (&self.hessian, self.without_hessian) {
             (Some(product), _) => Ok(product(m, v)),
             (None, false) => Ok(difference(&self.derivative, m, v)),

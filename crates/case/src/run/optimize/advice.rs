@@ -74,6 +74,10 @@ fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
             why: "no step lowered the cost: test its derivative".to_owned(),
             command: on_case(session, |case| format!("nastic gradcheck {case}")),
         }),
+        Stop::Stalled(Stall::SecondDerivatives { .. }) => {
+            let set = with(format!("optimizer/method={QUASI_NEWTON}"));
+            out.push(again("take a method that needs first derivatives alone".into(), set));
+        }
         Stop::Stalled(Stall::Stage { stage, .. }) => {
             let why = format!("stage {} has no value there: stop before it, or put one between", stage + 1);
             out.push(again(why, [stages_before(session, *stage), from_here.clone()].concat()));
