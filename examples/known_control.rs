@@ -4,8 +4,8 @@
 //! The control is m = -3e5 (Z - 0.1)/0.1 Pa above mid-height and +1e5 Pa below it, both for X < 0.6 m, zero beyond; with
 //! fibres at 45 degrees the bar bends and twists. The target's mesh has 15 x 3 x 6 cells, the body's 10 x 2 x 4.
 //!
-//! `cargo run --release --example known_control [METHOD]` with METHOD one of projected_gradient, spectral, lbfgs; it also
-//! writes the target as `out/known_control/target.vtu`, which is `meshes/known_target.vtu` of the case
+//! `cargo run --release --example known_control [METHOD]` with METHOD one of projected_gradient, spectral, lbfgs, gauss_newton,
+//! newton_cg; it also writes the target as `out/known_control/target.vtu`, which is `meshes/known_target.vtu` of the case
 //! `examples/cases/known_control.json`.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
@@ -52,7 +52,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(cost)?;
 
     let options = Options { tolerance: 1e-2, max_iterations: 300, ..Options::default() };
-    let optimizer = by_name(&method, options).ok_or("METHOD is projected_gradient, spectral or lbfgs")?;
+    let optimizer =
+        by_name(&method, options).ok_or("METHOD is projected_gradient, spectral, lbfgs, gauss_newton or newton_cg")?;
     let truth = |point: &Evaluated| distance.true_distance(problem.solid(), &point.state.u).map(|found| found.distance);
     let print = |trial: &Trial<'_, Evaluated>| {
         let Some(Ok(distance)) = trial.point.filter(|_| trial.accepted).map(truth) else { return };

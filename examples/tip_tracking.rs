@@ -27,7 +27,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} unknowns, {} controls", problem.solid().discretization().dofs(), problem.layout().len());
 
     let options = Options { max_iterations: iterations, tolerance: 1e-6, ..Options::default() };
-    let optimizer = by_name(&method, options).ok_or("METHOD is projected_gradient, spectral or lbfgs")?;
+    let optimizer =
+        by_name(&method, options).ok_or("METHOD is projected_gradient, spectral, lbfgs, gauss_newton or newton_cg")?;
     let print = |trial: &Trial<'_, Evaluated>| {
         let work = |name| trial.summary.get(name).unwrap_or(0.0);
         let (newton, factorisations) = (work("newton"), work("factorisations"));
@@ -35,6 +36,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let best = optimizer.within(Bounds::new(-3e5, 0.0)?).observe(print).minimize(&problem, 0.0)?;
     println!("{}", best.stop);
-    println!("cost {:.3e} after {} iterations, {} trials", best.cost, best.counts.iterations, best.counts.trials);
+    let counts = best.counts;
+    let (iterations, trials, products) = (counts.iterations, counts.trials, counts.products);
+    println!("cost {:.3e} after {iterations} iterations, {trials} trials, {products} Hessian products", best.cost);
     Ok(())
 }

@@ -73,7 +73,12 @@ pub fn peak_memory() -> f64 {
 
 /// The fibre cantilever with 5n x n x n cells.
 pub fn cantilever(kind: CellKind, n: usize) -> Result<Solid, Failure> {
-    Ok(Solid::new(box_mesh([1.0, 0.2, 0.2], [5 * n, n, n], kind)?)?
+    cantilever_on(box_mesh([1.0, 0.2, 0.2], [5 * n, n, n], kind)?)
+}
+
+/// The fibre cantilever on another mesh of its box.
+pub fn cantilever_on(mesh: Mesh) -> Result<Solid, Failure> {
+    Ok(Solid::new(mesh)?
         .material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
         .clamp("x-")?)
