@@ -160,8 +160,7 @@ impl Diagnosis {
         }
         for (field, range) in self.ranges(&session.problem).as_object().into_iter().flatten() {
             let of = |key: &str| short(range[key].as_f64().unwrap_or(f64::NAN));
-            let unit =
-                session.problem.controls.iter().find(|own| own.name == *field).and_then(|own| Some(own.unit.as_str()));
+            let unit = session.problem.controls.iter().find(|own| own.name == *field).map(|own| own.unit.as_str());
             let unit = unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" {unit}"));
             console.say(format!(
                 "            {field} may differ by {} to {}{unit} at least until the cost rises by {}",
