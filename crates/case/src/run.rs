@@ -27,6 +27,7 @@ mod report;
 mod resume;
 mod session;
 mod solve;
+mod spectrum_request;
 mod states;
 mod study;
 mod sweep;
@@ -36,6 +37,7 @@ pub use error::{Exit, RunError};
 pub use gradcheck::{GradientTest, test_gradient};
 pub use on_trial::OnTrial;
 pub use report::report;
+pub use spectrum_request::{SpectrumRefusal, SpectrumRequest};
 pub use states::{ShowError, States};
 pub use study::{ControlSet, Optimum, Study, StudyError};
 pub use sweep::{Sweep, SweepOutcome, sweep};
@@ -80,6 +82,8 @@ pub struct Options {
     pub explain: bool,
     /// What `solve` computes.
     pub analysis: Analysis,
+    /// Eigenpairs of the reduced Hessian at the optimum of `optimize`.
+    pub spectrum: Option<SpectrumRequest>,
     /// Told of every trial of an optimisation.
     pub on_trial: OnTrial,
     /// Once raised, the command stops as soon as it can, keeping what it has.
@@ -171,6 +175,7 @@ pub fn resume(
         session.strict = options.strict;
         session.report = !options.no_report;
         session.explain = options.explain;
+        session.spectrum = options.spectrum;
         session.on_trial = options.on_trial.clone();
         let optimizer = session.problem.optimizer()?;
         let exit = optimize::resume(&mut session, optimizer.as_ref(), position);

@@ -4,7 +4,7 @@
 
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
-use nastic_case::run::{Exit, Options, Outcome, RunError, run_with};
+use nastic_case::run::{Exit, Options, Outcome, RunError, SpectrumRefusal, SpectrumRequest, run_with};
 use nastic_case::schema::{Command, json_schema};
 use nastic_control::{ControlError, Cost, CostContext, CostForm, CostPoint, Partials};
 use nastic_energy::catalogue::{Given, Parameter};
@@ -81,11 +81,20 @@ fn run(cost: &str, command: Command) -> Result<Outcome, RunError> {
 }
 
 fn run_set(cost: &str, command: Command, more: &[&str]) -> Result<Outcome, RunError> {
+    run_asked(cost, command, more, None)
+}
+
+fn run_asked(
+    cost: &str,
+    command: Command,
+    more: &[&str],
+    spectrum: Option<SpectrumRequest>,
+) -> Result<Outcome, RunError> {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("case.json");
     std::fs::write(&path, BAR).unwrap();
     let set = [format!("costs={cost}")].into_iter().chain(more.iter().map(|set| (*set).to_owned())).collect();
-    let options = Options { out: Some(directory.path().join("out")), set, ..Options::default() };
+    let options = Options { out: Some(directory.path().join("out")), set, spectrum, ..Options::default() };
     let catalogue = Catalogue::standard().with_cost(&LIFT).with_cost(&WRONG);
     run_with(&catalogue, command, &path, &options, &Console::silent())
 }
@@ -121,6 +130,20 @@ fn gradcheck_of_a_cost_without_second_derivatives_says_so() {
     let both = gradcheck(&format!("[{lift}, {norm}]"));
     let said = both["second"]["verdict"].as_str().unwrap();
     assert!(said.starts_with("right: every order is 3; not of every term: "), "{said}");
+}
+
+/// The spectrum is refused before the run, by the name of what has no second derivatives; without it the cost is optimised.
+#[test]
+fn no_spectrum_of_a_cost_without_second_derivatives() {
+    let lift = r#"[{ "kind": "lift", "surface": "x+", "height": "20 mm" }]"#;
+    let optimize = |spectrum| run_asked(lift, Command::Optimize, &["optimizer/max_iterations=1"], spectrum);
+    let error = optimize(Some(SpectrumRequest::leading(2))).unwrap_err();
+    assert!(
+        matches!(error, RunError::Spectrum(SpectrumRefusal::SecondDerivatives(_))) && error.exit() == Exit::BadInput
+    );
+    let said = error.to_string();
+    assert!(said.contains("LiftPoint gives no second derivatives"), "{said}");
+    assert_eq!(optimize(None).unwrap().exit, Exit::NotConverged);
 }
 
 /// An optimisation that does not begin tells what is doubtful of its start all the same, once.

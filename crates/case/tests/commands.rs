@@ -206,7 +206,9 @@ fn the_history_has_every_key_in_every_line() {
             "cost",
             "terms",
             "gradient_norm",
+            "relative_gradient",
             "step",
+            "predicted",
             "newton",
             "factorisations",
             "back_substitutions",
@@ -217,7 +219,16 @@ fn the_history_has_every_key_in_every_line() {
             assert!(line.get(key).is_some(), "{key} in {line}");
         }
         assert_eq!(line["trial"], k);
+        // The derivative before predicts a decrease, of about the size of the actual one where the step was accepted.
+        assert_eq!(line["predicted"].is_null(), k == 0, "{line}");
+        assert!(k == 0 || number(line, "predicted") < 0.0);
     }
+    let first = number(&lines[0], "gradient_norm");
+    assert!(
+        lines
+            .iter()
+            .all(|l| (number(l, "relative_gradient") * first - number(l, "gradient_norm")).abs() <= 1e-12 * first)
+    );
     assert_eq!(lines[0]["reason"], "start");
     assert!(lines[0]["newton"].as_u64().unwrap() > 0, "the start was solved for");
     assert!(number(&lines[1], "terms/tracking") > 0.0);

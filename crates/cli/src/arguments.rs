@@ -99,6 +99,24 @@ pub struct Optimize {
     /// read, which is replaced
     #[arg(long)]
     pub restart: bool,
+    #[command(flatten)]
+    pub diagnosis: Diagnosis,
+}
+
+/// What is to be found of an optimum.
+#[derive(Debug, Args)]
+pub struct Diagnosis {
+    /// Also the N largest eigenvalues of the cost's second derivative at the optimum, on the directions free of bounds
+    ///
+    /// They tell how well the target determines the control: result.json has them with residuals (spectrum), spectrum.vtu and
+    /// spectrum.json the eigenvectors. A cost, law or risk without second derivatives is refused before the run. nastic resume DIR
+    /// --spectrum N finds them for an optimisation that has ended.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
+    pub spectrum: Option<u16>,
+    /// How far the cost may rise above the optimum, for the half-widths of the control along the eigenvectors [default: a hundredth of
+    /// the cost there]
+    #[arg(long, value_name = "RISE", requires = "spectrum")]
+    pub cost_rise: Option<f64>,
 }
 
 /// A case to run for several values.
@@ -132,6 +150,8 @@ pub struct Resume {
     /// The output directory of the optimisation
     #[arg(value_name = "DIR")]
     pub directory: PathBuf,
+    #[command(flatten)]
+    pub diagnosis: Diagnosis,
     /// How to run it.
     #[command(flatten)]
     pub running: Running,

@@ -1,12 +1,12 @@
 //! From arguments to an exit code.
 
 use crate::arguments::{
-    self, Arguments, Case, Command, New, Optimize, Report, Resume, Running, StopAt, Sweep, SweptCommand,
+    self, Arguments, Case, Command, Diagnosis, New, Optimize, Report, Resume, Running, StopAt, Sweep, SweptCommand,
 };
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
 use nastic_case::run;
-use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, report, resume, run_with, sweep};
+use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, SpectrumRequest, report, resume, run_with, sweep};
 use nastic_case::schema;
 use nastic_case::signals::cancelled_by_signals;
 use nastic_case::template::{Template, TemplateError};
@@ -29,8 +29,8 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
         }
         Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
-        Command::Optimize(Optimize { case, restart }) => {
-            let asked = Asked { restart, ..Asked::default() };
+        Command::Optimize(Optimize { case, restart, diagnosis }) => {
+            let asked = Asked { restart, spectrum: spectrum(&diagnosis), ..Asked::default() };
             self::on_case(catalogue, schema::Command::Optimize, &case, asked)
         }
         Command::Resume(interrupted) => on_directory(catalogue, &interrupted),
@@ -74,11 +74,17 @@ fn analysis(asked: &arguments::Analysis) -> Analysis {
     }
 }
 
+/// What is to be found of an optimum.
+fn spectrum(asked: &Diagnosis) -> Option<SpectrumRequest> {
+    asked.spectrum.map(|count| SpectrumRequest { count: count.into(), cost_rise: asked.cost_rise })
+}
+
 /// What single commands are asked for.
 #[derive(Default)]
 struct Asked {
     analysis: Analysis,
     restart: bool,
+    spectrum: Option<SpectrumRequest>,
 }
 
 fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, asked: Asked) -> ExitCode {
@@ -98,6 +104,7 @@ fn options(case: &Case, asked: Asked) -> Options {
         explain: running.explain,
         analysis: asked.analysis,
         restart: asked.restart,
+        spectrum: asked.spectrum,
         cancel: cancelled_by_signals(complain),
         ..Options::default()
     }
@@ -122,12 +129,13 @@ fn on_values(catalogue: &Catalogue, Sweep { case, command, warm, restart }: &Swe
     }
 }
 
-fn on_directory(catalogue: &Catalogue, Resume { directory, running }: &Resume) -> ExitCode {
+fn on_directory(catalogue: &Catalogue, Resume { directory, diagnosis, running }: &Resume) -> ExitCode {
     let options = Options {
         threads: running.threads.map(usize::from),
         strict: running.strict,
         no_report: running.no_report,
         explain: running.explain,
+        spectrum: spectrum(diagnosis),
         cancel: cancelled_by_signals(complain),
         ..Options::default()
     };

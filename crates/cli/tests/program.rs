@@ -171,3 +171,27 @@ fn a_sweep_ends_as_its_worst_run_and_prints_its_table() {
     assert_eq!(code(&output), 2);
     assert!(text(&output.stderr).contains("no option has several values"), "{}", text(&output.stderr));
 }
+
+/// The spectrum is asked for with the optimisation, or of one that has ended.
+#[test]
+fn the_spectrum_at_the_optimum() {
+    let place = Place::new(BAR);
+    let found = |arguments: &[&str]| {
+        let output = place.nastic(arguments);
+        assert_eq!(code(&output), 4, "{}", text(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["spectrum"].clone()
+    };
+    let first = found(&["optimize", "case.json", "--spectrum", "3", "--cost-rise", "1e-5", "--json", "--threads", "1"]);
+    assert_eq!((first["eigenvalues"].as_array().unwrap().len(), &first["cost_rise"]), (3, &1e-5.into()), "{first}");
+    let again = found(&["resume", "out/case", "--spectrum", "3", "--cost-rise", "1e-5", "--json", "--threads", "3"]);
+    assert_eq!(first, again);
+    for (arguments, told) in [
+        (&["optimize", "case.json", "--cost-rise", "1"][..], "--spectrum"),
+        (&["optimize", "case.json", "--spectrum", "0"], "0 is not in 1..=500"),
+        (&["optimize", "case.json", "--spectrum", "2", "--cost-rise=-1"], "the rise of the cost is -1e0"),
+    ] {
+        let output = place.nastic(arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
+    }
+}

@@ -94,13 +94,21 @@ impl Reduced {
     /// # Errors
     /// Vectors of the wrong length.
     pub fn moved_controls(&self, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
-        self.layout().check(fields.m)?;
         let mesh = self.solid().mesh();
-        let mut shot =
-            Snapshot::new(mesh.clone()).with_points("displacement", 3, vectors(&fields.state.u, mesh.dim()))?;
+        let shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, vectors(&fields.state.u, mesh.dim()))?;
+        self.with_controls(shot, fields.m, fields.names)
+    }
+
+    /// Adds a vector of the control space (a control, a gradient, a direction) to a snapshot of this body, one array for each control field
+    /// that has one, under these names in the order of the fields; under their own names where there are none.
+    ///
+    /// # Errors
+    /// A vector of the wrong length; a snapshot of another mesh.
+    pub fn with_controls(&self, mut shot: Snapshot, m: &[f64], names: &[&str]) -> Result<Snapshot, ControlError> {
+        self.layout().check(m)?;
         for (k, block) in self.layout().blocks().iter().enumerate() {
-            let name = fields.names.get(k).copied().unwrap_or(&block.name);
-            shot = self.with_field(shot, block, name, fields.m)?;
+            let name = names.get(k).copied().unwrap_or(&block.name);
+            shot = self.with_field(shot, block, name, m)?;
         }
         Ok(shot)
     }

@@ -1,9 +1,9 @@
 //! Which second derivative is meant, and its products at an accepted control.
 
+use crate::admissible::Admissible;
 use crate::failed::Failed;
 use crate::method::HessianProducts;
 use crate::objective::Objective;
-use crate::search::{Iterate, Setting};
 
 /// A second derivative of a cost j(m) = J(u(m), m) through a state u(m).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,10 +15,14 @@ pub enum Hessian {
     GaussNewton,
 }
 
-/// The products of an objective at an iterate, counted.
+/// The products of an objective at an evaluated control of a set, counted.
 pub(crate) struct ProductsAt<'a, O: Objective> {
-    pub setting: &'a Setting<O>,
-    pub at: &'a Iterate<O::Point>,
+    pub objective: &'a O,
+    pub set: &'a dyn Admissible,
+    pub m: &'a [f64],
+    /// Across the set too.
+    pub whole_derivative: &'a [f64],
+    pub point: &'a O::Point,
     pub workspace: &'a mut O::Workspace,
     pub count: &'a mut usize,
 }
@@ -26,16 +30,15 @@ pub(crate) struct ProductsAt<'a, O: Objective> {
 impl<O: Objective> HessianProducts for ProductsAt<'_, O> {
     fn product(&mut self, v: &[f64], which: Hessian) -> Result<Vec<f64>, Failed> {
         *self.count += 1;
-        let (Setting { objective, set, .. }, Iterate { m, whole_derivative, point, .. }) = (self.setting, self.at);
-        let mut out = objective.hessian_vector(point, v, which, self.workspace)?;
-        if out.len() != m.len() {
-            return Err(Failed::because(format!("{} second derivatives for {} controls", out.len(), m.len())));
+        let mut out = self.objective.hessian_vector(self.point, v, which, self.workspace)?;
+        if out.len() != self.m.len() {
+            return Err(Failed::because(format!("{} second derivatives for {} controls", out.len(), self.m.len())));
         }
         if let Some(i) = out.iter().position(|x| !x.is_finite()) {
             return Err(Failed::because(format!("component {i} of a second derivative is {}", out[i])));
         }
-        set.add_curvature(m, whole_derivative, v, &mut out);
-        set.tangent(m, &mut out);
+        self.set.add_curvature(self.m, self.whole_derivative, v, &mut out);
+        self.set.tangent(self.m, &mut out);
         Ok(out)
     }
 }

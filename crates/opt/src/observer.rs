@@ -70,6 +70,8 @@ pub struct Trial<'a, P> {
     pub step: f64,
     /// Length of the move in the metric's norm.
     pub length: f64,
+    /// The change of cost that the derivative at the point before predicts, `dj/dm . (m - m_before)`; none where the control is the one before.
+    pub predicted: Option<f64>,
     /// Active bounds at the present point.
     pub active: usize,
     /// The same as a share of the control components.

@@ -119,8 +119,15 @@ impl<O: Objective> Setting<O> {
     ) -> Result<Found<O::Point>, Stop> {
         let mut line = Line { fraction: 1.0, trials: 0, failed: 0, shortest: f64::INFINITY, last: "none".into() };
         loop {
-            let count = &mut progress.counts.products;
-            let mut hessian = ProductsAt { setting: self, at, workspace: &mut *workspace, count };
+            let mut hessian = ProductsAt {
+                objective: &self.objective,
+                set: self.set.as_ref(),
+                m: &at.m,
+                whole_derivative: &at.whole_derivative,
+                point: &at.point,
+                workspace: &mut *workspace,
+                count: &mut progress.counts.products,
+            };
             method.prepare(&self.here(at), &mut hessian).map_err(|why| match why.is_fatal() {
                 true => Stop::Aborted(why),
                 false => Stop::Stalled(Stall::SecondDerivatives { why }),
@@ -187,7 +194,7 @@ impl<O: Objective> Setting<O> {
                     observer.trial(&self.tell(
                         progress,
                         at,
-                        Told { m: &m, point: None, cost: None, reason, step, length },
+                        Told { m: &m, point: None, cost: None, reason, step, length, predicted: Some(predicted) },
                     ));
                     continue;
                 }
@@ -201,7 +208,15 @@ impl<O: Objective> Setting<O> {
                 observer.trial(&self.tell(
                     progress,
                     at,
-                    Told { m: &m, point: Some(&point), cost: Some(cost), reason, step, length },
+                    Told {
+                        m: &m,
+                        point: Some(&point),
+                        cost: Some(cost),
+                        reason,
+                        step,
+                        length,
+                        predicted: Some(predicted),
+                    },
                 ));
                 continue;
             }
@@ -209,7 +224,7 @@ impl<O: Objective> Setting<O> {
             match self.differentiate(m.clone(), point, cost, workspace) {
                 Ok(next) => {
                     let accepted = self.tell_accepted(progress, &next, Reason::Armijo, step, length);
-                    observer.trial(&accepted);
+                    observer.trial(&Trial { predicted: Some(predicted), ..accepted });
                     let (fraction, trials) = (line.fraction, line.trials);
                     return Ok(Ok(Found { next, fraction, trials, predicted }));
                 }
@@ -221,7 +236,15 @@ impl<O: Objective> Setting<O> {
                     observer.trial(&self.tell(
                         progress,
                         at,
-                        Told { m: &m, point: Some(&point), cost: Some(cost), reason, step, length },
+                        Told {
+                            m: &m,
+                            point: Some(&point),
+                            cost: Some(cost),
+                            reason,
+                            step,
+                            length,
+                            predicted: Some(predicted),
+                        },
                     ));
                 }
             }
@@ -258,6 +281,7 @@ impl<O: Objective> Setting<O> {
             relative_gradient: progress.relative(at.gradient_norm),
             step: told.step,
             length: told.length,
+            predicted: told.predicted,
             active: at.active,
             active_share: at.active as f64 / at.m.len() as f64,
             summary,
@@ -277,7 +301,8 @@ impl<O: Objective> Setting<O> {
         length: f64,
     ) -> Trial<'t, O::Point> {
         let iteration = progress.counts.iterations + usize::from(reason == Reason::Armijo);
-        let told = Told { m: &next.m, point: Some(&next.point), cost: Some(next.cost), reason, step, length };
+        let told =
+            Told { m: &next.m, point: Some(&next.point), cost: Some(next.cost), reason, step, length, predicted: None };
         let derivative = Some(next.derivative.as_slice());
         Trial { accepted: true, iteration, derivative, ..self.tell(progress, next, told) }
     }
@@ -291,6 +316,7 @@ struct Told<'t, P> {
     reason: Reason,
     step: f64,
     length: f64,
+    predicted: Option<f64>,
 }
 
 /// Where a line search stands.

@@ -158,12 +158,24 @@ fn costs_fall_as_promised_and_trials_are_told_in_order() {
         let cost = rosenbrock(set.clone());
         let mut costs = Vec::new();
         let mut seen = Vec::new();
+        let mut before = None;
         let mut watch = |trial: &Trial<'_, Vec<f64>>| {
             assert!(set.check(trial.m).is_ok());
             assert_eq!(trial.accepted, trial.derivative.is_some());
             seen.push((trial.trial, trial.iteration, trial.accepted, trial.reason.clone()));
+            // What the derivative at the point before predicts.
+            let step: Option<f64> = before.as_ref().map(|(m, derivative): &(Vec<f64>, Vec<f64>)| {
+                (0..2).map(|i| derivative[i] * (trial.m[i] - m[i])).sum()
+            });
+            assert_eq!(
+                (trial.predicted, trial.predicted.is_none()),
+                (step, trial.reason == Reason::Start),
+                "{}",
+                o.name()
+            );
             if trial.accepted {
                 costs.push(trial.cost.unwrap());
+                before = trial.derivative.map(|derivative| (trial.m.to_vec(), derivative.to_vec()));
             }
         };
         let metric = Euclidean::new(2);

@@ -22,6 +22,7 @@ mod number;
 mod page;
 mod plots;
 mod scene;
+mod spectrum;
 mod summary;
 mod surface;
 mod tables;

@@ -5,7 +5,7 @@ use crate::folder::ResultFolder;
 use crate::html::{escape, paragraph, section};
 use crate::plots::plots;
 use crate::scene::Scene;
-use crate::{summary, tables};
+use crate::{spectrum, summary, tables};
 use serde_json::{Value, json};
 
 const THREE: &str = include_str!("../vendor/three.min.js");
@@ -45,6 +45,7 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
         tables::states(result),
         tables::members(result),
         tables::controls(result),
+        spectrum::spectrum(result),
         tables::certificate(result),
         tables::stabilities(result),
         tables::mesh(scene.first.as_ref(), scene.last.as_ref()),

@@ -3,6 +3,7 @@
 use super::summary;
 use crate::lower::{CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, ControlError, StateFields};
+use nastic_fem::State;
 use nastic_mesh::{Shape, Snapshot};
 use rayon::prelude::*;
 
@@ -46,6 +47,25 @@ pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Resu
 pub(crate) fn iterate(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
     let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
     member.reduced().moved_controls(&StateFields { names: &names, ..*fields })
+}
+
+/// The displaced body with vectors of the control space as arrays `CONTROL_NAME`.
+pub(crate) fn control_fields(
+    member: CaseMember<'_>,
+    state: &State,
+    vectors: &[(&str, Vec<f64>)],
+) -> Result<Snapshot, ControlError> {
+    let named = |name: &str| member.fields().map(|(_, field)| format!("{}_{name}", field.array)).collect::<Vec<_>>();
+    let mut shot: Option<Snapshot> = None;
+    for (name, m) in vectors {
+        let own = named(name);
+        let names: Vec<&str> = own.iter().map(String::as_str).collect();
+        shot = Some(match shot {
+            Some(shot) => member.reduced().with_controls(shot, m, &names)?,
+            None => member.reduced().moved_controls(&StateFields { names: &names, ..StateFields::new(state, m) })?,
+        });
+    }
+    Ok(shot.unwrap_or_else(|| Snapshot::new(member.mesh().clone())))
 }
 
 /// Names of the control fields that are vectors of the material, and turn with it.

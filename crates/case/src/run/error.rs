@@ -1,5 +1,6 @@
 //! How commands end.
 
+use super::spectrum_request::SpectrumRefusal;
 use crate::result::checkpoint_file::CheckpointError;
 use crate::result::lock::DirectoryError;
 use crate::syntax::Diagnostics;
@@ -124,6 +125,9 @@ pub enum RunError {
     /// There is no checkpoint to go on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// The spectrum that was asked for cannot be had.
+    #[error("no spectrum of the reduced Hessian: {0}")]
+    Spectrum(#[from] SpectrumRefusal),
     /// A result folder gives no page.
     #[error(transparent)]
     Report(#[from] nastic_report::ReportError),
@@ -157,6 +161,7 @@ impl RunError {
         match self {
             Self::Input(_) | Self::Threads(_) | Self::MemoryLimit(_) | Self::Report(_) => Exit::BadInput,
             Self::Checkpoint(_) | Self::UnreadableCheckpoint(_) | Self::Interrupted { .. } => Exit::BadInput,
+            Self::Spectrum(_) => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
             Self::Start(_) => Exit::BadInput,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,

@@ -11,6 +11,7 @@ mod outcome;
 mod recorder;
 mod run_trials;
 mod run_warnings;
+mod spectrum;
 mod starts;
 
 pub(super) use checkpoint::{Checkpoint, Position};
@@ -40,6 +41,7 @@ use std::time::Instant;
 /// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
 pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restart: bool) -> Result<Exit, RunError> {
     session.require(true, true)?;
+    spectrum::check(session)?;
     if let (Some(out), false) = (&session.out, restart)
         && let Err(error) = may_replace(out)
     {
@@ -83,6 +85,7 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
         return checked.map(|_| Exit::GradientWrong);
     }
     let check = check_gradient::json(&checked?);
+    spectrum::check_products(session, &point, &mut workspace)?;
     let begun = Begun { point, derivative, workspace, warnings };
     let began = Instant::now();
     let mut starts = Starts::default();
@@ -111,6 +114,7 @@ pub(super) fn resume(
     optimizer: &dyn Optimizer,
     position: Option<Position>,
 ) -> Result<Exit, RunError> {
+    spectrum::check(session)?;
     let from = position.as_ref().map_or(Written { start: 0, iteration: 0 }, Position::place);
     session.put("resumed", json!({ "start": from.start, "iteration": from.iteration }));
     // Nothing was evaluated yet.
@@ -144,7 +148,9 @@ fn conclude(
         session.put("minima", json!(minima));
     }
     run_warnings::warn(session, &ended, starts.interrupted);
-    let reported = outcome::report(session, (index, &ended), &starts.entries, resumable);
+    let diagnosis = if starts.interrupted { None } else { spectrum::find(session, &ended.best)? };
+    let found = (index, &ended, diagnosis.as_ref());
+    let reported = outcome::report(session, found, &starts.entries, resumable);
     let reported = reported.and_then(|found| unwritten.map(|()| found));
     if let (Err(error), Some(written)) = (&reported, written)
         && error.exit() == Exit::NotWritten

@@ -2,6 +2,7 @@
 
 use super::ensemble_progress::EnsembleProgress;
 use super::error::{Exit, RunError};
+use super::spectrum_request::SpectrumRequest;
 use super::states::Shown;
 use super::{OnTrial, Options, number};
 use crate::catalogue::Catalogue;
@@ -47,6 +48,8 @@ pub(super) struct Session<'c> {
     pub report: bool,
     /// Whether the columns of the table of trials are explained.
     pub explain: bool,
+    /// What is to be found of the second derivative at an optimum.
+    pub spectrum: Option<SpectrumRequest>,
     /// Whether the result is held to what the case expects.
     pub expect: bool,
     /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
@@ -87,6 +90,7 @@ impl<'c> Session<'c> {
         session.strict = options.strict;
         session.report = !options.no_report;
         session.explain = options.explain;
+        session.spectrum = options.spectrum;
         session.expect = !options.without_expect;
         session.on_trial = options.on_trial.clone();
         session.out = directory(&session.command, &session.problem, options).map(Directory::claim).transpose()?;
@@ -153,6 +157,7 @@ impl<'c> Session<'c> {
             settings: Vec::new(),
             report: true,
             explain: false,
+            spectrum: None,
             expect: true,
             ended: false,
             on_trial: OnTrial::default(),

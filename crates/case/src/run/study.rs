@@ -9,7 +9,7 @@ pub use control_set::ControlSet;
 pub use error::StudyError;
 
 use super::states::States;
-use super::{OnTrial, Outcome};
+use super::{OnTrial, Outcome, SpectrumRequest};
 use crate::console::Console;
 use crate::quantity::Units;
 use nastic_control::{Ensemble, LoadCase, Reduced};
@@ -71,6 +71,7 @@ pub struct Study {
     seed: u64,
     restart: bool,
     report: bool,
+    spectrum: Option<SpectrumRequest>,
     console: Console,
     on_trial: OnTrial,
     threads: Option<usize>,
@@ -115,6 +116,7 @@ impl Study {
             seed: 0,
             restart: false,
             report: true,
+            spectrum: None,
             console: Console::silent(),
             on_trial: OnTrial::default(),
             threads: None,
@@ -219,6 +221,13 @@ impl Study {
     #[must_use]
     pub fn report(mut self, report: bool) -> Self {
         self.report = report;
+        self
+    }
+
+    /// Finds leading eigenpairs of the reduced Hessian at the optimum, too.
+    #[must_use]
+    pub fn spectrum(mut self, request: SpectrumRequest) -> Self {
+        self.spectrum = Some(request);
         self
     }
 

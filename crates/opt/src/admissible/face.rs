@@ -71,6 +71,13 @@ impl Face {
         self.fixed.iter().filter(|f| **f).count() + self.normals.iter().filter(|n| n.bound).count()
     }
 
+    /// Number of independent free directions.
+    pub fn dimension(&self) -> usize {
+        let barred =
+            self.normals.iter().filter(|normal| !self.fixed[normal.at..normal.at + normal.dim].contains(&true));
+        self.fixed.iter().filter(|fixed| !**fixed).count() - barred.count()
+    }
+
     /// v <- P v.
     pub fn project(&self, v: &mut [f64]) {
         for (v, fixed) in v.iter_mut().zip(&self.fixed) {

@@ -8,9 +8,11 @@ use super::super::solve::{
     members_of, say_files, say_members, say_probes, say_stability, say_tracked, title, title_of_scenarios,
     write_collections, write_targets,
 };
+use super::super::spectrum_request::SpectrumRequest;
 use super::super::states::Shown;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
+use super::spectrum::Diagnosis;
 use super::{advice, constraints, fall, revalued, starts, why};
 use crate::lower::CaseMember;
 use crate::result::convergence;
@@ -41,7 +43,7 @@ pub(super) fn write_start(
 /// Fills the result, writes files, says how it went.
 pub(super) fn report(
     session: &mut Session<'_>,
-    (index, ended): (usize, &FinishedRun),
+    (index, ended, diagnosis): (usize, &FinishedRun, Option<&Diagnosis>),
     entries_of_starts: &[Value],
     resumable: Option<Written>,
 ) -> Result<Vec<Inspection>, RunError> {
@@ -93,8 +95,8 @@ pub(super) fn report(
     session.put_all(summary::work(&total));
     session.console.say("");
     starts::say(session, entries_of_starts, index);
-    say(session, ended, resumable);
-    session.timed("write", |session| write(session, ended, &found, (index, entries_of_starts.len())))?;
+    say(session, (ended, diagnosis), resumable);
+    session.timed("write", |session| write(session, (ended, diagnosis), &found, (index, entries_of_starts.len())))?;
     Ok(found)
 }
 
@@ -116,7 +118,7 @@ pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: V
     session.shown = Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
 }
 
-fn say(session: &Session<'_>, ended: &FinishedRun, resumable: Option<Written>) {
+fn say(session: &Session<'_>, (ended, diagnosis): (&FinishedRun, Option<&Diagnosis>), resumable: Option<Written>) {
     let best = &ended.best;
     let (console, result) = (session.console, session.result_value());
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
@@ -174,6 +176,9 @@ fn say(session: &Session<'_>, ended: &FinishedRun, resumable: Option<Written>) {
             control["unknowns"]
         ));
     }
+    if let Some(diagnosis) = diagnosis {
+        diagnosis.say(session);
+    }
     say_probes(session, &result);
     match resumable {
         Some(checkpoint) => say_how_to_resume(session, checkpoint),
@@ -186,7 +191,9 @@ pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteratio
     let Some(out) = &session.out else { return };
     let of = if session.problem.case.optimizer.starts > 1 { format!(" of start {}", start + 1) } else { String::new() };
     match session.problem.case_file() {
-        Some(_) => session.console.say(format!("to go on    nastic resume {}", out.path().display())),
+        Some(_) => {
+            session.console.say(format!("to go on    nastic resume {}{}", out.path().display(), spectrum(session)))
+        }
         None => session.console.say(format!("to go on    Study::resume, with the results in {}", out.path().display())),
     }
     session
@@ -196,7 +203,7 @@ pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteratio
 
 fn write(
     session: &mut Session<'_>,
-    ended: &FinishedRun,
+    (ended, diagnosis): (&FinishedRun, Option<&Diagnosis>),
     found: &[Inspection],
     (best_start, starts): (usize, usize),
 ) -> Result<(), RunError> {
@@ -208,6 +215,9 @@ fn write(
     files.extend(convergence::write(&out, &lead, several.then_some(best_start))?);
     out.write_json("controls.json", &summary::control_values(problem, &best.m))?;
     files.push("controls.json".to_owned());
+    if let Some(diagnosis) = diagnosis {
+        files.extend(diagnosis.write(problem, &out)?);
+    }
     files.extend(write_states(problem, "optimum", (&best.point, &best.derivative, found), &out)?);
     let mut together: Vec<Picture> = Vec::new();
     for member in problem.leads() {
@@ -276,4 +286,10 @@ fn left_out(session: &Session<'_>) -> String {
 fn mean(session: &Session<'_>, load_case: &str, point: &EnsemblePoint) -> Result<Snapshot, RunError> {
     let mean = session.problem.ensemble.mean_shape(point, load_case);
     mean.map_err(|error| session.forward_failed(error))
+}
+
+/// What the command line must say once more for the same results.
+fn spectrum(session: &Session<'_>) -> String {
+    let Some(SpectrumRequest { count, cost_rise }) = session.spectrum else { return String::new() };
+    format!(" --spectrum {count}") + &cost_rise.map_or_else(String::new, |rise| format!(" --cost-rise {rise}"))
 }

@@ -46,7 +46,7 @@ impl Study {
         let console = self.console.clone();
         let own = if self.interruptible { Some(stop_by_signals(&console)) } else { self.cancel.clone() };
         let (directory, restart) = (self.directory.clone(), self.restart);
-        let (report, on_trial) = (self.report, self.on_trial.clone());
+        let (report, on_trial, spectrum) = (self.report, self.on_trial.clone(), self.spectrum);
         let mut problem = self.assemble(optimizer)?;
         if let Some(flag) = &own {
             problem.ensemble.cancel_by(flag);
@@ -54,7 +54,7 @@ impl Study {
         let cancel = own.unwrap_or_default();
         let run = || -> Result<(Outcome, Option<States>), RunError> {
             let mut session = Session::on(Command::Optimize, problem, cancel, &console, began);
-            (session.report, session.on_trial) = (report, on_trial);
+            (session.report, session.on_trial, session.spectrum) = (report, on_trial, spectrum);
             let exit = match directory {
                 Some(directory) if goes_on && !restart => resume_in(&mut session, optimizer, directory),
                 Some(directory) => {
