@@ -59,7 +59,7 @@ pub enum RunError {
     /// No first penalty of the constraints.
     #[error(
         "nothing tells how large the first penalty of the constraints should be: the cost at the start is {cost:e}, the penalty {penalty:e}; \
-         start where the cost is not zero, or give a penalty > 0 in the unit of the cost"
+         start where the cost is not zero (a program may give a penalty > 0 in the unit of the cost)"
     )]
     NoPenalty {
         /// The cost at the start.

@@ -152,18 +152,26 @@ impl Diagnosis {
             console.say(format!("            {} of {asked} eigenpairs met the tolerance", values.len()));
         }
         if *negative > 0 {
-            console.say(format!(
-                "            SADDLE: at least {} of the second derivative, the lowest {} or less: the cost falls further along it",
-                count(*negative, "negative eigenvalue"),
-                short(*lowest)
-            ));
+            let (negative, lowest) = (count(*negative, "negative eigenvalue"), *lowest);
+            let share = -lowest / values.first().map_or(f64::NAN, |largest| largest.abs());
+            console.say(match share < MATTERS {
+                true => format!(
+                    "            at least {negative}, to -{} of the largest: directions that the target hardly determines; a control_norm or a smaller tolerance settles them",
+                    short(share)
+                ),
+                false => format!(
+                    "            SADDLE: at least {negative} of the second derivative, the lowest {} or less: the cost falls further along it",
+                    short(lowest)
+                ),
+            });
         }
+        let left_out = if *negative > 0 { " (not counting directions of negative curvature)" } else { "" };
         for (field, range) in self.ranges(&session.problem).as_object().into_iter().flatten() {
             let of = |key: &str| short(range[key].as_f64().unwrap_or(f64::NAN));
             let unit = session.problem.controls.iter().find(|own| own.name == *field).map(|own| own.unit.as_str());
             let unit = unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" {unit}"));
             console.say(format!(
-                "            {field} may differ by {} to {}{unit} at least until the cost rises by {}",
+                "            {field} may differ by {} to {}{unit} at least until the cost rises by {}{left_out}",
                 of("min"),
                 of("max"),
                 short(self.rise)
