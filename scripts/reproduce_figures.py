@@ -117,7 +117,7 @@ def iterates(out, path):
     last = int(rows[-1]["iteration"])
     target = surface(pv.read(out / "arc_gradient/target.vtu"))
     plotter = plotter_of(2, 3, (440, 300))
-    for place, k in enumerate([0, 1, 3, 10, 30, last]):
+    for place, k in enumerate([0, 1, 3, 8, 15, last]):
         plotter.subplot(place // 3, place % 3)
         _, body = moved(out / f"arc_gradient/iteration_{k:04}.vtu")
         body_of(plotter, body, BODY)
