@@ -187,6 +187,9 @@ fn constraints_that_make_no_sense_are_refused() -> Done {
     refused("bound", CostLimit::at_most(rest(), f64::NAN).bind(solid));
     refused("radius -1", ObstacleDistance::surface("y+", Obstacle::sphere([0.0; 3], -1.0)).bind(solid));
     refused("normal", ObstacleDistance::surface("y+", Obstacle::half_space([0.0; 3], [0.0; 3])).bind(solid));
+    let long = Obstacle::HalfSpace { point: [0.0; 3], normal: [0.0, 2.0, 0.0] };
+    refused("has the length 2", ObstacleDistance::surface("y+", long).bind(solid));
+    refused("clearance NaN", ObstacleDistance::surface("y+", ball()).clearance(f64::NAN).bind(solid));
     refused("top", ObstacleDistance::surface("top", ball()).bind(solid));
     Ok(())
 }

@@ -473,3 +473,14 @@ fn without_constraints_nothing_changes() -> Outcomes {
     assert!(constraints.groups.is_empty() && constraints.updates == 0);
     Ok(())
 }
+
+/// A constraint that is no number is not one that is met: its trials fail, and a start with it is refused.
+#[test]
+fn values_that_are_no_numbers_fail() {
+    let case = Case { values: |_| vec![f64::NAN], ..HS21 };
+    let Err(refused) = begin(&lbfgs(), case) else { unreachable!("it is refused") };
+    assert!(refused.to_string().contains("value 0 of the constraints is NaN"), "{refused}");
+    let case = Case { values: |_| vec![], ..HS21 };
+    let Err(refused) = begin(&lbfgs(), case) else { unreachable!("it is refused") };
+    assert!(refused.to_string().contains("0 values of 1 constraints"), "{refused}");
+}

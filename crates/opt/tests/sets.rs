@@ -223,3 +223,19 @@ fn curvature_is_that_of_the_curve() {
         assert!(flat == curvature.iter().all(|x| *x == 0.0), "{}", row.name);
     }
 }
+
+/// A step that nothing holds is left alone to the bit: methods tell by that whether a bound acts.
+#[test]
+fn steps_within_the_set_stay_to_the_bit() {
+    for row in CATALOGUE.iter().filter(|row| row.convex) {
+        let set = (row.make)(5).unwrap();
+        let n = 5 * row.components;
+        let numbers =
+            |seed: f64, size: f64| (0..n).map(|i| size * ((i as f64 + seed) * 12.9898).sin()).collect::<Vec<f64>>();
+        let (m, d) = (numbers(0.4, 0.2), numbers(3.0, 0.1));
+        let mut restricted = d.clone();
+        set.restrict(&m, &mut restricted);
+        assert_eq!(restricted, d, "{}", row.name);
+        assert_eq!(set.reach(&m, &vec![0.0; n], &d), 1.0, "{}", row.name);
+    }
+}

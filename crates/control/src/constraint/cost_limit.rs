@@ -1,7 +1,7 @@
 //! [`CostLimit`]: a bound on any cost.
 
 use super::{Constraint, ConstraintPoint, IntoConstraint};
-use crate::cost::{Cost, CostContext, CostPoint, CostTarget, IntoCost, Partials};
+use crate::cost::{Cost, CostContext, CostPoint, IntoCost, Partials};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_numeric::vector::{axpy, dot};
@@ -68,10 +68,6 @@ impl Constraint for BoundLimit {
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
         let cost = self.cost.at(&CostContext { stage: self.cost.stages().saturating_sub(1), ..*at })?;
         Ok(Arc::new(Point { values: [cost.value() - self.bound], cost, sizes: [at.u.len(), at.m.len()] }))
-    }
-
-    fn target(&self, solid: &Solid) -> Option<CostTarget> {
-        self.cost.target(solid)
     }
 }
 

@@ -6,7 +6,7 @@ mod obstacle_distance;
 pub use cost_limit::CostLimit;
 pub use obstacle_distance::ObstacleDistance;
 
-use crate::cost::{CostContext, CostTarget, Partials};
+use crate::cost::{CostContext, Partials};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_opt::ConstraintGroup;
@@ -29,11 +29,6 @@ pub trait Constraint: Debug + Send + Sync {
     /// # Errors
     /// Where the constraint is not defined.
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError>;
-
-    /// The shape to be shown with the body, where there is one.
-    fn target(&self, _solid: &Solid) -> Option<CostTarget> {
-        None
-    }
 }
 
 /// Constraints evaluated at one (u, m). A value: it depends on nothing that changes.

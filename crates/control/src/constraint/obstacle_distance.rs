@@ -54,11 +54,7 @@ impl ObstacleDistance {
 
 impl IntoConstraint for ObstacleDistance {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Constraint>, ControlError> {
-        self.obstacle.check()?;
-        if !self.clearance.is_finite() {
-            let what = format!("an obstacle has the clearance {}; clearances are finite", self.clearance);
-            return Err(ControlError::Cost { what });
-        }
+        self.obstacle.check(self.clearance)?;
         let (_, nodes) = self.place.points(solid)?;
         let scale = solid.mesh().diagonal();
         Ok(Box::new(Bound { nodes: nodes.into(), obstacle: self.obstacle, clearance: self.clearance, scale }))

@@ -99,9 +99,12 @@ impl Obstacle {
         }
     }
 
-    /// Checks its numbers.
-    pub(crate) fn check(&self) -> Result<(), ControlError> {
+    /// Checks its numbers, and the distance to keep from it.
+    pub(crate) fn check(&self, clearance: f64) -> Result<(), ControlError> {
         let complain = |what: String| Err(ControlError::Cost { what });
+        if !clearance.is_finite() {
+            return complain(format!("an obstacle has the clearance {clearance}; clearances are finite lengths"));
+        }
         let (numbers, radius) = match self {
             Obstacle::Sphere { center, radius } => (center.to_vec(), *radius),
             Obstacle::HalfSpace { point, normal } => ([*point, *normal].concat(), 1.0),
@@ -184,12 +187,8 @@ impl ObstaclePenetration {
 
 impl IntoCost for ObstaclePenetration {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
-        self.obstacle.check()?;
+        self.obstacle.check(self.clearance)?;
         let weight = check_weight("obstacle", self.weight)?;
-        if !self.clearance.is_finite() {
-            let what = format!("an obstacle has the clearance {}; clearances are finite lengths", self.clearance);
-            return Err(ControlError::Cost { what });
-        }
         let (points, _) = self.place.points(solid)?;
         Ok(Box::new(Bound { points: Arc::new(points), obstacle: self.obstacle, clearance: self.clearance, weight }))
     }
