@@ -10,8 +10,9 @@ use nastic_numeric::vector::{add, axpy, dot, scale, sub};
 ///
 /// Rounds of face identification: the bounds that the last round reached and whose multiplier keeps them are fixed; on the rest, conjugate
 /// gradients in that product (Steihaug 1983) end at the tolerance, at the radius, or along a direction of negative curvature, which is followed to the radius;
-/// their step is taken to the first bound that it meets, or to a point of its projection where q is lower. q falls from round to round, from
-/// q(0) = 0.
+/// their step is taken to the first bound that it meets, or to a point of its projection where q is lower. Where the set cuts off most of
+/// the way to the radius, that way is left out and the step so far is the last: the rest would be bounds that are met one after the other.
+/// q falls from round to round, from q(0) = 0.
 ///
 /// Source: Lin and Moré (1999), "Newton's method for large bound-constrained optimization problems"; Steihaug (1983), "The conjugate
 /// gradient method and trust regions in large scale optimization".
@@ -43,6 +44,8 @@ impl ModelStep {
 
 /// Rounds of face identification at most.
 const ROUNDS: usize = 50;
+/// Times that a round begins again with the bounds that its step would pass: bounds are met in ever smaller numbers.
+const JOINS: usize = 2;
 /// Points on the projection of a step that are tried.
 const HALVINGS: usize = 4;
 /// Share of the linear prediction by which q must fall there.
@@ -73,20 +76,23 @@ impl Subproblem<'_> {
             if size <= goal || left == 0 || at.at_radius {
                 break;
             }
+            let mut joins = 0;
             let moved = loop {
                 let moved = self.conjugate_gradient(&mut at, &face, &gradient, goal, &mut left, product)?;
                 // Bounds that the step so far has reached and this one would pass are active too.
                 let before = face.active();
                 face.join(&self.here.set.face(self.here.m, &at.d, &moved.s.iter().map(|s| -s).collect::<Vec<_>>()));
-                if face.active() == before {
+                if face.active() == before || joins == JOINS {
                     break Some(moved);
                 }
+                joins += 1;
                 if left == 0 {
                     break None;
                 }
             };
             // A step that was made for another face is of no use.
             let Some(moved) = moved else { break };
+            let last = moved.cut_short;
             let before = (at.d.clone(), at.image.clone());
             let falls = self.bring_back(&mut at, &face, &gradient, moved, &mut left, product)?;
             if dot(self.here.derivative, &at.d)
@@ -96,7 +102,7 @@ impl Subproblem<'_> {
                 (at.d, at.image) = before;
                 break;
             }
-            if !falls {
+            if !falls || last {
                 break;
             }
         }
@@ -136,6 +142,7 @@ impl Subproblem<'_> {
         let mut z = precondition(&r);
         let mut p = z.clone();
         let mut rz = dot(&r, &z);
+        let mut cut_short = false;
         while *left > 0 && rz > 0.0 {
             *left -= 1;
             let hp = product(&p)?;
@@ -144,6 +151,14 @@ impl Subproblem<'_> {
             let to_radius = self.to_radius(&whole, &p);
             let alpha = if curvature > 0.0 { rz / curvature } else { f64::INFINITY };
             let step = alpha.min(to_radius);
+            if curvature <= 0.0 && s.iter().any(|s| *s != 0.0) {
+                let mut far = s.clone();
+                axpy(step, &p, &mut far);
+                if self.is_mostly_outside(face, &at.d, &far) {
+                    cut_short = true;
+                    break;
+                }
+            }
             axpy(step, &p, &mut s);
             axpy(step, &hp, &mut image);
             at.at_radius = step == to_radius;
@@ -161,7 +176,7 @@ impl Subproblem<'_> {
             }
             rz = next;
         }
-        Ok(Moved { s, image })
+        Ok(Moved { s, image, cut_short })
     }
 
     /// Whether bringing the step back into the set would take away much of it: going on would be for nothing.
@@ -194,7 +209,7 @@ impl Subproblem<'_> {
         at: &mut ModelStep,
         face: &Face,
         gradient: &[f64],
-        Moved { mut s, mut image }: Moved,
+        Moved { mut s, mut image, .. }: Moved,
         left: &mut usize,
         product: &mut Product,
     ) -> Result<bool, Failed> {
@@ -240,4 +255,6 @@ impl Subproblem<'_> {
 struct Moved {
     s: Vec<f64>,
     image: Vec<f64>,
+    /// Whether a direction of negative curvature was left out.
+    cut_short: bool,
 }
