@@ -34,6 +34,15 @@ pub enum Stop {
         /// Norm of the projected gradient of half the squared violations (relative to their scales) in the metric.
         gradient: f64,
     },
+    /// One of several runs was stopped before its end, since another is ahead of what it may yet reach.
+    Outperformed {
+        /// Its cost.
+        cost: f64,
+        /// The cost that it may yet reach, extrapolated from its own decrease.
+        within_reach: f64,
+        /// The lowest cost of all runs at that time.
+        best: f64,
+    },
     /// The cancellation flag was raised.
     Cancelled,
     /// An evaluation failed for a reason that has nothing to do with the control ([`Failed::is_fatal`]). The run stands before the
@@ -139,6 +148,11 @@ impl fmt::Display for Stop {
                 "infeasible: the largest violation of the constraints stays {violation:.3e} of its scale, with {penalty:.0e} times the \
                  first penalty; gradient of the squared violation {gradient:.1e} (constraints that contradict each other or the \
                  bounds? a start from which they cannot be met? try another start, wider bounds, a looser constraint)"
+            ),
+            Self::Outperformed { cost, within_reach, best } => write!(
+                f,
+                "stopped early: the cost {cost:.3e} may yet fall to {within_reach:.3e}, extrapolated from its own decrease; another run is \
+                 at {best:.3e}"
             ),
             Self::Cancelled => write!(f, "cancelled"),
             Self::Aborted(why) => write!(f, "aborted: {why}"),

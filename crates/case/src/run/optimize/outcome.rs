@@ -13,7 +13,7 @@ use super::super::states::Shown;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
 use super::spectrum::Diagnosis;
-use super::{advice, constraints, fall, revalued, starts, why};
+use super::{advice, constraints, fall, revalued, table_of_starts, why};
 use crate::lower::CaseMember;
 use crate::result::convergence;
 use crate::result::inspection::Inspection;
@@ -94,7 +94,7 @@ pub(super) fn report(
     work.iter().for_each(|work| total.add_work(work));
     session.put_all(summary::work(&total));
     session.console.say("");
-    starts::say(session, entries_of_starts, index);
+    table_of_starts::say(session, entries_of_starts, index);
     say(session, (ended, diagnosis), resumable);
     session.timed("write", |session| write(session, (ended, diagnosis), &found, (index, entries_of_starts.len())))?;
     Ok(found)

@@ -128,6 +128,7 @@ impl Study {
         (case.units, case.title) = (self.units, self.title.clone());
         (case.output.every, case.output.checkpoint) = (self.every, self.checkpoint);
         (case.optimizer.starts, case.optimizer.seed) = (1 + self.random_starts, self.seed);
+        case.optimizer.early_stopping = self.early_stopping;
         (case.optimizer.max_iterations, case.optimizer.tolerance) = (options.max_iterations, options.tolerance);
         case.optimizer.absolute_tolerance = options.absolute_tolerance;
         case.optimizer.method = Method::named(optimizer.name()).unwrap_or_default();
