@@ -27,6 +27,10 @@ pub enum Stop {
     /// The constraints cannot be met from here: ten times the penalty, several times over, hardly changes their violation. The point is
     /// (nearly) a stationary point of the squared violation.
     Infeasible {
+        /// The constraint that is violated most, relative to its scale.
+        constraint: String,
+        /// Which of its values, from 0.
+        index: usize,
         /// The largest violation, relative to its scale.
         violation: f64,
         /// The penalty reached, as a multiple of the first.
@@ -143,9 +147,9 @@ impl fmt::Display for Stop {
                 f,
                 "stopped after {iterations} iterations: projected gradient {relative_gradient:.1e} of the first"
             ),
-            Self::Infeasible { violation, penalty, gradient } => write!(
+            Self::Infeasible { constraint, index, violation, penalty, gradient } => write!(
                 f,
-                "infeasible: the largest violation of the constraints stays {violation:.3e} of its scale, with {penalty:.0e} times the \
+                "infeasible: the largest violation of the constraints, value {index} of \"{constraint}\", stays {violation:.3e} of its scale, with {penalty:.0e} times the \
                  first penalty; gradient of the squared violation {gradient:.1e} (constraints that contradict each other or the \
                  bounds? a start from which they cannot be met? try another start, wider bounds, a looser constraint)"
             ),
