@@ -97,7 +97,12 @@ impl Round<'_> {
             }
         };
         console.show_solves(at_once == 1);
-        let ran = if at_once > 1 { side_by_side(threads, at_once, &work) } else { Ok(work()) };
+        let mut ran = Ok(());
+        if at_once > 1 {
+            ran = side_by_side(threads, at_once, &work);
+        } else {
+            work();
+        }
         console.show_solves(true);
         starts
             .extend(places.into_iter().filter_map(|place| place.into_inner().unwrap_or_else(PoisonError::into_inner)));
@@ -158,12 +163,12 @@ impl Round<'_> {
     /// Evaluates a start, looks into it and, where it is a random one, checks its gradient.
     fn evaluate(&self, index: usize, output: &StartOutput) -> Evaluation {
         let (session, seed) = (self.session, seed(self.session, index));
-        let evaluated = evaluated_start(session, index, output).and_then(|mut begun| {
+        let evaluated = evaluated_start(session, index, output).map(|mut begun| {
             let Begun { point, derivative, workspace, .. } = &mut begun;
             // That of the start as written was checked before all runs.
             let mut check = || check_gradient::check(session, &output.console, point, derivative, workspace);
             let checked = seed.map(|_| check()).transpose();
-            Ok((checked, begun))
+            (checked, begun)
         });
         let refused = |why: &dyn std::fmt::Display| {
             output.console.say(format!("failed      {why}"));

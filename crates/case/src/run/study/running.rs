@@ -25,7 +25,7 @@ impl Study {
     ///
     /// # Errors
     /// [`StudyError`]. A stop before convergence is none: see [`Outcome::exit`].
-    pub fn optimize(self, optimizer: &(impl Optimizer + Sync)) -> Result<Optimum, StudyError> {
+    pub fn optimize(self, optimizer: &impl Optimizer) -> Result<Optimum, StudyError> {
         self.run(optimizer, false)
     }
 
@@ -36,11 +36,11 @@ impl Study {
     /// # Errors
     /// As [`optimize`](Self::optimize); a checkpoint of another problem: other meshes, supports, controls, inner products, sets, starts, names of costs,
     /// another optimiser, or a law or a cost that gives the control of the checkpoint another value.
-    pub fn resume(self, optimizer: &(impl Optimizer + Sync)) -> Result<Optimum, StudyError> {
+    pub fn resume(self, optimizer: &impl Optimizer) -> Result<Optimum, StudyError> {
         self.run(optimizer, true)
     }
 
-    fn run(self, optimizer: &(impl Optimizer + Sync), goes_on: bool) -> Result<Optimum, StudyError> {
+    fn run(self, optimizer: &impl Optimizer, goes_on: bool) -> Result<Optimum, StudyError> {
         let pool = thread_pool(self.threads)?;
         let began = Instant::now();
         let console = self.console.clone();
