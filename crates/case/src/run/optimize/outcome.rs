@@ -61,7 +61,7 @@ pub(super) fn report(
     let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(problem, &best.derivative);
     let controls = summary::controls(problem, &best.m);
-    let constraints = constraints::json(problem, &ended.constraints);
+    let constraints = constraints::json(problem, &ended.constraints, &best.point);
     session.put_all(entries);
     if let Some(begin) = begin {
         session.put("start", Value::Object(begin));
@@ -139,7 +139,7 @@ fn say(session: &Session<'_>, (ended, diagnosis): (&FinishedRun, Option<&Diagnos
             console.say(format!("            {name} {}", fall(from, number(value))));
         }
     }
-    constraints::say(session, &ended.constraints);
+    constraints::say(session, &ended.constraints, &best.point);
     if result["hausdorff"].is_object() {
         let unit = session.problem.units().length().symbol;
         let (from, to) = (number(&result["start"]["hausdorff"]["true"]), number(&result["hausdorff"]["true"]));
