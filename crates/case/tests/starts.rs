@@ -22,8 +22,11 @@ const STARTS: [&str; 5] = [
     r#"title="Magnet""#,
 ];
 
+/// A file and what it holds.
+type NamedBytes = (String, Vec<u8>);
+
 /// Results but for times and threads, the history but for seconds, all files that show no times.
-fn content(place: &Place) -> (Value, Vec<Value>, Vec<(String, Vec<u8>)>) {
+fn content(place: &Place) -> (Value, Vec<Value>, Vec<NamedBytes>) {
     let mut result = place.json("result.json");
     let timed = ["seconds", "threads", "peak_memory", "resumed"];
     result.as_object_mut().unwrap().retain(|key, _| !timed.contains(&key.as_str()));
@@ -66,9 +69,9 @@ fn optimise(place: &Place, set: &[&str], threads: usize) -> String {
 fn without_times(said: &str) -> Vec<String> {
     let of = |line: &str| {
         let is_row = line.trim_start().starts_with(|c: char| c.is_ascii_digit()) && line.contains('%');
-        let words = line
-            .split_whitespace()
-            .filter(|word| !(is_row && word.contains('.') && !word.contains('e') && !word.contains('%')));
+        // Seconds, and the smallest J: plain decimal numbers.
+        let is_decimal = |word: &str| word.contains('.') && !word.contains(['e', '%']);
+        let words = line.split_whitespace().filter(|word| !is_row || !is_decimal(word));
         words.collect::<Vec<_>>().join(" ")
     };
     said.lines().skip(1).take_while(|line| !line.starts_with("starts ")).map(of).collect()
