@@ -3,6 +3,7 @@
 use crate::run::Pace;
 use std::fmt;
 use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// Where lines for people go; clones speak to the same place. Writing never fails: a reader who left (`| head`) does not
@@ -14,6 +15,8 @@ pub struct Console {
     passing: Place,
     /// How far an optimisation is, before everything that passes.
     pace: Arc<Mutex<Option<Pace>>>,
+    /// Whether single solves are not shown: several runs share the place.
+    without_solves: Arc<AtomicBool>,
 }
 
 /// Iterations between lines about a solve where there is no terminal.
@@ -31,7 +34,7 @@ impl Console {
     /// Says nothing.
     #[must_use]
     pub fn silent() -> Self {
-        Self { lines: Arc::default(), passing: Arc::default(), pace: Arc::default() }
+        Self { lines: Arc::default(), passing: Arc::default(), pace: Arc::default(), without_solves: Arc::default() }
     }
 
     /// Says everything to `out`.
@@ -44,6 +47,12 @@ impl Console {
     pub fn with_passing(mut self, terminal: impl Write + Send + 'static) -> Self {
         self.passing = Arc::new(Mutex::new(Some(Box::new(terminal))));
         self
+    }
+
+    /// The same terminal for what passes, and another place for lines.
+    #[must_use]
+    pub(crate) fn with_lines(&self, out: impl Write + Send + 'static) -> Self {
+        Self { lines: Arc::new(Mutex::new(Some(Box::new(out)))), ..self.clone() }
     }
 
     /// The same terminal for what passes, and no lines.
@@ -69,6 +78,9 @@ impl Console {
     /// Shows how a solve goes on: on a terminal a line until the next one; elsewhere a line every 50 iterations, so that a log
     /// is not silent for minutes. `count` is the number of iterations so far.
     pub fn progress(&self, count: usize, line: impl fmt::Display) {
+        if self.without_solves.load(Ordering::Relaxed) {
+            return;
+        }
         if self.passing.lock().is_ok_and(|passing| passing.is_some()) {
             self.pass(line);
         } else if count > 0 && count.is_multiple_of(EVERY) {
@@ -76,8 +88,20 @@ impl Console {
         }
     }
 
-    /// Shows a line until the next one, behind how far an optimisation is.
+    /// Shows a line about a solve until the next one, behind how far an optimisation is.
     pub fn pass(&self, line: impl fmt::Display) {
+        if !self.without_solves.load(Ordering::Relaxed) {
+            self.show(line);
+        }
+    }
+
+    /// Leaves single solves out, or shows them again.
+    pub(crate) fn show_solves(&self, shown: bool) {
+        self.without_solves.store(!shown, Ordering::Relaxed);
+    }
+
+    /// Shows a line until the next one, behind how far an optimisation is.
+    pub(crate) fn show(&self, line: impl fmt::Display) {
         let pace = self.pace.lock().ok().and_then(|pace| *pace).map(|pace| format!("{pace}; "));
         let Ok(mut out) = self.passing.lock() else { return };
         if let Some(out) = out.as_mut() {

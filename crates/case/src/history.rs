@@ -29,18 +29,17 @@ impl History {
         Ok(Self { file, path: path.to_owned(), text, broken: false })
     }
 
-    /// Adds a line in one piece.
+    /// Adds whole lines in one piece.
     ///
     /// # Errors
     /// The first line that cannot be written, once: an optimisation does not end for it, and [`Self::finish`] tries
     /// again.
-    pub fn add(&mut self, line: &Value) -> Result<(), WriteError> {
-        let line = format!("{line}\n");
-        self.text.extend(line.as_bytes());
+    pub fn add(&mut self, lines: &[u8]) -> Result<(), WriteError> {
+        self.text.extend(lines);
         if self.broken {
             return Ok(());
         }
-        self.file.write_all(line.as_bytes()).map_err(|source| {
+        self.file.write_all(lines).map_err(|source| {
             self.broken = true;
             WriteError::System { file: self.path.clone(), source }
         })

@@ -10,7 +10,7 @@ pub(crate) mod fingerprint;
 pub(crate) mod inspection;
 pub(crate) mod lock;
 pub(crate) mod member_report;
-mod obstacle_shape;
+pub(crate) mod obstacle_shape;
 pub(crate) mod picture;
 pub(crate) mod snapshot;
 pub(crate) mod summary;

@@ -39,6 +39,8 @@ pub const WARNINGS: &[&WarningKind] = &[
     &OTHER_SIGN,
     &SELF_INTERSECTION,
     &NOT_VERIFIED,
+    &INSIDE_OBSTACLE,
+    &BETWEEN_NODES,
 ];
 
 /// More than a material bears.
@@ -187,6 +189,20 @@ pub const NOT_VERIFIED: WarningKind = WarningKind {
     code: "not_verified",
     about: "solved again from rest, the optimum is another state: the answer depends on the path to it",
     advice: "drive the real body along the same path, or begin from rest in steps",
+};
+
+/// The body at rest, or a support, is inside of an obstacle.
+pub const INSIDE_OBSTACLE: WarningKind = WarningKind {
+    code: "inside_obstacle",
+    about: "a constraint keeps the body away from an obstacle in which its supports, or the body at rest, already lie",
+    advice: "move the obstacle, or name the part of the surface that is free to move",
+};
+
+/// Nodes keep their distance, the surface between them does not.
+pub const BETWEEN_NODES: WarningKind = WarningKind {
+    code: "between_nodes",
+    about: "every node keeps its distance from an obstacle, but the body between nodes is inside of it",
+    advice: "raise the clearance by the depth told, or refine the mesh there",
 };
 
 /// Something that deserves attention.

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Heard, Place, problems};
+use common::{Heard, Place, problems, warnings, with};
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
 use nastic_case::run::{Exit, Options, Outcome, resume};
@@ -125,4 +125,81 @@ fn bounds_on_functionals() {
         "a half-space needs a normal",
     );
     wrong("{ \"obstacle\": { \"surface\": \"z+\", \"shape\": { \"ball\": {} } } }", "sphere");
+}
+
+/// The upper side between nodes 50 mm apart enters a ball that all its nodes keep out of.
+#[test]
+fn what_the_body_does_between_nodes_is_told() {
+    let codes = |outcome: &Outcome| -> Vec<String> {
+        let all = outcome.result["warnings"].as_array().unwrap();
+        all.iter().map(|warning| warning["code"].as_str().unwrap().to_owned()).collect()
+    };
+    let (found, text) = optimize(&Place::new(), &[]);
+    let between = &found.result["constraints"]["groups"]["ball"]["between_nodes"];
+    let (distance, x) = (number(&between["distance"]), &between["position"]);
+    let from_center =
+        [0.6, 0.1, 0.43].iter().zip(x.as_array().unwrap()).map(|(c, x)| (number(x) - c).powi(2)).sum::<f64>();
+    assert!((from_center.sqrt() - 0.15 - distance).abs() < 1e-12, "{between}");
+    // h^2/(8 R) with h = 0.05 m, R = 0.15 m is 2 mm.
+    assert!(distance < -1e-5 && distance > -4e-3, "{between}");
+    assert!(
+        codes(&found).contains(&"between_nodes".to_owned()) && text.contains("inside of the obstacle, at ("),
+        "{text}"
+    );
+    let (clear, text) = optimize(&Place::new(), &["constraints/0/obstacle/clearance=5 mm"]);
+    let between = &clear.result["constraints"]["groups"]["ball"]["between_nodes"];
+    assert!(number(&between["distance"]) > 0.0, "{between}");
+    assert!(!codes(&clear).contains(&"between_nodes".to_owned()), "{text}");
+}
+
+/// A ball about the clamp: told before anything is solved, and by the end, with the node.
+#[test]
+fn a_support_within_an_obstacle_is_told() {
+    let at_clamp = with(KEEP_OUT, "[0.6, 0.1, 0.43]", "[0.0, 0.1, 0.3]");
+    let told = warnings(&at_clamp);
+    assert_eq!(warnings(KEEP_OUT), "");
+    let held = "nodes that a support holds lie inside of the obstacle, node ";
+    assert!(told.contains(held) && told.contains("(0, 0.1, 0.2) by 0.05 m: no control can meet"), "{told}");
+    assert!(told.contains("of the body at rest lie inside of the obstacle, node "), "{told}");
+    let place = Place::new();
+    let heard = Heard::default();
+    let set = ["optimizer/max_iterations=5", "expect={}"];
+    let options = place.options(&set);
+    let found = place.run_with(Command::Optimize, &at_clamp, &Console::new(heard.clone()), &options).unwrap();
+    let worst = &found.result["constraints"]["groups"]["ball"]["worst"];
+    assert!((number(&worst["value"]) - 0.05).abs() < 1e-9 && worst["node"].is_u64(), "{worst}");
+    let line = format!("ball: largest violation 0.05 m at node {} (0, 0.1, 0.2)", worst["node"]);
+    assert!(heard.text().contains(&line), "{line} in\n{}", heard.text());
+}
+
+/// Walls and balls are files of their own, and the page shows them.
+#[test]
+fn obstacles_are_drawn() {
+    let place = Place::new();
+    let wall = r#"{ "half_space": { "point": [0, 0, -0.3], "normal": [0, 0, 2] } }"#;
+    let wall = format!(r#""costs": [ {{ "kind": "obstacle", "surface": "z-", "shape": {wall} }},"#);
+    let walled = with(KEEP_OUT, "\"costs\": [", &wall);
+    let options = place.options(&["optimizer/max_iterations=1", "expect={}"]);
+    let found = place.run_with(Command::Optimize, &walled, &Console::silent(), &options).unwrap();
+    let names = ["obstacle_1.vtu", "obstacle_2.vtu"];
+    assert_eq!(found.result["members"][0]["obstacles"], serde_json::json!(names));
+    let read = |name: &str| nastic_io::read_snapshot(place.path("out").join(name)).unwrap().mesh;
+    let points = [read(names[0]), read(names[1])].map(|mesh| mesh.points().to_vec());
+    let ball = points[0].iter().map(|x| ((x[0] - 0.6).powi(2) + (x[1] - 0.1).powi(2) + (x[2] - 0.43).powi(2)).sqrt());
+    assert!((ball.fold(0.0, f64::max) - 0.15).abs() < 1e-9);
+    let top = points[1].iter().map(|x| x[2]).fold(f64::NEG_INFINITY, f64::max);
+    assert!((top + 0.3).abs() < 1e-9, "the wall ends at its plane: {top}");
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert_eq!(page.matches(r#""label":"obstacle""#).count(), 2);
+}
+
+/// Taylor tests of the constraint beside those of the cost.
+#[test]
+fn constraints_have_taylor_tests() {
+    let place = Place::new();
+    let found = place.run(Command::Gradcheck, KEEP_OUT, &[]).unwrap();
+    assert_eq!(found.exit, Exit::Done, "{:#}", found.result["gradcheck"]);
+    let tests = found.result["gradcheck"]["tests"].as_array().unwrap();
+    let ball = tests.iter().find(|test| test["term"] == "constraint ball").unwrap();
+    assert_eq!((&ball["verdict"], &ball["second"]), (&Value::from("right"), &Value::from("right")), "{ball:#}");
 }

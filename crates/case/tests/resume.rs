@@ -43,17 +43,22 @@ impl std::io::Write for Watch {
 
 /// Optimises until so many lines were said.
 fn interrupt(place: &Place, case: &str, set: &[&str], lines: usize) -> Result<Outcome, RunError> {
-    interrupt_at(place, case, set, ("", lines))
+    interrupt_on(2, place, case, set, ("", lines))
 }
 
-/// Optimises until a word was said so many times.
-fn interrupt_at(
+/// Optimises until a word was said so many times, one start after the other.
+fn interrupt_at(place: &Place, case: &str, set: &[&str], moment: (&'static str, usize)) -> Result<Outcome, RunError> {
+    interrupt_on(1, place, case, set, moment)
+}
+
+fn interrupt_on(
+    threads: usize,
     place: &Place,
     case: &str,
     set: &[&str],
     (word, left): (&'static str, usize),
 ) -> Result<Outcome, RunError> {
-    let options = place.options(set);
+    let options = Options { threads: Some(threads), ..place.options(set) };
     let watch = Watch { cancel: options.cancel.clone(), word, left };
     place.run_with(Command::Optimize, case, &Console::new(watch), &options)
 }

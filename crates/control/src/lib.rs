@@ -19,7 +19,7 @@ mod snapshot;
 mod state_predictor;
 mod workspace;
 
-pub use constraint::{Constraint, ConstraintPoint, CostLimit, IntoConstraint, ObstacleDistance};
+pub use constraint::{BetweenNodes, Constraint, ConstraintPoint, CostLimit, IntoConstraint, ObstacleDistance};
 pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, ControlNorm, ControlSmoothness, Cost, CostContext, CostExample,

@@ -68,8 +68,8 @@ impl Options {
     }
 }
 
-/// An optimiser: a method with its options.
-pub trait Optimizer: Debug {
+/// An optimiser: a method with its options. Several runs at once may share one.
+pub trait Optimizer: Debug + Sync {
     /// The name in case files.
     fn name(&self) -> &'static str;
 

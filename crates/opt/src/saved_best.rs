@@ -104,9 +104,15 @@ fn write_stop(stop: &Stop, out: &mut Writer) {
             out.count(*window);
             [decrease, total, relative_gradient].into_iter().for_each(|x| out.float(*x));
         }
-        Stop::Infeasible { violation, penalty, gradient } => {
+        Stop::Infeasible { constraint, index, violation, penalty, gradient } => {
             out.count(9);
+            out.bytes(constraint.as_bytes());
+            out.count(*index);
             [violation, penalty, gradient].into_iter().for_each(|x| out.float(*x));
+        }
+        Stop::Outperformed { cost, within_reach, best } => {
+            out.count(11);
+            [cost, within_reach, best].into_iter().for_each(|x| out.float(*x));
         }
         Stop::Aborted(why) => {
             out.count(7);
@@ -153,7 +159,14 @@ fn read_stop(input: &mut Reader<'_>) -> Result<Stop, SavedRunError> {
         }),
         6 => Stop::Stalled(Stall::Stage { stage: input.number()?, why: Failed::because(input.text()?) }),
         10 => Stop::Stalled(Stall::SecondDerivatives { why: Failed::because(input.text()?) }),
-        9 => Stop::Infeasible { violation: input.float()?, penalty: input.float()?, gradient: input.float()? },
+        11 => Stop::Outperformed { cost: input.float()?, within_reach: input.float()?, best: input.float()? },
+        9 => Stop::Infeasible {
+            constraint: input.text()?,
+            index: input.number()?,
+            violation: input.float()?,
+            penalty: input.float()?,
+            gradient: input.float()?,
+        },
         7 => Stop::Aborted(Failed::because(input.text()?).fatal()),
         _ => return Err(input.damaged("an unknown reason to stop")),
     })
@@ -171,7 +184,8 @@ mod tests {
             Stop::Converged { gradient_norm: 1e-3, first: 3.0, tolerance: Tolerance::Absolute(2e-3) },
             Stop::MaxIterations { iterations: 7, relative_gradient },
             Stop::Cancelled,
-            Stop::Infeasible { violation: 1e-3, penalty: 1e5, gradient: 1e-12 },
+            Stop::Infeasible { constraint: "ball".into(), index: 4, violation: 1e-3, penalty: 1e5, gradient: 1e-12 },
+            Stop::Outperformed { cost: 0.1, within_reach: 1e-3, best: 1e-4 },
             Stop::Aborted(Failed::because("no memory").fatal()),
             Stop::Stalled(Stall::Flat { cost: 1.0, predicted: -1e-17, relative_gradient }),
             Stop::Stalled(Stall::LineSearch {

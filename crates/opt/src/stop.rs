@@ -27,12 +27,25 @@ pub enum Stop {
     /// The constraints cannot be met from here: ten times the penalty, several times over, hardly changes their violation. The point is
     /// (nearly) a stationary point of the squared violation.
     Infeasible {
+        /// The constraint that is violated most, relative to its scale.
+        constraint: String,
+        /// Which of its values, from 0.
+        index: usize,
         /// The largest violation, relative to its scale.
         violation: f64,
         /// The penalty reached, as a multiple of the first.
         penalty: f64,
         /// Norm of the projected gradient of half the squared violations (relative to their scales) in the metric.
         gradient: f64,
+    },
+    /// One of several runs was stopped before its end, since another is ahead of what it may yet reach.
+    Outperformed {
+        /// Its cost.
+        cost: f64,
+        /// The cost that it may yet reach, extrapolated from its own decrease.
+        within_reach: f64,
+        /// The lowest cost of all runs at that time.
+        best: f64,
     },
     /// The cancellation flag was raised.
     Cancelled,
@@ -134,11 +147,16 @@ impl fmt::Display for Stop {
                 f,
                 "stopped after {iterations} iterations: projected gradient {relative_gradient:.1e} of the first"
             ),
-            Self::Infeasible { violation, penalty, gradient } => write!(
+            Self::Infeasible { constraint, index, violation, penalty, gradient } => write!(
                 f,
-                "infeasible: the largest violation of the constraints stays {violation:.3e} of its scale, with {penalty:.0e} times the \
+                "infeasible: the largest violation of the constraints, value {index} of \"{constraint}\", stays {violation:.3e} of its scale, with {penalty:.0e} times the \
                  first penalty; gradient of the squared violation {gradient:.1e} (constraints that contradict each other or the \
                  bounds? a start from which they cannot be met? try another start, wider bounds, a looser constraint)"
+            ),
+            Self::Outperformed { cost, within_reach, best } => write!(
+                f,
+                "stopped early: the cost {cost:.3e} may yet fall to {within_reach:.3e}, extrapolated from its own decrease; another run is \
+                 at {best:.3e}"
             ),
             Self::Cancelled => write!(f, "cancelled"),
             Self::Aborted(why) => write!(f, "aborted: {why}"),

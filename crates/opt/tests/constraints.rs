@@ -384,9 +384,13 @@ fn the_augmented_lagrangian_passes_the_taylor_test() -> Outcomes {
 #[test]
 fn a_contradiction_is_told() -> Outcomes {
     let AugmentedBest { best, constraints } = minimize(&lbfgs(), CONTRADICTION)?;
-    let Stop::Infeasible { violation, gradient, penalty } = best.stop else { panic!("{}", best.stop) };
+    let Stop::Infeasible { constraint, index, violation, gradient, penalty } = &best.stop else {
+        panic!("{}", best.stop)
+    };
     // Least squared violation: 2 on either side.
-    assert!((violation - 2.0).abs() < 1e-2 && gradient < 2e-2 && penalty >= 1e3, "{}", best.stop);
+    assert!((violation - 2.0).abs() < 1e-2 && *gradient < 2e-2 && *penalty >= 1e3, "{}", best.stop);
+    let named = constraints.groups.iter().find(|one| one.group.name == *constraint).map(|one| one.violation());
+    assert_eq!((named, *index), (Some(constraints.violation), 0), "{}", best.stop);
     assert!(best.m[0].abs() < 1e-2 && !best.stop.is_converged());
     assert!((constraints.violation - 2.0).abs() < 1e-2);
     assert!(best.stop.to_string().contains("infeasible"), "{}", best.stop);

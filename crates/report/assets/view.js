@@ -2,6 +2,12 @@
 
 const TARGET_COLOUR = "#ce423a";
 const START_COLOUR = "#7c8794";
+const OBSTACLE_COLOUR = "#9a8f7d";
+
+// Obstacles are shown together with the targets.
+function colourOfTarget(target) {
+  return target.label === "obstacle" ? OBSTACLE_COLOUR : TARGET_COLOUR;
+}
 
 class View {
   constructor(data, fields) {
@@ -51,7 +57,7 @@ class View {
     this.start = new Body(this.surfaces[view.surface], START_COLOUR);
     this.start.move(values(view.frames[0].x));
     this.targets = view.targets.map((target) => {
-      const body = new Body(this.surfaces[target.surface], TARGET_COLOUR);
+      const body = new Body(this.surfaces[target.surface], colourOfTarget(target));
       body.move(values(target.x));
       return body;
     });
@@ -66,7 +72,8 @@ class View {
     this.part("target-label").hidden = view.targets.length === 0;
     this.offerFields();
     const box = new THREE.Box3();
-    for (const { x } of [...view.frames, ...view.targets]) {
+    // A wall may be far larger than the body.
+    for (const { x } of [...view.frames, ...view.targets.filter((target) => target.label !== "obstacle")]) {
       box.expandByPoint(new THREE.Vector3(...x.low)).expandByPoint(new THREE.Vector3(...x.high));
     }
     this.stage.look(box, this.surfaces[view.surface].plane);
@@ -185,7 +192,10 @@ class View {
   showLegend(frame, targets) {
     const entries = [["body", frame.label]];
     if (this.start.group.visible) entries.push([START_COLOUR, this.view.frames[0].label]);
-    if (targets && this.targets.length) entries.push([TARGET_COLOUR, "target"]);
+    for (const label of ["target", "obstacle"]) {
+      const shown = this.view.targets.find((target) => target.label === label);
+      if (targets && shown) entries.push([colourOfTarget(shown), label]);
+    }
     this.part("legend").replaceChildren(...entries.map(([colour, label]) => {
       const entry = document.createElement("span");
       const mark = document.createElement("i");

@@ -38,6 +38,7 @@ struct ListedMember<'a> {
     /// The same without the scenario.
     case_stem: &'a str,
     targets: Vec<&'a str>,
+    obstacles: Vec<&'a str>,
     /// Its entries in the result.
     entry: &'a Value,
     is_lead: bool,
@@ -108,7 +109,8 @@ impl Scene {
         if self.first.is_none() {
             (self.first, self.last) = (Some(first.clone()), Some(last.clone()));
         }
-        let targets = self.targets(folder, &member.targets)?;
+        let mut targets = self.targets(folder, ("target", &member.targets))?;
+        targets.extend(self.targets(folder, ("obstacle", &member.obstacles))?);
         self.views.push(json!({ "name": member.name, "surface": surface, "frames": frames, "targets": targets }));
         Ok(())
     }
@@ -147,8 +149,8 @@ impl Scene {
         Ok(frames)
     }
 
-    /// Targets as `{ "label", "surface", "x" }`; of a tracking target the faces that are tracked.
-    fn targets(&mut self, folder: &ResultFolder, files: &[&str]) -> Result<Vec<Value>, ReportError> {
+    /// Targets or obstacles as `{ "label", "surface", "x" }`; of a tracking target the faces that are tracked.
+    fn targets(&mut self, folder: &ResultFolder, (label, files): (&str, &[&str])) -> Result<Vec<Value>, ReportError> {
         let mut out = Vec::new();
         for file in files.iter().filter(|file| folder.wrote(file)) {
             let shot = folder.snapshot(file)?;
@@ -162,7 +164,7 @@ impl Scene {
             }
             let index = self.index(surface);
             let x = frame::nodes(&shot.positions(), &self.surfaces[index]);
-            out.push(json!({ "label": "target", "surface": index, "x": x }));
+            out.push(json!({ "label": label, "surface": index, "x": x }));
         }
         Ok(out)
     }
@@ -205,6 +207,7 @@ fn listed(result: &Value) -> Vec<ListedMember<'_>> {
             stem: text(&member["stem"]),
             case_stem,
             targets: member["targets"].as_array().into_iter().flatten().map(text).collect(),
+            obstacles: member["obstacles"].as_array().into_iter().flatten().map(text).collect(),
             entry: entry(result, member),
             is_lead,
         }

@@ -4,6 +4,8 @@ use crate::html::{paragraph, section, table};
 use crate::number::{number, short};
 use serde_json::Value;
 
+/// A negative eigenvalue below this share of the largest is no saddle: the terminal draws the same line.
+const MATTERS: f64 = 1e-3;
 /// Characters of the longest bar.
 const BAR: f64 = 20.0;
 
@@ -49,10 +51,19 @@ fn told(found: &Value, count: usize) -> String {
         found["free"], found["most"], found["above"]
     );
     if found["negative"].as_u64().is_some_and(|negative| negative > 0) {
-        text += &format!(
-            " At least {} of the eigenvalues are negative: the control is a saddle within the free directions, no minimum.",
-            found["negative"]
-        );
+        let largest = found["eigenvalues"][0].as_f64().map_or(f64::NAN, f64::abs);
+        let share = -found["lowest"].as_f64().unwrap_or(f64::NAN) / largest;
+        text += &match share < MATTERS {
+            true => format!(
+                " At least {} of the eigenvalues are negative, to -{} of the largest: directions that the target hardly determines.",
+                found["negative"],
+                short(share)
+            ),
+            false => format!(
+                " At least {} of the eigenvalues are negative: the control is a saddle within the free directions, no minimum.",
+                found["negative"]
+            ),
+        };
     }
     text
 }
@@ -65,4 +76,19 @@ fn bar(share: f64) -> String {
 
 fn percent(share: &Value) -> String {
     share.as_f64().map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_slightly_negative_eigenvalue_is_no_saddle() {
+        let page =
+            |lowest: f64| spectrum(&json!({ "spectrum": { "eigenvalues": [2.0], "negative": 1, "lowest": lowest } }));
+        assert!(page(-1.0).contains("is a saddle within the free directions"));
+        let slight = page(-1e-4);
+        assert!(!slight.contains("saddle") && slight.contains("-5.000e-5 of the largest"), "{slight}");
+    }
 }

@@ -3,13 +3,20 @@
 use super::context::Context;
 use super::cost::{Lowering, TargetShape};
 use super::place::{Kind, Place};
+use crate::run::number::count;
+use crate::run::short;
 use crate::schema::{Case, Constraint as Block, KeepOut, Shape};
+use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
-    Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, IntoConstraint, Obstacle, ObstacleDistance,
-    Reduced,
+    BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, IntoConstraint, Obstacle,
+    ObstacleDistance, Reduced,
 };
+use nastic_fem::Solid;
 use nastic_opt::ConstraintGroup;
 use std::sync::Arc;
+
+/// Depths below this share of the body's diagonal are rounding.
+const ROUNDING: f64 = 1e-9;
 
 pub(super) fn obstacle(shape: &Shape) -> Obstacle {
     match shape {
@@ -35,7 +42,10 @@ pub(super) fn add(
     let mut all = Vec::new();
     for (block, target) in case.constraints.iter().zip(targets) {
         let bound = match (&block.obstacle, &block.cost) {
-            (Some(keep_out), _) => distance(keep_out, &reduced, context),
+            (Some(keep_out), _) => {
+                let bound = distance(keep_out, &reduced, context);
+                bound.inspect(|bound| look_at_rest((block, keep_out), bound.nodes(), reduced.solid(), context))
+            }
             (None, Some(cost)) => {
                 let cost = Lowering { case, reduced: &reduced, block: cost }.lower(target, context)?;
                 let limit = match (block.at_most, block.equal) {
@@ -70,6 +80,48 @@ fn distance(block: &KeepOut, reduced: &Reduced, context: &mut Context<'_>) -> Op
     context.take(&block.at, distance.clearance(block.clearance).bind(solid))
 }
 
+/// Warns where the body at rest, or a support of it, is inside of an obstacle.
+fn look_at_rest(
+    (block, keep_out): (&Block, &KeepOut),
+    nodes: Option<&[u32]>,
+    solid: &Solid,
+    context: &mut Context<'_>,
+) {
+    let (mesh, dim, supports) = (solid.mesh(), solid.discretization().dim(), solid.supports());
+    let (shape, unit) = (obstacle(&keep_out.shape), context.units.length().symbol);
+    let tolerance = ROUNDING * mesh.diagonal();
+    let (mut held, mut free) = (Vec::new(), Vec::new());
+    for &node in nodes.unwrap_or_default() {
+        let (mut x, first) = (mesh.points()[node as usize], node as usize * dim);
+        let is_held = supports.fixed()[first..first + dim].iter().all(|fixed| *fixed);
+        if is_held {
+            x.iter_mut().zip(&supports.values()[first..first + dim]).for_each(|(x, u)| *x += u);
+        }
+        let depth = keep_out.clearance - shape.distance(&x);
+        if depth > tolerance {
+            if is_held { &mut held } else { &mut free }.push((depth, node, x));
+        }
+    }
+    let (clearance, name) = (keep_out.clearance, block.name());
+    let place = if clearance > 0.0 {
+        format!("closer to the obstacle than {} {unit}", short(clearance))
+    } else {
+        "inside of the obstacle".to_owned()
+    };
+    let deepest = |found: &[(f64, u32, [f64; 3])]| {
+        let deepest = found.iter().max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        deepest
+            .map(|(depth, node, x)| format!("node {node} at ({}) by {} {unit}", x.map(short).join(", "), short(*depth)))
+    };
+    let mut warn = |found: &[(f64, u32, [f64; 3])], what: &str, so: &str| {
+        let Some(deepest) = deepest(found) else { return };
+        let message = format!("{name}: {} {what} {place}, {deepest}: {so}", count(found.len(), "node"));
+        context.warn(&INSIDE_OBSTACLE, &block.at, message);
+    };
+    warn(&held, "that a support holds lie", "no control can meet the constraint");
+    warn(&free, "of the body at rest lie", "the optimisation may begin outside of the constraint");
+}
+
 /// Constraints under the name the case gives them.
 #[derive(Debug)]
 struct Named {
@@ -84,6 +136,14 @@ impl Constraint for Named {
 
     fn unit(&self) -> &'static str {
         self.constraint.unit()
+    }
+
+    fn nodes(&self) -> Option<&[u32]> {
+        self.constraint.nodes()
+    }
+
+    fn between_nodes(&self, at: &CostContext) -> Option<BetweenNodes> {
+        self.constraint.between_nodes(at)
     }
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {

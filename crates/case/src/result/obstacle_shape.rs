@@ -1,13 +1,16 @@
 //! Obstacles as bodies to be drawn.
 
-use crate::lower::CaseMember;
+use crate::lower::{CaseMember, CaseProblem};
 use crate::schema::{Constraint, Cost, Shape};
 use nastic_mesh::{CellKind, Mesh, Snapshot, box_mesh};
 
 /// Cells per direction; odd, so that a layer in the middle can be stretched.
 const CELLS: usize = 11;
 
-/// The obstacles of a member's constraints and costs, each once; half-spaces have no end and are left out.
+/// Thickness of the plate that stands for a half-space, and half of its width, as shares of the body's diagonal.
+const PLATE: [f64; 2] = [0.02, 0.75];
+
+/// The obstacles of a member's constraints and costs, each once; a half-space, which has no end, as a plate in front of the body.
 pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
     let case = member.case();
     let of_constraint = |block: &Constraint| block.obstacle.as_ref().map(|keep_out| keep_out.shape.clone());
@@ -17,7 +20,7 @@ pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
     };
     let mut meshes: Vec<Mesh> = Vec::new();
     let shapes = case.constraints.iter().filter_map(of_constraint).chain(case.costs.iter().filter_map(of_cost));
-    for mesh in shapes.filter_map(|shape| mesh(&shape)) {
+    for mesh in shapes.filter_map(|shape| mesh(&shape, member.mesh())) {
         if !meshes.iter().any(|known| known.points() == mesh.points()) {
             meshes.push(mesh);
         }
@@ -25,12 +28,26 @@ pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
     if member.mesh().dim() == 3 { meshes.into_iter().map(Snapshot::new).collect() } else { vec![] }
 }
 
-/// A ball or a capsule of bricks.
-fn mesh(shape: &Shape) -> Option<Mesh> {
+/// `obstacle_1.vtu` and so on for all members together, and the names of each member's own.
+pub(crate) fn files(problem: &CaseProblem) -> (Vec<(String, Snapshot)>, Vec<Vec<String>>) {
+    let mut files: Vec<(String, Snapshot)> = Vec::new();
+    let mut name = |shape: Snapshot| {
+        if let Some((known, _)) = files.iter().find(|(_, known)| known.mesh.points() == shape.mesh.points()) {
+            return known.clone();
+        }
+        files.push((format!("obstacle_{}.vtu", files.len() + 1), shape));
+        format!("obstacle_{}.vtu", files.len())
+    };
+    let names = problem.members().map(|member| all(member).into_iter().map(&mut name).collect()).collect();
+    (files, names)
+}
+
+/// A ball or a capsule of bricks, a plate.
+fn mesh(shape: &Shape, body: &Mesh) -> Option<Mesh> {
     let (from, to, radius) = match shape {
         Shape::Sphere(sphere) => (sphere.center.xyz(), sphere.center.xyz(), sphere.radius),
         Shape::Capsule(capsule) => (capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
-        Shape::HalfSpace(_) => return None,
+        Shape::HalfSpace(half) => return plate(half.point.xyz(), half.normal.xyz(), body),
     };
     let along: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
     let length = norm(&along);
@@ -46,6 +63,22 @@ fn mesh(shape: &Shape) -> Option<Mesh> {
         std::array::from_fn(|i| end[i] + (0..3).map(|k| q[k] * frame[k][i]).sum::<f64>())
     };
     cube.mapped(place).ok()
+}
+
+/// Of the half-space behind a plane the part next to the body.
+fn plate(point: [f64; 3], normal: [f64; 3], body: &Mesh) -> Option<Mesh> {
+    let normal = normal.map(|n| n / norm(&normal));
+    let count = body.points().len() as f64;
+    let center: [f64; 3] = std::array::from_fn(|i| body.points().iter().map(|x| x[i]).sum::<f64>() / count);
+    let away: f64 = (0..3).map(|i| normal[i] * (center[i] - point[i])).sum();
+    let [thickness, reach] = PLATE.map(|share| share * body.diagonal());
+    let frame = frame(normal);
+    let slab = box_mesh([2.0 * reach, 2.0 * reach, thickness], [CELLS, CELLS, 1], CellKind::Hex8).ok()?;
+    let place = |x: [f64; 3]| {
+        let local = [x[0] - reach, x[1] - reach, x[2] - thickness - away];
+        std::array::from_fn(|i| center[i] + (0..3).map(|k| local[k] * frame[k][i]).sum::<f64>())
+    };
+    slab.mapped(place).ok()
 }
 
 fn norm(v: &[f64; 3]) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::error::RunError;
 use super::session::Session;
+use crate::console::Console;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{Base, Certificate, TaylorError, Verdict};
 use serde_json::{Value, json};
@@ -9,16 +10,17 @@ use serde_json::{Value, json};
 /// Checks the derivative at an evaluated control; what it finds is said.
 pub(super) fn check(
     session: &Session<'_>,
+    console: &Console,
     at: &EnsemblePoint,
     derivative: &[f64],
     workspace: &mut EnsembleWorkspace,
 ) -> Result<Certificate, RunError> {
-    session.console.pass("checking the gradient");
+    console.pass("checking the gradient");
     let problem = &session.problem;
     let size = super::gradcheck::size(problem);
     let base = Base { m: &at.m, point: at, derivative, stage: 0 };
     let found = Certificate::of(&problem.ensemble, &problem.set, &base, workspace, size, problem.case.optimizer.seed);
-    session.console.clear();
+    console.clear();
     if session.is_cancelled() {
         return Err(RunError::Cancelled);
     }
@@ -28,19 +30,17 @@ pub(super) fn check(
         Err(TaylorError::NoDirection) => Certificate::undecided(),
         Err(error) => return Err(error.into()),
     };
-    session.console.say(format!("gradient    {certificate}"));
+    console.say(format!("gradient    {certificate}"));
     if certificate.verdict == Verdict::Wrong {
         if let Some(full) = &certificate.full {
-            session.console.say(full);
+            console.say(full);
         }
         let how = match session.problem.case_file() {
             Some(_) => "nastic gradcheck shows which term is at fault",
             None => "test each cost alone with Taylor::test",
         };
-        session.console.say(format!("The derivative does not belong to the cost here: {how}."));
-        session
-            .console
-            .say("A cost with a kink at the start (target and body on the same points) fails this check too.");
+        console.say(format!("The derivative does not belong to the cost here: {how}."));
+        console.say("A cost with a kink at the start (target and body on the same points) fails this check too.");
     }
     Ok(certificate)
 }
@@ -52,7 +52,8 @@ pub(super) fn of_start(
     derivative: &[f64],
     workspace: &mut EnsembleWorkspace,
 ) -> Result<Certificate, RunError> {
-    let certificate = session.timed("gradient_check", |session| check(session, start, derivative, workspace))?;
+    let certificate =
+        session.timed("gradient_check", |session| check(session, session.console, start, derivative, workspace))?;
     session.put("gradient_check", json(&certificate));
     Ok(certificate)
 }

@@ -55,7 +55,7 @@ pub(super) fn grouped(count: usize) -> String {
 }
 
 /// "1 cell", "3 cells"
-pub(super) fn count(n: usize, what: &str) -> String {
+pub(crate) fn count(n: usize, what: &str) -> String {
     format!("{} {what}{}", grouped(n), if n == 1 { "" } else { "s" })
 }
 

@@ -4,15 +4,21 @@ mod advice;
 mod branch_changes;
 mod checkpoint;
 mod constraints;
+mod early_stopping;
 mod finished_run;
 mod journal;
 mod minima;
+mod ordered_output;
 mod outcome;
 mod recorder;
+mod round;
 mod run_trials;
 mod run_warnings;
+mod same_program;
 mod spectrum;
+mod start_run;
 mod starts;
+mod table_of_starts;
 
 pub(super) use checkpoint::{Checkpoint, Position};
 
@@ -23,19 +29,20 @@ use super::session::Session;
 use crate::lower::CaseProblem;
 use crate::result::files::Directory;
 use crate::warning::{INPUT, Warning};
-use branch_changes::BranchChanges;
 use finished_run::FinishedRun;
-use journal::{Journal, Written};
+use journal::{Journal, SharedJournal, Written};
 use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{
     AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, DEFAULT_ACCURACY, Domain, EvaluatedStart, Failed,
     Objective, Optimizer, Outcome, Problem as _, Stop, Verdict,
 };
 use recorder::Recorder;
+use run_trials::RunTrials;
 use serde_json::json;
 use starts::Starts;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
@@ -68,7 +75,7 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
         out.remove("result.json")?;
     }
     warn_of_own_files(session);
-    let mut journal = Journal::begin(session)?;
+    let journal = SharedJournal::new(Journal::begin(session)?);
     let mut workspace = EnsembleWorkspace::default();
     let start = session.timed("solve", |session| evaluate(session, &session.problem.start, &mut workspace));
     let mut point = start.map_err(|failed| session.evaluation_failed(&failed))?;
@@ -76,7 +83,7 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
     let place = starts::place(session, 0);
-    let (found, warnings) = session.timed("inspect", |session| session.look_into(&place, &point));
+    let (found, warnings) = session.timed("inspect", |session| session.look_into(session.console, &place, &point));
     let checked = outcome::write_start(session, &point, &derivative, &found)
         .and_then(|()| check_gradient::of_start(session, &point, &derivative, &mut workspace));
     let right = checked.as_ref().is_ok_and(|certificate| certificate.verdict != Verdict::Wrong);
@@ -89,7 +96,7 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
     let begun = Begun { point, derivative, workspace, warnings };
     let began = Instant::now();
     let mut starts = Starts::default();
-    let ran = starts.run(session, optimizer, begun, check, &mut journal);
+    let ran = starts.run(session, optimizer, begun, check, &journal);
     conclude(session, (starts, ran), journal, began)
 }
 
@@ -120,11 +127,11 @@ pub(super) fn resume(
     // Nothing was evaluated yet.
     let Some(position) = position else { return run(session, optimizer) };
     warn_of_own_files(session);
-    session.put("gradient_check", position.fixed.gradient_check.clone());
-    let mut journal = Journal::resume(session, from)?;
+    session.put("gradient_check", position.gradient_check.clone());
+    let journal = SharedJournal::new(Journal::resume(session, from)?);
     let began = Instant::now();
     let mut starts = Starts::default();
-    let ran = starts.resume(session, optimizer, position, &mut journal);
+    let ran = starts.resume(session, optimizer, position, &journal);
     conclude(session, (starts, ran), journal, began)
 }
 
@@ -132,15 +139,15 @@ pub(super) fn resume(
 fn conclude(
     session: &mut Session<'_>,
     (mut starts, ran): (Starts, Result<(), RunError>),
-    journal: Journal,
+    journal: SharedJournal,
     began: Instant,
 ) -> Result<Exit, RunError> {
     session.note_time("optimize", began.elapsed().as_secs_f64());
     // They were said: the result has them, however the runs ended.
     session.warnings.append(&mut starts.warnings);
     ran?;
-    let written = journal.written();
-    let unwritten = journal.finish();
+    let written = journal.lock().written();
+    let unwritten = journal.lock().finish();
     let resumable = written.filter(|_| starts.interrupted);
     let minima = minima::tell(session, &mut starts);
     let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
@@ -223,17 +230,32 @@ fn resume_run<'s>(
     Ok(AugmentedLagrangian::default().load(optimizer, ensemble, domain(session)?, state)?)
 }
 
-/// Runs the optimiser to its end. `saved` is the iteration of the checkpoint that the run comes from.
+/// Where [`minimize`] left a run.
+enum Minimized {
+    /// At the limit of its round.
+    Paused(Box<AugmentedState>, RunTrials),
+    Ended(Box<FinishedRun>, RunTrials),
+}
+
+/// Runs the optimiser to its end, to a number of iterations, or until `halt` is raised. `saved` is the iteration of the checkpoint that
+/// the run comes from.
 fn minimize(
     session: &Session<'_>,
-    mut run: AugmentedRun<&Ensemble>,
-    start: EnsemblePoint,
+    (mut run, start): (AugmentedRun<&Ensemble>, EnsemblePoint),
     mut recorder: Recorder<'_>,
     mut saved: Option<usize>,
-) -> (FinishedRun, BranchChanges) {
+    (limit, halt): (usize, &AtomicBool),
+) -> Minimized {
     let every = session.problem.case.output.checkpoint;
     let stop = loop {
         let done = run.progress().counts.iterations;
+        if halt.load(Ordering::Relaxed) {
+            break Stop::Cancelled;
+        }
+        if done >= limit && !session.is_cancelled() {
+            let state = Box::new(run.checkpoint());
+            return Minimized::Paused(state, recorder.finish());
+        }
         if every > 0 && done.is_multiple_of(every) && saved != Some(done) {
             // The workspace goes whether the file can be written or not: bits do not depend on disks.
             recorder.save(&run.checkpoint());
@@ -246,7 +268,8 @@ fn minimize(
     };
     let trials = recorder.finish();
     let AugmentedBest { best, constraints } = run.finish(stop);
-    (FinishedRun { start, best, constraints, work: trials.work }, trials.changes)
+    let run = FinishedRun { start, best, constraints, work: trials.work.clone() };
+    Minimized::Ended(Box::new(run), trials)
 }
 
 /// Why it ended, for people.

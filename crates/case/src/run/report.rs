@@ -5,6 +5,7 @@ use super::session::Session;
 use super::solve::target_names;
 use crate::lower::CaseProblem;
 use crate::result::files::Directory;
+use crate::result::obstacle_shape;
 use crate::schema::Command;
 use nastic_io::write_atomically;
 use serde_json::{Value, json};
@@ -52,13 +53,14 @@ fn remove_old(out: &Directory) -> Result<(), RunError> {
 }
 
 /// Scenario and load case of every state, and what the names of its files begin with: `{ "name", "scenario", "load_case",
-/// "stem", "case_stem", "targets" }`.
+/// "stem", "case_stem", "targets", "obstacles" }`.
 fn members(problem: &CaseProblem) -> Value {
-    let targets = target_names(problem);
+    let (targets, obstacles) = (target_names(problem), obstacle_shape::files(problem).1);
     let of = |member: crate::lower::CaseMember<'_>| {
         json!({
             "name": member.name(), "scenario": member.scenario(), "load_case": member.load_case(),
             "stem": member.file(""), "case_stem": member.case_file(""), "targets": targets[member.index()],
+            "obstacles": obstacles[member.index()],
         })
     };
     problem.members().map(of).collect()

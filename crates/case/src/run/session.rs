@@ -217,30 +217,25 @@ impl<'c> Session<'c> {
 
     /// Says a warning, and keeps it for the result.
     pub fn warn(&mut self, warning: Warning) {
-        self.say_warning(&warning);
+        say_warning(self.console, &warning);
         self.warnings.push(warning);
     }
 
     /// Looks into the states of an evaluated control, says what deserves attention there and keeps it for the result;
     /// `what` names the states.
     pub fn inspect(&mut self, what: &str, point: &EnsemblePoint) -> Vec<Inspection> {
-        let (found, warnings) = self.timed("inspect", |session| session.look_into(what, point));
+        let (found, warnings) = self.timed("inspect", |session| session.look_into(session.console, what, point));
         self.warnings.extend(warnings);
         found
     }
 
     /// Looks into the states and says what deserves attention there; whoever asks keeps the warnings.
-    pub fn look_into(&self, what: &str, point: &EnsemblePoint) -> (Vec<Inspection>, Vec<Warning>) {
+    pub fn look_into(&self, console: &Console, what: &str, point: &EnsemblePoint) -> (Vec<Inspection>, Vec<Warning>) {
         let found = Inspection::of_point(&self.problem, point);
         let members = self.problem.members().zip(&found);
         let warnings: Vec<Warning> = members.flat_map(|(member, found)| found.warnings(member, what)).collect();
-        warnings.iter().for_each(|warning| self.say_warning(warning));
+        warnings.iter().for_each(|warning| say_warning(console, warning));
         (found, warnings)
-    }
-
-    /// Says a warning that is kept elsewhere.
-    pub fn say_warning(&self, warning: &Warning) {
-        self.console.say(format!("WARNING     {warning}"));
     }
 
     /// Codes of the warnings so far, for a picture: empty without any.
@@ -410,6 +405,11 @@ impl<'c> Session<'c> {
         out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
         Ok(Some(out.file(name)))
     }
+}
+
+/// Says a warning; whoever asks keeps it.
+pub(super) fn say_warning(console: &Console, warning: &Warning) {
+    console.say(format!("WARNING     {warning}"));
 }
 
 /// Applies overrides; those that fail are told with what is wrong with the case besides.

@@ -18,6 +18,7 @@ use crate::lower::{CaseMember, CaseProblem, TargetShape, file_name};
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
+use crate::result::obstacle_shape;
 use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
 use crate::result::summary;
@@ -344,18 +345,22 @@ pub(super) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
 }
 
 /// `target.vtu` of the first target; further ones bear their cost's name, and those that members have alone begin as
-/// the members' files do.
+/// the members' files do. Obstacles besides.
 pub(super) fn write_targets(problem: &CaseProblem, out: &Directory) -> Result<Vec<String>, RunError> {
     let targets = named_targets(problem);
     for (name, shape) in &targets {
         out.write_vtu(name, &snapshot::target(shape)?)?;
     }
-    Ok(targets.into_iter().map(|(name, _)| name).collect())
+    for (name, shape) in obstacle_shape::files(problem).0 {
+        out.write_vtu(&name, &shape)?;
+    }
+    Ok(target_files(problem))
 }
 
-/// The names of the files with targets.
+/// The names of the files with targets and obstacles.
 pub(super) fn target_files(problem: &CaseProblem) -> Vec<String> {
-    named_targets(problem).into_iter().map(|(name, _)| name).collect()
+    let obstacles = obstacle_shape::files(problem).0.into_iter().map(|(name, _)| name);
+    named_targets(problem).into_iter().map(|(name, _)| name).chain(obstacles).collect()
 }
 
 /// The names of every member's own targets.

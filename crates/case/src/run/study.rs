@@ -69,6 +69,7 @@ pub struct Study {
     checkpoint: usize,
     random_starts: usize,
     seed: u64,
+    early_stopping: bool,
     restart: bool,
     report: bool,
     spectrum: Option<SpectrumRequest>,
@@ -114,6 +115,7 @@ impl Study {
             checkpoint: 10,
             random_starts: 0,
             seed: 0,
+            early_stopping: true,
             restart: false,
             report: true,
             spectrum: None,
@@ -202,10 +204,18 @@ impl Study {
         self
     }
 
-    /// Further starts, drawn within the bounds from a seed; the best of all is kept.
+    /// Further starts, drawn within the bounds from a seed; the best of all is kept. As many run at once as there are threads, each with a
+    /// factor of its own.
     #[must_use]
     pub fn random_starts(mut self, count: usize, seed: u64) -> Self {
         (self.random_starts, self.seed) = (count, seed);
+        self
+    }
+
+    /// Whether starts that cannot reach the best one any more are stopped, as they are by default.
+    #[must_use]
+    pub fn early_stopping(mut self, early_stopping: bool) -> Self {
+        self.early_stopping = early_stopping;
         self
     }
 

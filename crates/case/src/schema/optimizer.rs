@@ -21,6 +21,8 @@ object! {
         pub verify: bool = false,
         /// Number of starts; those after the first are random.
         pub starts: usize as POSITIVE = 1,
+        /// Whether starts that cannot reach the best one any more are stopped.
+        pub early_stopping: bool = true,
         /// Seed of whatever is random.
         pub seed: u64 = 0,
     }

@@ -24,11 +24,30 @@ pub trait Constraint: Debug + Send + Sync {
         ""
     }
 
+    /// The nodes that its values belong to, in their order; none where they belong to none.
+    fn nodes(&self) -> Option<&[u32]> {
+        None
+    }
+
+    /// What a distance that is kept at nodes comes to between them; none of other constraints.
+    fn between_nodes(&self, _at: &CostContext) -> Option<BetweenNodes> {
+        None
+    }
+
     /// Evaluated at a displacement and a control; `at.stage` does not matter.
     ///
     /// # Errors
     /// Where the constraint is not defined.
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError>;
+}
+
+/// The smallest signed distance from an obstacle at quadrature points of a body, which lie between its nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BetweenNodes {
+    /// Negative inside of the obstacle.
+    pub distance: f64,
+    /// Where the point of the deformed body is.
+    pub position: [f64; 3],
 }
 
 /// Constraints evaluated at one (u, m). A value: it depends on nothing that changes.

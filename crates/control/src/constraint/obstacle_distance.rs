@@ -1,7 +1,7 @@
 //! [`ObstacleDistance`]: nodes that keep clear of an obstacle.
 
-use super::{Constraint, ConstraintPoint, IntoConstraint};
-use crate::cost::body_points::Place;
+use super::{BetweenNodes, Constraint, ConstraintPoint, IntoConstraint};
+use crate::cost::body_points::{BodyPoints, Place};
 use crate::cost::obstacle::Distance;
 use crate::cost::{CostContext, Obstacle, Partials};
 use crate::error::ControlError;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// `c_a = clearance - d(x_a) <= 0` for every node a of a surface, region or node set, with `x_a = X_a + u_a` and d the signed distance
 /// from an [`Obstacle`]: one inequality and one multiplier for every node. Between nodes a surface may enter the obstacle by what
-/// its cells bend.
+/// its cells bend: [`Constraint::between_nodes`] tells, at the quadrature points of surfaces and regions.
 ///
 /// `dc_a/du_a = -grad d`, `d2c_a/du_a^2 = -d2d/dx2`. Unit: length. Scale: the diagonal of the body's bounding box. The multiplier of a
 /// node is the force (cost per length) with which the obstacle would push it.
@@ -55,15 +55,21 @@ impl ObstacleDistance {
 impl IntoConstraint for ObstacleDistance {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Constraint>, ControlError> {
         self.obstacle.check(self.clearance)?;
-        let (_, nodes) = self.place.points(solid)?;
-        let scale = solid.mesh().diagonal();
-        Ok(Box::new(Bound { nodes: nodes.into(), obstacle: self.obstacle, clearance: self.clearance, scale }))
+        let (points, nodes) = self.place.points(solid)?;
+        let between = match points {
+            BodyPoints::Points(_) => Some(points),
+            BodyPoints::Nodes(_) => None,
+        };
+        let (obstacle, clearance, scale) = (self.obstacle, self.clearance, solid.mesh().diagonal());
+        Ok(Box::new(Bound { nodes: nodes.into(), between, obstacle, clearance, scale }))
     }
 }
 
 #[derive(Debug)]
 struct Bound {
     nodes: Arc<[u32]>,
+    /// Points between the nodes, of surfaces and regions.
+    between: Option<BodyPoints>,
     obstacle: Obstacle,
     clearance: f64,
     scale: f64,
@@ -77,6 +83,16 @@ impl Constraint for Bound {
 
     fn unit(&self) -> &'static str {
         "m"
+    }
+
+    fn nodes(&self) -> Option<&[u32]> {
+        Some(&self.nodes)
+    }
+
+    fn between_nodes(&self, at: &CostContext) -> Option<BetweenNodes> {
+        let positions = self.between.as_ref()?.positions(at.solid, Some(at.u));
+        let found = positions.into_iter().map(|x| BetweenNodes { distance: self.obstacle.distance(&x), position: x });
+        found.min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {

@@ -1,7 +1,7 @@
 //! Constraints of a reduced problem.
 
 use super::Reduced;
-use crate::constraint::{Constraint, ConstraintPoint, IntoConstraint};
+use crate::constraint::{BetweenNodes, Constraint, ConstraintPoint, IntoConstraint};
 use crate::cost::Partials;
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
@@ -31,6 +31,12 @@ impl Reduced {
     /// The bound constraints.
     pub fn constraint_terms(&self) -> &[Box<dyn Constraint>] {
         &self.constraints
+    }
+
+    /// What the distances that constraints keep at nodes come to between these, constraint by constraint.
+    pub fn between_nodes(&self, at: &Evaluated) -> Vec<Option<BetweenNodes>> {
+        let context = self.context(&at.state, &at.m, at.stage);
+        self.constraints.iter().map(|constraint| constraint.between_nodes(&context)).collect()
     }
 
     /// Evaluates the constraints in a state.

@@ -64,6 +64,21 @@ impl Multipliers {
         })
     }
 
+    /// The group of the largest violation relative to its scale, and which of the group's values that is.
+    pub fn worst(&self, c: &[f64]) -> (String, usize) {
+        let (mut first, mut worst) = (0, (f64::NEG_INFINITY, "", 0));
+        for group in &self.groups {
+            for (index, c) in c.iter().skip(first).take(group.len).enumerate() {
+                let violation = group.sense.violation(*c) / group.scale;
+                if violation > worst.0 {
+                    worst = (violation, &group.name, index);
+                }
+            }
+            first += group.len;
+        }
+        (worst.1.to_owned(), worst.2)
+    }
+
     /// psi(c).
     pub fn value(&self, c: &[f64]) -> f64 {
         if self.penalty == 0.0 {

@@ -167,6 +167,7 @@ impl<O: Constrained> AugmentedRun<O> {
     /// Ends the run, or begins the next inner one.
     fn inner_ended(&mut self, stop: Stop, observer: &mut dyn Observer<O::Point>) -> Outcome {
         let Some(mut outer) = self.outer.take() else { return Outcome::Stopped(stop) };
+        let before = outer.clone();
         let c = self.run.objective().objective.constraint_values(self.run.point());
         let settled = !matches!(stop, Stop::MaxIterations { .. });
         let end = self.end(&mut outer, (stop, settled), &c);
@@ -178,6 +179,7 @@ impl<O: Constrained> AugmentedRun<O> {
         self.run.progress.ends.pop();
         let multipliers = &self.run.objective().multipliers;
         let (values, penalty) = outer.update(&self.options, multipliers, (&c, settled));
+        let known = (multipliers.values.clone(), multipliers.penalty);
         let change = |o: &mut Augmented<O>| (o.multipliers.values, o.multipliers.penalty) = (values, penalty);
         outer.limit = self.limit();
         self.outer = Some(outer);
@@ -188,7 +190,14 @@ impl<O: Constrained> AugmentedRun<O> {
                 observer.trial(&setting.tell_accepted(&self.run.progress, at, Reason::Multipliers, 0.0, 0.0));
                 Outcome::Iterated
             }
-            Err(failed) if failed.is_fatal() => Outcome::Stopped(Stop::Aborted(failed)),
+            Err(failed) if failed.is_fatal() => {
+                // It stands before the update: point and multipliers belong together, and the next step makes the update again.
+                let multipliers = &mut self.run.setting.objective.multipliers;
+                (multipliers.values, multipliers.penalty) = known;
+                self.outer = Some(before);
+                self.run.reopen();
+                Outcome::Stopped(Stop::Aborted(failed))
+            }
             Err(why) => {
                 let stop = Stop::Stalled(Stall::Stage { stage: self.run.progress.stage, why });
                 self.ended = Some(stop.clone());
@@ -235,7 +244,8 @@ impl<O: Constrained> AugmentedRun<O> {
         let multipliers = &self.run.objective().multipliers;
         let (violation, penalty) = (multipliers.violation(c), multipliers.penalty / outer.first_penalty);
         let gradient = self.violation_gradient(c).unwrap_or(f64::NAN);
-        Stop::Infeasible { violation, penalty, gradient }
+        let (constraint, index) = self.run.objective().multipliers.worst(c);
+        Stop::Infeasible { constraint, index, violation, penalty, gradient }
     }
 
     /// Norm of the projected gradient of half the squared violations.

@@ -112,6 +112,11 @@ impl<O: Objective> Run<O> {
         self.begin_at(next)
     }
 
+    /// A run that has ended finds its end again.
+    pub(crate) fn reopen(&mut self) {
+        self.ended = None;
+    }
+
     /// The present control as a stage values it, with its derivative.
     fn valued(&mut self, stage: usize) -> Result<Iterate<O::Point>, Failed> {
         let point = self.setting.objective.restage(stage, &self.current.point)?;

@@ -1,16 +1,31 @@
 //! One state serves all terms: what was evaluated is kept by control vector.
 
 use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
-use nastic_opt::{Failed, Hessian, Objective, Request};
+use nastic_numeric::Random;
+use nastic_numeric::vector::{dot, sub};
+use nastic_opt::{Constrained, ConstraintGroup, Failed, Hessian, Objective, Request};
 use std::sync::Mutex;
 
-/// Member of the cost.
+/// Of the weights of constraints.
+const SEED: u64 = 1;
+
+/// A functional that is tested.
 #[derive(Clone, Debug)]
 pub(super) struct Term {
     pub label: String,
     pub stage: usize,
-    /// Name of the term, whose expected value is looked at; the whole cost if absent.
-    pub of: Option<String>,
+    pub of: Functional,
+}
+
+/// What a test is of.
+#[derive(Clone, Debug)]
+pub(super) enum Functional {
+    /// The whole cost.
+    Cost,
+    /// The expected value of the cost term of this name.
+    Term(String),
+    /// `y . c`, the values of one constraint weighed by fixed numbers between 0.5 and 1.5; y is zero for the others.
+    Constraint(Vec<f64>),
 }
 
 /// The whole cost and its terms.
@@ -18,6 +33,7 @@ pub(super) struct Term {
 struct Value {
     whole: f64,
     terms: Vec<(String, f64)>,
+    constraints: Vec<f64>,
 }
 
 /// The values by stage at one control; none where there is no state.
@@ -50,7 +66,7 @@ impl<'a> Memo<'a> {
         Ok(Self { ensemble, accuracy, base, known: Mutex::new(known) })
     }
 
-    /// The total of every stage, then every term of every stage it has.
+    /// The total of every stage, then every term of every stage it has, then every constraint.
     pub fn terms(&self) -> Vec<Term> {
         let all = self.values_of(&self.base[0]).terms;
         let names: Vec<&String> = all.iter().map(|(name, _)| name).collect();
@@ -62,13 +78,28 @@ impl<'a> Memo<'a> {
         let single = names.len() == 1 && self.ensemble.members().len() == 1;
         let whole = if single { names[0].as_str() } else { "total" };
         let mut out: Vec<Term> =
-            (0..stages).map(|stage| Term { label: label(whole, stage, stages), stage, of: None }).collect();
+            (0..stages).map(|stage| Term { label: label(whole, stage, stages), stage, of: Functional::Cost }).collect();
         for name in names.into_iter().filter(|_| !single) {
             let own = self.stages_of(name);
-            let term = |stage| Term { label: label(name, stage, own), stage, of: Some(name.clone()) };
+            let term = |stage| Term { label: label(name, stage, own), stage, of: Functional::Term(name.clone()) };
             out.extend((0..own).map(term));
         }
+        out.extend(self.constraints());
         out
+    }
+
+    /// Every constraint.
+    fn constraints(&self) -> Vec<Term> {
+        let groups = self.ensemble.constraints();
+        let all: usize = groups.iter().map(|group| group.len).sum();
+        let (mut random, mut first) = (Random::new(SEED), 0);
+        let mut of = |group: ConstraintGroup| {
+            let mut y = vec![0.0; all];
+            y[first..first + group.len].iter_mut().for_each(|y| *y = 0.5 + random.unit());
+            first += group.len;
+            Term { label: format!("constraint {}", group.name), stage: 0, of: Functional::Constraint(y) }
+        };
+        groups.into_iter().map(&mut of).collect()
     }
 
     /// The most stages that a term of this name has.
@@ -83,7 +114,7 @@ impl<'a> Memo<'a> {
 
     fn values_of(&self, point: &EnsemblePoint) -> Value {
         let terms = self.ensemble.expected_terms(point.members.iter().map(|at| at.terms.as_slice()));
-        Value { whole: point.risk, terms }
+        Value { whole: point.risk, terms, constraints: self.ensemble.constraint_values(point) }
     }
 
     fn values(&self, m: &[f64]) -> Values {
@@ -131,8 +162,9 @@ impl Objective for Column<'_> {
         let value = &values[self.term.stage];
         let term = |name: &String| value.terms.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
         let value = match &self.term.of {
-            None => value.whole,
-            Some(name) => term(name).ok_or_else(|| Failed::because(format!("no term {name}")))?,
+            Functional::Cost => value.whole,
+            Functional::Term(name) => term(name).ok_or_else(|| Failed::because(format!("no term {name}")))?,
+            Functional::Constraint(y) => dot(y, &value.constraints),
         };
         Ok(Valued { m: m.to_vec(), value })
     }
@@ -148,8 +180,12 @@ impl Objective for Column<'_> {
         }
         let mut known = self.memo.known.lock().map_err(|_| Failed::because("an earlier evaluation broke off"))?;
         match &self.term.of {
-            None => ensemble.derivative(&mut base.clone(), &mut known.workspace),
-            Some(name) => Ok(ensemble.derivative_of_term(base, name, &mut known.workspace)?),
+            Functional::Cost => ensemble.derivative(&mut base.clone(), &mut known.workspace),
+            Functional::Term(name) => Ok(ensemble.derivative_of_term(base, name, &mut known.workspace)?),
+            Functional::Constraint(y) => {
+                let sum = ensemble.lagrangian_derivative(&mut base.clone(), y, &mut known.workspace)?;
+                Ok(sub(&sum, &ensemble.derivative(&mut base.clone(), &mut known.workspace)?))
+            }
         }
     }
 
@@ -160,9 +196,16 @@ impl Objective for Column<'_> {
         }
         let mut known = self.memo.known.lock().map_err(|_| Failed::because("an earlier evaluation broke off"))?;
         match &self.term.of {
-            None => Objective::hessian_vector(ensemble, base, v, which, &mut known.workspace),
-            Some(_) if which != Hessian::Exact => Err(Failed::because("of a single term there is the exact one alone")),
-            Some(name) => Ok(ensemble.hessian_vector_of_term(base, name, v, &mut known.workspace)?),
+            Functional::Cost => Objective::hessian_vector(ensemble, base, v, which, &mut known.workspace),
+            Functional::Constraint(y) => {
+                let weights = [y.as_slice(), &vec![0.0; y.len()]];
+                let sum = ensemble.lagrangian_hessian_vector(base, weights, (v, which), &mut known.workspace)?;
+                Ok(sub(&sum, &Objective::hessian_vector(ensemble, base, v, which, &mut known.workspace)?))
+            }
+            Functional::Term(_) if which != Hessian::Exact => {
+                Err(Failed::because("of a single term there is the exact one alone"))
+            }
+            Functional::Term(name) => Ok(ensemble.hessian_vector_of_term(base, name, v, &mut known.workspace)?),
         }
     }
 

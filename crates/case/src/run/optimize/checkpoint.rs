@@ -1,17 +1,17 @@
 //! [`Checkpoint`]: everything that an optimisation needs to go on to the bit.
 
 use super::journal::Written;
-use super::run_trials::RunTrials;
+use super::start_run::StartRun;
 use crate::result::checkpoint_file::{self, CheckpointError};
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
+use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{AugmentedState, SavedRunError};
 use serde_json::Value;
 use std::path::Path;
 
-const MAGIC: &str = "nastic-optimisation-5";
+const MAGIC: &str = "nastic-optimisation-6";
 
 /// The content of `checkpoint.bin`.
 pub(in crate::run) struct Checkpoint {
@@ -24,44 +24,57 @@ pub(in crate::run) struct Checkpoint {
 
 /// Where an optimisation stood.
 pub(in crate::run) struct Position {
-    pub(super) fixed: Fixed,
-    pub(super) trials: Trials,
-    /// The run from the present start.
-    pub(super) run: AugmentedState,
-}
-
-/// What stays the same from one start to the next.
-pub(super) struct Fixed {
     /// The result's entry of the gradient check at the start as written.
-    pub gradient_check: Value,
-    /// [`Starts`](super::starts::Starts) as bytes: the runs that have finished.
-    pub finished: Vec<u8>,
-    /// Number of the present start.
-    pub index: usize,
-    /// Its gradient check, where it is a random one.
-    pub certificate: Value,
-    /// The present start as bytes.
-    pub start: Vec<u8>,
+    pub(super) gradient_check: Value,
+    /// The round of starts under way.
+    pub(super) round: usize,
+    /// `history.jsonl` as it was when that round began.
+    pub(super) history: Vec<u8>,
+    /// The best of the starts that had ended, as bytes: its number and its run.
+    pub(super) best: Option<Vec<u8>>,
+    pub(super) starts: Vec<StartRun>,
 }
 
-/// What was told of the trials so far.
-pub(super) struct Trials {
-    /// All of `history.jsonl`.
-    pub history: Vec<u8>,
-    /// What was kept of the trials of the present start.
-    pub run: RunTrials,
+/// What checkpoints of a round hold beside case and history.
+#[derive(Default)]
+pub(super) struct Record {
+    pub gradient_check: Value,
+    pub round: usize,
+    /// Length of `history.jsonl` when the round began.
+    pub history: usize,
+    pub best: Option<Vec<u8>>,
+    pub starts: Vec<SavedStart>,
+}
+
+/// A start as bytes.
+pub(super) struct SavedStart {
+    pub bytes: Vec<u8>,
+    pub iteration: usize,
+    pub ended: bool,
+}
+
+impl SavedStart {
+    pub fn of(start: &StartRun) -> Self {
+        Self { bytes: start.to_bytes(), iteration: start.iteration(), ended: start.has_ended() }
+    }
 }
 
 impl Position {
-    /// The start and iteration it is of.
+    /// The first start that had not ended, and its iteration.
     pub(super) fn place(&self) -> Written {
-        Written { start: self.fixed.index, iteration: self.run.run.progress.counts.iterations }
+        place(self.starts.iter().map(|start| (start.has_ended(), start.iteration())))
     }
 
     /// Whether nothing was done yet beyond the first start.
     pub fn is_start(&self) -> bool {
-        self.place() == Written { start: 0, iteration: 0 }
+        self.starts.iter().all(|start| !start.has_ended() && start.iteration() == 0)
     }
+}
+
+fn place(starts: impl ExactSizeIterator<Item = (bool, usize)>) -> Written {
+    let last = starts.len().saturating_sub(1);
+    let first = starts.enumerate().find(|(_, (ended, _))| !ended);
+    first.map_or(Written { start: last, iteration: 0 }, |(start, (_, iteration))| Written { start, iteration })
 }
 
 impl Checkpoint {
@@ -81,28 +94,25 @@ impl Checkpoint {
     }
 }
 
-impl Fixed {
-    pub fn to_bytes(&self) -> Vec<u8> {
+impl Record {
+    /// A checkpoint; `history`: all of `history.jsonl` so far.
+    pub fn to_bytes(&self, case: &CaseRecord, history: &[u8]) -> Vec<u8> {
         let mut out = Writer::new("");
+        out.bytes(&case.to_bytes());
+        out.count(1);
         out.bytes(self.gradient_check.to_string().as_bytes());
-        out.bytes(&self.finished);
-        out.count(self.index);
-        out.bytes(self.certificate.to_string().as_bytes());
-        out.bytes(&self.start);
-        out.finish()
+        out.count(self.round);
+        out.bytes(&history[..self.history.min(history.len())]);
+        out.count(usize::from(self.best.is_some()));
+        self.best.iter().for_each(|best| out.bytes(best));
+        out.count(self.starts.len());
+        self.starts.iter().for_each(|start| out.bytes(&start.bytes));
+        close(false, &out.finish())
     }
 
-    fn from_bytes(bytes: &[u8]) -> Result<Self, SavedRunError> {
-        let mut input = Reader::new(bytes, "")?;
-        let fixed = Self {
-            gradient_check: read_json(&mut input)?,
-            finished: input.list()?,
-            index: input.number()?,
-            certificate: read_json(&mut input)?,
-            start: input.list()?,
-        };
-        input.finish()?;
-        Ok(fixed)
+    /// The first start that had not ended, and its iteration.
+    pub fn place(&self) -> Written {
+        place(self.starts.iter().map(|start| (start.ended, start.iteration)))
     }
 }
 
@@ -112,19 +122,12 @@ impl Fixed {
 /// There is a checkpoint, and it cannot be read: whether it is worth keeping is not known.
 pub(super) fn interrupted(out: &Directory) -> Result<Option<Written>, CheckpointError> {
     match Checkpoint::read(out.path()) {
-        Ok(Checkpoint { ended: false, position: Some(position), .. }) => Ok(Some(position.place())),
-        // Before the first scheduled checkpoint there may be iterations to lose; the start alone is none.
-        Ok(Checkpoint { ended: false, position: None, .. }) if iterations(out) => {
-            Ok(Some(Written { start: 0, iteration: 0 }))
+        Ok(Checkpoint { ended: false, position: Some(position), .. }) if !position.is_start() => {
+            Ok(Some(position.place()))
         }
         Ok(_) | Err(CheckpointError::Missing { .. }) => Ok(None),
         Err(error) => Err(error),
     }
-}
-
-/// Whether the history of a directory goes beyond its start.
-fn iterations(out: &Directory) -> bool {
-    std::fs::read_to_string(out.file("history.jsonl")).is_ok_and(|text| text.lines().count() > 1)
 }
 
 /// Records in the checkpoint of a directory, if it has one, whether the optimisation has ended.
@@ -171,29 +174,12 @@ pub(super) fn before_the_start(case: &CaseRecord) -> Vec<u8> {
     close(false, &out.finish())
 }
 
-/// A checkpoint of a run; `fixed` is [`Fixed::to_bytes`], made once for all checkpoints of a start.
-pub(super) fn of_run(
-    case: &CaseRecord,
-    fixed: &[u8],
-    history: &[u8],
-    trials: &RunTrials,
-    run: &AugmentedState,
-) -> Vec<u8> {
-    let mut out = Writer::new("");
-    out.bytes(&case.to_bytes());
-    out.count(1);
-    out.bytes(fixed);
-    out.bytes(history);
-    trials.write(&mut out);
-    out.bytes(&run.to_bytes());
-    close(false, &out.finish())
-}
-
 fn read_position(input: &mut Reader<'_>) -> Result<Position, SavedRunError> {
-    let fixed = Fixed::from_bytes(&input.list()?)?;
-    let trials = Trials { history: input.list()?, run: RunTrials::read(input)? };
-    let run = AugmentedState::from_bytes(&input.list()?)?;
-    Ok(Position { fixed, trials, run })
+    let (gradient_check, round, history) = (read_json(input)?, input.number()?, input.list()?);
+    let best = if input.flag()? { Some(input.list()?) } else { None };
+    let starts = (0..input.count(8)?).map(|index| StartRun::from_bytes(index, &input.list()?));
+    let starts = starts.collect::<Result<_, _>>()?;
+    Ok(Position { gradient_check, round, history, best, starts })
 }
 
 pub(super) fn read_json(input: &mut Reader<'_>) -> Result<Value, SavedRunError> {

@@ -1,7 +1,7 @@
 //! [`Journal`]: what an optimisation writes while it runs, and what of that could not be written.
 
-use super::checkpoint::{self, Fixed};
-use super::run_trials::RunTrials;
+use super::checkpoint;
+use super::start_run::StartRun;
 use crate::console::Console;
 use crate::history::History;
 use crate::result::checkpoint_file;
@@ -9,8 +9,8 @@ use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
 use crate::run::session::Session;
-use nastic_opt::AugmentedState;
 use serde_json::Value;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// `history.jsonl` and `checkpoint.bin`. An optimisation does not end for a file that cannot be written: that is said at
 /// once, and once more by the error at its end.
@@ -19,9 +19,7 @@ pub(super) struct Journal {
     console: Console,
     case: CaseRecord,
     history: Option<History>,
-    /// [`Fixed`] of the present start, as bytes.
-    fixed: Vec<u8>,
-    index: usize,
+    record: checkpoint::Record,
     /// The last checkpoint that was written.
     written: Option<Written>,
     /// Why the last checkpoint could not be written.
@@ -30,13 +28,27 @@ pub(super) struct Journal {
     failed: Option<RunError>,
 }
 
+/// A journal to which starts that run side by side write.
+#[derive(Clone)]
+pub(super) struct SharedJournal(Arc<Mutex<Journal>>);
+
 /// A checkpoint on disk.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Written {
-    /// Number of the start.
+    /// Number of the first start that had not ended.
     pub start: usize,
     /// Its iteration.
     pub iteration: usize,
+}
+
+impl SharedJournal {
+    pub fn new(journal: Journal) -> Self {
+        Self(Arc::new(Mutex::new(journal)))
+    }
+
+    pub fn lock(&self) -> MutexGuard<'_, Journal> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Journal {
@@ -74,8 +86,7 @@ impl Journal {
             console: session.console.clone(),
             case: CaseRecord::of(&session.problem, &session.settings),
             history: None,
-            fixed: vec![],
-            index: 0,
+            record: checkpoint::Record::default(),
             written,
             unsaved: None,
             failed: None,
@@ -93,25 +104,51 @@ impl Journal {
 
     /// Adds a line to `history.jsonl`.
     pub fn add_line(&mut self, line: &Value) {
-        if let Some(Err(error)) = self.history.as_mut().map(|history| history.add(line)) {
+        self.add_recorded(format!("{line}\n").as_bytes());
+    }
+
+    /// Adds lines that an earlier program made.
+    pub fn add_recorded(&mut self, lines: &[u8]) {
+        if let Some(Err(error)) = self.history.as_mut().map(|history| history.add(lines)) {
             // The file is written once more at the end, which then has the last word.
             self.say(&error.into());
         }
     }
 
-    /// From here on checkpoints are of this start.
-    pub fn begin_start(&mut self, fixed: &Fixed) {
-        (self.index, self.fixed) = (fixed.index, fixed.to_bytes());
+    /// A round of starts begins: from here on checkpoints hold these.
+    pub fn begin_round(&mut self, gradient_check: &Value, round: usize, best: Option<Vec<u8>>, starts: &[StartRun]) {
+        let history = self.history.as_ref().map_or(0, |history| history.text().len());
+        self.record = checkpoint::Record {
+            gradient_check: gradient_check.clone(),
+            round,
+            history,
+            best,
+            starts: starts.iter().map(checkpoint::SavedStart::of).collect(),
+        };
+    }
+
+    /// A start of the round has ended; `best`: it is the best so far, as bytes. It goes into the next checkpoint.
+    pub fn end_start(&mut self, start: &StartRun, best: Option<Vec<u8>>) {
+        self.record.starts[start.index] = checkpoint::SavedStart::of(start);
+        if best.is_some() {
+            self.record.best = best;
+        }
+    }
+
+    /// Writes a scheduled checkpoint of a start under way.
+    pub fn save_start(&mut self, index: usize, bytes: Vec<u8>, iteration: usize) {
+        self.record.starts[index] = checkpoint::SavedStart { bytes, iteration, ended: false };
+        self.save();
     }
 
     /// Writes a scheduled checkpoint; if that fails the last good one stays.
-    pub fn save(&mut self, run: &AugmentedState, trials: &RunTrials) {
+    pub fn save(&mut self) {
         let Some(out) = &self.out else { return };
         let history = self.history.as_ref().map_or(&[] as &[u8], History::text);
-        let content = checkpoint::of_run(&self.case, &self.fixed, history, trials, run);
+        let content = self.record.to_bytes(&self.case, history);
         match checkpoint_file::write(out, &content) {
             Ok(()) => {
-                self.written = Some(Written { start: self.index, iteration: run.run.progress.counts.iterations });
+                self.written = Some(self.record.place());
                 self.unsaved = None;
             }
             Err(error) => {
@@ -141,9 +178,9 @@ impl Journal {
     ///
     /// # Errors
     /// What could not be written, if anything.
-    pub fn finish(self) -> Result<(), RunError> {
-        self.history.map_or(Ok(()), History::finish)?;
-        self.failed.or(self.unsaved).map_or(Ok(()), Err)
+    pub fn finish(&mut self) -> Result<(), RunError> {
+        self.history.take().map_or(Ok(()), History::finish)?;
+        self.failed.take().or(self.unsaved.take()).map_or(Ok(()), Err)
     }
 
     fn say(&self, error: &RunError) {

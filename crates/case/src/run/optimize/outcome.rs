@@ -13,7 +13,7 @@ use super::super::states::Shown;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
 use super::spectrum::Diagnosis;
-use super::{advice, constraints, fall, revalued, starts, why};
+use super::{advice, constraints, fall, revalued, table_of_starts, why};
 use crate::lower::CaseMember;
 use crate::result::convergence;
 use crate::result::inspection::Inspection;
@@ -61,7 +61,7 @@ pub(super) fn report(
     let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(problem, &best.derivative);
     let controls = summary::controls(problem, &best.m);
-    let constraints = constraints::json(problem, &ended.constraints);
+    let constraints = constraints::json(problem, &ended.constraints, &best.point);
     session.put_all(entries);
     if let Some(begin) = begin {
         session.put("start", Value::Object(begin));
@@ -94,7 +94,7 @@ pub(super) fn report(
     work.iter().for_each(|work| total.add_work(work));
     session.put_all(summary::work(&total));
     session.console.say("");
-    starts::say(session, entries_of_starts, index);
+    table_of_starts::say(session, entries_of_starts, index);
     say(session, (ended, diagnosis), resumable);
     session.timed("write", |session| write(session, (ended, diagnosis), &found, (index, entries_of_starts.len())))?;
     Ok(found)
@@ -139,7 +139,7 @@ fn say(session: &Session<'_>, (ended, diagnosis): (&FinishedRun, Option<&Diagnos
             console.say(format!("            {name} {}", fall(from, number(value))));
         }
     }
-    constraints::say(session, &ended.constraints);
+    constraints::say(session, &ended.constraints, &best.point);
     if result["hausdorff"].is_object() {
         let unit = session.problem.units().length().symbol;
         let (from, to) = (number(&result["start"]["hausdorff"]["true"]), number(&result["hausdorff"]["true"]));

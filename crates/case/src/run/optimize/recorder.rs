@@ -1,12 +1,13 @@
 //! Trial by trial: the table, `history.jsonl`, snapshots of iterations, `iterates.bin`.
 
+use super::super::Pace;
 use super::super::error::RunError;
 use super::super::session::Session;
-use super::super::{OnTrial, Pace};
 use super::branch_changes::Before;
-use super::journal::Journal;
+use super::journal::SharedJournal;
+use super::ordered_output::StartOutput;
 use super::run_trials::RunTrials;
-use crate::console::Console;
+use super::start_run::StartRecord;
 use crate::history;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::result::files::Directory;
@@ -25,11 +26,11 @@ use std::time::Instant;
 /// Told of every trial.
 pub(super) struct Recorder<'s> {
     problem: &'s CaseProblem,
-    console: &'s Console,
+    record: &'s StartRecord,
+    output: &'s StartOutput,
     cancel: Arc<AtomicBool>,
     out: Option<Directory>,
-    journal: &'s mut Journal,
-    on_trial: OnTrial,
+    journal: SharedJournal,
     /// Which start of how many.
     start: (usize, usize),
     /// The columns, from the first trial on; whether they are explained.
@@ -46,15 +47,19 @@ pub(super) struct Recorder<'s> {
 
 impl<'s> Recorder<'s> {
     /// For the start of this number.
-    pub fn new(session: &'s Session<'_>, journal: &'s mut Journal, index: usize) -> Self {
+    pub fn new(
+        session: &'s Session<'_>,
+        (index, record): (usize, &'s StartRecord),
+        (journal, output): (&SharedJournal, &'s StartOutput),
+    ) -> Self {
         let problem = &session.problem;
         Self {
             problem,
-            console: session.console,
+            record,
+            output,
             cancel: session.cancel.clone(),
             out: session.out.clone(),
-            journal,
-            on_trial: session.on_trial.clone(),
+            journal: journal.clone(),
             start: (index, problem.case.optimizer.starts),
             table: None,
             explain: session.explain,
@@ -77,10 +82,10 @@ impl<'s> Recorder<'s> {
         let table = TrialTable::new(self.problem.stages(), figures)
             .with_violation(!self.problem.ensemble.constraints().is_empty());
         if self.explain {
-            table.explain().into_iter().for_each(|line| self.console.say(line));
-            self.console.say("");
+            table.explain().into_iter().for_each(|line| self.output.console.say(line));
+            self.output.console.say("");
         }
-        self.console.say(table.header());
+        self.output.console.say(table.header());
         *self.table.insert(table)
     }
 
@@ -89,7 +94,8 @@ impl<'s> Recorder<'s> {
         if self.broken_off {
             return;
         }
-        self.journal.save(run, &self.trials);
+        let bytes = self.record.under_way(&self.trials, run);
+        self.journal.lock().save_start(self.start.0, bytes, run.run.progress.counts.iterations);
     }
 
     pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {
@@ -109,12 +115,16 @@ impl<'s> Recorder<'s> {
             first.newton += newton as usize;
         }
         if trial.reason == Reason::Stage {
-            self.console.say(format!("stage {} of {}", trial.stage + 1, self.problem.stages()));
+            self.output.console.say(format!("stage {} of {}", trial.stage + 1, self.problem.stages()));
         }
         let table = self.table.unwrap_or_else(|| self.begin_table(&figures));
-        self.console.say(table.row(trial, &figures, seconds));
+        self.output.console.say(table.row(trial, &figures, seconds));
         self.pace.done(trial.trial, trial.iteration);
-        self.console.set_pace(Some(self.pace));
+        if self.output.is_one_of_several() {
+            self.output.show(trial.iteration);
+        } else {
+            self.output.console.set_pace(Some(self.pace));
+        }
         let mut line = history::line(trial, seconds);
         if let Some(line) = line.as_object_mut() {
             line.extend(figures.0.into_iter().map(|(name, value)| (name, json!(value))));
@@ -137,10 +147,10 @@ impl<'s> Recorder<'s> {
                 line.insert("start".into(), json!(self.start.0));
             }
         }
-        self.journal.add_line(&line);
+        self.trials.lines.extend(format!("{line}\n").as_bytes());
+        self.output.add_line(line);
         self.snapshot(trial);
         self.keep(trial);
-        self.on_trial.tell(&line);
     }
 
     /// Whether an accepted point lies on another branch than the one before; `None` where that is not known.
@@ -173,7 +183,7 @@ impl<'s> Recorder<'s> {
         let (Some(point), true) = (trial.point, due) else { return };
         if let Err(error) = self.write(trial.iteration, point, trial.derivative) {
             self.trials.snapshots.retain(|iteration| *iteration != trial.iteration);
-            self.journal.note(error);
+            self.journal.lock().note(error);
         }
     }
 
@@ -184,7 +194,7 @@ impl<'s> Recorder<'s> {
         for ((member, at), kept) in self.problem.leads().zip(&point.members).zip(&mut self.trials.iterates) {
             match snapshot::iterate(member, &StateFields::new(&at.state, &at.m)) {
                 Ok(shot) => kept.add(trial.iteration, &shot, &snapshot::material_vectors(member)),
-                Err(error) => self.journal.note(error.into()),
+                Err(error) => self.journal.lock().note(error.into()),
             }
         }
     }
@@ -192,7 +202,7 @@ impl<'s> Recorder<'s> {
     /// The states of the first scenario, load case by load case.
     fn write(&mut self, iteration: usize, point: &EnsemblePoint, derivative: Option<&[f64]>) -> Result<(), RunError> {
         let Some(out) = &self.out else { return Ok(()) };
-        let stem = self.stem();
+        let stem = stem(self.problem, self.start.0);
         let file = |iteration: usize| format!("{stem}iteration_{iteration:04}.vtu");
         let gradient =
             derivative.zip(self.problem.inner_product()).map(|(derivative, product)| product.riesz(derivative));
@@ -212,23 +222,25 @@ impl<'s> Recorder<'s> {
         Ok(())
     }
 
-    /// What the names of the files of one start begin with, behind the load case.
-    fn stem(&self) -> String {
-        if self.start.1 > 1 { format!("start_{}_", self.start.0) } else { String::new() }
-    }
-
-    /// Writes `iterates.bin`; what was kept of all trials.
+    /// What was kept of all trials.
     pub fn finish(self) -> RunTrials {
-        self.console.set_pace(None);
-        if let Some(out) = &self.out {
-            for (member, kept) in self.problem.leads().zip(&self.trials.iterates) {
-                let file = out.file(&member.case_file(&format!("{}iterates.bin", self.stem())));
-                let written = write_atomically(file, |out| out.write_all(&kept.to_bytes()));
-                if let Err(error) = written {
-                    self.journal.note(error.into());
-                }
-            }
-        }
+        self.output.console.set_pace(None);
         self.trials
+    }
+}
+
+/// What the names of the files of one start begin with, behind the load case.
+fn stem(problem: &CaseProblem, index: usize) -> String {
+    if problem.case.optimizer.starts > 1 { format!("start_{index}_") } else { String::new() }
+}
+
+/// Writes `iterates.bin` of a start that has ended.
+pub(super) fn write_iterates(session: &Session<'_>, index: usize, trials: &RunTrials, journal: &SharedJournal) {
+    let (Some(out), problem) = (&session.out, &session.problem) else { return };
+    for (member, kept) in problem.leads().zip(&trials.iterates) {
+        let file = out.file(&member.case_file(&format!("{}iterates.bin", stem(problem, index))));
+        if let Err(error) = write_atomically(file, |out| out.write_all(&kept.to_bytes())) {
+            journal.lock().note(error.into());
+        }
     }
 }

@@ -17,6 +17,8 @@ pub(super) struct RunTrials {
     pub snapshots: Vec<usize>,
     /// Shapes and controls of accepted iterations, load case by load case.
     pub iterates: Vec<Iterates>,
+    /// Lines of `history.jsonl` since the round of starts began.
+    pub lines: Vec<u8>,
 }
 
 impl RunTrials {
@@ -27,6 +29,7 @@ impl RunTrials {
             changes: BranchChanges::default(),
             snapshots: vec![],
             iterates: vec![Iterates::default(); load_cases],
+            lines: vec![],
         }
     }
 
@@ -37,13 +40,14 @@ impl RunTrials {
         self.snapshots.iter().for_each(|iteration| out.count(*iteration));
         out.count(self.iterates.len());
         self.iterates.iter().for_each(|kept| out.bytes(&kept.to_bytes()));
+        out.bytes(&self.lines);
     }
 
     pub fn read(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
         let (work, changes) = (read_work(input)?, BranchChanges::read(input)?);
         let snapshots = (0..input.count(8)?).map(|_| input.number()).collect::<Result<_, _>>()?;
         let iterates = (0..input.count(8)?).map(|_| read_iterates(input)).collect::<Result<_, _>>()?;
-        Ok(Self { work, changes, snapshots, iterates })
+        Ok(Self { work, changes, snapshots, iterates, lines: input.list()? })
     }
 }
 

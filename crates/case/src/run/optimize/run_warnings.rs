@@ -30,6 +30,7 @@ pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, interrupted: bo
         found.extend(movement(run));
     }
     found.extend(terms(session, run));
+    found.extend(super::constraints::warnings(problem, &run.constraints, &run.best.point));
     if problem.case.optimizer.verify && !interrupted {
         found.extend(cold(session, run));
     }

@@ -35,6 +35,7 @@ pub(super) fn identity(
         "optimizer": format!("{optimizer:?}"),
         "starts": case.optimizer.starts,
         "seed": case.optimizer.seed,
+        "early_stopping": case.optimizer.early_stopping,
         "snapshots_every": case.output.every,
         "checkpoints_every": case.output.checkpoint,
     })

@@ -25,7 +25,7 @@ impl Study {
     ///
     /// # Errors
     /// [`StudyError`]. A stop before convergence is none: see [`Outcome::exit`].
-    pub fn optimize(self, optimizer: &(impl Optimizer + Sync)) -> Result<Optimum, StudyError> {
+    pub fn optimize(self, optimizer: &impl Optimizer) -> Result<Optimum, StudyError> {
         self.run(optimizer, false)
     }
 
@@ -36,11 +36,11 @@ impl Study {
     /// # Errors
     /// As [`optimize`](Self::optimize); a checkpoint of another problem: other meshes, supports, controls, inner products, sets, starts, names of costs,
     /// another optimiser, or a law or a cost that gives the control of the checkpoint another value.
-    pub fn resume(self, optimizer: &(impl Optimizer + Sync)) -> Result<Optimum, StudyError> {
+    pub fn resume(self, optimizer: &impl Optimizer) -> Result<Optimum, StudyError> {
         self.run(optimizer, true)
     }
 
-    fn run(self, optimizer: &(impl Optimizer + Sync), goes_on: bool) -> Result<Optimum, StudyError> {
+    fn run(self, optimizer: &impl Optimizer, goes_on: bool) -> Result<Optimum, StudyError> {
         let pool = thread_pool(self.threads)?;
         let began = Instant::now();
         let console = self.console.clone();
@@ -128,6 +128,7 @@ impl Study {
         (case.units, case.title) = (self.units, self.title.clone());
         (case.output.every, case.output.checkpoint) = (self.every, self.checkpoint);
         (case.optimizer.starts, case.optimizer.seed) = (1 + self.random_starts, self.seed);
+        case.optimizer.early_stopping = self.early_stopping;
         (case.optimizer.max_iterations, case.optimizer.tolerance) = (options.max_iterations, options.tolerance);
         case.optimizer.absolute_tolerance = options.absolute_tolerance;
         case.optimizer.method = Method::named(optimizer.name()).unwrap_or_default();
