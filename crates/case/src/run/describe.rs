@@ -127,13 +127,19 @@ pub(super) fn controls(problem: &CaseProblem) -> Vec<Line> {
         line(
             "controls",
             format!(
-                "{}: by {}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
+                "{}: by {}{}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
                 field.name,
-                block.map.space().name()
+                block.map.space().name(),
+                block.map.grid().map_or_else(String::new, |grid| format!(" of {} cells", times(&grid.cells())))
             ),
         )
     };
     fields.map(of).collect()
+}
+
+/// `4 x 2 x 2`.
+fn times(cells: &[u32]) -> String {
+    cells.iter().map(u32::to_string).collect::<Vec<_>>().join(" x ")
 }
 
 fn admitted(field: &ControlField) -> String {
