@@ -9,6 +9,8 @@
 //! mesh, the distance `(int |m - m_before|^2 dX)^(1/2)` from the run before, its share of the norm, and the observed order,
 //! `log2` of the last distance by this one: 1 where it is halved.
 
+#![allow(clippy::print_stdout)] // a program prints its table
+
 use nastic_case::lower::CaseProblem;
 use nastic_case::syntax::Document;
 use serde_json::Value;

@@ -43,8 +43,8 @@ pub use catalogue::Input;
 pub use constraint::{Constraint, KeepOut};
 pub use control::{Cells, Control, ControlsFile, Space, Start};
 pub use cost::{
-    ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Penetration, Phi, SmoothedHausdorff, Stage, Target,
-    Tracking,
+    ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Penetration, Phi, SmoothedHausdorff, Stage, Stages,
+    Target, Tracking,
 };
 pub use direction::Direction;
 pub use expectation::{Command, Expectation};

@@ -38,7 +38,7 @@ pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::{ControlBlock, Layout};
 pub use map::{ControlMap, SPACES, Space, SpaceRow};
-pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow};
+pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use reduced::Reduced;
 pub use snapshot::StateFields;
 pub use workspace::ReducedWorkspace;

@@ -15,7 +15,7 @@ use crate::expression::dimension_of;
 use crate::lower::{Admitted, CaseProblem, ControlField, TargetShape};
 use crate::quantity::{Dimension, Units};
 use crate::result::summary::owner;
-use crate::schema::{Cost, Input, Means, Metric, Parameter, Phi, VectorField};
+use crate::schema::{Cost, Input, Means, Metric, Parameter, Phi, Stage, Stages, VectorField};
 use nastic_control::EnsembleBlock;
 use nastic_energy::catalogue::{self, Takes};
 use nastic_mesh::{CellKind, GroupNames};
@@ -207,10 +207,14 @@ pub(super) fn costs(problem: &CaseProblem) -> Vec<Line> {
 fn cost_line(head: &'static str, cost: &Cost) -> Line {
     let text = match cost {
         Cost::SmoothedHausdorff(block) => {
-            let stages =
-                block.stages.iter().map(|s| format!("({}, {}, {})", short(s.alpha), short(s.beta), short(s.gamma)));
-            let stages: Vec<String> = stages.collect();
-            format!("phi {}, (alpha, beta, gamma) = {}", phi(&block.phi), stages.join(" then "))
+            let stages = match &block.stages {
+                Stages::Auto => "automatic stages".to_owned(),
+                Stages::List(stages) => {
+                    let of = |s: &Stage| format!("({}, {}, {})", short(s.alpha), short(s.beta), short(s.gamma));
+                    format!("(alpha, beta, gamma) = {}", stages.iter().map(of).collect::<Vec<_>>().join(" then "))
+                }
+            };
+            format!("phi {}, {stages}", phi(&block.phi))
         }
         Cost::Tracking(block) => {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
