@@ -12,6 +12,7 @@ pub(crate) mod lock;
 pub(crate) mod member_report;
 pub(crate) mod obstacle_shape;
 pub(crate) mod picture;
+pub(crate) mod smoothing;
 pub(crate) mod snapshot;
 pub(crate) mod summary;
 

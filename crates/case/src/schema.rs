@@ -41,10 +41,10 @@ pub use added_cost::AddedCost;
 pub use case::{Case, Output, Probe};
 pub use catalogue::Input;
 pub use constraint::{Constraint, KeepOut};
-pub use control::{Control, ControlsFile, Space, Start};
+pub use control::{Cells, Control, ControlsFile, Space, Start};
 pub use cost::{
-    ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Penetration, Phi, SmoothedHausdorff, Stage, Target,
-    Tracking,
+    ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Penetration, Phi, SmoothedHausdorff, Stage, Stages,
+    Target, Tracking,
 };
 pub use direction::Direction;
 pub use expectation::{Command, Expectation};

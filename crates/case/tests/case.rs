@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_case::schema::{
-    Case, Cost, Element, Fixed, Input, Means, MeshSource, Metric, Parameter, Phi, Risk, Rule, Scenarios, Space, Start,
-    Target, VectorField, vector_at,
+    Case, Cost, Element, Fixed, Input, Means, MeshSource, Metric, Parameter, Phi, Risk, Rule, Scenarios, Space, Stages,
+    Start, Target, VectorField, vector_at,
 };
 use nastic_case::syntax::{Diagnostics, Document};
 
@@ -58,7 +58,8 @@ fn the_documented_case_is_read_in_full() {
     let Cost::SmoothedHausdorff(cost) = &case.costs[0] else { panic!() };
     let Phi::Exponential(phi) = &cost.phi else { panic!() };
     assert_eq!((phi.length, phi.fraction), (Some(0.1), None));
-    let stages: Vec<_> = cost.stages.iter().map(|s| (s.alpha, s.beta, s.gamma)).collect();
+    let Stages::List(stages) = &cost.stages else { panic!("{:?}", cost.stages) };
+    let stages: Vec<_> = stages.iter().map(|s| (s.alpha, s.beta, s.gamma)).collect();
     assert_eq!(stages, [(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
     assert_eq!((cost.quadrature, cost.weight, &cost.target_region), (Some(2), 1.0, &Some("body".into())));
 

@@ -168,7 +168,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         COMPLETE,
         "\"space\": \"cell\"",
         "\"space\": \"cels\"",
-        ": controls/0/space: unknown name \"cels\": did you mean \"cell\"? (one of: uniform, region, cell, node)",
+        ": controls/0/space: unknown name \"cels\": did you mean \"cell\"? (one of: uniform, region, cell, node, grid)",
     );
     one(COMPLETE, "\"space\": \"cell\", ", "", ": controls/0: missing key \"space\": Where its values live");
     one(

@@ -15,9 +15,11 @@ pub enum ControlEntity<'a> {
     Cell(u32),
     /// The corner node of this number.
     Node(u32),
+    /// The node of this number of the control's own grid.
+    GridNode(u32),
 }
 
-/// `cell 12`, `node 7`, `region "arm"`, `the whole region`.
+/// `cell 12`, `node 7`, `grid node 5`, `region "arm"`, `the whole region`.
 impl fmt::Display for ControlEntity<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -25,6 +27,7 @@ impl fmt::Display for ControlEntity<'_> {
             Self::Region(name) => write!(f, "region \"{name}\""),
             Self::Cell(cell) => write!(f, "cell {cell}"),
             Self::Node(node) => write!(f, "node {node}"),
+            Self::GridNode(node) => write!(f, "grid node {node}"),
         }
     }
 }

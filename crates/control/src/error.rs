@@ -93,6 +93,12 @@ pub enum ControlError {
         /// How many cells are in none of them.
         cells: usize,
     },
+    /// A grid of controls that cannot be.
+    #[error("a grid of {cells:?} cells cannot be: at least 1 along each axis, and at most 4294967295 nodes in all")]
+    Grid {
+        /// Cells along each axis.
+        cells: [u32; 3],
+    },
     /// A vector of the wrong length.
     #[error("the control vector has {found} entries where the problem has {expected}")]
     Length {

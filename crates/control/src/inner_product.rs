@@ -1,6 +1,7 @@
 //! Inner products of control fields: lumped L2, in which clamping is the projection, and H1.
 
 use crate::error::ControlError;
+use crate::grid::Corner;
 use crate::layout::Layout;
 use crate::map::{ControlMap, Space};
 use nastic_fem::{Discretization, Solid};
@@ -102,49 +103,44 @@ pub(crate) fn stiffness_product(disc: &Discretization, map: &ControlMap, m: &[f6
     out
 }
 
-/// Calls back with the unknowns and the dense stiffness of every cell (nodal fields) or inner face (cell fields).
+/// Calls back with the unknowns and the dense stiffness of every cell (nodal fields), part of a cell in one grid cell (fields
+/// on a grid) or inner face (cell fields).
 fn for_each_stiffness(disc: &Discretization, map: &ControlMap, mut each: impl FnMut(&[u32], &[f64])) {
     match map.space() {
         Space::Uniform | Space::Region => {}
-        Space::Cell => for_each_face(disc, map, each),
-        Space::Node => {
-            let mesh = disc.mesh();
-            let inverses: Vec<&[f64; 9]> = disc.points().inverse_jacobians().collect();
-            for (id, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
-                let unknowns: Vec<u32> = map.at_point(first).map(|(i, _)| i as u32).collect();
-                if unknowns.is_empty() {
-                    continue;
-                }
-                let kind = mesh.cell(id).kind;
+        Space::Cell => for_each_face(disc, map, |pair, area, distance| {
+            let k = area / distance;
+            each(&pair, &[k, -k, -k, k]);
+        }),
+        Space::Node | Space::Grid(_) => {
+            let basis = map.gradients(disc);
+            let mut first = 0;
+            let same = |a: &Vec<Corner>, b: &Vec<Corner>| a.iter().map(|(i, ..)| i).eq(b.iter().map(|(i, ..)| i));
+            for points in basis.chunk_by(same) {
+                let unknowns: Vec<u32> = points[0].iter().map(|(i, ..)| *i).collect();
                 let n = unknowns.len();
                 let mut local = vec![0.0; n * n];
-                let mut reference = vec![[0.0; 3]; n];
-                for (q, xi) in kind.rule().points.iter().enumerate().take(count) {
-                    kind.corner_kind().gradients(xi, &mut reference);
-                    let inverse = inverses[first + q];
-                    let gradient =
-                        |r: &[f64; 3]| [0, 1, 2].map(|j| (0..kind.dim()).map(|k| r[k] * inverse[3 * k + j]).sum());
-                    let g: Vec<[f64; 3]> = reference.iter().map(gradient).collect();
-                    let w = disc.points().weights()[first + q];
-                    for a in 0..n {
-                        for b in 0..n {
-                            local[a * n + b] += w * (0..3).map(|j| g[a][j] * g[b][j]).sum::<f64>();
+                for (basis, w) in points.iter().zip(&disc.points().weights()[first..]) {
+                    for (a, (_, _, left)) in basis.iter().enumerate() {
+                        for (b, (_, _, right)) in basis.iter().enumerate() {
+                            local[a * n + b] += w * (0..3).map(|j| left[j] * right[j]).sum::<f64>();
                         }
                     }
                 }
-                each(&unknowns, &local);
+                first += points.len();
+                if n > 0 {
+                    each(&unknowns, &local);
+                }
             }
         }
     }
 }
 
-/// `area / distance` of the centres for every pair of neighbouring cells the control acts on.
-fn for_each_face(disc: &Discretization, map: &ControlMap, mut each: impl FnMut(&[u32], &[f64])) {
+/// The unknowns on both sides of every inner face of the cells that a control acts on, its area, and the distance of the unknowns' places.
+pub(crate) fn for_each_face(disc: &Discretization, map: &ControlMap, mut each: impl FnMut([u32; 2], f64, f64)) {
     let mesh = disc.mesh();
-    let mut unknown_of = vec![u32::MAX; mesh.cells()];
-    for (i, &cell) in map.entities().iter().enumerate() {
-        unknown_of[cell as usize] = i as u32;
-    }
+    let unknown = |first: usize| map.at_point(first).next().map_or(u32::MAX, |(i, _)| i as u32);
+    let unknown_of: Vec<u32> = disc.points_of_cells().into_iter().map(|(first, _)| unknown(first)).collect();
     for &(here, there) in mesh.neighbours() {
         let (a, b) = (unknown_of[here.cell as usize], unknown_of[there.cell as usize]);
         if a == u32::MAX || b == u32::MAX {
@@ -152,8 +148,7 @@ fn for_each_face(disc: &Discretization, map: &ControlMap, mut each: impl FnMut(&
         }
         let (x, y) = (map.positions()[a as usize], map.positions()[b as usize]);
         let distance = (0..3).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>().sqrt();
-        let k = mesh.area(&[here]) / distance;
-        each(&[a, b], &[k, -k, -k, k]);
+        each([a, b], mesh.area(&[here]), distance);
     }
 }
 

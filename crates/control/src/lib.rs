@@ -10,6 +10,7 @@ mod cost;
 mod ensemble;
 mod error;
 mod evaluated;
+mod grid;
 mod inner_product;
 mod layout;
 mod map;
@@ -17,6 +18,7 @@ mod reduced;
 mod scaling;
 mod snapshot;
 mod state_predictor;
+mod total_variation;
 mod workspace;
 
 pub use constraint::{BetweenNodes, Constraint, ConstraintPoint, CostLimit, IntoConstraint, ObstacleDistance};
@@ -32,10 +34,11 @@ pub use ensemble::{
 };
 pub use error::ControlError;
 pub use evaluated::{AdjointState, Evaluated, read_report, write_report};
+pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::{ControlBlock, Layout};
 pub use map::{ControlMap, SPACES, Space, SpaceRow};
-pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow};
+pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use reduced::Reduced;
 pub use snapshot::StateFields;
 pub use workspace::ReducedWorkspace;

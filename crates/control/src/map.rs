@@ -1,7 +1,11 @@
 //! [`ControlMap`]: from the unknowns of a control field to its values at the quadrature points, and back.
 
+mod interpolated;
+
 use crate::control_values::ControlEntity;
 use crate::error::ControlError;
+use crate::grid::Grid;
+use interpolated::corners;
 use nastic_fem::Discretization;
 use nastic_mesh::{GroupNames, Mesh};
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,6 +21,10 @@ pub enum Space {
     Cell,
     /// Linear (multilinear) between corner nodes, on every element: bounds at the nodes hold everywhere.
     Node,
+    /// Multilinear between the nodes of a regular grid of so many cells along x, y and z over the bounding box of the actuation's regions
+    /// (of a plane body the third number does not matter): a control mesh that is independent of the body's. Grid cells without a
+    /// quadrature point have no part in it, and nodes of such cells alone no unknown.
+    Grid([u32; 3]),
 }
 
 /// A row of the catalogue of control spaces.
@@ -36,6 +44,7 @@ pub const SPACES: &[SpaceRow] = &[
     SpaceRow { space: Space::Region, name: "region", about: "one value per named region" },
     SpaceRow { space: Space::Cell, name: "cell", about: "one value per cell" },
     SpaceRow { space: Space::Node, name: "node", about: "linear between the corner nodes of every cell" },
+    SpaceRow { space: Space::Grid([2, 1, 1]), name: "grid", about: "multilinear on a regular grid of its own" },
 ];
 
 impl Space {
@@ -46,7 +55,13 @@ impl Space {
             Space::Region => "region",
             Space::Cell => "cell",
             Space::Node => "node",
+            Space::Grid(_) => "grid",
         }
+    }
+
+    /// Whether a field of it is interpolated between nodes, where vectors of one length need [`Layout::fix_length`](crate::Layout::fix_length).
+    pub fn interpolates(self) -> bool {
+        matches!(self, Space::Node | Space::Grid(_))
     }
 }
 
@@ -95,7 +110,8 @@ pub struct ControlMap {
     starts: Vec<u32>,
     unknowns: Vec<u32>,
     shapes: Vec<f64>,
-    /// What each unknown stands for: region index, cell number or node number (0 for uniform).
+    grid: Option<Grid>,
+    /// What each unknown stands for: region index, cell number, node number or grid node number (0 for uniform).
     entities: Vec<u32>,
     regions: Vec<String>,
     positions: Vec<[f64; 3]>,
@@ -111,6 +127,7 @@ impl ControlMap {
             starts: vec![0, 1],
             unknowns: vec![0],
             shapes: vec![1.0],
+            grid: None,
             entities: vec![0],
             regions: vec![],
             positions: vec![[0.0; 3]],
@@ -132,7 +149,7 @@ impl ControlMap {
     /// of the mesh divide has one for each of those.
     ///
     /// # Errors
-    /// An unknown name; in the region space [`ControlError::OverlappingRegions`] where a cell would have two unknowns, and
+    /// An unknown name; [`ControlError::Grid`] of a grid without cells; in the region space [`ControlError::OverlappingRegions`] where a cell would have two unknowns, and
     /// [`ControlError::UndividedRegion`] where it would have none.
     pub fn new(disc: &Discretization, regions: &GroupNames, space: Space) -> Result<Self, ControlError> {
         let mesh = disc.mesh();
@@ -140,18 +157,29 @@ impl ControlMap {
         let mut acts = vec![false; mesh.cells()];
         cells.iter().for_each(|&c| acts[c as usize] = true);
         let region_of = (space == Space::Region).then(|| region_of_cells(mesh, regions, &cells)).transpose()?;
+        let nodes = || mesh.nodes_of_cells(&cells).into_iter().map(|node| mesh.points()[node as usize]);
+        let grid = match space {
+            Space::Grid(count) => Some(Grid::over(nodes(), count)?),
+            _ => None,
+        };
+        let corners = grid.map(|grid| corners(disc, &grid, &acts));
         let mut map = ControlMap {
             space,
             starts: vec![0],
             unknowns: vec![],
             shapes: vec![],
+            grid,
             entities: vec![],
             regions: mesh.regions().keys().cloned().collect(),
             positions: vec![],
             measure: None,
         };
         let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
-        for entity in entities(mesh, &cells, space, region_of.as_deref()) {
+        let entities = match &corners {
+            Some(corners) => corners.iter().flatten().map(|(node, ..)| *node).collect(),
+            None => entities(mesh, &cells, space, region_of.as_deref()),
+        };
+        for entity in entities {
             let next = numbers.len() as u32;
             numbers.entry(entity).or_insert(next);
         }
@@ -160,13 +188,19 @@ impl ControlMap {
             *number = rank as u32;
             map.entities.push(entity);
         }
-        for (id, (_, count)) in disc.points_of_cells().into_iter().enumerate() {
+        for (id, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
             let cell = mesh.cell(id);
             let rule = cell.kind.rule();
-            for xi in rule.points.iter().take(count) {
+            for (q, xi) in rule.points.iter().take(count).enumerate() {
                 if acts[id] {
-                    match space {
-                        Space::Node => {
+                    match (space, &corners) {
+                        (Space::Grid(_), Some(corners)) => {
+                            for (node, shape, _) in &corners[first + q] {
+                                map.unknowns.push(numbers[node]);
+                                map.shapes.push(*shape);
+                            }
+                        }
+                        (Space::Node, _) => {
                             let corners = cell.kind.corners();
                             let mut shapes = vec![0.0; corners];
                             cell.kind.corner_kind().shapes(xi, &mut shapes);
@@ -208,7 +242,12 @@ impl ControlMap {
         self.entities.is_empty()
     }
 
-    /// What each unknown stands for: the region's index among the names, the cell, or the node (0 for uniform).
+    /// The grid of the space `grid`.
+    pub fn grid(&self) -> Option<&Grid> {
+        self.grid.as_ref()
+    }
+
+    /// What each unknown stands for: the region's index among the names, the cell, the node, or the node of the grid (0 for uniform).
     pub fn entities(&self) -> &[u32] {
         &self.entities
     }
@@ -227,6 +266,7 @@ impl ControlMap {
             Space::Region => ControlEntity::Region(&self.regions[entity as usize]),
             Space::Cell => ControlEntity::Cell(entity),
             Space::Node => ControlEntity::Node(entity),
+            Space::Grid(_) => ControlEntity::GridNode(entity),
         }
     }
 
@@ -287,6 +327,9 @@ impl ControlMap {
     }
 
     fn centres(&self, disc: &Discretization) -> Vec<[f64; 3]> {
+        if let Some(grid) = &self.grid {
+            return self.entities.iter().map(|&node| grid.node(node)).collect();
+        }
         if self.space == Space::Node {
             return self.entities.iter().map(|&node| disc.mesh().points()[node as usize]).collect();
         }

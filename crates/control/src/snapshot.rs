@@ -60,7 +60,7 @@ impl Reduced {
     ///
     /// Point data: `displacement`, `adjoint`, `reaction` (of supports), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
     /// `gradient_NAME`. Cell data: the other controls and
-    /// gradients, one value per cell; averages over the reference volume of every scalar slot that nobody controls (under
+    /// gradients, one value per cell (of a control on a grid its mean there); averages over the reference volume of every scalar slot that nobody controls (under
     /// the actuation's name), of `B_r` and `B_a` (the sums over all magnets), `J`, `P` and `cauchy_stress` (row by row),
     /// `mises` (of that mean Cauchy stress), `green_strain`, `principal_stretches` (of its mean, largest first), `energy` (stored by the passive material), `fiber` and `direction_NAME` of each actuation that has one. Vectors
     /// always have three components, tensors nine. What follows from `J` and `F` is left out where a cell is inverted.
@@ -124,6 +124,7 @@ impl Reduced {
                 let cells = &self.solid().body().actuations()[block.actuation].cells;
                 shot.with_points(name, n, by_node(self.solid().mesh(), cells, block, values))
             }
+            Space::Grid(_) => shot.with_cells(name, n, self.cell_means(block, values)),
             _ => shot.with_cells(name, n, self.by_cell(block, values)),
         }
     }
@@ -138,6 +139,14 @@ impl Reduced {
             }
         }
         out
+    }
+
+    /// The means over the cells of a field that varies in them; zero where it does not act.
+    fn cell_means(&self, block: &ControlBlock, values: &[f64]) -> Vec<f64> {
+        let (disc, n) = (self.solid().discretization(), block.components);
+        let mut at_points = vec![0.0; n * block.map.points()];
+        (0..n).for_each(|c| block.map.to_points(values, n, c, n, c, &mut at_points));
+        disc.cell_average(&at_points, n)
     }
 
     /// Scalar slots nobody controls, and remanence and applied field of all magnets together: the means of each cell.

@@ -142,6 +142,7 @@ fn values_come_with_their_entities() -> Outcome {
             Space::Region => ControlEntity::Region("body"),
             Space::Cell => ControlEntity::Cell(0),
             Space::Node => ControlEntity::Node(0),
+            Space::Grid(_) => ControlEntity::GridNode(0),
         };
         assert_eq!(first, Some(expected));
         assert!(matches!(problem.values("tugor", &m), Err(ControlError::UnknownControl { .. })));

@@ -73,10 +73,21 @@ pub(crate) fn controls(result: &Value) -> String {
             number(&control["lower"], unit),
             number(&control["upper"], unit),
             format!("{}{share}", number(&control["active"], "")),
+            number(&control["total_variation"], ""),
         ]
     };
     let rows: Vec<Vec<String>> = controls.map(row).collect();
-    let head = ["control", "space", "values", "least", "largest", "lower bound", "upper bound", "on a bound"];
+    let head = [
+        "control",
+        "space",
+        "values",
+        "least",
+        "largest",
+        "lower bound",
+        "upper bound",
+        "on a bound",
+        "total variation",
+    ];
     section("controls", "Controls and active bounds", &told_columns(&head, rows))
 }
 

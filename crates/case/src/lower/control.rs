@@ -7,10 +7,10 @@ use super::start;
 use super::variant::Variant;
 use crate::quantity::Dimension;
 use crate::result::snapshot::RESERVED;
-use crate::schema::{Case, Control, Parameter, Space as SpaceBlock, Start, vector_at};
+use crate::schema::{Case, Cells, Control, ControlsFile, Parameter, Space as SpaceBlock, Start, vector_at};
 use crate::syntax::At;
 use crate::warning::{CONVEXITY, UNBOUNDED};
-use nastic_control::{ControlBlock, Reduced, Space};
+use nastic_control::{ControlBlock, ControlMap, Reduced, Space};
 use nastic_numeric::Random;
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Outside, Product, Sphere};
 
@@ -87,6 +87,7 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
             SpaceBlock::Region => Space::Region,
             SpaceBlock::Cell => Space::Cell,
             SpaceBlock::Node => Space::Node,
+            SpaceBlock::Grid(Cells(cells)) => Space::Grid(cells),
         };
         let added = match &control.direction {
             None => reduced.control(&control.of, space),
@@ -94,7 +95,7 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
         };
         reduced = context.take(&control.at, added)?;
         // Between nodes the vectors must be as long as at them.
-        if let (SpaceBlock::Node, Some(norm), None) = (&control.space, control.norm, &control.direction) {
+        if let (true, Some(norm), None) = (space.interpolates(), control.norm, &control.direction) {
             reduced = context.take(&control.at.key("norm"), reduced.of_length(&control.of, norm))?;
         }
     }
@@ -342,7 +343,10 @@ impl Lowering<'_> {
             Some(Start::Array(file)) => self.values_of_file(file, &at, context),
             Some(Start::Controls(file)) => {
                 let name = self.case_name.map_or_else(String::new, |case| format!("{case}.")) + self.control.name();
-                start::of_file(file, &name, self.block.len(), &at, context)
+                match &file.grid {
+                    None => start::of_file(file, &name, self.block.len(), &at, context),
+                    Some(cells) => self.start_of_grid(file, &name, *cells, context),
+                }
             }
             Some(Start::Random(seed)) => {
                 let Some(norm) = self.control.norm.or(self.control.max_norm) else {
@@ -353,6 +357,32 @@ impl Lowering<'_> {
                 Some(start::on_sphere(&mut Random::new(*seed), norm, positions.len(), dim).concat())
             }
         }
+    }
+
+    /// The values of an earlier `controls.json` on another grid, at the nodes of this one.
+    fn start_of_grid(
+        &self,
+        file: &ControlsFile,
+        name: &str,
+        Cells(cells): Cells,
+        context: &mut Context<'_>,
+    ) -> Option<Vec<f64>> {
+        let (at, n) = (self.control.at.key("start"), self.block.components);
+        if self.block.map.grid().is_none() {
+            context.complain(&at.key("grid"), "the control's own \"space\" is no grid: leave this out");
+            return None;
+        }
+        let solid = self.reduced.solid();
+        let regions = solid.body().actuations().get(self.block.actuation).map(|attached| &attached.regions)?;
+        let coarse = ControlMap::new(solid.discretization(), regions, Space::Grid(cells));
+        let coarse = context.take(&at.key("grid"), coarse)?;
+        let values = start::of_file(file, name, coarse.len() * n, &at, context)?;
+        let places = self.block.map.positions().iter();
+        let prolonged: Option<Vec<Vec<f64>>> = places.map(|x| coarse.on_grid(&values, n, *x)).collect();
+        if prolonged.is_none() {
+            context.complain(&at, format!("{} has no value near some node of the present grid", file.file));
+        }
+        prolonged.map(|values| values.concat())
     }
 
     /// Entries of an array that belong to the unknowns, or its mean over each unknown's part of the body.

@@ -5,12 +5,14 @@ use super::context::Context;
 use super::named::key_of;
 use super::place::{self, Kind, Place};
 use crate::expression::EvaluationError;
-use crate::schema::{self, AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Target as TargetBlock, vector_at};
+use crate::schema::{
+    self, AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Stages, Target as TargetBlock, vector_at,
+};
 use crate::syntax::At;
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
     ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, CostTarget, IntoCost,
-    ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Tracking,
+    ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Smoothing, Target, Tracking,
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
 use nastic_fem::Solid;
@@ -159,10 +161,11 @@ impl Lowering<'_> {
             return None;
         }
         let diagonal = diagonal(&target.mesh, block.target_region.as_ref());
-        let mut cost = SmoothedHausdorff::to(target.mesh.clone())
-            .phi(phi(&block.phi, diagonal))
-            .stages(block.stages.iter().map(|stage| (stage.alpha, stage.beta, stage.gamma)))
-            .weight(block.weight);
+        let mut cost = SmoothedHausdorff::to(target.mesh.clone()).phi(phi(&block.phi, diagonal)).weight(block.weight);
+        cost = match &block.stages {
+            Stages::Auto => cost.automatic_stages(),
+            Stages::List(stages) => cost.stages(stages.iter().map(|stage| (stage.alpha, stage.beta, stage.gamma))),
+        };
         if let Some(points) = block.quadrature {
             cost = cost.quadrature(points);
         }
@@ -330,6 +333,10 @@ impl Cost for Named {
 
     fn stages(&self) -> usize {
         self.cost.stages()
+    }
+
+    fn smoothings(&self) -> Vec<Smoothing> {
+        self.cost.smoothings()
     }
 
     fn size(&self) -> Option<String> {

@@ -95,7 +95,8 @@ pub(super) fn of_file(
     let numbers: Vec<f64> = values.iter().filter_map(Value::as_f64).collect();
     if numbers.len() != length || values.len() != length {
         let message = format!(
-            "{} has {} numbers for {}, and {length} are needed: use it with the mesh and the space that it was made with",
+            "{} has {} numbers for {}, and {length} are needed: use it with the mesh and the space that it was made with (of another \"grid\" \
+             give the cells of that one beside \"file\")",
             file.file,
             numbers.len(),
             quoted(name)

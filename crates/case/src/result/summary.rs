@@ -83,11 +83,11 @@ fn values(map: &ControlMap, values: &[f64], components: usize) -> Value {
         Space::Region => {
             each.enumerate().map(|(k, value)| (map.region(k).to_owned(), value)).collect::<Map<_, _>>().into()
         }
-        Space::Cell | Space::Node => Value::Null,
+        Space::Cell | Space::Node | Space::Grid(_) => Value::Null,
     }
 }
 
-/// `{ NAME: { "array", "slot", "space", "unit", "unknowns", "min", "max", "lower", "upper", "active", "active_share" } }`;
+/// `{ NAME: { "array", "slot", "space", "unit", "unknowns", "min", "max", "lower", "upper", "active", "active_share", "total_variation", "grid" } }`;
 /// lengths of vectors where the control is one.
 pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
     let of = |(block, field): (&EnsembleBlock, &ControlField)| {
@@ -110,6 +110,13 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
             "unknowns": block.len, "min": min, "max": max, "lower": lower, "upper": upper,
             "active": active, "active_share": share,
         });
+        if !own.map.is_whole() {
+            let disc = problem.member(block.owner).solid().discretization();
+            entry["total_variation"] = json!(own.total_variation(disc, block.of(m)));
+        }
+        if let Some(grid) = own.map.grid() {
+            entry["grid"] = json!(grid.cells());
+        }
         let few = values(&own.map, block.of(m), n);
         if !few.is_null() {
             entry["values"] = few;

@@ -15,7 +15,7 @@ use crate::expression::dimension_of;
 use crate::lower::{Admitted, CaseProblem, ControlField, TargetShape};
 use crate::quantity::{Dimension, Units};
 use crate::result::summary::owner;
-use crate::schema::{Cost, Input, Means, Metric, Parameter, Phi, VectorField};
+use crate::schema::{Cost, Input, Means, Metric, Parameter, Phi, Stage, Stages, VectorField};
 use nastic_control::EnsembleBlock;
 use nastic_energy::catalogue::{self, Takes};
 use nastic_mesh::{CellKind, GroupNames};
@@ -127,13 +127,19 @@ pub(super) fn controls(problem: &CaseProblem) -> Vec<Line> {
         line(
             "controls",
             format!(
-                "{}: by {}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
+                "{}: by {}{}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
                 field.name,
-                block.map.space().name()
+                block.map.space().name(),
+                block.map.grid().map_or_else(String::new, |grid| format!(" of {} cells", times(&grid.cells())))
             ),
         )
     };
     fields.map(of).collect()
+}
+
+/// `4 x 2 x 2`.
+fn times(cells: &[u32]) -> String {
+    cells.iter().map(u32::to_string).collect::<Vec<_>>().join(" x ")
 }
 
 fn admitted(field: &ControlField) -> String {
@@ -201,10 +207,14 @@ pub(super) fn costs(problem: &CaseProblem) -> Vec<Line> {
 fn cost_line(head: &'static str, cost: &Cost) -> Line {
     let text = match cost {
         Cost::SmoothedHausdorff(block) => {
-            let stages =
-                block.stages.iter().map(|s| format!("({}, {}, {})", short(s.alpha), short(s.beta), short(s.gamma)));
-            let stages: Vec<String> = stages.collect();
-            format!("phi {}, (alpha, beta, gamma) = {}", phi(&block.phi), stages.join(" then "))
+            let stages = match &block.stages {
+                Stages::Auto => "automatic stages".to_owned(),
+                Stages::List(stages) => {
+                    let of = |s: &Stage| format!("({}, {}, {})", short(s.alpha), short(s.beta), short(s.gamma));
+                    format!("(alpha, beta, gamma) = {}", stages.iter().map(of).collect::<Vec<_>>().join(" then "))
+                }
+            };
+            format!("phi {}, {stages}", phi(&block.phi))
         }
         Cost::Tracking(block) => {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());

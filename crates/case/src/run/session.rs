@@ -14,6 +14,7 @@ use crate::result::failure;
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
+use crate::result::smoothing;
 use crate::schema::Command;
 use crate::syntax::{Diagnostics, Document};
 use crate::warning::Warning;
@@ -201,6 +202,13 @@ impl<'c> Session<'c> {
         ));
         for note in &notes {
             self.console.say(format!("note        {note}"));
+        }
+        for line in smoothing::automatic(&self.problem) {
+            self.console.say(format!("stages      {line}"));
+        }
+        let smoothing = smoothing::json(&self.problem);
+        if !smoothing.is_empty() {
+            self.put("smoothing", Value::Object(smoothing));
         }
         self.put("command", json!(command));
         self.put("case", json!(path));

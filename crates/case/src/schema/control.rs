@@ -8,7 +8,7 @@ use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::read::{Read, Reader};
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Property, Value};
-use serde_json::Value as Json;
+use serde_json::{Value as Json, json};
 
 object! {
     /// A field the optimiser may change.
@@ -45,6 +45,35 @@ choice! {
         "cell" => Cell,
         /// One value per corner node, linear between.
         "node" => Node,
+        /// Multilinear between the nodes of a regular grid of so many cells along x, y and z, over the bounding box of the actuation's regions.
+        "grid" => Grid(Cells),
+    }
+}
+
+/// Numbers of cells along x, y and z; 1 where the third is left out.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Cells(pub [u32; 3]);
+
+impl Read for Cells {
+    fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        let counts = entries::<u64>(node, at, Want::POSITIVE, reader)?;
+        let cells: Option<Vec<u32>> = counts.iter().map(|count| u32::try_from(*count).ok()).collect();
+        match cells.as_deref() {
+            Some(&[x, y]) => Some(Self([x, y, 1])),
+            Some(&[x, y, z]) => Some(Self([x, y, z])),
+            _ => {
+                reader.expected(
+                    node,
+                    at,
+                    "numbers of cells along x, y and z (of a plane body x and y), as in [4, 2, 2]",
+                );
+                None
+            }
+        }
+    }
+
+    fn schema(_: Want, _: &mut Definitions) -> Json {
+        json!({ "type": "array", "items": { "type": "integer", "minimum": 1 }, "minItems": 2, "maxItems": 3 })
     }
 }
 
@@ -70,6 +99,8 @@ object! {
         pub file: String,
         /// Name of the control there; its own if left out.
         pub control: Option<String>,
+        /// Cells of the grid that it was made with, where that is another one than the control's: its field is taken at the nodes of the present grid, exact where one grid divides the cells of the other.
+        pub grid: Option<Cells>,
     }
 }
 

@@ -11,7 +11,7 @@ use crate::schema::read::{Read, Reader};
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Value};
 use nastic_mesh::GroupNames;
-use serde_json::Value as Json;
+use serde_json::{Value as Json, json};
 
 tagged! {
     /// A term of the cost; the cost is their sum.
@@ -43,8 +43,8 @@ object! {
         pub region: Option<GroupNames>,
         /// The decreasing function of the distance.
         pub phi: Phi,
-        /// Exponents, sharpened from stage to stage.
-        pub stages: Vec<Stage>,
+        /// Exponents, sharpened from stage to stage; from the sizes of target and points if left out.
+        pub stages: Stages = Stages::Auto,
         /// Gauss points per direction on body and target; the fewest that resolve the smallest length of the stages if left out.
         pub quadrature: Option<usize> as POSITIVE,
         /// Factor.
@@ -79,6 +79,36 @@ object! {
     pub struct Inverse {
         /// eps
         pub eps: f64 as POSITIVE_LENGTH,
+    }
+}
+
+/// The stages of a continuation.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Stages {
+    /// From the size of the target and the spacing of the points.
+    Auto,
+    /// As given, coarse to fine.
+    List(Vec<Stage>),
+}
+
+impl Read for Stages {
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        match &node.value {
+            Value::Text(word) if word == "auto" => Some(Self::Auto),
+            Value::Array(_) => Vec::read(node, at, want, reader).map(Self::List),
+            _ => {
+                reader.expected(node, at, "\"auto\" or a list of { \"alpha\": .., \"beta\": .., \"gamma\": .. }");
+                None
+            }
+        }
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        any_of(vec![json!({ "const": "auto" }), Vec::<Stage>::schema(want, definitions)])
+    }
+
+    fn to_json(&self) -> Option<Json> {
+        matches!(self, Self::Auto).then(|| "auto".into())
     }
 }
 
@@ -252,7 +282,7 @@ impl Read for Target {
 }
 
 fn check_stages(cost: &SmoothedHausdorff, reader: &mut Reader<'_>) {
-    if cost.stages.is_empty() {
+    if matches!(&cost.stages, Stages::List(stages) if stages.is_empty()) {
         reader.complain_at(
             &cost.at.key("stages"),
             "at least one stage is needed: { \"alpha\": 1, \"beta\": 4, \"gamma\": 4 }",

@@ -114,6 +114,10 @@ impl Cost for BoundHausdorff {
         self.0.stages.len()
     }
 
+    fn smoothings(&self) -> Vec<Smoothing> {
+        self.0.stages.iter().map(|stage| stage.smoothing).collect()
+    }
+
     fn size(&self) -> Option<String> {
         let (body, target) = (self.0.body.weights().len(), self.0.cloud.len());
         let pairs = body as f64 * target as f64;

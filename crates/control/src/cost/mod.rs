@@ -1,5 +1,6 @@
 //! Costs: terms j(u, m) of the objective functional.
 
+mod automatic_stages;
 pub(crate) mod body_points;
 mod bound_hausdorff;
 mod catalogue;
@@ -24,6 +25,7 @@ pub use tracking::{BoundTracking, Target, Tracking};
 use crate::error::ControlError;
 use crate::layout::Layout;
 use nastic_fem::Solid;
+use nastic_hausdorff::Smoothing;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -130,6 +132,11 @@ pub trait Cost: Debug + Send + Sync {
     /// Number of continuation stages.
     fn stages(&self) -> usize {
         1
+    }
+
+    /// The exponents of every stage, of a smoothed distance.
+    fn smoothings(&self) -> Vec<Smoothing> {
+        vec![]
     }
 
     /// What decides how long it takes, for whoever looks at a problem before solving it: its numbers of points, say.

@@ -38,7 +38,7 @@ impl Cost for ControlNorm {
     }
 }
 
-/// `j = (weight/2) int |grad m|^2 dX` for a nodal field; for a cell field the sum over inner faces of
+/// `j = (weight/2) int |grad m|^2 dX` for a field between nodes or on a grid; for a cell field the sum over inner faces of
 /// `area / distance (m_a - m_b)^2` with the distance of the cell centres in place of the integral.
 ///
 /// Derivative: `dj/dm [dm] = weight int grad m : grad dm dX`. Constant fields cost nothing, so for uniform controls (and

@@ -1,7 +1,7 @@
 //! [`SmoothedHausdorff`]: the smoothed Hausdorff distance of the deformed body from a target domain.
 
 use super::bound_hausdorff::{BoundHausdorff, Setup, Stage};
-use super::{Cost, IntoCost, check_weight};
+use super::{Cost, IntoCost, automatic_stages, check_weight};
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
 use nastic_hausdorff::{Cloud, Phi, Smoothing};
@@ -33,7 +33,8 @@ pub struct SmoothedHausdorff {
     target_region: Option<GroupNames>,
     region: Option<GroupNames>,
     phi: Phi,
-    stages: Vec<(f64, f64, f64)>,
+    /// Automatic where none are given.
+    stages: Option<Vec<(f64, f64, f64)>>,
     /// Gauss points per direction; chosen by the length to resolve where none are given.
     quadrature: Option<usize>,
     weight: f64,
@@ -48,7 +49,7 @@ impl SmoothedHausdorff {
     pub fn to(target: impl Into<Arc<Mesh>>) -> Self {
         let target = target.into();
         let phi = Phi::Exponential { length: DEFAULT_LENGTH * target.diagonal() };
-        let stages = vec![(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)];
+        let stages = Some(vec![(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
         SmoothedHausdorff { target, target_region: None, region: None, phi, stages, quadrature: None, weight: 1.0 }
     }
 
@@ -77,7 +78,16 @@ impl SmoothedHausdorff {
 
     /// Continuation stages (alpha, beta, gamma), coarse to fine.
     pub fn stages(mut self, stages: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
-        self.stages = stages.into_iter().collect();
+        self.stages = Some(stages.into_iter().collect());
+        self
+    }
+
+    /// Continuation stages from the sizes of the problem: with d the diagonal of the target's points and h the coarser mean spacing of the
+    /// points of body and target, stage s of S resolves `R_s = l/alpha_s`, in geometric progression from d/10 to h, with
+    /// `S = 1 + round(log_4(d/(10 h)))`; beta goes from 4 to 16 and gamma from 4 to 8 in the same way. Points left open by
+    /// [`quadrature`](Self::quadrature) are chosen to resolve d/40. One stage, the last, where d/10 < 2 h.
+    pub fn automatic_stages(mut self) -> Self {
+        self.stages = None;
         self
     }
 
@@ -108,20 +118,30 @@ impl SmoothedHausdorff {
                 self.target.name()
             )));
         }
-        if self.stages.is_empty() {
+        if self.stages.as_ref().is_some_and(Vec::is_empty) {
             return Err(fail("smoothed_hausdorff needs at least one stage (alpha, beta, gamma)".to_owned()));
         }
         if let Some(points) = self.quadrature.filter(|points| *points == 0 || *points > MOST) {
             return Err(fail(format!("smoothed_hausdorff: quadrature {points} is not within 1 to {MOST}")));
         }
-        let stages = self.stages.iter().map(|&(alpha, beta, gamma)| Smoothing::new(self.phi, alpha, beta, gamma));
-        let stages = stages.collect::<Result<Vec<_>, _>>().map_err(|e| fail(e.to_string()))?;
-        let length = stages.iter().map(Smoothing::resolution).fold(f64::INFINITY, f64::min);
+        let smoothings = |stages: &[(f64, f64, f64)]| {
+            let stages = stages.iter().map(|&(alpha, beta, gamma)| Smoothing::new(self.phi, alpha, beta, gamma));
+            stages.collect::<Result<Vec<_>, _>>().map_err(|e| fail(e.to_string()))
+        };
+        let given = self.stages.as_deref().map(smoothings).transpose()?;
+        let length = match &given {
+            Some(stages) => stages.iter().map(Smoothing::resolution).fold(f64::INFINITY, f64::min),
+            None => automatic_stages::finest(self.target.diagonal()),
+        };
         let (body, body_cloud) = sample(solid.mesh(), self.region.as_ref(), (self.quadrature, length))?;
         let (_, cloud) = sample(&self.target, self.target_region.as_ref(), (self.quadrature, length))?;
         let shape = Shape::of(&self.target, self.target.points(), self.target_region.as_ref());
         let shape = shape.map_err(|e| fail(e.to_string()))?;
         let spacing = body_cloud.spacing().max(cloud.spacing());
+        let stages = match given {
+            Some(stages) => stages,
+            None => smoothings(&automatic_stages::exponents(self.phi.length(), diagonal(cloud.points()), spacing))?,
+        };
         let stages = stages.into_iter().map(Stage::from).collect();
         let (region, target, target_region) = (self.region, self.target, self.target_region);
         Ok(BoundHausdorff::new(Setup { body, region, target, target_region, cloud, shape, stages, weight, spacing }))
@@ -136,6 +156,15 @@ impl IntoCost for SmoothedHausdorff {
 
 /// Most Gauss points per direction.
 const MOST: usize = 20;
+
+/// Diagonal of the bounding box of points.
+fn diagonal(points: &[[f64; 3]]) -> f64 {
+    let extent = |k: usize| {
+        let ends = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[k]), h.max(x[k])));
+        ends.1 - ends.0
+    };
+    (0..3).map(|k| extent(k).powi(2)).sum::<f64>().sqrt()
+}
 
 /// Points of a mesh and their places: so many per direction, or the fewest that resolve a length.
 fn sample(

@@ -4,7 +4,7 @@ use super::{Admission, AssemblyError, ControlProblem};
 use crate::lower::start::{self, Unbounded};
 use crate::lower::{Admitted, ControlField};
 use crate::schema::Case;
-use nastic_control::{ControlBlock, Ensemble, Member, Space};
+use nastic_control::{ControlBlock, Ensemble, Member};
 
 /// All members have one mesh, all scenarios the same load cases.
 pub(super) fn members(ensemble: &Ensemble) -> Result<(), AssemblyError> {
@@ -42,7 +42,7 @@ pub(super) fn set(own: &ControlBlock, control: &ControlProblem) -> Result<(), As
         return Err(AssemblyError::Components { control: own.name.clone(), dim, components: own.components });
     }
     match admitted {
-        Admitted::Norm(radius) if dim > 1 && own.map.space() == Space::Node && own.length.is_none() => {
+        Admitted::Norm(radius) if dim > 1 && own.map.space().interpolates() && own.length.is_none() => {
             Err(AssemblyError::NodalSphere { control: own.name.clone(), radius })
         }
         _ => Ok(()),

@@ -3,8 +3,9 @@
 use super::super::session::Session;
 use crate::lower::Admitted;
 use crate::result::summary;
-use crate::schema::{Cost, SmoothedHausdorff, Stage};
+use crate::schema::Cost;
 use nastic_control::EnsemblePoint;
+use nastic_control::Smoothing;
 use nastic_opt::{Best, Stall, Stop};
 use serde_json::{Value, json};
 use std::path::{Component, Path, PathBuf};
@@ -167,16 +168,16 @@ fn from_case(case: &Path, file: &Path) -> PathBuf {
 
 /// The stages of every cost that has some, up to this one.
 fn stages_before(session: &Session<'_>, stage: usize) -> Vec<String> {
-    let costs = session.problem.case.costs.iter().filter_map(|cost| match cost {
-        Cost::SmoothedHausdorff(block) if block.stages.len() > stage => Some(block),
-        _ => None,
-    });
-    let values = |stage: &Stage| json!({ "alpha": stage.alpha, "beta": stage.beta, "gamma": stage.gamma });
-    let of = |block: &SmoothedHausdorff| {
-        let stages: Value = block.stages[..stage.max(1)].iter().map(values).collect();
-        format!("{}/stages={stages}", block.at)
+    let blocks = session.problem.case.costs.iter().filter(|block| block.weight() != 0.0);
+    let values = |stage: &Smoothing| json!({ "alpha": stage.alpha(), "beta": stage.beta(), "gamma": stage.gamma() });
+    let of = |(block, stages): (&Cost, Vec<Smoothing>)| {
+        (stages.len() > stage).then(|| {
+            let before: Value = stages[..stage.max(1)].iter().map(values).collect();
+            format!("{}/stages={before}", block.at())
+        })
     };
-    costs.map(of).collect()
+    let smoothings = session.problem.member(0).reduced().costs().iter().map(|cost| cost.smoothings());
+    blocks.zip(smoothings).filter_map(of).collect()
 }
 
 /// Bounds of scalars at half their distance from zero.

@@ -167,13 +167,18 @@ fn say(session: &Session<'_>, (ended, diagnosis): (&FinishedRun, Option<&Diagnos
     say_stability(session, &result);
     say_members(session, &result);
     for (name, control) in result["controls"].as_object().into_iter().flatten() {
+        let unit = control["unit"].as_str().map_or_else(String::new, |unit| format!(" {unit}"));
+        let area = format!("{}^{}", session.problem.units().length().symbol, session.problem.mesh().dim() - 1);
+        let variation = control["total_variation"].as_f64().filter(|_| control["space"] != "uniform");
+        let variation =
+            variation.map(|v| format!(", total variation {}{unit} {}", short(v), area.trim_end_matches("^1")));
         console.say(format!(
-            "control     {name} from {} to {}{}, {} of {} on their bounds",
+            "control     {name} from {} to {}{unit}, {} of {} on their bounds{}",
             short(number(&control["min"])),
             short(number(&control["max"])),
-            control["unit"].as_str().map_or_else(String::new, |unit| format!(" {unit}")),
             control["active"],
-            control["unknowns"]
+            control["unknowns"],
+            variation.unwrap_or_default()
         ));
     }
     if let Some(diagnosis) = diagnosis {

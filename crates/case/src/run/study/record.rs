@@ -4,7 +4,7 @@ use super::ControlSet;
 use crate::lower::ControlProblem;
 use crate::result::fingerprint::Fingerprint;
 use crate::schema::Case;
-use nastic_control::{Ensemble, Member};
+use nastic_control::{Ensemble, Member, Space};
 use nastic_fem::Solid;
 use nastic_mesh::Mesh;
 use nastic_opt::Optimizer;
@@ -23,7 +23,7 @@ pub(super) fn identity(
         let owner = ensemble.members()[block.owner].problem();
         let own = &owner.layout().blocks()[block.field];
         let entry = json!({
-            "space": own.map.space().name(), "values": block.len, "set": format!("{set:?}"), "start": hash(&control.start),
+            "space": space(own.map.space()), "values": block.len, "set": format!("{set:?}"), "start": hash(&control.start),
             "weight": own.weight, "length": own.length, "metric": format!("{:?}", owner.metric_kind()),
         });
         (block.name.clone(), entry)
@@ -67,4 +67,12 @@ fn hash_of_supports(solid: &Solid) -> String {
 fn hash(values: &[f64]) -> String {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
     format!("{:016x}", Fingerprint::of_bytes(&bytes))
+}
+
+/// Name of a space, with the cells of a grid.
+fn space(space: Space) -> String {
+    match space {
+        Space::Grid(cells) => format!("{} {cells:?}", space.name()),
+        other => other.name().to_owned(),
+    }
 }

@@ -45,7 +45,8 @@ const SHOWN: [&str; 16] = [
 /// Those of each load case.
 const OF_CASES: [&str; 5] = ["cost", "hausdorff", "tracking", "probes", "contributions"];
 /// What is left out of them: descriptions, and what follows from the rest.
-const LEFT_OUT: [&str; 9] = ["array", "slot", "space", "unit", "unknowns", "lower", "upper", "point", "position"];
+const LEFT_OUT: [&str; 10] =
+    ["array", "slot", "space", "grid", "unit", "unknowns", "lower", "upper", "point", "position"];
 
 impl Row {
     pub fn of(directory: &str, values: Vec<(String, String)>, ran: Result<Outcome, RunError>, out: &Path) -> Self {
