@@ -21,7 +21,7 @@ pub struct Options {
     /// first gradient is small, stops at once when given the norm at which that one ended.
     pub absolute_tolerance: f64,
     /// `tolerance` for the stages before the last; `tolerance` if that is larger.
-    pub coarse_tolerance: f64,
+    pub stage_tolerance: f64,
     /// Iterations of the whole run. Stage s of S may use at most its share, (what is left)/(S - s); what a stage does
     /// not use goes to those after it.
     pub max_iterations: usize,
@@ -44,7 +44,7 @@ impl Default for Options {
         Self {
             tolerance: 1e-4,
             absolute_tolerance: 0.0,
-            coarse_tolerance: 1e-2,
+            stage_tolerance: 1e-2,
             max_iterations: 100,
             first_move: 0.1,
             stagnation: 1e-5,

@@ -120,7 +120,7 @@ fn stages_follow_each_other_from_the_same_state() {
 #[test]
 fn iterations_are_shared_out() {
     let objective = Staged::new(&[0.1, 1.0, 10.0]);
-    let options = Options { tolerance: 1e-300, coarse_tolerance: 1e-300, max_iterations: 7, ..Options::default() };
+    let options = Options { tolerance: 1e-300, stage_tolerance: 1e-300, max_iterations: 7, ..Options::default() };
     let (set, metric) = (Bounds::none(), Euclidean::new(2));
     let optimizer = Lbfgs { options, ..Lbfgs::default() };
     let best = begin(&optimizer, &objective, &set, &metric, &[0.0, 0.0]).unwrap().minimize(&mut ());

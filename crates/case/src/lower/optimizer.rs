@@ -15,6 +15,7 @@ pub(super) fn build(case: &Case) -> Option<Box<dyn Optimizer>> {
     let block = &case.optimizer;
     let options = Options {
         tolerance: block.tolerance,
+        stage_tolerance: block.stage_tolerance,
         absolute_tolerance: block.absolute_tolerance,
         max_iterations: block.max_iterations,
         ..Options::default()

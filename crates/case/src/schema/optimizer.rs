@@ -11,6 +11,8 @@ object! {
         pub max_iterations: usize = 100,
         /// It stops when the projected gradient's norm has fallen to this part of its first value.
         pub tolerance: f64 as POSITIVE = 1e-4,
+        /// The same of the stages before the last, where `tolerance` is smaller.
+        pub stage_tolerance: f64 as POSITIVE = 1e-2,
         /// It stops as well when that norm is no larger than this (`gradient_norm` of `result.json` is the norm at which a run ended).
         pub absolute_tolerance: f64 as NOT_NEGATIVE = 0.0,
         /// The inner product of controls.

@@ -20,10 +20,10 @@ impl<O: Objective> Run<O> {
 
     /// Whether the present stage is to end before another iteration.
     pub(super) fn stage_over(&self) -> Option<Stop> {
-        let Options { tolerance, absolute_tolerance, coarse_tolerance, max_iterations, window, stagnation, .. } =
+        let Options { tolerance, absolute_tolerance, stage_tolerance, max_iterations, window, stagnation, .. } =
             self.setting.options;
         let Progress { counts, stage, stage_began, costs, gradients, flat, .. } = &self.progress;
-        let tolerance = if self.is_last_stage() { tolerance } else { tolerance.max(coarse_tolerance) };
+        let tolerance = if self.is_last_stage() { tolerance } else { tolerance.max(stage_tolerance) };
         let (gradient_norm, first) = (self.current.gradient_norm, gradients[0]);
         if gradient_norm <= tolerance * first {
             return Some(Stop::Converged { gradient_norm, first, tolerance: Tolerance::Relative(tolerance) });

@@ -131,6 +131,7 @@ impl Study {
         case.optimizer.early_stopping = self.early_stopping;
         (case.optimizer.max_iterations, case.optimizer.tolerance) = (options.max_iterations, options.tolerance);
         case.optimizer.absolute_tolerance = options.absolute_tolerance;
+        case.optimizer.stage_tolerance = options.stage_tolerance;
         case.optimizer.method = Method::named(optimizer.name()).unwrap_or_default();
         Ok(case)
     }
