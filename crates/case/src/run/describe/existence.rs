@@ -15,7 +15,8 @@ struct Group {
 
 /// One line for each group of cells.
 pub(in crate::run) fn existence(problem: &CaseProblem) -> Vec<Line> {
-    groups(problem).iter().map(|group| line("existence", text(group))).collect()
+    let in_space = problem.solid().mesh().dim() == 3;
+    groups(problem).iter().map(|group| line("existence", text(group, in_space))).collect()
 }
 
 /// The same for `result.json`.
@@ -56,7 +57,8 @@ fn groups(problem: &CaseProblem) -> Vec<Group> {
     out
 }
 
-fn text(group: &Group) -> String {
+/// In plane strain `|F|^2` bounds J: what is said of turgor is true in space.
+fn text(group: &Group, in_space: bool) -> String {
     let cells = count(group.cells, "cell");
     let Some(stated) = group.stated else {
         return format!("{cells}: a law makes no statement");
@@ -71,7 +73,10 @@ fn text(group: &Group) -> String {
     } else {
         "no theorem says that a state of least energy exists; it may"
     };
-    let pressure =
-        if growth.balances_pressure() { "" } else { "; no turgor is balanced: its energy has no lower bound" };
+    let pressure = if growth.balances_pressure() || !in_space {
+        ""
+    } else {
+        "; no turgor is balanced: its energy has no lower bound"
+    };
     format!("{cells}: {polyconvex}, {collapse}, {coercive} ({exponents}): {verdict}{pressure}")
 }

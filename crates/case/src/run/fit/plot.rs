@@ -8,13 +8,16 @@ use nastic_picture::{Chart, Curve};
 const POINTS: usize = 80;
 const MEGA: f64 = 1e6;
 
+/// Which tests a chart shows.
+type Belongs = fn(&Test) -> bool;
+
 /// Charts by file name: stresses over stretches first (or what there is), other kinds of tests in charts of their own.
 pub(super) fn charts(best: &Fitted, tests: &[Test], title: Option<&str>) -> Vec<(String, Chart)> {
-    let groups: [(&str, &dyn Fn(&Test) -> bool); 4] = [
-        ("stretch", &|test| test.mode.deformation() == "stretch" && test.response != Response::Pressure),
-        ("simple_shear", &|test| test.mode == Mode::SimpleShear),
-        ("inflation", &|test| matches!(test.mode, Mode::Inflation { .. })),
-        ("volumetric", &|test| test.mode == Mode::Volumetric),
+    let groups: [(&str, Belongs); 4] = [
+        ("stretch", |test| test.mode.deformation() == "stretch" && test.response != Response::Pressure),
+        ("simple_shear", |test| test.mode == Mode::SimpleShear),
+        ("inflation", |test| matches!(test.mode, Mode::Inflation { .. })),
+        ("volumetric", |test| test.mode == Mode::Volumetric),
     ];
     let mut out: Vec<(String, Chart)> = Vec::new();
     for (name, belongs) in groups {
