@@ -48,6 +48,7 @@ pub use nastic_case as case;
 pub use nastic_control as control;
 pub use nastic_energy as energy;
 pub use nastic_fem as fem;
+pub use nastic_fit as fit;
 pub use nastic_hausdorff as hausdorff;
 pub use nastic_io as io;
 pub use nastic_linear as linear;

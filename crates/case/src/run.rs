@@ -17,6 +17,7 @@ mod check_gradient;
 mod describe;
 mod ensemble_progress;
 mod error;
+mod fit;
 mod gradcheck;
 mod gradient;
 pub(crate) mod number;
@@ -34,6 +35,7 @@ mod sweep;
 
 pub use analysis::Analysis;
 pub use error::{Exit, RunError};
+pub use fit::{FitOutcome, fit};
 pub use gradcheck::{GradientTest, test_gradient};
 pub use on_trial::OnTrial;
 pub use report::report;

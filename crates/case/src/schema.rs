@@ -19,6 +19,7 @@ mod cost;
 mod direction;
 mod expectation;
 mod field;
+mod fit;
 mod group_names;
 mod hints;
 mod json;
@@ -49,6 +50,7 @@ pub use cost::{
 pub use direction::Direction;
 pub use expectation::{Command, Expectation};
 pub use field::{ArrayFile, Parameter, VectorField, vector_at};
+pub use fit::{FitData, FitErrors, FitKind, FitLaw, FitTest};
 pub use json::json_schema;
 pub use load::Load;
 pub use load_case::LoadCase;

@@ -20,6 +20,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &INPUT,
     &UNBOUNDED,
     &CONVEXITY,
+    &UNBALANCED_TURGOR,
     &BOUNDS,
     &UNITS,
     &LOCKING,
@@ -70,6 +71,13 @@ pub const CONVEXITY: WarningKind = WarningKind {
     code: "convexity",
     about: "a tension, or its bound, exceeds what the law carries while it stays polyconvex",
     advice: "lower it, or stiffen the fibre direction of the law",
+};
+
+/// A turgor without a counterweight.
+pub const UNBALANCED_TURGOR: WarningKind = WarningKind {
+    code: "unbalanced_turgor",
+    about: "a turgor acts on a law whose energy grows too slowly with the volume: with any positive pressure it has no lower bound",
+    advice: "take a law that resists changes of volume: neo_hooke with lambda > 0, or one with a bulk modulus",
 };
 
 /// Bounds far beyond the material.

@@ -324,6 +324,26 @@ fn the_page_of_warnings_is_complete() {
     assert_eq!(told, known);
 }
 
+/// `mu/2 |F|^2` outweighs no pressure on a volume; `lambda/2 (J - 1)^2` does.
+#[test]
+fn a_turgor_that_nothing_balances() {
+    for (poisson, told) in [("0", true), ("0.1", false)] {
+        let case = format!(
+            r#"{{ "nastic": 1, "mesh": {{ "box": {{ "size": [1.0, 0.5, 0.5], "cells": [2, 1, 1], "element": "hex20" }} }},
+              "materials": [ {{ "region": "body", "law": "neo_hooke", "young": "1 MPa", "poisson": {poisson} }} ],
+              "supports": [ {{ "surface": "x-", "fix": "all" }} ],
+              "actuation": [ {{ "name": "swelling", "kind": "turgor", "region": "body", "pressure": "1 kPa" }} ] }}"#
+        );
+        let outcome = run(Command::Check, &case);
+        assert_eq!(codes(&outcome).contains(&"unbalanced_turgor".to_owned()), told, "{poisson}");
+        let stated = &outcome.result["existence"][0];
+        assert_eq!((&stated["cells"], &stated["conditions"]["polyconvex"]), (&2.into(), &true.into()), "{stated}");
+        assert_eq!(stated["conditions"]["balances_pressure"], !told, "{stated}");
+        // nothing bounds the cofactor of a neo-Hookean body
+        assert_eq!(stated["conditions"]["holds"], false, "{stated}");
+    }
+}
+
 /// Loads and pressures of many times the modulus have equilibria, which no material has.
 #[test]
 fn a_body_deformed_beyond_any_material() {

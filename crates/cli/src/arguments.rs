@@ -66,6 +66,13 @@ pub enum Command {
     /// (a row per run), sweep.json, sweep.svg and sweep.pvd (the optima, for ParaView). A run that fails is a row; the exit code is
     /// that of the worst. Ctrl-C or SIGTERM ends the run at hand and the sweep. What the case expects is left aside.
     Sweep(Sweep),
+    /// Find the parameters of material laws from test data
+    ///
+    /// DATA.json names tests (uniaxial, equibiaxial, planar, simple_shear, inflation, volumetric) with CSV files of deformation and stress, and the
+    /// laws to compare: { "nastic_fit": 1, "tests": [{ "kind": "uniaxial", "file": "bar.csv" }], "laws": ["yeoh", "ogden_3"], "bulk":
+    /// "1 GPa" }. A CSV file begins with its columns: stretch,nominal_stress [MPa]. Weighted least squares over all tests together; confidence
+    /// intervals, stability, comparison by AICc and BIC, and blocks "materials" and "scenarios" to paste. Writes fit.json and fit.svg.
+    Fit(Fit),
     /// Make report.html from the files of a result directory: shapes in 3D, plots, figures, in one page that works offline
     ///
     /// solve and optimize write the same page at their end, unless --no-report is given.
@@ -155,6 +162,23 @@ pub struct Resume {
     /// How to run it.
     #[command(flatten)]
     pub running: Running,
+}
+
+/// Test data.
+#[derive(Debug, Args)]
+pub struct Fit {
+    /// The data file
+    #[arg(value_name = "DATA")]
+    pub data: PathBuf,
+    /// Directory of all results [default: out/DATA beside the file]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print errors only
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print the result as JSON instead of text for people
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// A result directory.

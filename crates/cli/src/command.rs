@@ -1,7 +1,7 @@
 //! From arguments to an exit code.
 
 use crate::arguments::{
-    self, Arguments, Case, Command, Diagnosis, New, Optimize, Report, Resume, Running, StopAt, Sweep, SweptCommand,
+    self, Arguments, Case, Command, Diagnosis, Fit, New, Optimize, Report, Resume, Running, StopAt, Sweep, SweptCommand,
 };
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
@@ -35,6 +35,7 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
         }
         Command::Resume(interrupted) => on_directory(catalogue, &interrupted),
         Command::Sweep(swept) => on_values(catalogue, &swept),
+        Command::Fit(data) => on_data(&data),
         Command::Report(folder) => on_results(&folder),
         Command::Schema => {
             print(&schema::json_schema(catalogue));
@@ -141,6 +142,20 @@ fn on_directory(catalogue: &Catalogue, Resume { directory, diagnosis, running }:
     };
     let outcome = resume(catalogue, directory, &options, &console(running));
     answer("resume", running, outcome)
+}
+
+/// Fits laws to test data.
+fn on_data(Fit { data, out, quiet, json }: &Fit) -> ExitCode {
+    let running = Running { threads: None, strict: false, no_report: true, explain: false, quiet: *quiet, json: *json };
+    match run::fit(data, out.clone(), &console(&running)) {
+        Ok(outcome) => {
+            if *json {
+                print(&outcome.result);
+            }
+            ExitCode::from(outcome.exit.code())
+        }
+        Err(error) => failed("fit", &running, &error),
+    }
 }
 
 /// Makes the page of a result directory and says where it is.

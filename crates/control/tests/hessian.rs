@@ -131,8 +131,11 @@ fn every_law_with_a_sum_of_costs() -> Outcome {
     for row in materials() {
         for kind in [CellKind::Tet10, CellKind::Hex27] {
             let law = row.build(&row.examples()[0])?;
-            let solid = Solid::new(box_mesh([1.0, 0.3, 0.3], [2, 1, 1], kind)?)?
-                .material("body", law)?
+            let mut solid = Solid::new(box_mesh([1.0, 0.3, 0.3], [2, 1, 1], kind)?)?.material("body", law)?;
+            if row.reinforcing {
+                solid = solid.material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?;
+            }
+            let solid = solid
                 .actuate("body", "turgor", Turgor::new())?
                 .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
                 .clamp("x-")?

@@ -105,6 +105,10 @@ pub struct MaterialRow {
     pub name: &'static str,
     /// What it is, in a few words.
     pub about: &'static str,
+    /// For which parameters it fulfils which of the conditions of [`Existence`](crate::Existence); empty where that is not known.
+    pub existence: &'static str,
+    /// Whether it is no body's material by itself but adds to that of another law on the same cells.
+    pub reinforcing: bool,
     /// The sets of parameters it takes, its own coefficients first.
     pub forms: &'static [&'static [Parameter]],
     make: MakeMaterial,
@@ -200,7 +204,7 @@ impl MaterialRow {
         forms: &'static [&'static [Parameter]],
         make: MakeMaterial,
     ) -> Self {
-        MaterialRow { name, about, forms, make }
+        MaterialRow { name, about, existence: "", reinforcing: false, forms, make }
     }
 
     /// The law with these parameters, which must be exactly one of its [`forms`](Self::forms).

@@ -138,7 +138,7 @@ pub fn evaluate(term: &dyn EnergyTerm, at: Place, k: &Kinematics, m: &[f64]) -> 
 }
 
 /// Every check of a passive law: derivatives (those of third order where it gives them), symmetry, objectivity, rest state,
-/// moduli, ellipticity, growth.
+/// moduli; ellipticity and growth unless it states that it lacks them ([`EnergyTerm::existence`]).
 ///
 /// # Errors
 /// The first [`Violation`].
@@ -154,8 +154,13 @@ pub fn passive(law: &dyn EnergyTerm, at: Place) -> Result<Report, Violation> {
     ];
     findings.extend(second_stress_change(law, at, &[])?);
     findings.extend(moduli(law, at)?);
-    findings.push(ellipticity(law, at)?);
-    findings.push(growth(law, at)?);
+    let stated = law.existence(at);
+    if stated.is_none_or(|stated| stated.polyconvex) {
+        findings.push(ellipticity(law, at)?);
+    }
+    if stated.is_none_or(|stated| stated.resists_collapse) {
+        findings.push(growth(law, at)?);
+    }
     Ok(Report { findings })
 }
 
@@ -171,12 +176,17 @@ pub fn law<L: ConvexDensity>(law: &L, at: Place) -> Result<Report, Violation> {
     Ok(report)
 }
 
-/// The further checks of a law written as a [`ConvexDensity`]: its partial derivatives one by one, and their convexity.
+/// The further checks of a law written as a [`ConvexDensity`]: its partial derivatives one by one, and their convexity
+/// unless it states that it lacks it.
 ///
 /// # Errors
 /// The first [`Violation`].
 pub fn convex_density(law: &dyn ConvexDensity, at: Place) -> Result<Report, Violation> {
-    Ok(Report { findings: vec![partials(law, at)?, polyconvexity(law, at)?] })
+    let mut findings = vec![partials(law, at)?];
+    if law.conditions(at).is_none_or(|stated| stated.polyconvex) {
+        findings.push(polyconvexity(law, at)?);
+    }
+    Ok(Report { findings })
 }
 
 /// Every check of an actuation at the control values `m`: derivatives (those of third order where it gives them), symmetry,

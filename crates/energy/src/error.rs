@@ -146,6 +146,24 @@ pub enum EnergyError {
     },
 }
 
+/// A deformation beyond the domain of a law: its energy is infinite there.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{law}: {measure} = {value:.6e} is beyond {limit:.6e}, {meaning}; take a smaller step")]
+pub struct Outside {
+    /// The law, by its catalogue name.
+    pub law: &'static str,
+    /// What is bounded.
+    pub measure: &'static str,
+    /// What was found (not a number where the deformation is none).
+    pub value: f64,
+    /// What it must stay below.
+    pub limit: f64,
+    /// What the limit is.
+    pub meaning: &'static str,
+    /// Quadrature point within the cell.
+    pub point: usize,
+}
+
 fn offer(unit: &Option<[f64; 3]>) -> String {
     match unit {
         Some(u) => format!("the unit vector along it is {u:?}"),

@@ -11,6 +11,7 @@ mod actuation;
 pub mod catalogue;
 pub mod check;
 mod error;
+mod existence;
 mod field;
 mod material;
 mod moduli;
@@ -18,7 +19,8 @@ mod polyconvex;
 mod term;
 
 pub use actuation::{FiberTension, Magnet, MagnetIsochoric, MagnetRotation, Turgor, magnet};
-pub use error::EnergyError;
+pub use error::{EnergyError, Outside};
+pub use existence::{Existence, Growth};
 pub use field::{Entry, Field, Place, combine};
 pub use material::*;
 pub use moduli::Moduli;

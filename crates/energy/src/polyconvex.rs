@@ -2,7 +2,7 @@ use std::fmt::Debug;
 
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
-use crate::{EnergyError, EnergyTerm, Moduli, Place, PointBatch, Response, Slots, Want};
+use crate::{EnergyError, EnergyTerm, Existence, Moduli, Outside, Place, PointBatch, Response, Slots, Want};
 
 /// Work conjugates of `F`, `H` and `J` (Pa).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -178,6 +178,19 @@ pub trait ConvexDensity: Debug + Send + Sync {
         Err(EnergyError::no_second_derivatives::<Self>("ConvexDensity::third"))
     }
 
+    /// Whether the energy is finite there; see [`EnergyTerm::check_domain`].
+    ///
+    /// # Errors
+    /// [`Outside`], of point 0.
+    fn domain(&self, _at: Place, _f: &Mat3, _h: &Mat3, _j: f64) -> Result<(), Outside> {
+        Ok(())
+    }
+
+    /// See [`EnergyTerm::existence`].
+    fn conditions(&self, _at: Place) -> Option<Existence> {
+        None
+    }
+
     /// See [`EnergyTerm::fiber_limit`].
     fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {
         None
@@ -253,6 +266,18 @@ impl<D: ConvexDensity> EnergyTerm for D {
             out[q] += b.h * by_a.j + a.h * by_b.j + both.h * s.j;
         }
         Ok(())
+    }
+
+    fn check_domain(&self, at: &PointBatch) -> Result<(), Outside> {
+        for (point, k) in at.kinematics.iter().enumerate() {
+            let found = self.domain(at.place(point), k.f(), k.h(), k.j());
+            found.map_err(|outside| Outside { point, ..outside })?;
+        }
+        Ok(())
+    }
+
+    fn existence(&self, at: Place) -> Option<Existence> {
+        self.conditions(at)
     }
 
     fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-use crate::{EnergyError, Moduli, Place};
+use crate::{EnergyError, Existence, Moduli, Outside, Place};
 
 /// The quadrature points of one cell: their kinematics, and who they are.
 #[derive(Clone, Copy, Debug)]
@@ -138,6 +138,20 @@ pub trait EnergyTerm: Debug + Send + Sync {
         Err(EnergyError::no_second_derivatives::<Self>("EnergyTerm::second_stress_change"))
     }
 
+    /// Whether the energy is finite at all points of one cell. A law with a limit of its own, such as the limiting stretch of
+    /// [`Gent`](crate::Gent), refuses what lies beyond it, as [`Kinematics`] refuses `J <= 0`; nothing else may be asked of it there.
+    ///
+    /// # Errors
+    /// [`Outside`] with the first point.
+    fn check_domain(&self, _at: &PointBatch) -> Result<(), Outside> {
+        Ok(())
+    }
+
+    /// What the law states of the conditions for the existence of minimisers; `None` where it makes no statement.
+    fn existence(&self, _at: Place) -> Option<Existence> {
+        None
+    }
+
     /// Largest fibre tension `m` (Pa) along the unit vector `a` for which this law with `-(m/2) |F a|^2` added stays
     /// polyconvex. `None` where the law makes no statement.
     fn fiber_limit(&self, _at: Place, _a: &Vec3) -> Option<f64> {
@@ -269,6 +283,14 @@ impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
         out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
         (**self).second_stress_change(at, m, changes, out)
+    }
+
+    fn check_domain(&self, at: &PointBatch) -> Result<(), Outside> {
+        (**self).check_domain(at)
+    }
+
+    fn existence(&self, at: Place) -> Option<Existence> {
+        (**self).existence(at)
     }
 
     fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {

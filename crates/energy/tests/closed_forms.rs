@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::{
-    EnergyTerm, FiberTension, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, TransverseMooneyRivlin, Turgor,
-    catalogue, check,
+    Arap, ArrudaBoyce, EnergyTerm, FiberFamily, FiberTension, Gent, HolzapfelGasserOgden, MooneyRivlin, NeoHooke,
+    NeoHookeIsochoric, Ogden, Place, SaintVenantKirchhoff, TransverseMooneyRivlin, Turgor, Yeoh, catalogue, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
@@ -14,6 +14,17 @@ const MU3: f64 = 3e5;
 const MU4: f64 = 1e6;
 const LAMBDA: f64 = 4e5;
 const KAPPA: f64 = 5e5;
+const C20: f64 = -2e3;
+const C30: f64 = 4e2;
+const JM: f64 = 40.0;
+const LAMBDA_M: f64 = 2.5;
+/// Of Treloar's rubber (R. W. Ogden, 1972), in Pa.
+const OGDEN: [[f64; 2]; 3] = [[6.2e5, 1.3], [1.2e3, 5.0], [-1e4, -2.0]];
+const K1: f64 = 4e4;
+const K2: f64 = 0.3;
+const DISPERSION: f64 = 0.1;
+/// Of the fibres: nothing for `E < 0`, half of it less from there on.
+const TOE: f64 = 1e-2;
 
 /// A law by its catalogue name; fibre along x. A new law fails here until its closed forms are written.
 fn law(name: &str) -> Box<dyn EnergyTerm> {
@@ -22,6 +33,17 @@ fn law(name: &str) -> Box<dyn EnergyTerm> {
         "transverse_mooney_rivlin" => Box::new(TransverseMooneyRivlin::new(MU1, MU2, MU3, MU4, Vec3::x()).unwrap()),
         "neo_hooke" => Box::new(NeoHooke::new(MU1, LAMBDA).unwrap()),
         "neo_hooke_isochoric" => Box::new(NeoHookeIsochoric::new(MU1, KAPPA).unwrap()),
+        "yeoh" => Box::new(Yeoh::new(MU1 / 2.0, C20, C30, KAPPA).unwrap()),
+        "gent" => Box::new(Gent::new(MU1, JM, KAPPA).unwrap()),
+        "arruda_boyce" => Box::new(ArrudaBoyce::new(MU1, LAMBDA_M, KAPPA).unwrap()),
+        "ogden" => Box::new(Ogden::new(OGDEN.map(|pair| pair.map(Into::into)).to_vec(), KAPPA).unwrap()),
+        "holzapfel_gasser_ogden" => {
+            let fibers = [K1, K2, DISPERSION, TOE].map(Into::into);
+            Box::new(HolzapfelGasserOgden::new([MU1, KAPPA].map(Into::into), fibers, Vec3::x(), None).unwrap())
+        }
+        "fiber_family" => Box::new(FiberFamily::new(K1, K2, DISPERSION, Vec3::x()).unwrap()),
+        "saint_venant_kirchhoff" => Box::new(SaintVenantKirchhoff::new(LAMBDA, MU1).unwrap()),
+        "arap" => Box::new(Arap::new(MU1).unwrap()),
         other => panic!("no closed forms for {other}"),
     }
 }
@@ -36,6 +58,64 @@ fn evaluate(law: &dyn EnergyTerm, f: Mat3) -> check::Evaluation {
 
 fn assert_close(found: f64, expected: f64, what: &str) {
     assert!((found - expected).abs() <= 1e-11 * (expected.abs() + MU1), "{what}: {found} against {expected}");
+}
+
+/// W and dW/dI of the laws of `I = J^(-2/3) |F|^2`, as their papers print them.
+fn of_first_invariant(name: &str, i: f64) -> Option<[f64; 2]> {
+    let x = i - 3.0;
+    Some(match name {
+        "yeoh" => [MU1 / 2.0 * x + C20 * x.powi(2) + C30 * x.powi(3), MU1 / 2.0 + 2.0 * C20 * x + 3.0 * C30 * x * x],
+        "gent" => [-MU1 * JM / 2.0 * (1.0 - x / JM).ln(), MU1 / 2.0 / (1.0 - x / JM)],
+        "arruda_boyce" => {
+            let n = LAMBDA_M.powi(2);
+            let energy = x / 2.0
+                + (i * i - 9.0) / (20.0 * n)
+                + 11.0 * (i.powi(3) - 27.0) / (1050.0 * n * n)
+                + 19.0 * (i.powi(4) - 81.0) / (7000.0 * n.powi(3))
+                + 519.0 * (i.powi(5) - 243.0) / (673_750.0 * n.powi(4));
+            let slope = 0.5
+                + i / (10.0 * n)
+                + 11.0 * i * i / (350.0 * n * n)
+                + 19.0 * i.powi(3) / (1750.0 * n.powi(3))
+                + 519.0 * i.powi(4) / (134_750.0 * n.powi(4));
+            [MU1 * energy, MU1 * slope]
+        }
+        "holzapfel_gasser_ogden" => [MU1 / 2.0 * x, MU1 / 2.0],
+        "fiber_family" => [0.0, 0.0],
+        _ => return None,
+    })
+}
+
+/// W and dW/dE of the fibres.
+fn of_fibers(name: &str, e: f64) -> [f64; 2] {
+    if !["holzapfel_gasser_ogden", "fiber_family"].contains(&name) || e <= 0.0 {
+        return [0.0; 2];
+    }
+    assert!(e > TOE, "within the toe: take another state");
+    let r = e - TOE / 2.0;
+    let grown = (K2 * r * r).exp();
+    [K1 / (2.0 * K2) * (grown - 1.0), K1 * r * grown]
+}
+
+/// Volumetric part and its derivative.
+fn volumetric(name: &str, j: f64) -> [f64; 2] {
+    if name == "fiber_family" {
+        return [0.0; 2];
+    }
+    [KAPPA / 4.0 * (j * j - 1.0 - 2.0 * j.ln()), KAPPA / 2.0 * (j - 1.0 / j)]
+}
+
+/// Principal Kirchhoff stresses of Ogden's law without the volumetric part.
+fn ogden(l: [f64; 3]) -> [f64; 3] {
+    let root = (l[0] * l[1] * l[2]).cbrt();
+    let of = |i: usize| {
+        let term = |[mu, alpha]: &[f64; 2]| {
+            let powers = l.map(|l| (l / root).powf(*alpha));
+            mu * (powers[i] - powers.iter().sum::<f64>() / 3.0)
+        };
+        OGDEN.iter().map(term).sum::<f64>()
+    };
+    [0, 1, 2].map(of)
 }
 
 /// dW/dl_i of the energy in principal stretches.
@@ -60,7 +140,21 @@ fn principal_stress(name: &str, l: [f64; 3], i: usize) -> f64 {
             MU1 * volume.powf(-2.0 / 3.0) * (l[i] - square / (3.0 * l[i]))
                 + KAPPA / 2.0 * (volume * volume - 1.0) / l[i]
         }
-        other => panic!("no principal stress for {other}"),
+        "ogden" => ogden(l)[i] / l[i] + volumetric(name, volume)[1] * side,
+        "saint_venant_kirchhoff" => {
+            let e = l.map(|l| (l * l - 1.0) / 2.0);
+            l[i] * (LAMBDA * e.iter().sum::<f64>() + 2.0 * MU1 * e[i])
+        }
+        "arap" => 2.0 * MU1 * (l[i] - 1.0),
+        other => {
+            let scale = volume.powf(-2.0 / 3.0);
+            let [_, slope] = of_first_invariant(other, scale * square).unwrap();
+            let fiber = scale * (DISPERSION * square + (1.0 - 3.0 * DISPERSION) * l[0] * l[0]);
+            let own = if i == 0 { 1.0 - 2.0 * DISPERSION } else { DISPERSION };
+            slope * 2.0 * scale * (l[i] - square / (3.0 * l[i]))
+                + of_fibers(other, fiber - 1.0)[1] * (2.0 * scale * own * l[i] - 2.0 * fiber / (3.0 * l[i]))
+                + volumetric(other, volume)[1] * side
+        }
     }
 }
 
@@ -92,7 +186,10 @@ fn dilatation() {
                 "transverse_mooney_rivlin" => mooney(MU4, MU1 + 2.0 * MU2 + MU3) + MU3 * (s * s + s.powi(4) - 2.0),
                 "neo_hooke" => 1.5 * MU1 * (s * s - 1.0) - 3.0 * MU1 * log + LAMBDA / 2.0 * (j - 1.0).powi(2),
                 "neo_hooke_isochoric" => KAPPA / 4.0 * (j * j - 1.0 - 6.0 * log),
-                other => panic!("no dilatation for {other}"),
+                "saint_venant_kirchhoff" => (4.5 * LAMBDA + 3.0 * MU1) * ((s * s - 1.0) / 2.0).powi(2),
+                "arap" => 3.0 * MU1 * (s - 1.0).powi(2),
+                // what is isochoric takes no part
+                other => volumetric(other, j)[0],
             };
             assert_close(here.energy, energy, name);
         }
@@ -108,20 +205,54 @@ fn simple_shear() {
     for name in names() {
         let here = evaluate(&*law(name), f);
         let cauchy = here.stress * f.transpose();
-        // Shear modulus, then the normal stresses over g^2.
-        let (modulus, normal) = match name {
-            "mooney_rivlin" => (2.0 * (MU1 + MU2), [2.0 * (MU1 + MU2), 0.0, 2.0 * MU2]),
+        // Energy, shear stress, normal stresses.
+        let linear = |modulus: f64, normal: [f64; 3]| (modulus / 2.0 * g * g, modulus * g, normal.map(|n| n * g * g));
+        let (energy, shear, normal) = match name {
+            "mooney_rivlin" => linear(2.0 * (MU1 + MU2), [2.0 * (MU1 + MU2), 0.0, 2.0 * MU2]),
             // H x = x - g y, so |H x|^2 = 1 + g^2, |F x|^2 = 1; the fibre is not stretched, its normal plane is.
-            "transverse_mooney_rivlin" => (2.0 * (MU1 + MU2 + MU3), [2.0 * (MU1 + MU2 + MU3), 0.0, 2.0 * (MU2 + MU3)]),
-            "neo_hooke" => (MU1, [MU1, 0.0, 0.0]),
-            "neo_hooke_isochoric" => (MU1, [2.0 * MU1 / 3.0, -MU1 / 3.0, -MU1 / 3.0]),
-            other => panic!("no simple shear for {other}"),
+            "transverse_mooney_rivlin" => {
+                linear(2.0 * (MU1 + MU2 + MU3), [2.0 * (MU1 + MU2 + MU3), 0.0, 2.0 * (MU2 + MU3)])
+            }
+            "neo_hooke" => linear(MU1, [MU1, 0.0, 0.0]),
+            "neo_hooke_isochoric" => linear(MU1, [2.0 * MU1 / 3.0, -MU1 / 3.0, -MU1 / 3.0]),
+            "saint_venant_kirchhoff" => {
+                // S = lambda tr E + 2 mu E with E = (g (e1 e2 + e2 e1) + g^2 e2 e2)/2, sigma = F S F^T
+                let side = LAMBDA * g * g / 2.0;
+                let (shear, along) = (MU1 * g, side + MU1 * g * g);
+                let energy = LAMBDA / 8.0 * g.powi(4) + MU1 * (g * g / 2.0 + g.powi(4) / 4.0);
+                (energy, shear + g * along, [side + 2.0 * g * shear + g * g * along, along, side])
+            }
+            "arap" => {
+                // R turns by atan(g/2)
+                let root = (4.0 + g * g).sqrt();
+                let (cos, sin) = (2.0 / root, g / root);
+                let p = [[1.0 - cos, g - sin], [sin, 1.0 - cos]].map(|row| row.map(|x| 2.0 * MU1 * x));
+                let energy = MU1 * (4.0 + g * g - 2.0 * root);
+                (energy, p[0][1], [p[0][0] + g * p[0][1], p[1][1], 0.0])
+            }
+            "ogden" => {
+                // in its plane sigma = c0 + c1 F F^T
+                let l = g / 2.0 + (1.0 + g * g / 4.0).sqrt();
+                let [first, second, third] = ogden([l, 1.0 / l, 1.0]);
+                let c1 = (first - second) / (l * l - 1.0 / (l * l));
+                let c0 = first - c1 * l * l;
+                let term = |[mu, alpha]: &[f64; 2]| mu / alpha * (l.powf(*alpha) + l.powf(-alpha) - 2.0);
+                (OGDEN.iter().map(term).sum(), c1 * g, [c0 + c1 * (1.0 + g * g), c0 + c1, third])
+            }
+            other => {
+                let [energy, slope] = of_first_invariant(other, 3.0 + g * g).unwrap();
+                let [fibers, fiber_slope] = of_fibers(other, DISPERSION * g * g);
+                let (of_b, of_a) =
+                    (2.0 * (slope + DISPERSION * fiber_slope), 2.0 * (1.0 - 3.0 * DISPERSION) * fiber_slope);
+                let normal = [2.0 / 3.0, -1.0 / 3.0, -1.0 / 3.0].map(|n| n * (of_b * g * g + of_a));
+                (energy + fibers, of_b * g, normal)
+            }
         };
-        assert_close(here.energy, modulus / 2.0 * g * g, name);
-        assert_close(cauchy[(0, 1)], modulus * g, name);
-        assert_close(cauchy[(1, 0)], modulus * g, name);
+        assert_close(here.energy, energy, name);
+        assert_close(cauchy[(0, 1)], shear, name);
+        assert_close(cauchy[(1, 0)], shear, name);
         for (i, normal) in normal.iter().enumerate() {
-            assert_close(cauchy[(i, i)], normal * g * g, &format!("{name} normal stress {i}"));
+            assert_close(cauchy[(i, i)], *normal, &format!("{name} normal stress {i}"));
         }
     }
 }
@@ -135,6 +266,20 @@ fn small_strain_moduli_are_those_of_the_table() {
             "transverse_mooney_rivlin" => (3.28e6, 2.4e5, 8.4e5, -1.2e6),
             "neo_hooke" => (4e5, 1e5, 1e5, 0.0),
             "neo_hooke_isochoric" => (5e5 - 2e5 / 3.0, 1e5, 1e5, 0.0),
+            "yeoh" | "gent" | "holzapfel_gasser_ogden" => (5e5 - 2e5 / 3.0, 1e5, 1e5, 0.0),
+            "arruda_boyce" => {
+                let n = LAMBDA_M.powi(2);
+                let ratio = 1.0
+                    + 3.0 / (5.0 * n)
+                    + 99.0 / (175.0 * n * n)
+                    + 513.0 / (875.0 * n.powi(3))
+                    + 42_039.0 / (67_375.0 * n.powi(4));
+                (5e5 - 2e5 / 3.0 * ratio, 1e5 * ratio, 1e5 * ratio, 0.0)
+            }
+            "ogden" => (5e5 - 2.0 / 3.0 * 4.16e5, 4.16e5, 4.16e5, 0.0),
+            "fiber_family" => (0.0, 0.0, 0.0, 0.0),
+            "saint_venant_kirchhoff" => (4e5, 1e5, 1e5, 0.0),
+            "arap" => (0.0, 1e5, 1e5, 0.0),
             other => panic!("no moduli for {other}"),
         };
         for (found, expected) in [(found.lambda, lambda), (found.mu_t, mu_t), (found.mu_l, mu_l), (found.alpha, alpha)]

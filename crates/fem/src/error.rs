@@ -2,14 +2,14 @@
 
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::solution::state::State;
-use nastic_energy::EnergyError;
+use nastic_energy::{EnergyError, Outside};
 use nastic_linear::{LinearError, StructureError};
 use nastic_mesh::MeshError;
 use std::fmt;
 
-/// An inverted deformation gradient, J <= 0, at which no law is evaluated.
+/// A deformation gradient at which no law is evaluated: inverted, J <= 0, or beyond the domain of a law with a limit of its own.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("element {cell} inverted (J = {jacobian:.3e} at its quadrature point {point})")]
+#[error("{}", self.describe())]
 pub struct InvertedAt {
     /// Cell number in the mesh.
     pub cell: usize,
@@ -17,18 +17,28 @@ pub struct InvertedAt {
     pub point: usize,
     /// The determinant found (not a number when the displacement was not finite).
     pub jacobian: f64,
+    /// What the law says, where J > 0.
+    pub outside: Option<Outside>,
 }
 
 impl InvertedAt {
+    fn describe(&self) -> String {
+        let InvertedAt { cell, point, jacobian, outside } = self;
+        match outside {
+            None => format!("element {cell} inverted (J = {jacobian:.3e} at its quadrature point {point})"),
+            Some(outside) => format!("element {cell} left the domain of its law (quadrature point {point}): {outside}"),
+        }
+    }
+
     pub(crate) fn new(sampling: &QuadraturePoints, point: usize, jacobian: f64) -> Self {
         for part in sampling.parts.iter().rev() {
             if point >= part.first {
                 let local = point - part.first;
                 let cell = part.cells[local / part.table.points] as usize;
-                return InvertedAt { cell, point: local % part.table.points, jacobian };
+                return InvertedAt { cell, point: local % part.table.points, jacobian, outside: None };
             }
         }
-        InvertedAt { cell: 0, point, jacobian }
+        InvertedAt { cell: 0, point, jacobian, outside: None }
     }
 }
 
@@ -266,9 +276,10 @@ impl StateError {
         matches!(self, StateError::Linear(error) if error.is_singular())
     }
 
-    /// A stable name: `inverted`, `no_convergence`, `linear`, `cancelled`, `second_derivatives`, `problem`.
+    /// A stable name: `inverted`, `outside_domain` (of a law), `no_convergence`, `linear`, `cancelled`, `second_derivatives`, `problem`.
     pub fn code(&self) -> &'static str {
         match self {
+            StateError::Inverted { at, .. } if at.outside.is_some() => "outside_domain",
             StateError::Inverted { .. } => "inverted",
             StateError::NoConvergence { .. } => "no_convergence",
             StateError::Linear(_) => "linear",

@@ -7,9 +7,10 @@ use super::named::{attempt, complain_of_law};
 use super::place;
 use crate::quantity::{Dimension, Units};
 use crate::schema::{Actuation, Case, Fixed, Input, Means};
-use crate::warning::CONVEXITY;
+use crate::warning::{CONVEXITY, UNBALANCED_TURGOR};
 use nastic_control::Reduced;
 use nastic_energy::catalogue::ActuationRow;
+use nastic_energy::{Place, Turgor};
 use nastic_fem::Solid;
 use nastic_mesh::GroupNames;
 use std::collections::BTreeMap;
@@ -45,6 +46,29 @@ fn add_law(
     match row.build(&inputs) {
         Ok(law) => attempt(solid, &actuation.at, context, |solid| solid.actuate(region, &actuation.name, law)),
         Err(error) => complain_of_law(&actuation.at, &error, context),
+    }
+    if row.name == Turgor::NAME && mesh.dim() == 3 {
+        warn_of_growth(actuation, &cells, solid, context);
+    }
+}
+
+/// Warns of a turgor that outweighs the growth of the passive energy: `-m J` against exponents of `J` up to 1, where `J^(2/3)` is all that
+/// `|F|^2` gives. In plane strain `|F|^2` bounds `J` itself.
+fn warn_of_growth(actuation: &Actuation, cells: &[u32], solid: &Solid, context: &mut Context<'_>) {
+    let points = solid.discretization().points_of_cells();
+    let unbalanced = |&&cell: &&u32| {
+        let at = Place { cell: cell as usize, point: points[cell as usize].0 };
+        let laws = solid.body().materials_of(at.cell).map(|law| law.existence(at));
+        let stated = laws.reduce(|sum, next| Some(sum?.and(next?))).flatten();
+        stated.is_some_and(|stated| !stated.growth.balances_pressure())
+    };
+    let count = cells.iter().filter(unbalanced).count();
+    if count > 0 {
+        let message = format!(
+            "the law of {count} of its cells grows too slowly with the volume: with any positive pressure the energy has no lower bound, and \
+             an equilibrium, if one is found, is a local minimum at best"
+        );
+        context.warn(&UNBALANCED_TURGOR, &actuation.at, message);
     }
 }
 

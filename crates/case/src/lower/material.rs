@@ -14,9 +14,14 @@ use std::collections::BTreeMap;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     let mut covered: Vec<Option<usize>> = vec![None; solid.mesh().cells()];
+    let mut reinforced: Vec<Option<usize>> = vec![None; solid.mesh().cells()];
     for (k, material) in case.materials.iter().enumerate() {
         let mesh = solid.mesh().clone();
         let Some(cells) = place::cells(&mesh, &material.region, &material.at.key("region"), context) else { continue };
+        if material.law.reinforcing {
+            cells.iter().for_each(|&cell| reinforced[cell as usize] = Some(k));
+        }
+        let covered = if material.law.reinforcing { &mut vec![None; covered.len()] } else { &mut covered };
         let before = cells.iter().filter_map(|&cell| covered[cell as usize].replace(k));
         let before: Vec<usize> = before.collect();
         if let Some(&first) = before.first() {
@@ -33,6 +38,17 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         match material.law.build(&inputs) {
             Ok(law) => attempt(solid, &material.at, context, |solid| solid.material(&material.region, law)),
             Err(error) => complain_of_law(&material.at, &error, context),
+        }
+    }
+    for (k, material) in case.materials.iter().enumerate() {
+        let bare = (0..covered.len()).filter(|&cell| covered[cell].is_none() && reinforced[cell] == Some(k)).count();
+        if bare > 0 {
+            let name = material.law.name;
+            let message = format!(
+                "\"{name}\" adds to the law of a matrix, and {bare} of its cells have none: name their region with \
+                 another law too, as \"neo_hooke\""
+            );
+            context.complain(&material.at.key("law"), message);
         }
     }
 }

@@ -45,6 +45,8 @@ impl Want {
     pub const TIME: Self = Self::a(Dimension::TIME);
     /// A pressure.
     pub const PRESSURE: Self = Self::a(Dimension::PRESSURE);
+    /// A pressure > 0.
+    pub const POSITIVE_PRESSURE: Self = Self::PRESSURE.positive();
     /// A magnetic field.
     pub const FIELD: Self = Self::a(Dimension::FIELD);
     /// A magnetic field > 0.

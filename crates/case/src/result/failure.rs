@@ -2,6 +2,7 @@
 
 use crate::lower::CaseMember;
 use nastic_control::{ControlError, StateFields};
+use nastic_energy::Outside;
 use nastic_fem::{Cause, State, StateError};
 use nastic_mesh::Snapshot;
 use serde_json::{Map, Value, json};
@@ -49,6 +50,11 @@ pub(crate) fn entries(member: CaseMember<'_>, error: &StateError) -> Map<String,
             out.insert("cell".into(), json!(at.cell));
             out.insert("point".into(), json!(at.point));
             out.insert("J".into(), json!(at.jacobian));
+            if let Some(outside) = &at.outside {
+                let Outside { law, measure, value, limit, .. } = outside;
+                let domain = json!({ "law": law, "measure": measure, "value": value, "limit": limit });
+                out.insert("domain".into(), domain);
+            }
         }
         _ => {}
     }

@@ -13,6 +13,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::memory(problem),
         describe::groups(problem),
         describe::materials(problem),
+        describe::existence(problem),
         describe::actuation(problem),
         describe::controls(problem),
         describe::supports(problem),

@@ -2,11 +2,13 @@
 
 mod actuation;
 mod duration;
+mod existence;
 mod members;
 mod memory;
 
 pub(super) use actuation::actuation;
 pub(super) use duration::duration;
+pub(super) use existence::existence;
 pub(super) use members::{load_cases, scenarios};
 pub(super) use memory::memory;
 
@@ -436,6 +438,7 @@ pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
             .map(|m| law(problem, &m.region, m.law.name, &m.parameters, m.law.forms))
             .collect(),
     );
+    out.insert("existence".into(), existence::json(problem));
     out.insert("actuation".into(), actuation::json(problem));
     out.insert("controls".into(), crate::result::summary::controls(problem, &problem.start));
     for (field, block) in problem.controls.iter().zip(problem.ensemble.blocks()) {

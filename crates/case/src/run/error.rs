@@ -92,6 +92,9 @@ pub enum RunError {
     /// The gradient check could not be made.
     #[error("{0}")]
     Taylor(#[from] nastic_opt::TaylorError),
+    /// No law could be fitted to test data.
+    #[error(transparent)]
+    Fit(#[from] nastic_fit::FitError),
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -161,7 +164,7 @@ impl RunError {
         match self {
             Self::Input(_) | Self::Threads(_) | Self::MemoryLimit(_) | Self::Report(_) => Exit::BadInput,
             Self::Checkpoint(_) | Self::UnreadableCheckpoint(_) | Self::Interrupted { .. } => Exit::BadInput,
-            Self::Spectrum(_) => Exit::BadInput,
+            Self::Spectrum(_) | Self::Fit(_) => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
             Self::Start(_) => Exit::BadInput,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,

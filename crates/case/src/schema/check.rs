@@ -113,7 +113,9 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     if empty {
         reader.complain_at(&At::root().key("materials"), "at least one material is needed");
     }
-    let regions = blocks.materials.iter().flat_map(|m| m.region.iter().map(|name| (name, m.at.key("region"))));
+    // those that add to another law stand beside it
+    let materials = blocks.materials.iter().filter(|material| !material.law.reinforcing);
+    let regions = materials.flat_map(|m| m.region.iter().map(|name| (name, m.at.key("region"))));
     unique(regions, "a material", reader);
     unique(blocks.actuation.iter().map(|a| (a.name.as_str(), a.at.key("name"))), "an actuation", reader);
     unique(blocks.probes.iter().map(|p| (p.name.as_str(), p.at.key("name"))), "a probe", reader);

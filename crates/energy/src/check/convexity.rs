@@ -3,7 +3,7 @@ use nastic_tensor::{Mat3, Tangent, Vec3};
 
 use super::states::directions;
 use super::{Finding, Violation, Worst, evaluate, kinematics, norm, rotations, states};
-use crate::{EnergyTerm, Place};
+use crate::{EnergyTerm, Place, PointBatch};
 
 /// Legendre-Hadamard: waves in every direction keep real speeds, `A_iJkL v_i n_J v_k n_L >= 0` at every state.
 ///
@@ -26,7 +26,7 @@ fn acoustic(tangent: &Tangent, n: &Vec3) -> Mat3 {
 }
 
 /// The energy grows without bound as `J -> 0`, when one, two or three stretches vanish: eight more decades of `J` cost
-/// as much again (a logarithm), or more.
+/// as much again (a logarithm), or more. Where a path leaves the domain of the law, its energy is infinite.
 ///
 /// # Errors
 /// A [`Violation`] with the share of the growth that is lost.
@@ -38,6 +38,14 @@ pub fn growth(law: &dyn EnergyTerm, at: Place) -> Result<Finding, Violation> {
     for turn in rotations() {
         for path in paths {
             let state = |j: f64| kinematics(check, Mat3::from_diagonal(&path(j)) * turn);
+            let inside = |j: f64| {
+                let points = [state(j)?];
+                let points = PointBatch { kinematics: &points, cell: at.cell, first: at.point };
+                Ok(law.check_domain(&points).is_ok())
+            };
+            if !inside(1e-24)? {
+                continue;
+            }
             let energy = |j: f64| Ok(evaluate(law, at, &state(j)?, &[]).energy);
             let [flat, flatter, flattest] = [energy(1e-8)?, energy(1e-16)?, energy(1e-24)?];
             let (before, after) = (flatter - flat, flattest - flatter);

@@ -42,3 +42,13 @@ pub fn check_rubber(
         "it must be positive: 0 would be incompressible, which this law cannot be; D1 = 0.01 / (C10 + C01) is Poisson's ratio 0.495",
     )
 }
+
+/// The bulk modulus `2 / D1`.
+///
+/// # Errors
+/// Unless `D1 > 0`.
+pub fn bulk_of_d1(owner: &'static str, d1: &Field<f64>) -> Result<Field<f64>, EnergyError> {
+    let requirement = "it must be positive: 0 would be incompressible, which this law cannot be";
+    d1.require(owner, "d1", |d1| d1 > 0.0, requirement)?;
+    d1.try_map(|_, d1| Ok(2.0 / d1))
+}

@@ -1,7 +1,9 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use super::engineering::{check_rubber, shear_bulk};
-use crate::{Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
+use crate::{
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place, combine,
+};
 
 /// Compressible Mooney-Rivlin law.
 ///
@@ -141,6 +143,13 @@ impl ConvexDensity for MooneyRivlin {
     fn third(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
         let [mu1, mu2, _] = self.at(at);
         Ok(Conjugates::third_by_j(-4.0 * (mu1 + 2.0 * mu2) / (j * j * j), along))
+    }
+
+    fn conditions(&self, at: Place) -> Option<Existence> {
+        let [_, mu2, mu3] = self.at(at);
+        let exponent = |factor: f64| if factor > 0.0 { 2.0 } else { 0.0 };
+        let growth = Growth { p: 2.0, q: exponent(mu2), r: exponent(mu3) };
+        Some(Existence { polyconvex: true, resists_collapse: true, growth })
     }
 
     fn tension_bound(&self, at: Place, _a: &Vec3) -> Option<f64> {

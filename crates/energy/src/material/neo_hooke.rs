@@ -1,7 +1,9 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use super::engineering::{check_rubber, shear_bulk};
-use crate::{Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
+use crate::{
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place, combine,
+};
 
 /// Compressible neo-Hookean law, polyconvex form.
 ///
@@ -119,6 +121,12 @@ impl ConvexDensity for NeoHooke {
 
     fn third(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
         Ok(Conjugates::third_by_j(-2.0 * self.mu.at(at) / (j * j * j), along))
+    }
+
+    fn conditions(&self, at: Place) -> Option<Existence> {
+        let r = if self.lambda.at(at) > 0.0 { 2.0 } else { 0.0 };
+        let growth = Growth { p: 2.0, q: 0.0, r };
+        Some(Existence { polyconvex: true, resists_collapse: true, growth })
     }
 
     fn tension_bound(&self, at: Place, _a: &Vec3) -> Option<f64> {

@@ -1,7 +1,9 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use super::engineering::{check_rubber, shear_bulk};
-use crate::{Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place, combine};
+use crate::{
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place, combine,
+};
 
 /// Neo-Hookean law split into isochoric and volumetric parts, the law of many published benchmarks.
 ///
@@ -120,6 +122,10 @@ impl ConvexDensity for NeoHookeIsochoric {
             h: Mat3::zeros(),
             j: ffj * a.f.dot(&b.f) + fjj * (f.dot(&a.f) * b.j + f.dot(&b.f) * a.j) + jjj * a.j * b.j,
         })
+    }
+
+    fn conditions(&self, _at: Place) -> Option<Existence> {
+        Some(Existence { polyconvex: true, resists_collapse: true, growth: Growth::isochoric(1.0) })
     }
 
     fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {

@@ -1,6 +1,8 @@
 use nastic_tensor::{Mat3, Vec3};
 
-use crate::{Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Field, Moduli, Place};
+use crate::{
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place,
+};
 
 /// Transversely isotropic Mooney-Rivlin law with stiffening fibres along unit vectors `f(X)`.
 ///
@@ -101,6 +103,13 @@ impl ConvexDensity for TransverseMooneyRivlin {
     fn third(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
         let ([mu1, mu2, mu3, _], _) = self.at(at);
         Ok(Conjugates::third_by_j(-4.0 * (mu1 + 2.0 * mu2 + mu3) / (j * j * j), along))
+    }
+
+    fn conditions(&self, at: Place) -> Option<Existence> {
+        let ([_, mu2, _, mu4], _) = self.at(at);
+        let exponent = |factor: f64| if factor > 0.0 { 2.0 } else { 0.0 };
+        let growth = Growth { p: 2.0, q: exponent(mu2), r: exponent(mu4) };
+        Some(Existence { polyconvex: true, resists_collapse: true, growth })
     }
 
     fn tension_bound(&self, at: Place, a: &Vec3) -> Option<f64> {

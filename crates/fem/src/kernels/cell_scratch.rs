@@ -78,6 +78,7 @@ impl Scratch {
                 cell: part.cells[c] as usize,
                 point: q,
                 jacobian: inverted.jacobian,
+                outside: None,
             })?;
             self.kinematics.push(kinematics);
         }

@@ -21,9 +21,13 @@ pub fn kinds() -> impl Iterator<Item = CellKind> {
     CellKind::ALL.into_iter().filter(|kind| kind.dim() > 1)
 }
 
-/// Every passive law of the catalogue with its example coefficients, by name.
+/// Every passive law of the catalogue that is a material by itself, with its example coefficients, by name.
 pub fn laws() -> Outcome<Vec<(&'static str, Arc<dyn EnergyTerm>)>> {
-    catalogue::materials().iter().map(|row| Ok((row.name, row.build(&row.examples()[0])?))).collect()
+    catalogue::materials()
+        .iter()
+        .filter(|row| !row.reinforcing)
+        .map(|row| Ok((row.name, row.build(&row.examples()[0])?)))
+        .collect()
 }
 
 /// The box (rectangle, for plane kinds) `[0, size]` of `cells` grid cells.

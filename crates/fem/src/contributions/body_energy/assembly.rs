@@ -82,7 +82,7 @@ impl CellWork for Job<'_> {
         let part = self.cells.part;
         let points = part.table.points;
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.kinematics(self.cells, c, self.u, scratch)?;
         let Terms { energy, force, tangent } = self.demand;
         let want = Want { energy, stress: force, tangent };
         scratch.clear(want);

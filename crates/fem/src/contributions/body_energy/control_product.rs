@@ -58,7 +58,7 @@ impl CellWork for Product<'_> {
         if composition.actuations.is_empty() {
             return Ok(());
         }
-        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.kinematics(self.cells, c, self.u, scratch)?;
         scratch.clear_stress();
         let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         for &k in &composition.actuations {

@@ -67,7 +67,7 @@ impl CellWork for ControlVjp<'_> {
         if composition.actuations.is_empty() {
             return Ok(());
         }
-        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.kinematics(self.cells, c, self.u, scratch)?;
         self.body.formulation.change(self.cells, c, self.lambda, scratch);
         let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let weights = &self.body.discretization().points().weights()[first..first + points];

@@ -4,9 +4,11 @@ use crate::contributions::controls::Controls;
 use crate::contributions::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::discretization::Discretization;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::Cells;
 use assembly::Terms;
 use formulation::{Formulation, Standard};
-use nastic_energy::{Actuation, EnergyTerm, Place};
+use nastic_energy::{Actuation, EnergyTerm, Outside, Place, PointBatch};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::GroupNames;
 use nastic_tensor::Vec3;
@@ -130,6 +132,23 @@ impl BodyEnergy {
         let regions = mesh.regions().keys().cloned().collect::<Vec<_>>().join(", ");
         let count = (0..self.of_cell.len()).filter(bare).count();
         Err(FemError::NoMaterial { mesh: mesh.name().to_owned(), count, first, regions })
+    }
+
+    /// Shape gradients and kinematics of the c-th cell displaced by u, into the scratch: none that is inverted or beyond the
+    /// domain of a law.
+    fn kinematics(&self, cells: Cells, c: usize, u: &[f64], scratch: &mut Scratch) -> Result<(), InvertedAt> {
+        self.formulation.kinematics(cells, c, u, scratch)?;
+        let (cell, first) = (cells.part.cells[c] as usize, cells.part.first_point(c));
+        self.check_domain(&PointBatch { kinematics: &scratch.kinematics, cell, first })
+    }
+
+    /// Refuses what is beyond the domain of a law of the cell.
+    fn check_domain(&self, at: &PointBatch) -> Result<(), InvertedAt> {
+        let beyond = |outside: Outside| {
+            let (cell, point) = (at.cell, outside.point);
+            InvertedAt { cell, point, jacobian: at.kinematics[point].j(), outside: Some(outside) }
+        };
+        self.materials_of(at.cell).try_for_each(|law| law.check_domain(at).map_err(beyond))
     }
 
     /// Energy alone, or energy and internal force.

@@ -135,12 +135,13 @@ impl BodyEnergy {
         c: &[Mat3],
     ) -> Result<Vec<(Mat3, MaterialTangent)>, InvertedAt> {
         let stretch = |(point, c): (usize, &Mat3)| {
-            let inverted = |found: Inverted| InvertedAt { cell, point, jacobian: found.jacobian };
+            let inverted = |found: Inverted| InvertedAt { cell, point, jacobian: found.jacobian, outside: None };
             Kinematics::new(square_root(c)).map_err(inverted)
         };
         let stretches = c.iter().enumerate().map(stretch).collect::<Result<Vec<_>, _>>()?;
         let (mut stress, mut tangent) = (vec![Mat3::zeros(); c.len()], vec![Tangent::zero(); c.len()]);
         let at = PointBatch { kinematics: &stretches, cell, first };
+        self.check_domain(&at)?;
         let mut response = Response { energy: &mut [], stress: &mut stress, tangent: &mut tangent };
         for &t in &self.compositions[self.of_cell[cell] as usize].terms {
             self.terms[t].respond(&at, Slots::none(), Want::TANGENT, &mut response);
@@ -210,7 +211,7 @@ impl CellWork for Linearised<'_> {
     fn compute(&self, c: usize, scratch: &mut Scratch, (rows, matrix): &mut Self::Answer) -> Result<(), InvertedAt> {
         let (part, points) = (self.cells.part, self.cells.part.table.points);
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.kinematics(self.cells, c, self.u, scratch)?;
         scratch.clear(Want::TANGENT);
         let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let mut out = Response { energy: &mut [], stress: &mut scratch.stress, tangent: &mut scratch.tangent };
@@ -271,7 +272,7 @@ impl CellWork for Extrapolate<'_> {
     fn compute(&self, c: usize, scratch: &mut Scratch, new: &mut CellStrains) -> Result<(), InvertedAt> {
         let part = self.cells.part;
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.kinematics(self.cells, c, self.u, scratch)?;
         for (out, k) in new.c.iter_mut().zip(&scratch.kinematics) {
             *out = k.f().transpose() * k.f();
         }

@@ -83,7 +83,7 @@ impl CellWork for SecondOrder<'_> {
         let (part, points) = (self.cells.part, self.cells.part.table.points);
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
         let CellAnswer { rows, by_slot, of_lambda } = answer;
-        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.kinematics(self.cells, c, self.u, scratch)?;
         self.body.formulation.change(self.cells, c, self.lambda, scratch);
         of_lambda.clone_from(&scratch.change);
         self.body.formulation.change(self.cells, c, self.along.u, scratch);

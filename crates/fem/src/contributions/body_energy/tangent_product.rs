@@ -52,7 +52,7 @@ impl CellWork for Product<'_> {
     fn compute(&self, c: usize, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), InvertedAt> {
         let (part, points) = (self.cells.part, self.cells.part.table.points);
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        self.body.formulation.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.kinematics(self.cells, c, self.u, scratch)?;
         self.body.formulation.change(self.cells, c, self.v, scratch);
         scratch.clear_stress();
         let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };

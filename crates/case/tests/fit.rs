@@ -1,0 +1,164 @@
+//! `nastic fit`: a data file to parameters, files, and blocks that are a case.
+#![allow(clippy::unwrap_used)] // a test may
+
+use nastic_case::console::Console;
+use nastic_case::run::{Exit, Options, RunError, fit, run};
+use nastic_case::schema::Command;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Neo-Hookean tension with mu = 0.4 MPa, in per cent and kPa, and a pressure that is 2 GPa times the change of volume.
+fn write_data(directory: &Path) -> PathBuf {
+    let mut bar = "# a bar\nname; strain [%]; nominal_stress [kPa]\n".to_owned();
+    for (k, error) in [0.5, -0.4, 0.2, -0.3, 0.4, -0.1].iter().enumerate() {
+        let l = 1.1 + 0.25 * k as f64;
+        bar += &format!("p{k}; {}; {}\n", 100.0 * (l - 1.0), 400.0 * (l - l.powi(-2)) + error);
+    }
+    fs::write(directory.join("bar.csv"), bar).unwrap();
+    let kappa = |j: f64| -1e9 * (j - 1.0 / j);
+    let press: String = [0.99f64, 0.995, 1.01].iter().map(|j| format!("{j},{}\n", kappa(*j) / 1e6)).collect();
+    fs::write(directory.join("press.csv"), format!("volume_ratio,pressure [MPa]\n{press}")).unwrap();
+    let data = json!({
+        "nastic_fit": 1,
+        "title": "Bar and press",
+        "tests": [{ "kind": "uniaxial", "file": "bar.csv" }, { "kind": "volumetric", "file": "press.csv" }],
+        "laws": ["neo_hooke_isochoric", "gent", "ogden_1"],
+    });
+    let file = directory.join("data.json");
+    fs::write(&file, data.to_string()).unwrap();
+    file
+}
+
+fn error_of(data: &Path) -> String {
+    match fit(data, None, &Console::silent()) {
+        Err(RunError::Input(problems)) => problems.list().iter().map(|p| format!("{p}\n")).collect(),
+        other => format!("{other:?}"),
+    }
+}
+
+#[test]
+fn from_tables_to_a_case_that_is_solved() {
+    let directory = tempfile::tempdir().unwrap();
+    let data = write_data(directory.path());
+    let out = directory.path().join("out");
+    let found = fit(&data, Some(out.clone()), &Console::silent()).unwrap();
+    assert_eq!(found.exit, Exit::Done);
+    let written: Value = serde_json::from_str(&fs::read_to_string(out.join("fit.json")).unwrap()).unwrap();
+    assert_eq!(written, found.result);
+    // one parameter suffices for data of such a material
+    assert_eq!(written["best"], "neo_hooke_isochoric");
+    let best = &written["laws"][0];
+    let shear = &best["parameters"]["shear"];
+    assert!((shear["value"].as_f64().unwrap() / 4e5 - 1.0).abs() < 1e-3, "{shear}");
+    let interval: Vec<f64> = serde_json::from_value(shear["interval"].clone()).unwrap();
+    assert!(interval[0] < 4e5 && 4e5 < interval[1] && interval[1] - interval[0] < 4e3, "{interval:?}");
+    assert!((best["bulk"]["value"].as_f64().unwrap() / 2e9 - 1.0).abs() < 1e-6, "{}", best["bulk"]);
+    assert_eq!(best["stable"]["uniaxial"]["ends_above"], false);
+    assert!(best["aicc_above_best"] == 0.0 && written["laws"][1]["aicc_above_best"].as_f64().unwrap() > 0.0);
+    for name in written["files"].as_array().unwrap() {
+        assert!(out.join(name.as_str().unwrap()).exists(), "{name}");
+    }
+    assert_eq!(written["files"], json!(["fit.json", "fit.svg", "fit_volumetric.svg"]));
+    // the blocks are those of a case
+    for one in written["laws"].as_array().unwrap() {
+        let case = json!({
+            "nastic": 1,
+            "units": "mm",
+            "mesh": { "box": { "size": [10, 10, 10], "cells": [1, 1, 1], "element": "hex27" } },
+            "materials": one["materials"],
+            "scenarios": one["scenarios"],
+            "supports": [
+                { "surface": "x-", "fix": "x" }, { "surface": "y-", "fix": "y" }, { "surface": "z-", "fix": "z" },
+                { "surface": "x+", "displacement": { "x": 5 } },
+            ],
+        });
+        let file = directory.path().join(format!("{}.json", one["law"].as_str().unwrap()));
+        fs::write(&file, case.to_string()).unwrap();
+        let options = Options { in_memory: true, ..Options::default() };
+        let solved = run(Command::Solve, &file, &options, &Console::silent());
+        let solved = solved.unwrap_or_else(|error| unreachable!("{}: {error}", one["law"]));
+        // mu (l - 1/l^2) times 100 mm^2
+        let first = solved.result["scenarios"].as_object().unwrap().values().next().unwrap();
+        let force = first["reactions"]["x+"][0].as_f64().unwrap_or(f64::NAN);
+        assert!((force / (0.4 * (1.5 - 1.5f64.powi(-2)) * 100.0) - 1.0).abs() < 0.02, "{}: {force}", one["law"]);
+    }
+}
+
+#[test]
+fn the_same_data_give_the_same_bytes() {
+    let directory = tempfile::tempdir().unwrap();
+    let data = write_data(directory.path());
+    let read = |name: &str| {
+        let out = directory.path().join(name);
+        fit(&data, Some(out.clone()), &Console::silent()).unwrap();
+        ["fit.json", "fit.svg"].map(|file| fs::read(out.join(file)).unwrap())
+    };
+    assert_eq!(read("one"), read("other"));
+}
+
+#[test]
+fn mistakes_name_file_line_and_column() {
+    let directory = tempfile::tempdir().unwrap();
+    let data = write_data(directory.path());
+    let table = directory.path().join("bar.csv");
+    let with = |text: &str| {
+        fs::write(&table, text).unwrap();
+        error_of(&data)
+    };
+    let error = with("stretch,nominal_stress [MPa]\n1.2,0.1\n1.4,abc\n-1.5,0.3\n");
+    assert!(error.contains("bar.csv:3:5: \"abc\" is no number; leave out rows without one"), "{error}");
+    let error = with("stretch,nominal_stress [MPa]\n1.2,0.1\n-1.5,0.3\n");
+    assert!(error.contains("bar.csv:3:1: test \"bar\", point 1: stretch = -1.5, but it must be positive"), "{error}");
+    let error = with("stretch,nominal_stress\n1.2,0.1\n");
+    assert!(error.contains("bar.csv:1:9: \"nominal_stress\" has no unit"), "{error}");
+    let error = with("stretch,nominal_stress [mm]\n1.2,0.1\n");
+    assert!(error.contains("has the unit \"mm\", but a pressure is wanted"), "{error}");
+    let error = with("elongation,nominal_stress [MPa]\n1.2,0.1\n");
+    assert!(
+        error.contains("no column \"stretch\" or \"strain\" for a test of kind \"uniaxial\"; found: elongation"),
+        "{error}"
+    );
+    let error = with("stretch,nominal_stress [MPa]\n1.2\n");
+    assert!(error.contains("bar.csv:2:4: the row has no column 2"), "{error}");
+    let error = with("stretch,pressure [MPa]\n1.2,0.1\n");
+    assert!(error.contains("a test of kind uniaxial gives a nominal or a Cauchy stress, not a pressure"), "{error}");
+    assert!(with("").contains("the table is empty"));
+    fs::remove_file(&table).unwrap();
+    assert!(error_of(&data).contains("tests/0/file: ") && error_of(&data).contains("cannot be read"));
+    let refused = |change: &dyn Fn(&mut Value)| {
+        let mut text: Value = serde_json::from_str(&fs::read_to_string(write_data(directory.path())).unwrap()).unwrap();
+        change(&mut text);
+        fs::write(&data, text.to_string()).unwrap();
+        error_of(&data)
+    };
+    assert!(refused(&|data| data["laws"] = json!(["yeho"])).contains("yeoh"));
+    assert!(refused(&|data| data["bulk"] = json!("1 GPa")).contains("leave out one of both"));
+    assert!(refused(&|data| data["tests"] = json!([data["tests"][0]])).contains("missing key \"bulk\""));
+    assert!(refused(&|data| data["tests"] = json!([data["tests"][1]])).contains("a test that is not \"volumetric\""));
+    assert!(refused(&|data| data["tests"][0]["kind"] = json!("inflation")).contains("thickness_to_radius"));
+    assert!(refused(&|data| data["weights"] = json!(1)).contains("weights"));
+}
+
+#[test]
+fn too_few_points_for_every_law_is_an_error() {
+    let directory = tempfile::tempdir().unwrap();
+    let data = write_data(directory.path());
+    fs::write(directory.path().join("bar.csv"), "stretch,nominal_stress [MPa]\n1.2,0.1\n").unwrap();
+    let error = fit(&data, None, &Console::silent()).unwrap_err();
+    assert_eq!(error.exit(), Exit::BadInput);
+    assert!(error.to_string().contains("has 1 parameters, and there are 1 points"), "{error}");
+}
+
+/// The shipped data: Ogden's law of three terms wins, and is stable over the data.
+#[test]
+fn treloar() {
+    let directory = tempfile::tempdir().unwrap();
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/fit/treloar.json");
+    let found = fit(&data, Some(directory.path().join("out")), &Console::silent()).unwrap().result;
+    assert_eq!((&found["best"], found["laws"].as_array().unwrap().len()), (&json!("ogden_3"), 7));
+    let best = &found["laws"][0];
+    // the published set has a scatter of 0.24 MPa
+    assert!(best["scatter"].as_f64().unwrap() < 8e4 && best["points"] == 53, "{}", best["scatter"]);
+    assert!(best["stable"]["uniaxial"]["to"].as_f64().unwrap() > 7.6, "{}", best["stable"]);
+}

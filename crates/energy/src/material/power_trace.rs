@@ -1,0 +1,163 @@
+//! `T(A) = tr (A^T A)^s = sum_i l_i^(2s)` over the singular values of A, with exact derivatives whether these coincide or not.
+
+use nastic_tensor::{Mat3, Tangent, Vec3};
+
+/// Eigenvalues `c_i` and eigenvectors `Q` of `C = A^T A`.
+///
+/// `T` is the trace of a function of C, so only divided differences of `g(c) = s c^(s-1)` enter (R. Bhatia, *Matrix Analysis* (1997),
+/// theorem V.3.3; the second derivative by F. Hiai & D. Petz, *Introduction to Matrix Analysis and Applications* (2014), theorem 3.33):
+/// with `E = A^T B + B^T A`, in the eigenbasis,
+///
+/// `T_A = 2 A g(C)`, `T_AA : B = 2 B g(C) + 2 A Dg[E]`, `Dg[E]_ij = g[c_i, c_j] E_ij`,
+/// `D2g[E, E']_ij = sum_k g[c_i, c_k, c_j] (E_ik E'_kj + E'_ik E_kj)`.
+///
+/// Where arguments coincide, divided differences are derivatives: nothing is perturbed.
+pub(super) struct Spectrum {
+    a: Mat3,
+    values: Vec3,
+    vectors: Mat3,
+}
+
+/// What T needs at one exponent.
+pub(super) struct PowerTrace<'a> {
+    of: &'a Spectrum,
+    s: f64,
+    /// `g(C)`.
+    g: Mat3,
+}
+
+impl Spectrum {
+    pub fn new(a: &Mat3) -> Self {
+        let eigen = (a.transpose() * a).symmetric_eigen();
+        // Rounding may make a vanishing eigenvalue negative.
+        let least = f64::EPSILON * f64::EPSILON * eigen.eigenvalues.max();
+        Spectrum { a: *a, values: eigen.eigenvalues.map(|c| c.max(least)), vectors: eigen.eigenvectors }
+    }
+
+    pub fn power(&self, s: f64) -> PowerTrace<'_> {
+        let g = self.values.map(|c| s * c.powf(s - 1.0));
+        PowerTrace { of: self, s, g: self.vectors * Mat3::from_diagonal(&g) * self.vectors.transpose() }
+    }
+
+    /// `A^T B + B^T A` in the eigenbasis.
+    fn strain(&self, b: &Mat3) -> Mat3 {
+        let half = self.a.transpose() * b;
+        self.vectors.transpose() * (half + half.transpose()) * self.vectors
+    }
+
+    fn back(&self, m: &Mat3) -> Mat3 {
+        self.vectors * m * self.vectors.transpose()
+    }
+}
+
+impl PowerTrace<'_> {
+    /// `T`.
+    pub fn value(&self) -> f64 {
+        self.of.values.iter().map(|c| c.powf(self.s)).sum()
+    }
+
+    /// `T_A`.
+    pub fn first(&self) -> Mat3 {
+        self.of.a * self.g * 2.0
+    }
+
+    /// `T_AA : B`.
+    pub fn second(&self, b: &Mat3) -> Mat3 {
+        (b * self.g + self.of.a * self.change_of_g(&self.of.strain(b))) * 2.0
+    }
+
+    /// `T_AA`.
+    pub fn curvature(&self) -> Tangent {
+        Tangent::from_map(|b| self.second(b))
+    }
+
+    /// `T_AAA : (B, B')`.
+    pub fn third(&self, b: &Mat3, other: &Mat3) -> Mat3 {
+        let (e, f) = (self.of.strain(b), self.of.strain(other));
+        let both = b.transpose() * other;
+        let both = self.of.vectors.transpose() * (both + both.transpose()) * self.of.vectors;
+        let c = &self.of.values;
+        let curved = Mat3::from_fn(|i, j| {
+            let term = |k: usize| {
+                let three = self.s * second_difference(self.s - 1.0, [c[i], c[k], c[j]]);
+                three * (e[(i, k)] * f[(k, j)] + f[(i, k)] * e[(k, j)])
+            };
+            term(0) + term(1) + term(2)
+        });
+        let own = self.of.a * (self.of.back(&curved) + self.change_of_g(&both));
+        (b * self.change_of_g(&f) + other * self.change_of_g(&e) + own) * 2.0
+    }
+
+    /// `Dg[E]` of an E in the eigenbasis.
+    fn change_of_g(&self, e: &Mat3) -> Mat3 {
+        let c = &self.of.values;
+        self.of.back(&Mat3::from_fn(|i, j| self.s * first_difference(self.s - 1.0, c[i], c[j]) * e[(i, j)]))
+    }
+}
+
+/// `(x^p - y^p) / (x - y)` of positive numbers, `p x^(p-1)` where they coincide; to rounding wherever they are.
+fn first_difference(p: f64, x: f64, y: f64) -> f64 {
+    let (low, high) = (x.min(y), x.max(y));
+    let t = (high - low) / low;
+    let ratio = if t == 0.0 { p } else { (p * t.ln_1p()).exp_m1() / t };
+    low.powf(p - 1.0) * ratio
+}
+
+/// The divided difference of `x^p` over three positive numbers.
+fn second_difference(p: f64, mut x: [f64; 3]) -> f64 {
+    x.sort_by(f64::total_cmp);
+    let [low, middle, high] = x;
+    let mean = (low + middle + high) / 3.0;
+    if high - low > NEAR * mean {
+        return (first_difference(p, middle, high) - first_difference(p, low, middle)) / (high - low);
+    }
+    // Taylor's series about the mean: sum_n binom(p, n) m^(p-n) h_(n-2), h the complete homogeneous symmetric polynomials of the distances.
+    let d = x.map(|x| (x - mean) / mean);
+    let (e1, e2, e3) = (d[0] + d[1] + d[2], d[0] * d[1] + d[0] * d[2] + d[1] * d[2], d[0] * d[1] * d[2]);
+    let mut h = [1.0, 0.0, 0.0];
+    let mut binomial = p * (p - 1.0) / 2.0;
+    let mut sum = 0.0;
+    for n in 2..2 + TERMS {
+        sum += binomial * h[0];
+        h = [e1 * h[0] - e2 * h[1] + e3 * h[2], h[0], h[1]];
+        binomial *= (p - n as f64) / (n + 1) as f64;
+    }
+    mean.powf(p - 2.0) * sum
+}
+
+/// Numbers within this share of their mean go by the series, others by differences, which lose no more than a digit.
+const NEAR: f64 = 0.1;
+/// Terms of the series: `0.1^20` is below rounding, whatever the power.
+const TERMS: usize = 20;
+
+#[cfg(test)]
+mod tests {
+    use super::{first_difference, second_difference};
+
+    /// Against `x^3`: divided differences x^2 + xy + y^2 and x + y + z; and `1/x`: -1/(xy), 1/(xyz).
+    #[test]
+    fn divided_differences_of_powers() {
+        for [x, y, z] in
+            [[1.0, 1.0, 1.0], [2.0, 2.0, 3.0], [1.0, 1.0 + 1e-9, 1.0 - 1e-12], [0.5, 0.52, 0.49], [4.0, 1.0, 0.2]]
+        {
+            let close = |found: f64, expected: f64| {
+                assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected} at {x} {y} {z}");
+            };
+            close(first_difference(3.0, x, y), x * x + x * y + y * y);
+            close(first_difference(-1.0, x, y), -1.0 / (x * y));
+            close(second_difference(3.0, [x, y, z]), x + y + z);
+            close(second_difference(-1.0, [x, y, z]), 1.0 / (x * y * z));
+        }
+    }
+
+    /// Both sides of the border between series and differences.
+    #[test]
+    fn series_and_differences_meet() {
+        for p in [-3.7, -0.35, 0.65, 1.5, 6.2] {
+            let at = |spread: f64| second_difference(p, [1.0 - spread / 2.0, 1.01, 1.0 + spread / 2.0]);
+            let [inside, outside] = [0.0999, 0.1005].map(at);
+            let slope = (at(0.1010) - outside) / 0.0005;
+            assert!((inside + slope * 0.0006 - outside).abs() < 1e-5 * outside.abs(), "{p}: {inside} {outside}");
+        }
+    }
+}

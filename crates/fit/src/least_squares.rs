@@ -1,0 +1,302 @@
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
+use nalgebra_of_levenberg_marquardt::{DMatrix, DVector, Dyn, Owned};
+use nastic_energy::{EnergyTerm, PointBatch, Response as Answer, Slots, Want};
+use nastic_numeric::Random;
+use nastic_tensor::{Kinematics, Mat3};
+
+use crate::law::Scale;
+use crate::statistics::covariance;
+use crate::{Criteria, Estimate, FitError, Law, Mode, Test, student};
+
+/// What residuals are measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Errors {
+    /// Pa: large stresses count most.
+    #[default]
+    Absolute,
+    /// Shares of the measured value, or of a twentieth of the test's largest where that is more: small stresses count as much.
+    Relative,
+}
+
+/// How to fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitOptions {
+    /// What residuals are measured in.
+    pub errors: Errors,
+    /// Random starts of Ogden's law.
+    pub starts: usize,
+    /// Of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        FitOptions { errors: Errors::Absolute, starts: 16, seed: 1 }
+    }
+}
+
+/// The parameters of least squares, and what they are worth.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The law.
+    pub law: Law,
+    /// Its parameters without the bulk modulus.
+    pub parameters: Vec<Estimate>,
+    /// Correlation of each pair of parameters, row by row; `None` where one has no deviation.
+    pub correlation: Vec<Vec<Option<f64>>>,
+    /// Weighted sum of squared residuals: Pa^2 with absolute errors.
+    pub squares: f64,
+    /// Number of points.
+    pub points: usize,
+    /// `sqrt(S / (n - k))`: the scatter about the curve.
+    pub scatter: f64,
+    /// For comparisons with other laws.
+    pub criteria: Criteria,
+    /// Starts that converged, and how many led to this sum of squares (to a thousandth).
+    pub starts: [usize; 3],
+    pub(crate) free: Free,
+}
+
+/// The fit in free numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Free {
+    pub x: Vec<f64>,
+    pub signs: Vec<f64>,
+    pub scale: Scale,
+    pub covariance: Option<DMatrix<f64>>,
+}
+
+impl Fit {
+    /// The values of the parameters.
+    pub fn values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.value).collect()
+    }
+}
+
+/// Fits a law to all tests but volumetric ones.
+///
+/// The Levenberg-Marquardt method of MINPACK (J. J. Moré, 1978) on free numbers that are taken smoothly to admissible parameters, from several
+/// starts, of which the best is kept; the same input gives the same bits. Intervals and correlation are those of the linearised problem
+/// (Gauss-Newton): they hold for scatter that is normal and alike at all points after weighting, and not where a parameter lies on the
+/// border of what its law admits, whose deviation is then `None`.
+///
+/// # Errors
+/// [`FitError::NoStress`], [`FitError::TooFew`], [`FitError::NotConverged`].
+pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitError> {
+    let data = Data::new(tests, options.errors);
+    let (points, parameters) = (data.targets.len(), law.parameters().len());
+    if points <= parameters {
+        return Err(FitError::TooFew { law: law.label(), parameters, points });
+    }
+    let scale = data.scale()?;
+    let starts = law.starts(&mut Random::new(options.seed), options.starts);
+    let count = starts.len();
+    let (mut ends, mut why): (Vec<(f64, Problem<'_>)>, _) = (Vec::new(), String::new());
+    for (x, signs) in starts {
+        let problem = Problem { law, data: &data, scale, signs, x: DVector::from_vec(x) };
+        let (problem, report) = LevenbergMarquardt::new().with_tol(1e-13).with_patience(200).minimize(problem);
+        let reason = report.termination;
+        let done = reason.was_successful()
+            || matches!(reason, TerminationReason::NoImprovementPossible(_) | TerminationReason::LostPatience);
+        match problem.sum_of_squares() {
+            Some(squares) if done => ends.push((squares, problem)),
+            _ => why = format!("{reason:?}"),
+        }
+    }
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let converged = ends.len();
+    let Some((least, _)) = ends.first() else {
+        return Err(FitError::NotConverged { law: law.label(), starts: count, why });
+    };
+    let alike = ends.iter().filter(|(squares, _)| *squares <= least * 1.001).count();
+    let (squares, best) = ends.swap_remove(0);
+    Ok(best.sorted().assess(squares, [count, converged, alike]))
+}
+
+/// The weighted sum of squares of any parameters: what [`fit`] makes least.
+///
+/// # Errors
+/// Parameters that the law refuses, or a test beyond its domain ([`FitError::NotConverged`]).
+pub fn squares(law: Law, parameters: &[f64], tests: &[Test], errors: Errors) -> Result<f64, FitError> {
+    let data = Data::new(tests, errors);
+    let residuals = data.residuals(&*law.incompressible(parameters)?);
+    let why = "a test lies beyond the domain of the law".to_owned();
+    let residuals = residuals.ok_or(FitError::NotConverged { law: law.label(), starts: 0, why })?;
+    Ok(residuals.iter().map(|r| r * r).sum::<f64>() * data.unit * data.unit)
+}
+
+/// All points of all tests.
+struct Data {
+    states: Vec<Kinematics>,
+    projections: Vec<Mat3>,
+    targets: Vec<f64>,
+    /// Factors of the residuals.
+    factors: Vec<f64>,
+    /// Largest response: residuals are shares of it.
+    unit: f64,
+}
+
+impl Data {
+    fn new(tests: &[Test], errors: Errors) -> Self {
+        let mut out = Data { states: vec![], projections: vec![], targets: vec![], factors: vec![], unit: 1.0 };
+        for test in tests.iter().filter(|test| test.mode != Mode::Volumetric) {
+            let most = test.points.iter().fold(0.0f64, |most, [_, y]| most.max(y.abs()));
+            for [x, y] in &test.points {
+                // at rest every law is free of stress: nothing to learn
+                let Some(state) = test.mode.state(*x).filter(|state| *state != Kinematics::rest()) else { continue };
+                let size = if errors == Errors::Relative { y.abs().max(0.05 * most) } else { 1.0 };
+                out.states.push(state);
+                out.projections.push(test.mode.projection(test.response, *x));
+                out.targets.push(*y);
+                out.factors.push(test.weight.sqrt() / size);
+            }
+        }
+        let scaled = out.targets.iter().zip(&out.factors);
+        out.unit = scaled.map(|(y, factor)| (y * factor).abs()).fold(0.0, f64::max);
+        out
+    }
+
+    /// The neo-Hookean modulus of least squares, and the largest `I1 - 3`.
+    fn scale(&self) -> Result<Scale, FitError> {
+        let unit_law = Law::NeoHookeIsochoric.incompressible(&[1.0])?;
+        let curve = self.responses(&*unit_law).unwrap_or_default();
+        let (mut along, mut own) = (0.0, 0.0);
+        for ((a, y), factor) in curve.iter().zip(&self.targets).zip(&self.factors) {
+            along += factor * factor * a * y;
+            own += factor * factor * a * a;
+        }
+        let reach = self.states.iter().map(|state| state.f().norm_squared() - 3.0).fold(0.0, f64::max);
+        let shear = along / own;
+        if shear > 0.0 && reach > 0.0 && self.unit > 0.0 { Ok(Scale { shear, reach }) } else { Err(FitError::NoStress) }
+    }
+
+    /// Responses of a law; `None` where a point lies beyond its domain.
+    fn responses(&self, law: &dyn EnergyTerm) -> Option<Vec<f64>> {
+        let at = PointBatch { kinematics: &self.states, cell: 0, first: 0 };
+        law.check_domain(&at).ok()?;
+        let mut stress = vec![Mat3::zeros(); self.states.len()];
+        let mut answer = Answer { energy: &mut [], stress: &mut stress, tangent: &mut [] };
+        law.respond(&at, Slots::none(), Want::STRESS, &mut answer);
+        let out: Vec<f64> = stress.iter().zip(&self.projections).map(|(p, a)| a.dot(p)).collect();
+        out.iter().all(|y| y.is_finite()).then_some(out)
+    }
+
+    fn residuals(&self, law: &dyn EnergyTerm) -> Option<Vec<f64>> {
+        let model = self.responses(law)?;
+        let measured = self.targets.iter().zip(&self.factors);
+        Some(model.iter().zip(measured).map(|(y, (target, factor))| (y - target) * factor / self.unit).collect())
+    }
+}
+
+/// The problem as the method sees it: residuals as functions of free numbers.
+struct Problem<'a> {
+    law: Law,
+    data: &'a Data,
+    scale: Scale,
+    signs: Vec<f64>,
+    x: DVector<f64>,
+}
+
+/// A residual that no step is taken for: of free numbers without a law.
+const FAR: f64 = 1e8;
+/// Of differences by free numbers, which are of the order of one.
+const STEP: f64 = 1e-4;
+
+impl Problem<'_> {
+    fn decoded(&self, x: &[f64]) -> Vec<f64> {
+        self.law.decode(x, &self.scale, &self.signs)
+    }
+
+    fn at(&self, x: &[f64]) -> Option<Vec<f64>> {
+        self.data.residuals(&*self.law.incompressible(&self.decoded(x)).ok()?)
+    }
+
+    fn sum_of_squares(&self) -> Option<f64> {
+        let residuals = self.at(self.x.as_slice())?;
+        Some(residuals.iter().map(|r| r * r).sum::<f64>() * self.data.unit * self.data.unit)
+    }
+
+    /// Derivatives by central differences of fourth order.
+    fn derivatives(&self, of: &dyn Fn(&[f64]) -> Option<Vec<f64>>) -> Option<DMatrix<f64>> {
+        let columns = (0..self.x.len()).map(|k| {
+            let at = |steps: f64| {
+                let mut x = self.x.as_slice().to_vec();
+                x[k] += steps * STEP;
+                of(&x)
+            };
+            let [one, back, two, far] = [at(1.0)?, at(-1.0)?, at(2.0)?, at(-2.0)?];
+            let slope = |i: usize| (8.0 * (one[i] - back[i]) - (two[i] - far[i])) / (12.0 * STEP);
+            Some(DVector::from_iterator(one.len(), (0..one.len()).map(slope)))
+        });
+        Some(DMatrix::from_columns(&columns.collect::<Option<Vec<_>>>()?))
+    }
+
+    /// Ogden's terms by what they contribute to the shear modulus, the largest first.
+    fn sorted(mut self) -> Self {
+        if let Law::Ogden(_) = self.law {
+            let pairs = self.x.as_slice().chunks_exact(2).map(<[f64]>::to_vec).zip(self.signs.clone());
+            let mut pairs: Vec<(Vec<f64>, f64)> = pairs.collect();
+            pairs.sort_by(|a, b| b.0[0].total_cmp(&a.0[0]));
+            self.signs = pairs.iter().map(|(_, sign)| *sign).collect();
+            self.x = DVector::from_vec(pairs.into_iter().flat_map(|(x, _)| x).collect());
+        }
+        self
+    }
+
+    fn assess(self, squares: f64, starts: [usize; 3]) -> Fit {
+        let values = self.decoded(self.x.as_slice());
+        let (n, k) = (self.data.targets.len(), values.len());
+        let (unit, free) = (self.data.unit, (n - k) as f64);
+        let jacobian = self.derivatives(&|x| self.at(x));
+        let by_free = self.derivatives(&|x| Some(self.decoded(x)));
+        let variance = squares / (unit * unit) / free;
+        let border = self.law.on_border(self.x.as_slice());
+        let of_free = jacobian.and_then(|jacobian| covariance(&jacobian, &border, variance));
+        let of_values = of_free.as_ref().zip(by_free).map(|(c, t)| &t * c * t.transpose());
+        let deviation = |i: usize| {
+            let variance = of_values.as_ref()?[(i, i)];
+            (variance > 0.0).then(|| variance.sqrt())
+        };
+        let estimate = |(i, name): (usize, &&'static str)| {
+            let half_width = deviation(i).map(|d| student(free) * d);
+            Estimate { name, value: values[i], deviation: deviation(i), half_width }
+        };
+        let parameters = self.law.parameters().iter().enumerate().map(estimate).collect();
+        let correlation = |i: usize, j: usize| Some(of_values.as_ref()?[(i, j)] / (deviation(i)? * deviation(j)?));
+        Fit {
+            law: self.law,
+            parameters,
+            correlation: (0..k).map(|i| (0..k).map(|j| correlation(i, j)).collect()).collect(),
+            squares,
+            points: n,
+            scatter: (squares / free).sqrt(),
+            criteria: Criteria::of(squares, n, k),
+            starts,
+            free: Free { x: self.x.as_slice().to_vec(), signs: self.signs, scale: self.scale, covariance: of_free },
+        }
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
+    type ParameterStorage = Owned<f64, Dyn>;
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+
+    fn set_params(&mut self, x: &DVector<f64>) {
+        self.x.copy_from(x);
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.x.clone()
+    }
+
+    /// Where there is no law: so far away that the step is shortened.
+    fn residuals(&self) -> Option<DVector<f64>> {
+        let far = || vec![FAR; self.data.targets.len()];
+        Some(DVector::from_vec(self.at(self.x.as_slice()).unwrap_or_else(far)))
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        self.derivatives(&|x| self.at(x))
+    }
+}

@@ -1,0 +1,84 @@
+use nastic_energy::{EnergyTerm, PointBatch, Response as Answer, Slots, Want};
+use nastic_tensor::{Kinematics, Mat3, Vec3};
+
+use crate::Mode;
+
+/// Stretches around rest in which a law is stable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Down to here.
+    pub from: f64,
+    /// Up to here.
+    pub to: f64,
+    /// Whether it ends there because the law is no longer stable (or defined), and not because no more was looked at.
+    pub ends: [bool; 2],
+}
+
+/// The range of stretches l in a mode (`Uniaxial`, `Equibiaxial`, `Planar`), within `1/reach` to `reach`, on which Drucker's condition holds:
+/// the stress power `dtau : d(ln l)` of every change at constant volume is positive. With `t_i = tau_i - tau_3` and `e_i = ln l_i`, the
+/// symmetric part of the 2 x 2 matrix `dt_i/de_j`, i, j = 1, 2, must be positive definite (differences in e; 400 stretches, the
+/// border bisected).
+pub fn stable_range(law: &dyn EnergyTerm, mode: Mode, reach: f64) -> Range {
+    const STEPS: i32 = 200;
+    let at = |share: f64| reach.powf(share);
+    let end = |direction: f64| {
+        let mut inside = 0.0;
+        for k in 1..=STEPS {
+            let share = direction * f64::from(k) / f64::from(STEPS);
+            if !is_stable(law, mode, at(share)) {
+                return (at(border(law, mode, reach, [inside, share])), true);
+            }
+            inside = share;
+        }
+        (at(direction), false)
+    };
+    if !is_stable(law, mode, 1.0) {
+        return Range { from: 1.0, to: 1.0, ends: [true, true] };
+    }
+    let ((from, below), (to, above)) = (end(-1.0), end(1.0));
+    Range { from, to, ends: [below, above] }
+}
+
+/// Where stability ends between two shares, the first of which is stable.
+fn border(law: &dyn EnergyTerm, mode: Mode, reach: f64, [mut inside, mut outside]: [f64; 2]) -> f64 {
+    for _ in 0..40 {
+        let middle = 0.5 * (inside + outside);
+        if is_stable(law, mode, reach.powf(middle)) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    inside
+}
+
+fn is_stable(law: &dyn EnergyTerm, mode: Mode, l: f64) -> bool {
+    const STEP: f64 = 1e-4;
+    let Some(state) = mode.state(l) else { return false };
+    let e = [state.f()[(0, 0)].ln(), state.f()[(1, 1)].ln()];
+    let stresses = |i: usize, steps: f64| {
+        let mut e = e;
+        e[i] += steps * STEP;
+        kirchhoff_differences(law, e)
+    };
+    let slope = |i: usize| {
+        let (one, back) = (stresses(i, 1.0)?, stresses(i, -1.0)?);
+        Some([0, 1].map(|k| (one[k] - back[k]) / (2.0 * STEP)))
+    };
+    let (Some(a), Some(b)) = (slope(0), slope(1)) else { return false };
+    let mixed = 0.5 * (a[1] + b[0]);
+    a[0] > 0.0 && a[0] * b[1] - mixed * mixed > 0.0
+}
+
+/// `tau_1 - tau_3`, `tau_2 - tau_3` at logarithmic stretches `e_1`, `e_2`, `-(e_1 + e_2)`.
+fn kirchhoff_differences(law: &dyn EnergyTerm, e: [f64; 2]) -> Option<[f64; 2]> {
+    let l = [e[0].exp(), e[1].exp(), (-e[0] - e[1]).exp()];
+    let state = [Kinematics::new(Mat3::from_diagonal(&Vec3::from(l))).ok()?];
+    let at = PointBatch { kinematics: &state, cell: 0, first: 0 };
+    law.check_domain(&at).ok()?;
+    let mut stress = [Mat3::zeros()];
+    let mut answer = Answer { energy: &mut [], stress: &mut stress, tangent: &mut [] };
+    law.respond(&at, Slots::none(), Want::STRESS, &mut answer);
+    let tau = [0, 1, 2].map(|i| stress[0][(i, i)] * l[i]);
+    Some([tau[0] - tau[2], tau[1] - tau[2]])
+}

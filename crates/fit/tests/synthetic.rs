@@ -1,0 +1,155 @@
+//! Data made by a law give its parameters back, whatever was measured; intervals, borders and refusals.
+#![allow(clippy::unwrap_used)] // a test may
+
+use nastic_fit::{
+    Errors, FitError, FitOptions, Law, Mode, Response, Test, bulk, curve, fit, scenarios, stable_range, student,
+};
+
+const TRUE: [(Law, &[f64]); 8] = [
+    (Law::NeoHooke, &[4e5]),
+    (Law::NeoHookeIsochoric, &[4e5]),
+    (Law::MooneyRivlin, &[1.5e5, 3e4]),
+    (Law::Yeoh, &[1.7e5, -1.5e3, 4e1]),
+    (Law::Gent, &[3e5, 45.0]),
+    (Law::ArrudaBoyce, &[2.8e5, 4.5]),
+    (Law::Ogden(1), &[3e5, 2.4]),
+    (Law::Ogden(2), &[6e5, 1.5, -2e4, -2.2]),
+];
+
+fn test(law: Law, values: &[f64], mode: Mode, response: Response, to: f64) -> Test {
+    let term = law.incompressible(values).unwrap();
+    let at: Vec<f64> = (1..=15).map(|k| (to - 1.0) * f64::from(k) / 15.0).collect();
+    let at: Vec<f64> = at.iter().map(|x| if mode == Mode::SimpleShear { *x } else { 1.0 + x }).collect();
+    let stresses = curve(&*term, mode, response, &at);
+    Test::new(mode.name(), mode, response, at.into_iter().zip(stresses).map(|(x, y)| [x, y]).collect()).unwrap()
+}
+
+fn battery(law: Law, values: &[f64]) -> Vec<Test> {
+    let balloon = Mode::Inflation { thickness_to_radius: 0.02 };
+    vec![
+        test(law, values, Mode::Uniaxial, Response::Nominal, 5.0),
+        test(law, values, Mode::Uniaxial, Response::Cauchy, 0.6),
+        test(law, values, Mode::Equibiaxial, Response::Cauchy, 3.0),
+        test(law, values, Mode::Planar, Response::Nominal, 4.0),
+        test(law, values, Mode::SimpleShear, Response::Shear, 2.5),
+        test(law, values, balloon, Response::Pressure, 3.5).weighted(1e3),
+    ]
+}
+
+#[test]
+fn parameters_come_back() {
+    for (law, values) in TRUE {
+        for errors in [Errors::Absolute, Errors::Relative] {
+            let found = fit(law, &battery(law, values), &FitOptions { errors, ..FitOptions::default() }).unwrap();
+            for (found, expected) in found.parameters.iter().zip(values) {
+                let error = (found.value / expected - 1.0).abs();
+                assert!(error < 1e-5, "{law:?} {errors:?}: {} = {} for {expected}", found.name, found.value);
+            }
+        }
+    }
+}
+
+/// Stresses of the neo-Hookean law by hand: thin balloon `p = 2 (H/R) mu (1/l - 1/l^7)`, simple shear `mu g`.
+#[test]
+fn modes_by_hand() {
+    let law = Law::NeoHookeIsochoric.incompressible(&[2.0]).unwrap();
+    let at = |mode: Mode, response: Response, x: f64| curve(&*law, mode, response, &[x])[0];
+    for l in [0.7f64, 1.4, 2.6] {
+        for (found, expected) in [
+            (at(Mode::Uniaxial, Response::Nominal, l), 2.0 * (l - l.powi(-2))),
+            (at(Mode::Uniaxial, Response::Cauchy, l), 2.0 * (l * l - 1.0 / l)),
+            (at(Mode::Equibiaxial, Response::Nominal, l), 2.0 * (l - l.powi(-5))),
+            (at(Mode::Planar, Response::Cauchy, l), 2.0 * (l * l - l.powi(-2))),
+            (at(Mode::SimpleShear, Response::Shear, l), 2.0 * l),
+            (
+                at(Mode::Inflation { thickness_to_radius: 0.05 }, Response::Pressure, l),
+                2.0 * 0.05 * 2.0 * (1.0 / l - l.powi(-7)),
+            ),
+        ] {
+            assert!((found - expected).abs() < 1e-10 * (1.0 + expected.abs()), "{found} {expected}");
+        }
+    }
+}
+
+/// One parameter, linear: `mu = sum a y / sum a^2`, its variance `s^2 / sum a^2`, the interval by Student's t.
+#[test]
+fn the_interval_of_a_linear_problem() {
+    let noise = [0.3, -0.2, 0.1, -0.4, 0.25, -0.05];
+    let points: Vec<[f64; 2]> = noise.iter().enumerate().map(|(k, e)| [1.2 + 0.3 * k as f64, 0.0 + e]).collect();
+    let a = |l: f64| l - l.powi(-2);
+    let points: Vec<[f64; 2]> = points.iter().map(|[l, e]| [*l, 10.0 * a(*l) + e]).collect();
+    let own: f64 = points.iter().map(|[l, _]| a(*l).powi(2)).sum();
+    let mu = points.iter().map(|[l, y]| a(*l) * y).sum::<f64>() / own;
+    let squares: f64 = points.iter().map(|[l, y]| (y - mu * a(*l)).powi(2)).sum();
+    let deviation = (squares / 5.0 / own).sqrt();
+    let test = Test::new("bar", Mode::Uniaxial, Response::Nominal, points).unwrap();
+    let found = fit(Law::NeoHooke, &[test], &FitOptions::default()).unwrap();
+    let shear = &found.parameters[0];
+    assert!((shear.value / mu - 1.0).abs() < 1e-8);
+    assert!((found.squares / squares - 1.0).abs() < 1e-8);
+    assert!((shear.deviation.unwrap() / deviation - 1.0).abs() < 1e-6);
+    // tabulated: t = 2.5706 for five degrees of freedom
+    assert!((shear.half_width.unwrap() / (2.5706 * deviation) - 1.0).abs() < 2e-3);
+    assert!((student(10.0) - 2.2281).abs() < 2e-4 && (student(1e9) - 1.96).abs() < 1e-4);
+    let spread = scenarios(&found);
+    assert_eq!(spread.len(), 2);
+    let mean = 0.5 * (spread[0].parameters[0] + spread[1].parameters[0]);
+    let half = 0.5 * (spread[1].parameters[0] - spread[0].parameters[0]);
+    assert!((mean / mu - 1.0).abs() < 1e-3 && (half / deviation - 1.0).abs() < 1e-3);
+}
+
+/// A law whose second parameter the data push against its border: no interval for it.
+#[test]
+fn a_parameter_on_its_border_has_no_interval() {
+    let tests = [test(Law::Gent, &[4e5, 60.0], Mode::Uniaxial, Response::Nominal, 6.0)];
+    let found = fit(Law::MooneyRivlin, &tests, &FitOptions::default()).unwrap();
+    let [c10, c01] = &found.parameters[..] else { unreachable!() };
+    assert!(c01.value < 1e-4 * c10.value && c01.deviation.is_none(), "{c01:?}");
+    assert!(c10.deviation.is_some() && found.correlation[0][1].is_none());
+}
+
+#[test]
+fn a_bulk_modulus_from_volumetric_data() {
+    let kappa = 2.2e9;
+    for (law, values) in TRUE {
+        let term = law.build(values, kappa).unwrap();
+        let at = [0.99, 0.995, 1.002];
+        let points = at.iter().zip(curve(&*term, Mode::Volumetric, Response::Pressure, &at)).map(|(x, y)| [*x, y]);
+        let test = Test::new("press", Mode::Volumetric, Response::Pressure, points.collect()).unwrap();
+        let found = bulk(law, values, std::slice::from_ref(&test)).unwrap();
+        assert!((found.value / kappa - 1.0).abs() < 1e-6, "{law:?}: {found:?}");
+        let turned = Test { points: test.points.iter().map(|[x, y]| [*x, -y]).collect(), ..test };
+        assert!(bulk(law, values, &[turned]).unwrap_err().to_string().contains("must be positive"));
+    }
+    assert!(matches!(bulk(Law::NeoHooke, &[1.0], &[]), Err(FitError::Volume(_))));
+}
+
+/// `c20 < 0` beyond what the data show: Yeoh's law is unstable where its stress falls; a neo-Hookean one nowhere.
+#[test]
+fn the_range_of_stability() {
+    let neo = Law::NeoHookeIsochoric.incompressible(&[1.0]).unwrap();
+    let range = stable_range(&*neo, Mode::Equibiaxial, 5.0);
+    assert_eq!((range.from, range.to, range.ends), (0.2, 5.0, [false, false]));
+    let gent = Law::Gent.incompressible(&[1.0, 10.0]).unwrap();
+    let range = stable_range(&*gent, Mode::Uniaxial, 6.0);
+    // to its limit, l^2 + 2/l - 3 = 10
+    assert!(range.ends[1] && (range.to.powi(2) + 2.0 / range.to - 13.0).abs() < 1e-2, "{range:?}");
+    // sigma = 2 (c10 + 2 c20 x + 3 c30 x^2)(..) with a deep valley
+    let yeoh = Law::Yeoh.incompressible(&[1.0, -0.17, 0.01]).unwrap();
+    let range = stable_range(&*yeoh, Mode::Uniaxial, 6.0);
+    assert!(range.ends[1] && range.to > 1.5 && range.to < 2.9, "{range:?}");
+}
+
+#[test]
+fn refusals_say_what_and_where() {
+    let bar = |points: Vec<[f64; 2]>| Test::new("bar", Mode::Uniaxial, Response::Nominal, points);
+    let error = bar(vec![[1.0, 0.0], [-0.2, 3.0]]).unwrap_err().to_string();
+    assert_eq!(error, "test \"bar\", point 1: stretch = -0.2, but it must be positive and finite");
+    let error = Test::new("bar", Mode::SimpleShear, Response::Cauchy, vec![]).unwrap_err().to_string();
+    assert_eq!(error, "test \"bar\": a test of kind simple_shear gives a shear stress, not a Cauchy stress");
+    let few = [bar(vec![[1.0, 0.0], [1.2, 1.0], [1.4, 2.0], [1.6, 2.5]]).unwrap()];
+    let error = fit(Law::Yeoh, &few, &FitOptions::default()).unwrap_err();
+    assert_eq!(error, FitError::TooFew { law: "yeoh".into(), parameters: 3, points: 3 });
+    let still = [bar(vec![[1.2, 0.0], [1.4, 0.0], [1.6, 0.0]]).unwrap()];
+    assert_eq!(fit(Law::NeoHooke, &still, &FitOptions::default()).unwrap_err(), FitError::NoStress);
+}
