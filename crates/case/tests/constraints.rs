@@ -127,14 +127,14 @@ fn bounds_on_functionals() {
     wrong("{ \"obstacle\": { \"surface\": \"z+\", \"shape\": { \"ball\": {} } } }", "sphere");
 }
 
-/// The upper side between nodes 50 mm apart enters a ball that all its nodes keep out of.
+/// Without clearance the upper side enters a ball between nodes 50 mm apart, that all its nodes keep out of.
 #[test]
 fn what_the_body_does_between_nodes_is_told() {
     let codes = |outcome: &Outcome| -> Vec<String> {
         let all = outcome.result["warnings"].as_array().unwrap();
         all.iter().map(|warning| warning["code"].as_str().unwrap().to_owned()).collect()
     };
-    let (found, text) = optimize(&Place::new(), &[]);
+    let (found, text) = optimize(&Place::new(), &["constraints/0/obstacle/clearance=0", "expect={}"]);
     let between = &found.result["constraints"]["groups"]["ball"]["between_nodes"];
     let (distance, x) = (number(&between["distance"]), &between["position"]);
     let from_center =
@@ -146,7 +146,7 @@ fn what_the_body_does_between_nodes_is_told() {
         codes(&found).contains(&"between_nodes".to_owned()) && text.contains("inside of the obstacle, at ("),
         "{text}"
     );
-    let (clear, text) = optimize(&Place::new(), &["constraints/0/obstacle/clearance=5 mm"]);
+    let (clear, text) = optimize(&Place::new(), &[]);
     let between = &clear.result["constraints"]["groups"]["ball"]["between_nodes"];
     assert!(number(&between["distance"]) > 0.0, "{between}");
     assert!(!codes(&clear).contains(&"between_nodes".to_owned()), "{text}");
@@ -155,7 +155,8 @@ fn what_the_body_does_between_nodes_is_told() {
 /// A ball about the clamp: told before anything is solved, and by the end, with the node.
 #[test]
 fn a_support_within_an_obstacle_is_told() {
-    let at_clamp = with(KEEP_OUT, "[0.6, 0.1, 0.43]", "[0.0, 0.1, 0.3]");
+    let close = with(KEEP_OUT, "\"2 mm\"", "\"0 mm\"");
+    let at_clamp = with(&close, "[0.6, 0.1, 0.43]", "[0.0, 0.1, 0.3]");
     let told = warnings(&at_clamp);
     assert_eq!(warnings(KEEP_OUT), "");
     let held = "nodes that a support holds lie inside of the obstacle, node ";
