@@ -138,6 +138,11 @@ fn starts_that_were_interrupted_go_on_to_the_bit() {
         });
         let interrupted = place.run_with(Command::Optimize, MAGNET, &Console::silent(), &options).unwrap();
         assert_eq!(interrupted.exit, Exit::NotConverged, "after {moment} trials");
+        let told = history(&place);
+        let accepted = told.iter().filter(|trial| trial["accepted"] == true).filter_map(|trial| trial["cost"].as_f64());
+        let (least, kept) =
+            (accepted.fold(f64::INFINITY, f64::min), interrupted.result["cost"]["total"].as_f64().unwrap());
+        assert!(kept <= least, "after {moment} trials the result has {kept:e}, the history {least:e}");
         let again = Options { threads: Some(4 - threads), ..Options::default() };
         let resumed = resume(&Catalogue::standard(), &place.path("out"), &again, &Console::silent()).unwrap();
         assert!(resumed.result["resumed"]["iteration"].as_u64().unwrap().is_multiple_of(10));

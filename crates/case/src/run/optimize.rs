@@ -62,7 +62,7 @@ pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restar
 /// Whether the checkpoint in a directory, if any, may be replaced unasked.
 fn may_replace(out: &Directory) -> Result<(), RunError> {
     match checkpoint::interrupted(out).map_err(RunError::UnreadableCheckpoint)? {
-        None | Some(Written { start: 0, iteration: 0 }) => Ok(()),
+        None => Ok(()),
         Some(Written { iteration, .. }) => Err(RunError::Interrupted { directory: out.path().to_owned(), iteration }),
     }
 }

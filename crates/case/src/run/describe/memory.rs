@@ -19,6 +19,13 @@ pub(in super::super) fn memory(problem: &CaseProblem) -> Vec<Line> {
         ),
     };
     out.push(line("memory", text));
+    let starts = problem.case.optimizer.starts;
+    if starts > 1 {
+        let text = format!(
+            "nastic optimize runs as many of the {starts} starts at once as threads and memory allow, each with that"
+        );
+        out.push(line("memory", text));
+    }
     if let Ok(Some(available)) = available_memory() {
         out.push(line("memory", format!("{} are available", megabytes(available))));
     }

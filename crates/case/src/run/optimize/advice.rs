@@ -136,7 +136,9 @@ fn starts_from_here(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<St
     let aimed = relative_gradient(&best.stop)
         .map(|relative| optimizer.tolerance * best.gradient_norm / relative)
         .filter(|norm| norm.is_finite() && *norm > optimizer.absolute_tolerance);
-    starts.chain(aimed.map(|norm| format!("optimizer/absolute_tolerance={norm:.2e}"))).collect()
+    // The other starts would be random again.
+    let alone = (optimizer.starts > 1).then(|| "optimizer/starts=1".to_owned());
+    starts.chain(alone).chain(aimed.map(|norm| format!("optimizer/absolute_tolerance={norm:.2e}"))).collect()
 }
 
 /// The projected gradient at the end, relative to the first of the stage.

@@ -14,6 +14,7 @@ use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::session::{Session, say_warning};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use nastic_fem::{Solver, available_memory};
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{Failed, Objective, Optimizer, Stop, TaylorError, Verdict};
 use serde_json::{Value, json};
@@ -79,7 +80,7 @@ impl Round<'_> {
         let active: Vec<usize> = active.map(|start| start.index).collect();
         let under_way = starts.iter().filter(|start| !start.has_ended()).count();
         let threads = rayon::current_num_threads();
-        let at_once = under_way.min(threads).max(1);
+        let at_once = under_way.min(threads).min(self.most_at_once()).max(1);
         let (console, on_trial) = (self.session.console, &self.session.on_trial);
         let output = OrderedOutput::new(console, on_trial, self.journal, &active, at_once);
         let places: Vec<Mutex<Option<StartRun>>> =
@@ -111,6 +112,20 @@ impl Round<'_> {
         match found.error.take() {
             Some((_, error)) => Err(error),
             None => Ok(found),
+        }
+    }
+
+    /// How many runs the memory at hand can hold, if each makes the factors of its members at once; how many there are changes no result.
+    fn most_at_once(&self) -> usize {
+        let problem = &self.session.problem;
+        if problem.solid().model().solver() == Solver::Multigrid {
+            return usize::MAX;
+        }
+        let each = problem.members().count() * problem.solid().discretization().factorisation_bytes();
+        match available_memory() {
+            Ok(Some(available)) if each > 0 => available / each,
+            // What cannot be asked is told where a factor is made.
+            _ => usize::MAX,
         }
     }
 

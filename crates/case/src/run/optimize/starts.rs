@@ -126,6 +126,9 @@ impl Rounds<'_> {
             let limit = self.limit();
             let round = Round { session, optimizer, journal, limit, resumed, halt: AtomicBool::new(false), found };
             let mut found = round.run(&mut self.starts)?;
+            if found.interrupted {
+                self.end_paused(&mut found)?;
+            }
             if found.interrupted || self.starts.iter().all(StartRun::has_ended) {
                 return Ok(found);
             }
@@ -162,22 +165,40 @@ impl Rounds<'_> {
         stopped.into_iter().try_for_each(|one| self.stop(one))
     }
 
-    fn stop(&mut self, Outperformed { start: index, standing, best }: Outperformed) -> Result<(), RunError> {
+    fn stop(&mut self, Outperformed { start, standing, best }: Outperformed) -> Result<(), RunError> {
         let Standing { cost, within_reach } = standing;
-        let start = std::mem::replace(&mut self.starts[index], StartRun::waiting(index));
-        let Phase::UnderWay(at) = start.phase else { return Ok(()) };
-        let UnderWay { record, trials, run } = *at;
-        let start = read_record(self.session, &record)?;
         let stop = Stop::Outperformed { cost, within_reach, best };
         self.session.console.say("");
-        self.session.console.say(format!("start {} {stop}", index + 1));
+        self.session.console.say(format!("start {} {stop}", start + 1));
+        self.end_here(start, stop).map(drop)
+    }
+
+    /// An interruption finds some starts at the end of their round: what they have found counts too.
+    fn end_paused(&mut self, found: &mut Found) -> Result<(), RunError> {
+        for index in 0..self.starts.len() {
+            if let Some(run) = self.end_here(index, Stop::Cancelled)? {
+                found.add(index, run);
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends a run under way where it stands.
+    fn end_here(&mut self, index: usize, stop: Stop) -> Result<Option<FinishedRun>, RunError> {
+        let start = std::mem::replace(&mut self.starts[index], StartRun::waiting(index));
+        let Phase::UnderWay(at) = start.phase else {
+            self.starts[index] = start;
+            return Ok(None);
+        };
+        let UnderWay { record, trials, run } = *at;
+        let start = read_record(self.session, &record)?;
         let AugmentedBest { best, constraints } = resume_run(self.session, self.optimizer, &run)?.finish(stop);
         let finished = FinishedRun { start, best, constraints, work: trials.work.clone() };
         let found = trials.changes.warnings(self.session, index);
         found.iter().for_each(|warning| say_warning(self.session.console, warning));
         write_iterates(self.session, index, &trials, self.journal);
         self.starts[index] = ended(self.session, (index, &finished), (record, trials), found);
-        Ok(())
+        Ok(Some(finished))
     }
 
     /// Laws and costs, which no record holds, are those of the program before.
