@@ -210,7 +210,7 @@ pub const INSIDE_OBSTACLE: WarningKind = WarningKind {
 pub const BETWEEN_NODES: WarningKind = WarningKind {
     code: "between_nodes",
     about: "every node keeps its distance from an obstacle, but the body between nodes is inside of it",
-    advice: "raise the clearance by the depth told, or refine the mesh there",
+    advice: "raise the clearance by twice the depth told, or refine the mesh there",
 };
 
 /// Something that deserves attention.
