@@ -28,6 +28,7 @@ mod sizes;
 mod start;
 mod support;
 mod survey;
+mod tension;
 mod variant;
 
 pub(crate) use actuation::CONTRACTION;
@@ -292,6 +293,7 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
     }
     let controls = control::lower(case.controls.len(), variants, &bodies, contexts);
     let fields = controls.as_ref().map_or(&[][..], |controls| &controls.controls);
+    tension::warn_of_families(case.controls.len(), variants, &bodies, fields, contexts);
     let (mut out, mut targets) = (Vec::new(), Vec::new());
     let members = variants.iter().zip(bodies).zip(aims.into_iter().zip(limits)).zip(contexts);
     for (((variant, body), (aims, limits)), context) in members {

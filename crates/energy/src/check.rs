@@ -34,7 +34,7 @@ use crate::{Actuation, ConvexDensity, EnergyTerm, Place, PointBatch, Response, S
 pub use accumulation::accumulation;
 pub use control::{control_derivative, drives};
 pub use convexity::{ellipticity, growth};
-pub use density::{fiber_limit, hessian, partials, polyconvexity};
+pub use density::{hessian, partials, polyconvexity, tension_bound};
 pub use derivative::{stress, stress_change, tangent};
 pub use free_cube::free_cube;
 pub use rest::{moduli, rest};
@@ -172,7 +172,7 @@ pub fn passive(law: &dyn EnergyTerm, at: Place) -> Result<Report, Violation> {
 pub fn law<L: ConvexDensity>(law: &L, at: Place) -> Result<Report, Violation> {
     let mut report = passive(law, at)?;
     report.findings.extend(convex_density(law, at)?.findings);
-    report.findings.extend(fiber_limit(law, at)?);
+    report.findings.extend(tension_bound(law, at)?);
     Ok(report)
 }
 

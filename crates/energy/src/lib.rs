@@ -16,6 +16,7 @@ mod field;
 mod material;
 mod moduli;
 mod polyconvex;
+mod tension_bound;
 mod term;
 
 pub use actuation::{FiberTension, Magnet, MagnetIsochoric, MagnetRotation, Turgor, magnet};
@@ -25,4 +26,5 @@ pub use field::{Entry, Field, Place, combine};
 pub use material::*;
 pub use moduli::Moduli;
 pub use polyconvex::{Block, Change, Conjugates, ConvexDensity, Curvature};
+pub use tension_bound::TensionBound;
 pub use term::{Actuation, EnergyTerm, PointBatch, Response, Slot, SlotGroup, Slots, Want};

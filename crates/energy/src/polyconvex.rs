@@ -2,7 +2,9 @@ use std::fmt::Debug;
 
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
-use crate::{EnergyError, EnergyTerm, Existence, Moduli, Outside, Place, PointBatch, Response, Slots, Want};
+use crate::{
+    EnergyError, EnergyTerm, Existence, Moduli, Outside, Place, PointBatch, Response, Slots, TensionBound, Want,
+};
 
 /// Work conjugates of `F`, `H` and `J` (Pa).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,8 +193,8 @@ pub trait ConvexDensity: Debug + Send + Sync {
         None
     }
 
-    /// See [`EnergyTerm::fiber_limit`].
-    fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {
+    /// See [`EnergyTerm::fiber_bound`].
+    fn tension_bound(&self, _at: Place) -> Option<TensionBound> {
         None
     }
 
@@ -280,8 +282,8 @@ impl<D: ConvexDensity> EnergyTerm for D {
         self.conditions(at)
     }
 
-    fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {
-        self.tension_bound(at, a)
+    fn fiber_bound(&self, at: Place) -> Option<TensionBound> {
+        self.tension_bound(at)
     }
 
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

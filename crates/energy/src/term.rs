@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-use crate::{EnergyError, Existence, Moduli, Outside, Place};
+use crate::{EnergyError, Existence, Moduli, Outside, Place, TensionBound};
 
 /// The quadrature points of one cell: their kinematics, and who they are.
 #[derive(Clone, Copy, Debug)]
@@ -152,10 +152,15 @@ pub trait EnergyTerm: Debug + Send + Sync {
         None
     }
 
-    /// Largest fibre tension `m` (Pa) along the unit vector `a` for which this law with `-(m/2) |F a|^2` added stays
-    /// polyconvex. `None` where the law makes no statement.
-    fn fiber_limit(&self, _at: Place, _a: &Vec3) -> Option<f64> {
+    /// The fibre tensions with which this law stays polyconvex. `None` where the law makes no statement.
+    fn fiber_bound(&self, _at: Place) -> Option<TensionBound> {
         None
+    }
+
+    /// Largest fibre tension `m` (Pa) along the unit vector `a` alone for which this law with `-(m/2) |F a|^2` added stays
+    /// polyconvex: that of its [`fiber_bound`](Self::fiber_bound).
+    fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {
+        self.fiber_bound(at).map(|bound| bound.along(a))
     }
 
     /// Checks that the parameter fields fit a mesh of so many cells and quadrature points.
@@ -293,8 +298,8 @@ impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
         (**self).existence(at)
     }
 
-    fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {
-        (**self).fiber_limit(at, a)
+    fn fiber_bound(&self, at: Place) -> Option<TensionBound> {
+        (**self).fiber_bound(at)
     }
 
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

@@ -24,7 +24,7 @@ fn every_material_keeps_its_contract_in_every_form() {
             law.check(0, 0).unwrap();
             if let Some(density) = row.density(&inputs).unwrap() {
                 check::convex_density(&*density, HERE).unwrap_or_else(|e| panic!("{name}: {e}"));
-                check::fiber_limit(&*density, HERE).unwrap_or_else(|e| panic!("{name}: {e}"));
+                check::tension_bound(&*density, HERE).unwrap_or_else(|e| panic!("{name}: {e}"));
             }
         }
     }

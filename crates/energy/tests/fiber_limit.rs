@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::{
-    EnergyTerm, FiberTension, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, TransverseMooneyRivlin, check,
+    EnergyTerm, FiberTension, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, TensionBound, TransverseMooneyRivlin,
+    check,
 };
-use nastic_tensor::{Kinematics, Mat3, Vec3};
+use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
 const HERE: Place = Place { cell: 0, point: 0 };
 
@@ -14,6 +15,11 @@ fn least_wave(law: &dyn EnergyTerm, a: &Vec3, tension: f64, f: Mat3, n: &Vec3) -
     let k = Kinematics::new(f).unwrap();
     let mut tangent = check::evaluate(law, HERE, &k, &[]).tangent;
     tangent.add(&check::evaluate(&FiberTension::along(*a).unwrap(), HERE, &k, &[tension]).tangent);
+    least_eigenvalue(&tangent, n)
+}
+
+/// Of the acoustic tensor for waves along `n`.
+fn least_eigenvalue(tangent: &Tangent, n: &Vec3) -> f64 {
     let acoustic = Mat3::from_fn(|i, j| {
         let mut unit = Mat3::zeros();
         unit.set_row(j, &n.transpose());
@@ -76,4 +82,42 @@ fn transverse_mooney_rivlin_at_any_angle() {
         assert!((2e5 - 1e-6..=8e5 + 1e-6).contains(&limit));
         assert_sharp(&law, a, n, thin(&n));
     }
+}
+
+/// Two families at the same tension are weakest along the line halfway between them, where each counts by the squared cosine.
+#[test]
+fn two_families_together() {
+    let law = NeoHooke::new(1e5, 1e6).unwrap();
+    let n = Vec3::new(2.0, -1.0, 2.0) / 3.0;
+    let across = Vec3::new(1.0, 2.0, 0.0) / 5.0f64.sqrt();
+    for half_angle in [0.0f64, 0.3, std::f64::consts::FRAC_PI_6, 0.7] {
+        let [a, b] = [1.0, -1.0].map(|side| n * half_angle.cos() + across * (side * half_angle.sin()));
+        let bound = law.fiber_bound(HERE).unwrap();
+        let limit = bound.largest_multiple(&(a * a.transpose() + b * b.transpose()));
+        assert!((limit / (1e5 / (1.0 + (2.0 * half_angle).cos())) - 1.0).abs() < 1e-12, "{half_angle}: {limit}");
+        let both = |tension: f64| {
+            let k = Kinematics::new(thin(&n)).unwrap();
+            let mut tangent = check::evaluate(&law, HERE, &k, &[]).tangent;
+            for family in [a, b] {
+                tangent.add(&check::evaluate(&FiberTension::along(family).unwrap(), HERE, &k, &[tension]).tangent);
+            }
+            least_eigenvalue(&tangent, &n)
+        };
+        assert!(
+            both(limit) >= -1e-2 && both(limit + 10.0) < -1.0,
+            "{half_angle}: {} {}",
+            both(limit),
+            both(limit + 10.0)
+        );
+    }
+}
+
+#[test]
+fn a_bound_of_zero_bears_contraction_alone() {
+    let (bound, x) = (TensionBound::isotropic(0.0), Vec3::x());
+    let along_x = x * x.transpose();
+    assert_eq!(
+        [bound.along(&x), bound.largest_multiple(&along_x), bound.largest_multiple(&-along_x)],
+        [0.0, 0.0, f64::INFINITY]
+    );
 }

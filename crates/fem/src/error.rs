@@ -1,5 +1,6 @@
 //! Errors of building a problem and of solving it.
 
+use crate::contributions::body_energy::tensions::ExcessTension;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::solution::state::State;
 use nastic_energy::{EnergyError, Outside};
@@ -163,15 +164,8 @@ pub enum Cause {
         /// Estimated load of the limit point.
         load: f64,
     },
-    /// A tension beyond the convexity bound of the laws.
-    Convexity {
-        /// Name of the actuation.
-        actuation: String,
-        /// Its largest tension.
-        tension: f64,
-        /// The bound.
-        limit: f64,
-    },
+    /// Tensions beyond the convexity bound of the laws.
+    Convexity(ExcessTension),
     /// Nothing tells.
     Unknown,
 }
@@ -181,7 +175,7 @@ impl Cause {
     pub fn code(&self) -> &'static str {
         match self {
             Cause::LimitPoint { .. } => "limit_point",
-            Cause::Convexity { .. } => "convexity_bound",
+            Cause::Convexity(_) => "convexity_bound",
             Cause::Unknown => "unknown",
         }
     }
@@ -196,11 +190,18 @@ impl fmt::Display for Cause {
                  the controls and loads asked for: beyond it the body jumps to another equilibrium or has none; try a smaller \
                  control or load"
             ),
-            Cause::Convexity { actuation, tension, limit } => write!(
-                f,
-                "the tension of \"{actuation}\" reaches {tension:.4e}, beyond {limit:.4e}, up to which the laws stay \
-                 polyconvex: the energy may be unbounded below; keep it under the bound"
-            ),
+            Cause::Convexity(ExcessTension { actuation, tension, limit, beside }) => {
+                write!(
+                    f,
+                    "the tension of \"{actuation}\" reaches {tension:.4e}, beyond {limit:.4e}, up to which the laws stay polyconvex"
+                )?;
+                for (k, (name, tension)) in beside.iter().enumerate() {
+                    let before = if k == 0 { " with that of" } else { " and" };
+                    write!(f, "{before} \"{name}\", {tension:.4e} there,")?;
+                }
+                let change = if beside.is_empty() { "" } else { " in proportion" };
+                write!(f, "{change}: the energy may be unbounded below; keep it under the bound")
+            }
             Cause::Unknown => f.write_str(
                 "the body may have no stable equilibrium there: try a smaller control or load, or a finer mesh",
             ),

@@ -117,8 +117,9 @@ impl Chart {
             let (low, high) = values.filter(|x| x.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), range);
             (low <= high).then(|| Axis::around(low, high))
         };
-        let x = finite(&mut points().map(|p| p.0).chain(self.lines.iter().map(|line| line.0)))?;
-        let y = finite(&mut points().map(|p| p.1))?;
+        let dots = |axis: usize| self.dots.iter().map(move |(at, _)| at[axis]);
+        let x = finite(&mut points().map(|p| p.0).chain(self.lines.iter().map(|line| line.0)).chain(dots(0)))?;
+        let y = finite(&mut points().map(|p| p.1).chain(dots(1)))?;
         let mut drawing = Drawing { x, y, marks: Vec::new() };
         drawing.frame(self);
         for (x, name) in &self.lines {

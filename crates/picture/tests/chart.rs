@@ -46,6 +46,21 @@ fn curves_stand_where_their_values_are() {
     assert!(((y1 - y2) / (y1 - level[1]) - 2.0).abs() < 1e-3 && y2 < y1);
 }
 
+/// A point beyond the curves is on the chart: with one at twice their height they are half as high.
+#[test]
+fn axes_cover_the_points() {
+    let directory = tempfile::tempdir().unwrap();
+    let piece = |chart: Chart| {
+        let file = directory.path().join("chart.svg");
+        chart.write(&file).unwrap();
+        let [x1, y1, x2, y2] = lines(&std::fs::read_to_string(&file).unwrap(), Colour::BLUE, "3.5")[0];
+        [x2 - x1, y1 - y2]
+    };
+    let [width, height] = piece(chart());
+    let [wide, high] = piece(chart().dot(8.0, 6.0, ""));
+    assert!((2.0 * wide / width - 1.0).abs() < 2e-3 && (2.0 * high / height - 1.0).abs() < 2e-3, "{wide} {high}");
+}
+
 #[test]
 fn the_png_shows_the_same_as_the_svg() {
     let directory = tempfile::tempdir().unwrap();

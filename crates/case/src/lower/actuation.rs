@@ -5,7 +5,7 @@ use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, complain_of_law};
 use super::place;
-use crate::quantity::{Dimension, Units};
+use super::tension::beyond_limit;
 use crate::schema::{Actuation, Case, Fixed, Input, Means};
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR};
 use nastic_control::Reduced;
@@ -165,12 +165,3 @@ fn fix_number(
 pub(crate) const CONTRACTION: &str = "contraction";
 pub(super) const MUSCLES_PULL: &str = "a muscle only pulls: its contraction is positive or zero; fibres that lengthen are of the kind \"fiber_tension\", \
      with a positive tension";
-
-/// What to say of a tension above the law's convexity bound.
-pub(super) fn beyond_limit(tension: f64, limit: f64, units: Units) -> String {
-    let unit = units.label(Dimension::PRESSURE);
-    format!(
-        "a tension of {tension} {unit} exceeds {limit} {unit}, up to which the law stays polyconvex: beyond it the \
-         existence theorem does not hold and the body may have no equilibrium"
-    )
-}

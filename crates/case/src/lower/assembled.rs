@@ -5,9 +5,10 @@ mod error;
 
 pub use error::AssemblyError;
 
-use super::control::{Admitted, ControlField, is_reserved, limit};
+use super::control::{Admitted, ControlField, is_reserved};
 use super::member::Label;
 use super::probe::{LocatedProbe, outside};
+use super::tension::{beyond_limit, beyond_together, joint_excess, limit};
 use super::variant::stems;
 use super::{CaseProblem, TargetShape, sizes};
 use crate::expression::dimension_of;
@@ -82,6 +83,10 @@ impl CaseProblem {
         }
         for member in ensemble.members() {
             let body = member.problem();
+            let bounds = member.blocks().iter().map(|k| fields[*k].bounds.as_ref());
+            if let Some(excess) = joint_excess(body, bounds) {
+                warnings.push(Warning::new(&CONVEXITY, beyond_together(&excess, case.units)).of(member.name()));
+            }
             let told = body.costs().iter().flat_map(|cost| cost.warnings(body.solid()));
             warnings.extend(told.map(|told| Warning::new(&HAUSDORFF_LENGTH, told).of(member.name())));
         }
@@ -159,7 +164,7 @@ fn field(
             }
         }
         if let Some(limit) = limit.filter(|limit| upper > *limit) {
-            warnings.push(Warning::new(&CONVEXITY, super::actuation::beyond_limit(upper, limit, case.units)));
+            warnings.push(Warning::new(&CONVEXITY, beyond_limit(upper, limit, case.units)));
         }
     }
     let load_case = block.name.contains('/').then_some(block.owner);

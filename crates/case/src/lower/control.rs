@@ -1,9 +1,10 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
-use super::actuation::{CONTRACTION, MUSCLES_PULL, beyond_limit, is_built};
+use super::actuation::{CONTRACTION, MUSCLES_PULL, is_built};
 use super::array::{self, Entity, MeshArray};
 use super::context::Context;
 use super::start;
+use super::tension::{beyond_limit, default_upper, limit};
 use super::variant::Variant;
 use crate::quantity::Dimension;
 use crate::result::snapshot::RESERVED;
@@ -31,7 +32,7 @@ pub struct ControlField {
     pub admitted: Admitted,
     /// The bounds of every component, where the values are scalars.
     pub bounds: Option<Bounds>,
-    /// The convexity bound of the passive law, for a tension where the law has one: the smallest of all members.
+    /// The convexity bound of the passive law on this tension alone, where the law has one: the smallest of all members.
     pub limit: Option<f64>,
 }
 
@@ -127,9 +128,11 @@ pub(super) fn lower(
             }
             known.push((load_case, k));
             let users = variants.iter().zip(bodies).filter(|(user, _)| k < shared || user.load_case == load_case);
-            let limit = limit(users.map(|(_, body)| body), k);
+            let limit = limit(users.clone().map(|(_, body)| body), k);
+            let default_upper = default_upper(users.map(|(_, body)| body), k);
             let case_name = load_case.map(|_| variant.case_name.as_str());
-            let lowering = Lowering { case: &variant.case, reduced: body, control, block, limit, case_name };
+            let lowering =
+                Lowering { case: &variant.case, reduced: body, control, block, limit, default_upper, case_name };
             match lowering.lower(context) {
                 Some((field, start, set)) => {
                     out.controls.push(ControlField { load_case, ..field });
@@ -164,22 +167,15 @@ pub(super) fn weigh(
     Some(body)
 }
 
-/// The smallest of the laws' bounds on a tension; bodies number their fields alike.
-pub(super) fn limit<'b>(bodies: impl Iterator<Item = &'b Reduced>, field: usize) -> Option<f64> {
-    let of = |body: &Reduced| {
-        let block = &body.layout().blocks()[field];
-        (block.components == 1).then(|| body.solid().body().fiber_limit(block.actuation)).flatten()
-    };
-    bodies.filter_map(of).reduce(f64::min)
-}
-
 struct Lowering<'a> {
     case: &'a Case,
     reduced: &'a Reduced,
     control: &'a Control,
     block: &'a ControlBlock,
-    /// The laws' bound on a tension.
+    /// The laws' bound on a tension of this family alone.
     limit: Option<f64>,
+    /// The upper bound where none is given.
+    default_upper: Option<f64>,
     /// Name of the load case that has it alone.
     case_name: Option<&'a str>,
 }
@@ -194,7 +190,7 @@ struct Allowed {
 impl Lowering<'_> {
     fn lower(&self, context: &mut Context<'_>) -> Option<(ControlField, Vec<f64>, Box<dyn Admissible>)> {
         let limit = self.limit;
-        let allowed = self.allowed(limit, context);
+        let allowed = self.allowed(context);
         let start = self.start(context);
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
         let start = self.settle(start, set.as_ref(), context)?;
@@ -215,8 +211,8 @@ impl Lowering<'_> {
         actuation.slots.get(self.block.slot).is_some_and(|slot| slot.group == CONTRACTION)
     }
 
-    fn allowed(&self, limit: Option<f64>, context: &mut Context<'_>) -> Option<Allowed> {
-        if self.block.components == 1 { self.bounds(limit, context) } else { self.vectors(context) }
+    fn allowed(&self, context: &mut Context<'_>) -> Option<Allowed> {
+        if self.block.components == 1 { self.bounds(context) } else { self.vectors(context) }
     }
 
     fn vectors(&self, context: &mut Context<'_>) -> Option<Allowed> {
@@ -241,7 +237,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn bounds(&self, limit: Option<f64>, context: &mut Context<'_>) -> Option<Allowed> {
+    fn bounds(&self, context: &mut Context<'_>) -> Option<Allowed> {
         let lower = self.bound("lower", &self.control.lower, context);
         let upper = self.bound("upper", &self.control.upper, context);
         let (mut lower, mut upper) = (lower?, upper?);
@@ -274,15 +270,15 @@ impl Lowering<'_> {
             context.warn(&UNBOUNDED, &self.control.at, message);
         }
         let lower = lower.unwrap_or(Limit::Uniform(f64::NEG_INFINITY));
-        let upper = match (upper, limit) {
-            (Some(upper), limit) => {
+        let upper = match (upper, self.default_upper) {
+            (Some(upper), _) => {
                 let most = greatest(&upper);
-                if let Some(limit) = limit.filter(|limit| most > *limit) {
+                if let Some(limit) = self.limit.filter(|limit| most > *limit) {
                     context.warn(&CONVEXITY, &self.control.at.key("upper"), beyond_limit(most, limit, context.units));
                 }
                 upper
             }
-            (None, Some(limit)) => Limit::Uniform(limit),
+            (None, Some(default)) => Limit::Uniform(default),
             (None, None) => {
                 context.warn(&UNBOUNDED, &self.control.at, "no \"upper\" bound is given, and the law reports none");
                 Limit::Uniform(f64::INFINITY)
@@ -293,7 +289,7 @@ impl Lowering<'_> {
             Ok(bounds) => Some(Allowed { admitted, bounds: Some(bounds.clone()), set: Box::new(bounds) }),
             Err(nastic_opt::SetError::Crossed { index, lower, upper }) => {
                 let place = self.block.map.describe(index);
-                let from_law = if self.control.upper.is_none() { " (the law's convexity bound)" } else { "" };
+                let from_law = if self.control.upper.is_none() { " (within the law's convexity bound)" } else { "" };
                 let message =
                     format!("crossed bounds at {place}: \"lower\" is {lower}, above \"upper\" {upper}{from_law}");
                 context.complain(&self.control.at.key("lower"), message);

@@ -3,7 +3,7 @@
 use crate::lower::CaseMember;
 use nastic_control::{ControlError, StateFields};
 use nastic_energy::Outside;
-use nastic_fem::{Cause, State, StateError};
+use nastic_fem::{Cause, ExcessTension, State, StateError};
 use nastic_mesh::Snapshot;
 use serde_json::{Map, Value, json};
 
@@ -37,8 +37,10 @@ pub(crate) fn entries(member: CaseMember<'_>, error: &StateError) -> Map<String,
                 Cause::LimitPoint { load } => {
                     out.insert("limit_point".into(), json!(load));
                 }
-                Cause::Convexity { actuation, tension, limit } => {
-                    let bound = json!({ "actuation": actuation, "tension": tension, "limit": limit });
+                Cause::Convexity(ExcessTension { actuation, tension, limit, beside }) => {
+                    let beside: Vec<Value> =
+                        beside.iter().map(|(name, tension)| json!({ "actuation": name, "tension": tension })).collect();
+                    let bound = json!({ "actuation": actuation, "tension": tension, "limit": limit, "beside": beside });
                     out.insert("convexity_bound".into(), bound);
                 }
                 Cause::Unknown => {}

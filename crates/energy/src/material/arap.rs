@@ -1,4 +1,4 @@
-use nastic_tensor::{Mat3, Vec3};
+use nastic_tensor::Mat3;
 
 use super::power_trace::Spectrum;
 use crate::{
@@ -80,10 +80,6 @@ impl ConvexDensity for Arap {
     fn conditions(&self, _at: Place) -> Option<Existence> {
         let growth = Growth { p: 2.0, q: 0.0, r: 0.0 };
         Some(Existence { polyconvex: false, resists_collapse: false, growth })
-    }
-
-    fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {
-        None
     }
 
     fn check_fields(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

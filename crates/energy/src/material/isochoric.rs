@@ -3,7 +3,9 @@
 use nastic_tensor::{Mat3, Tangent, Vec3};
 
 use super::volumetric::volumetric;
-use crate::{Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Moduli, Outside, Place};
+use crate::{
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Moduli, Outside, Place, TensionBound,
+};
 
 /// A function of one invariant and its first three derivatives, from the change `x` of the invariant since rest.
 pub(super) type Function<'a> = &'a dyn Fn(f64) -> [f64; 4];
@@ -158,8 +160,8 @@ impl<L: IsochoricLaw> ConvexDensity for L {
     }
 
     /// The curvature by `F` fades as `J` grows: no positive tension leaves the sum convex.
-    fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {
-        Some(0.0)
+    fn tension_bound(&self, _at: Place) -> Option<TensionBound> {
+        Some(TensionBound::isotropic(0.0))
     }
 
     fn check_fields(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

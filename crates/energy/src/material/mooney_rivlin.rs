@@ -1,8 +1,9 @@
-use nastic_tensor::{Mat3, Vec3};
+use nastic_tensor::Mat3;
 
 use super::engineering::{check_rubber, shear_bulk};
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place, combine,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place,
+    TensionBound, combine,
 };
 
 /// Compressible Mooney-Rivlin law.
@@ -152,8 +153,8 @@ impl ConvexDensity for MooneyRivlin {
         Some(Existence { polyconvex: true, resists_collapse: true, growth })
     }
 
-    fn tension_bound(&self, at: Place, _a: &Vec3) -> Option<f64> {
-        Some(2.0 * self.mu1.at(at))
+    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+        Some(TensionBound::isotropic(2.0 * self.mu1.at(at)))
     }
 
     fn check_fields(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

@@ -1,8 +1,9 @@
-use nastic_tensor::{Mat3, Vec3};
+use nastic_tensor::Mat3;
 
 use super::engineering::{check_rubber, shear_bulk};
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place, combine,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place,
+    TensionBound, combine,
 };
 
 /// Neo-Hookean law split into isochoric and volumetric parts, the law of many published benchmarks.
@@ -128,8 +129,8 @@ impl ConvexDensity for NeoHookeIsochoric {
         Some(Existence { polyconvex: true, resists_collapse: true, growth: Growth::isochoric(1.0) })
     }
 
-    fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {
-        Some(0.0)
+    fn tension_bound(&self, _at: Place) -> Option<TensionBound> {
+        Some(TensionBound::isotropic(0.0))
     }
 
     fn check_fields(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

@@ -5,7 +5,8 @@ use super::isochoric::moduli;
 use super::power_trace::{PowerTrace, Spectrum};
 use super::volumetric::volumetric;
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place, combine,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place,
+    TensionBound, combine,
 };
 
 /// Ogden's law of N terms in powers of the isochoric principal stretches.
@@ -181,8 +182,8 @@ impl ConvexDensity for Ogden {
     }
 
     /// The curvature by `F` fades as `J` grows: no positive tension leaves the sum convex.
-    fn tension_bound(&self, _at: Place, _a: &nastic_tensor::Vec3) -> Option<f64> {
-        Some(0.0)
+    fn tension_bound(&self, _at: Place) -> Option<TensionBound> {
+        Some(TensionBound::isotropic(0.0))
     }
 
     fn check_fields(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

@@ -1,4 +1,4 @@
-use nastic_tensor::{Mat3, Vec3};
+use nastic_tensor::Mat3;
 
 use super::engineering::shear_bulk;
 use crate::{
@@ -108,10 +108,6 @@ impl ConvexDensity for SaintVenantKirchhoff {
     fn conditions(&self, _at: Place) -> Option<Existence> {
         let growth = Growth { p: 4.0, q: 0.0, r: 0.0 };
         Some(Existence { polyconvex: false, resists_collapse: false, growth })
-    }
-
-    fn tension_bound(&self, _at: Place, _a: &Vec3) -> Option<f64> {
-        None
     }
 
     fn check_fields(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

@@ -2,6 +2,7 @@ use nastic_tensor::{Mat3, Vec3};
 
 use crate::{
     Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place,
+    TensionBound,
 };
 
 /// Transversely isotropic Mooney-Rivlin law with stiffening fibres along unit vectors `f(X)`.
@@ -112,11 +113,9 @@ impl ConvexDensity for TransverseMooneyRivlin {
         Some(Existence { polyconvex: true, resists_collapse: true, growth })
     }
 
-    fn tension_bound(&self, at: Place, a: &Vec3) -> Option<f64> {
+    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
         let ([mu1, _, mu3, _], fiber) = self.at(at);
-        // From 2 (mu1 I + mu3 f f) - m a a >= 0, by the inverse of the first matrix; a full cosine must not exceed one.
-        let across = (1.0 - a.dot(&fiber).powi(2)).max(0.0);
-        Some(2.0 * mu1 * (mu1 + mu3) / (mu1 + mu3 * across))
+        Some(TensionBound::stiffer_along(2.0 * mu1, 2.0 * mu3, &fiber))
     }
 
     fn check_fields(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

@@ -222,7 +222,7 @@ impl Model {
     ) -> Result<State, StateError> {
         let mut here = from.clone();
         let (mut steps, mut helped) = (LoadSteps::default(), false);
-        let unbounded = self.beyond_convexity(to).is_some();
+        let unbounded = self.body.excess_tension(to).is_some();
         while steps.done < 1.0 {
             let path = steps.next();
             let controls = from.controls.blend(to, path);
@@ -264,8 +264,8 @@ impl Model {
         match stop {
             Stop::Inverted(at) => StateError::Inverted { at, load, cuts, last },
             Stop::Slow { residual } => {
-                let cause = match (self.beyond_convexity(controls), steps.limit_point()) {
-                    (Some(beyond), _) => beyond,
+                let cause = match (self.body.excess_tension(controls), steps.limit_point()) {
+                    (Some(beyond), _) => Cause::Convexity(beyond),
                     (None, Some(load)) => Cause::LimitPoint { load },
                     (None, None) => Cause::Unknown,
                 };
@@ -282,15 +282,5 @@ impl Model {
             Stop::Linear(error) => error.into(),
             Stop::Cancelled => StateError::Cancelled,
         }
-    }
-
-    /// The first tension beyond what the laws carry while they stay polyconvex.
-    fn beyond_convexity(&self, controls: &Controls) -> Option<Cause> {
-        let body = &self.body;
-        body.actuations().iter().enumerate().find_map(|(k, actuation)| {
-            let limit = body.fiber_limit(k)?;
-            let tension = controls.values(k).iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            (tension > limit).then(|| Cause::Convexity { actuation: actuation.name.clone(), tension, limit })
-        })
     }
 }

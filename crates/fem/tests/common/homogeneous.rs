@@ -28,7 +28,7 @@ pub struct SmallStrain {
 }
 
 impl SmallStrain {
-    fn isotropic(lambda: f64, mu: f64) -> Self {
+    pub fn isotropic(lambda: f64, mu: f64) -> Self {
         SmallStrain { lambda, mu_t: mu, mu_l: mu, alpha: 0.0, fiber: Vec3::x() }
     }
 
@@ -43,7 +43,7 @@ impl SmallStrain {
 }
 
 impl Case {
-    fn new(
+    pub fn new(
         name: &str,
         law: impl EnergyTerm + 'static,
         small: SmallStrain,
@@ -108,11 +108,11 @@ pub fn neo_hooke_isochoric(mu: f64, kappa: f64) -> Outcome<Case> {
     }))
 }
 
-/// Every law, in units of about 1; the fibred one with its fibre along, across and at 45 degrees to x, and in space.
+/// Every law of a body, in units of about 1; the fibred one with its fibre along, across and at 45 degrees to x, and in space.
 pub fn cases() -> Outcome<Vec<Case>> {
     let mu = [1.0, 0.2, 3.0, 5.0];
     let diagonal = Vec3::new(1.0, 1.0, 0.0).normalize();
-    Ok(vec![
+    let mut cases = vec![
         mooney_rivlin([1.0, 0.2, 5.0])?,
         neo_hooke(1.5, 4.0)?,
         neo_hooke_isochoric(1.5, 5.0)?,
@@ -120,7 +120,9 @@ pub fn cases() -> Outcome<Vec<Case>> {
         transverse(mu, Vec3::y())?,
         transverse(mu, diagonal)?,
         transverse(mu, Vec3::new(0.48, 0.64, 0.6))?,
-    ])
+    ];
+    cases.extend(super::rubber::cases()?);
+    Ok(cases)
 }
 
 /// The upper triangular matrix of three (plane) or six numbers: `F_11, F_22, F_12` (, `F_33, F_13, F_23`).

@@ -5,6 +5,7 @@
 pub mod block;
 pub mod homogeneous;
 pub mod own_contributions;
+pub mod rubber;
 pub mod shells;
 
 use nastic_energy::EnergyTerm;

@@ -5,6 +5,7 @@ use crate::lower::CaseProblem;
 use crate::quantity::Dimension;
 use crate::run::number::quantity;
 use crate::schema::{Fixed, Means};
+use nastic_fem::BodyEnergy;
 use serde_json::{Value, json};
 
 pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
@@ -27,9 +28,14 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
         if let Some(volume) = volume_at_rest(problem, &actuation.name) {
             out.push(line("actuation", format!("  volume at rest {}", quantity(volume, VOLUME, units))));
         }
-        if let Some(limit) = fiber_limit(problem, &actuation.name) {
+        if let Some(limit) = limit(problem, &actuation.name, BodyEnergy::fiber_limit) {
             let limit = quantity(limit, Dimension::PRESSURE, units);
             out.push(line("actuation", format!("  the law stays polyconvex up to a tension of {limit}")));
+        }
+        if let Some((beside, joint)) = together(problem, &actuation.name) {
+            let joint = quantity(joint, Dimension::PRESSURE, units);
+            let beside = beside.join(", ");
+            out.push(line("actuation", format!("  with that of {beside} on the same cells, all alike, up to {joint}")));
         }
         for (key, fixed) in &actuation.fixed {
             let value = match fixed {
@@ -56,19 +62,32 @@ pub(super) fn json(problem: &CaseProblem) -> Value {
             }
         };
         entry["name"] = json!(a.name);
-        entry["fiber_limit"] = json!(fiber_limit(problem, &a.name));
+        entry["fiber_limit"] = json!(limit(problem, &a.name, BodyEnergy::fiber_limit));
+        if let Some((beside, joint)) = together(problem, &a.name) {
+            entry["joint_fiber_limit"] = json!(joint);
+            entry["beside"] = json!(beside);
+        }
         entry
     });
     actuations.collect()
 }
 
 /// The smallest bound on a tension of all members.
-fn fiber_limit(problem: &CaseProblem, actuation: &str) -> Option<f64> {
-    let of = |body: &nastic_fem::BodyEnergy| {
-        let index = body.actuations().iter().position(|attached| attached.name == actuation)?;
-        body.fiber_limit(index)
-    };
+fn limit(problem: &CaseProblem, actuation: &str, bound: impl Fn(&BodyEnergy, usize) -> Option<f64>) -> Option<f64> {
+    let of = |body: &BodyEnergy| bound(body, number(body, actuation)?);
     problem.members().filter_map(|member| of(member.solid().body())).reduce(f64::min)
+}
+
+/// The families beside one on its cells, and what all of them may reach at once.
+fn together(problem: &CaseProblem, actuation: &str) -> Option<(Vec<String>, f64)> {
+    let body = problem.solid().body();
+    let joint = limit(problem, actuation, BodyEnergy::joint_fiber_limit)?;
+    let beside: Vec<String> = body.families_beside(number(body, actuation)?).into_iter().map(str::to_owned).collect();
+    (!beside.is_empty()).then_some((beside, joint))
+}
+
+fn number(body: &BodyEnergy, actuation: &str) -> Option<usize> {
+    body.actuations().iter().position(|attached| attached.name == actuation)
 }
 
 const VOLUME: Dimension = Dimension::of(3, 0, 0, 0);

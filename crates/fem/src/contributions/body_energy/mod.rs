@@ -8,10 +8,9 @@ use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::Cells;
 use assembly::Terms;
 use formulation::{Formulation, Standard};
-use nastic_energy::{Actuation, EnergyTerm, Outside, Place, PointBatch};
+use nastic_energy::{Actuation, EnergyTerm, Outside, PointBatch};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::GroupNames;
-use nastic_tensor::Vec3;
 use std::sync::Arc;
 
 pub(crate) mod assembly;
@@ -22,6 +21,7 @@ pub(crate) mod max_step;
 pub(crate) mod point_strains;
 mod second_order;
 mod tangent_product;
+pub(crate) mod tensions;
 
 /// The energy of a body: passive materials and actuations, each over some of the cells.
 ///
@@ -200,29 +200,6 @@ impl BodyEnergy {
     /// [`InvertedAt`] where J <= 0 at u itself.
     pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
         max_step::max_step(&self.disc, u, du, parallel)
-    }
-
-    /// The smallest convexity bound on a tension of the named direction over the given cells' points: the sharpest upper
-    /// bound under which the survey's existence theorem covers the case. `None` if a law states no bound.
-    ///
-    /// Source: survey, Prop. 1.
-    pub fn fiber_limit(&self, actuation: usize) -> Option<f64> {
-        let attached = self.actuations.get(actuation)?;
-        let points = self.disc.points_of_cells();
-        let mut least: Option<f64> = None;
-        for &cell in &attached.cells {
-            let (first, count) = points[cell as usize];
-            for q in 0..count {
-                let at = Place { cell: cell as usize, point: first + q };
-                let a: Vec3 = attached.law.direction(at)?;
-                // Each term may carry its share of the tension, so their bounds add up.
-                let carried =
-                    self.materials_of(cell as usize).filter_map(|m| m.fiber_limit(at, &a)).reduce(|s, m| s + m);
-                let carried = carried?;
-                least = Some(least.map_or(carried, |l| l.min(carried)));
-            }
-        }
-        least
     }
 
     /// `out = K(u, m) v`, the product with the tangent of [`evaluate_tangent`](Self::evaluate_tangent) (supports not
