@@ -122,7 +122,26 @@ fn mistakes_name_file_line_and_column() {
     let error = with("stretch,nominal_stress [MPa]\n1.2\n");
     assert!(error.contains("bar.csv:2:4: the row has no column 2"), "{error}");
     let error = with("stretch,pressure [MPa]\n1.2,0.1\n");
-    assert!(error.contains("a test of kind uniaxial gives a nominal or a Cauchy stress, not a pressure"), "{error}");
+    let wanted =
+        "no column \"nominal_stress\" or \"cauchy_stress\" for a test of kind \"uniaxial\"; found: stretch, pressure";
+    assert!(error.contains(wanted), "{error}");
+    // a decimal comma, whether the first number has it or the second
+    let error = with("stretch,nominal_stress [MPa]\n1.2,0.1\n1.3,0,25\n");
+    assert!(
+        error.contains("bar.csv:3:7: the row has 3 cells, but the line of columns has 2: are there decimal"),
+        "{error}"
+    );
+    let error = with("stretch;nominal_stress [MPa]\n1.2;0.1;0.3\n");
+    assert!(error.contains("bar.csv:2:9: the row has 3 cells") && !error.contains("decimal"), "{error}");
+    let error = with("strain [%],nominal_stress [MPa]\n20,0.1\n-150,0.3\n");
+    assert!(error.contains("bar.csv:3:1: test \"bar\", point 1: stretch = -0.5, but it must be positive"), "{error}");
+    let error = with("stretch,nominal_stress [MPa],cauchy_stress [MPa]\n1.2,0.1,0.12\n");
+    let wanted = "bar.csv:1:30: the columns \"nominal_stress\" and \"cauchy_stress\" are both there";
+    assert!(error.contains(wanted), "{error}");
+    let error = with("stretch,strain [%],nominal_stress [MPa]\n1.2,20,0.1\n");
+    assert!(error.contains("bar.csv:1:9: the columns \"stretch\" and \"strain\" are both there"), "{error}");
+    let error = with("stretch [1,nominal_stress [MPa]\n1.2,0.1\n");
+    assert!(error.contains("bar.csv:1:1: \"stretch\" has a bracket that is not closed"), "{error}");
     assert!(with("").contains("the table is empty"));
     fs::remove_file(&table).unwrap();
     assert!(error_of(&data).contains("tests/0/file: ") && error_of(&data).contains("cannot be read"));

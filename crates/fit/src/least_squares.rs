@@ -6,7 +6,7 @@ use nastic_tensor::{Kinematics, Mat3};
 
 use crate::law::Scale;
 use crate::statistics::covariance;
-use crate::{Criteria, Estimate, FitError, Law, Mode, Test, student};
+use crate::{Criteria, Estimate, FitError, Law, Mode, Test, curve, student};
 
 /// What residuals are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -81,9 +81,10 @@ impl Fit {
 /// border of what its law admits, whose deviation is then `None`.
 ///
 /// # Errors
-/// [`FitError::NoStress`], [`FitError::TooFew`], [`FitError::NotConverged`].
+/// [`FitError::NoStress`], [`FitError::WrongSign`], [`FitError::NegativeShear`], [`FitError::ZeroTest`], [`FitError::TooFew`],
+/// [`FitError::NotConverged`]; what [`Test::new`] refuses.
 pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitError> {
-    let data = Data::new(tests, options.errors);
+    let data = Data::new(tests, options.errors)?;
     let (points, parameters) = (data.targets.len(), law.parameters().len());
     if points <= parameters {
         return Err(FitError::TooFew { law: law.label(), parameters, points });
@@ -118,7 +119,7 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitErr
 /// # Errors
 /// Parameters that the law refuses, or a test beyond its domain ([`FitError::NotConverged`]).
 pub fn squares(law: Law, parameters: &[f64], tests: &[Test], errors: Errors) -> Result<f64, FitError> {
-    let data = Data::new(tests, errors);
+    let data = Data::new(tests, errors)?;
     let residuals = data.residuals(&*law.incompressible(parameters)?);
     let why = "a test lies beyond the domain of the law".to_owned();
     let residuals = residuals.ok_or(FitError::NotConverged { law: law.label(), starts: 0, why })?;
@@ -137,13 +138,18 @@ struct Data {
 }
 
 impl Data {
-    fn new(tests: &[Test], errors: Errors) -> Self {
+    fn new(tests: &[Test], errors: Errors) -> Result<Self, FitError> {
         let mut out = Data { states: vec![], projections: vec![], targets: vec![], factors: vec![], unit: 1.0 };
         for test in tests.iter().filter(|test| test.mode != Mode::Volumetric) {
+            test.check()?;
+            check_signs(test)?;
             let most = test.points.iter().fold(0.0f64, |most, [_, y]| most.max(y.abs()));
             for [x, y] in &test.points {
                 // at rest every law is free of stress: nothing to learn
-                let Some(state) = test.mode.state(*x).filter(|state| *state != Kinematics::rest()) else { continue };
+                let Some(state) = test.mode.state(*x).filter(|_| !test.mode.is_rest(*x)) else { continue };
+                if errors == Errors::Relative && most == 0.0 {
+                    return Err(FitError::ZeroTest { test: test.name.clone() });
+                }
                 let size = if errors == Errors::Relative { y.abs().max(0.05 * most) } else { 1.0 };
                 out.states.push(state);
                 out.projections.push(test.mode.projection(test.response, *x));
@@ -153,7 +159,7 @@ impl Data {
         }
         let scaled = out.targets.iter().zip(&out.factors);
         out.unit = scaled.map(|(y, factor)| (y * factor).abs()).fold(0.0, f64::max);
-        out
+        Ok(out)
     }
 
     /// The neo-Hookean modulus of least squares, and the largest `I1 - 3`.
@@ -167,7 +173,11 @@ impl Data {
         }
         let reach = self.states.iter().map(|state| state.f().norm_squared() - 3.0).fold(0.0, f64::max);
         let shear = along / own;
-        if shear > 0.0 && reach > 0.0 && self.unit > 0.0 { Ok(Scale { shear, reach }) } else { Err(FitError::NoStress) }
+        match shear {
+            _ if self.unit == 0.0 => Err(FitError::NoStress),
+            _ if shear > 0.0 && reach > 0.0 => Ok(Scale { shear, reach }),
+            _ => Err(FitError::NegativeShear { shear }),
+        }
     }
 
     /// Responses of a law; `None` where a point lies beyond its domain.
@@ -186,6 +196,18 @@ impl Data {
         let measured = self.targets.iter().zip(&self.factors);
         Some(model.iter().zip(measured).map(|(y, (target, factor))| (y - target) * factor / self.unit).collect())
     }
+}
+
+/// Whether any response has the sign that every law gives it: that of the neo-Hookean one.
+fn check_signs(test: &Test) -> Result<(), FitError> {
+    let at: Vec<f64> = test.points.iter().map(|[x, _]| *x).collect();
+    let expected = curve(&*Law::NeoHookeIsochoric.incompressible(&[1.0])?, test.mode, test.response, &at);
+    let signs = || expected.iter().zip(&test.points).map(|(a, [_, y])| a * y).filter(|product| *product != 0.0);
+    let points = signs().count();
+    if points > 0 && signs().all(|product| product < 0.0) {
+        return Err(FitError::WrongSign { test: test.name.clone(), points });
+    }
+    Ok(())
 }
 
 /// The problem as the method sees it: residuals as functions of free numbers.

@@ -32,7 +32,7 @@ fn battery(law: Law, values: &[f64]) -> Vec<Test> {
         test(law, values, Mode::Equibiaxial, Response::Cauchy, 3.0),
         test(law, values, Mode::Planar, Response::Nominal, 4.0),
         test(law, values, Mode::SimpleShear, Response::Shear, 2.5),
-        test(law, values, balloon, Response::Pressure, 3.5).weighted(1e3),
+        test(law, values, balloon, Response::Pressure, 3.5).weighted(1e3).unwrap(),
     ]
 }
 
@@ -152,4 +152,71 @@ fn refusals_say_what_and_where() {
     assert_eq!(error, FitError::TooFew { law: "yeoh".into(), parameters: 3, points: 3 });
     let still = [bar(vec![[1.2, 0.0], [1.4, 0.0], [1.6, 0.0]]).unwrap()];
     assert_eq!(fit(Law::NeoHooke, &still, &FitOptions::default()).unwrap_err(), FitError::NoStress);
+}
+
+/// `det diag(l, l, l^-2) = 1` for negative l too.
+#[test]
+fn stretches_are_positive_in_every_mode() {
+    let balloon = Mode::Inflation { thickness_to_radius: 0.02 };
+    for (mode, response) in [
+        (Mode::Uniaxial, Response::Nominal),
+        (Mode::Equibiaxial, Response::Nominal),
+        (Mode::Planar, Response::Cauchy),
+        (balloon, Response::Pressure),
+        (Mode::Volumetric, Response::Pressure),
+    ] {
+        for x in [-1.5, -0.5, 0.0, f64::NAN, f64::INFINITY] {
+            let error = Test::new("t", mode, response, vec![[1.2, 1.0], [x, 1.0]]).unwrap_err();
+            let FitError::Point { point: 1, requirement, .. } = error else { unreachable!("{mode:?} {x}: {error:?}") };
+            assert_eq!(requirement, "it must be positive and finite");
+        }
+    }
+    let shear = |g: f64| Test::new("t", Mode::SimpleShear, Response::Shear, vec![[g, -1.0]]);
+    assert!(shear(-0.5).is_ok());
+    assert!(shear(f64::NAN).unwrap_err().to_string().contains("it must be a finite number"));
+}
+
+#[test]
+fn stresses_that_oppose_the_deformation_are_told() {
+    let bar =
+        |name: &str, points: &[[f64; 2]]| Test::new(name, Mode::Uniaxial, Response::Nominal, points.to_vec()).unwrap();
+    let tension = bar("tension", &[[1.0, 0.0], [1.2, 1.0], [1.5, 2.0], [2.0, 3.0]]);
+    let pressed = bar("pressed", &[[1.0, 0.0], [0.9, 1.0], [0.8, 2.0], [0.7, 3.0]]);
+    let options = FitOptions::default();
+    for tests in [vec![pressed.clone()], vec![tension.clone(), pressed]] {
+        let error = fit(Law::NeoHooke, &tests, &options).unwrap_err();
+        assert_eq!(error, FitError::WrongSign { test: "pressed".into(), points: 3 });
+    }
+    let mixed = bar("mixed", &[[1.1, 0.1], [1.5, -2.0], [2.0, -3.0]]);
+    assert!(matches!(fit(Law::NeoHooke, &[mixed], &options), Err(FitError::NegativeShear { shear }) if shear < 0.0));
+    let still = bar("still", &[[1.0, 0.0], [1.2, 0.0]]);
+    let relative = FitOptions { errors: Errors::Relative, ..options };
+    let both = [tension, still];
+    assert_eq!(fit(Law::NeoHooke, &both, &relative).unwrap_err(), FitError::ZeroTest { test: "still".into() });
+    assert!(fit(Law::NeoHooke, &both, &options).is_ok());
+}
+
+#[test]
+fn wrong_numbers_of_parameters_and_weights_are_errors() {
+    for (law, values) in TRUE {
+        let more = [values, &[1.0]].concat();
+        for wrong in [&values[1..], &more] {
+            let expected = FitError::Parameters { law: law.label(), expected: values.len(), found: wrong.len() };
+            assert_eq!(law.shear(wrong), Err(expected.clone()));
+            assert_eq!(law.incompressible(wrong).err(), Some(expected.clone()));
+            assert_eq!(law.build(wrong, 1e9).err(), Some(expected));
+        }
+    }
+    let good = test(Law::NeoHooke, &[1.0], Mode::Uniaxial, Response::Nominal, 2.0);
+    for weight in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(good.clone().weighted(weight), Err(FitError::Setting { what: "weight", .. })), "{weight}");
+        let put = Test { weight, ..good.clone() };
+        assert!(
+            matches!(fit(Law::NeoHooke, &[put], &FitOptions::default()), Err(FitError::Setting { .. })),
+            "{weight}"
+        );
+    }
+    let balloon = Mode::Inflation { thickness_to_radius: f64::NAN };
+    let error = Test::new("balloon", balloon, Response::Pressure, vec![[1.5, 1.0]]).unwrap_err();
+    assert!(error.to_string().contains("thickness over radius = NaN, but it must be a positive number"), "{error}");
 }
