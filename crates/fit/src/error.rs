@@ -106,6 +106,19 @@ pub enum FitError {
         /// Why the last one ended.
         why: String,
     },
+    /// Every start that led anywhere ran out of evaluations before it converged.
+    #[error(
+        "{law}: {exhausted} of {starts} starts ran out of evaluations, and none converged: the data may not determine its parameters; take a law with \
+         fewer, or measure more"
+    )]
+    Exhausted {
+        /// The law.
+        law: String,
+        /// Number of starts.
+        starts: usize,
+        /// How many ran out of evaluations.
+        exhausted: usize,
+    },
     /// Volumetric data that decide nothing, or against any bulk modulus.
     #[error("volumetric data: {0}")]
     Volume(String),

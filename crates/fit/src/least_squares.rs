@@ -27,11 +27,13 @@ pub struct FitOptions {
     pub starts: usize,
     /// Of the random numbers.
     pub seed: u64,
+    /// Evaluations of the residuals that a start may take, for each parameter and one more.
+    pub patience: usize,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
-        FitOptions { errors: Errors::Absolute, starts: 16, seed: 1 }
+        FitOptions { errors: Errors::Absolute, starts: 16, seed: 1, patience: 200 }
     }
 }
 
@@ -52,9 +54,24 @@ pub struct Fit {
     pub scatter: f64,
     /// For comparisons with other laws.
     pub criteria: Criteria,
-    /// Starts that converged, and how many led to this sum of squares (to a thousandth).
-    pub starts: [usize; 3],
+    /// Where its starts ended.
+    pub starts: Starts,
     pub(crate) free: Free,
+}
+
+/// Where the starts of a fit ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Starts {
+    /// How many there were.
+    pub tried: usize,
+    /// How many converged.
+    pub converged: usize,
+    /// How many ran out of evaluations.
+    pub exhausted: usize,
+    /// How many of either led to the sum of squares of the best (to a thousandth).
+    pub alike: usize,
+    /// Whether the best one ran out of evaluations: its parameters may not be those of least squares.
+    pub best_exhausted: bool,
 }
 
 /// The fit in free numbers.
@@ -82,7 +99,7 @@ impl Fit {
 ///
 /// # Errors
 /// [`FitError::NoStress`], [`FitError::WrongSign`], [`FitError::NegativeShear`], [`FitError::ZeroTest`], [`FitError::TooFew`],
-/// [`FitError::NotConverged`]; what [`Test::new`] refuses.
+/// [`FitError::NotConverged`], [`FitError::Exhausted`]; what [`Test::new`] refuses.
 pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitError> {
     let data = Data::new(tests, options.errors)?;
     let (points, parameters) = (data.targets.len(), law.parameters().len());
@@ -91,27 +108,41 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitErr
     }
     let scale = data.scale()?;
     let starts = law.starts(&mut Random::new(options.seed), options.starts);
-    let count = starts.len();
-    let (mut ends, mut why): (Vec<(f64, Problem<'_>)>, _) = (Vec::new(), String::new());
+    let tried = starts.len();
+    let (mut ends, mut why): (Vec<End<'_>>, _) = (Vec::new(), String::new());
     for (x, signs) in starts {
         let problem = Problem { law, data: &data, scale, signs, x: DVector::from_vec(x) };
-        let (problem, report) = LevenbergMarquardt::new().with_tol(1e-13).with_patience(200).minimize(problem);
+        let method = LevenbergMarquardt::new().with_tol(1e-13).with_patience(options.patience.max(1));
+        let (problem, report) = method.minimize(problem);
         let reason = report.termination;
-        let done = reason.was_successful()
-            || matches!(reason, TerminationReason::NoImprovementPossible(_) | TerminationReason::LostPatience);
+        let exhausted = reason == TerminationReason::LostPatience;
+        let done =
+            exhausted || reason.was_successful() || matches!(reason, TerminationReason::NoImprovementPossible(_));
         match problem.sum_of_squares() {
-            Some(squares) if done => ends.push((squares, problem)),
+            Some(squares) if done => ends.push(End { squares, exhausted, problem }),
             _ => why = format!("{reason:?}"),
         }
     }
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let converged = ends.len();
-    let Some((least, _)) = ends.first() else {
-        return Err(FitError::NotConverged { law: law.label(), starts: count, why });
+    ends.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    let exhausted = ends.iter().filter(|end| end.exhausted).count();
+    let converged = ends.len() - exhausted;
+    if converged == 0 && exhausted > 0 {
+        return Err(FitError::Exhausted { law: law.label(), starts: tried, exhausted });
+    }
+    let Some(least) = ends.first().map(|end| end.squares) else {
+        return Err(FitError::NotConverged { law: law.label(), starts: tried, why });
     };
-    let alike = ends.iter().filter(|(squares, _)| *squares <= least * 1.001).count();
-    let (squares, best) = ends.swap_remove(0);
-    Ok(best.sorted().assess(squares, [count, converged, alike]))
+    let alike = ends.iter().filter(|end| end.squares <= least * 1.001).count();
+    let best = ends.swap_remove(0);
+    let starts = Starts { tried, converged, exhausted, alike, best_exhausted: best.exhausted };
+    Ok(best.problem.sorted().assess(best.squares, starts))
+}
+
+/// Where a start ended.
+struct End<'a> {
+    squares: f64,
+    exhausted: bool,
+    problem: Problem<'a>,
 }
 
 /// The weighted sum of squares of any parameters: what [`fit`] makes least.
@@ -265,7 +296,7 @@ impl Problem<'_> {
         self
     }
 
-    fn assess(self, squares: f64, starts: [usize; 3]) -> Fit {
+    fn assess(self, squares: f64, starts: Starts) -> Fit {
         let values = self.decoded(self.x.as_slice());
         let (n, k) = (self.data.targets.len(), values.len());
         let (unit, free) = (self.data.unit, (n - k) as f64);
