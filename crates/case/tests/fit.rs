@@ -1,9 +1,13 @@
 //! `nastic fit`: a data file to parameters, files, and blocks that are a case.
 #![allow(clippy::unwrap_used)] // a test may
 
+mod common;
+
+use common::Heard;
 use nastic_case::console::Console;
 use nastic_case::run::{Exit, Options, RunError, fit, run};
 use nastic_case::schema::Command;
+use nastic_fit::{Law, Mode, Response, curve};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -122,7 +126,26 @@ fn mistakes_name_file_line_and_column() {
     let error = with("stretch,nominal_stress [MPa]\n1.2\n");
     assert!(error.contains("bar.csv:2:4: the row has no column 2"), "{error}");
     let error = with("stretch,pressure [MPa]\n1.2,0.1\n");
-    assert!(error.contains("a test of kind uniaxial gives a nominal or a Cauchy stress, not a pressure"), "{error}");
+    let wanted =
+        "no column \"nominal_stress\" or \"cauchy_stress\" for a test of kind \"uniaxial\"; found: stretch, pressure";
+    assert!(error.contains(wanted), "{error}");
+    // a decimal comma, whether the first number has it or the second
+    let error = with("stretch,nominal_stress [MPa]\n1.2,0.1\n1.3,0,25\n");
+    assert!(
+        error.contains("bar.csv:3:7: the row has 3 cells, but the line of columns has 2: are there decimal"),
+        "{error}"
+    );
+    let error = with("stretch;nominal_stress [MPa]\n1.2;0.1;0.3\n");
+    assert!(error.contains("bar.csv:2:9: the row has 3 cells") && !error.contains("decimal"), "{error}");
+    let error = with("strain [%],nominal_stress [MPa]\n20,0.1\n-150,0.3\n");
+    assert!(error.contains("bar.csv:3:1: test \"bar\", point 1: stretch = -0.5, but it must be positive"), "{error}");
+    let error = with("stretch,nominal_stress [MPa],cauchy_stress [MPa]\n1.2,0.1,0.12\n");
+    let wanted = "bar.csv:1:30: the columns \"nominal_stress\" and \"cauchy_stress\" are both there";
+    assert!(error.contains(wanted), "{error}");
+    let error = with("stretch,strain [%],nominal_stress [MPa]\n1.2,20,0.1\n");
+    assert!(error.contains("bar.csv:1:9: the columns \"stretch\" and \"strain\" are both there"), "{error}");
+    let error = with("stretch [1,nominal_stress [MPa]\n1.2,0.1\n");
+    assert!(error.contains("bar.csv:1:1: \"stretch\" has a bracket that is not closed"), "{error}");
     assert!(with("").contains("the table is empty"));
     fs::remove_file(&table).unwrap();
     assert!(error_of(&data).contains("tests/0/file: ") && error_of(&data).contains("cannot be read"));
@@ -148,6 +171,117 @@ fn too_few_points_for_every_law_is_an_error() {
     let error = fit(&data, None, &Console::silent()).unwrap_err();
     assert_eq!(error.exit(), Exit::BadInput);
     assert!(error.to_string().contains("has 1 parameters, and there are 1 points"), "{error}");
+}
+
+/// A data file with one table, its result and what is said.
+fn told(directory: &Path, data: &Value, table: &str) -> (Value, String) {
+    fs::write(directory.join("one.csv"), table).unwrap();
+    let file = directory.join("one.json");
+    fs::write(&file, data.to_string()).unwrap();
+    let heard = Heard::default();
+    let found = fit(&file, Some(directory.join("out")), &Console::new(heard.clone())).unwrap();
+    (found.result, heard.text())
+}
+
+fn one(kind: &str, law: &str, bulk: &str) -> Value {
+    json!({ "nastic_fit": 1, "tests": [{ "kind": kind, "file": "one.csv" }], "laws": [law], "bulk": bulk })
+}
+
+#[test]
+fn a_failed_fit_leaves_no_results_of_an_earlier_one() {
+    let directory = tempfile::tempdir().unwrap();
+    let data = write_data(directory.path());
+    let out = directory.path().join("out");
+    fit(&data, Some(out.clone()), &Console::silent()).unwrap();
+    fs::write(out.join("fit_inflation.svg"), "of an earlier one").unwrap();
+    fs::write(out.join("notes.txt"), "mine").unwrap();
+    fs::write(directory.path().join("bar.csv"), "stretch,nominal_stress [MPa]\n1.2,0.1\n").unwrap();
+    fit(&data, Some(out.clone()), &Console::silent()).unwrap_err();
+    for name in ["fit.json", "fit.svg", "fit_volumetric.svg", "fit_inflation.svg"] {
+        assert!(!out.join(name).exists(), "{name}");
+    }
+    assert!(out.join("notes.txt").exists());
+}
+
+/// Yeoh's law with a valley in the middle of the data, in each kind of test.
+#[test]
+fn instability_within_the_data_is_marked_in_every_kind_of_test() {
+    let directory = tempfile::tempdir().unwrap();
+    let law = Law::Yeoh.incompressible(&[1e6, -1.7e5, 1e4]).unwrap();
+    for (mode, marked, to) in
+        [(Mode::Uniaxial, "uniaxial", 4.5), (Mode::Equibiaxial, "equibiaxial", 3.0), (Mode::Planar, "planar", 4.0)]
+    {
+        for (from, side) in [(to, "above"), (1.0 / to, "below")] {
+            let at: Vec<f64> = (1..=20).map(|k| 1.0 + (from - 1.0) * f64::from(k) / 20.0).collect();
+            let rows = at.iter().zip(curve(&*law, mode, Response::Nominal, &at));
+            let rows: String = rows.map(|(l, y)| format!("{l},{y}\n")).collect();
+            let table = format!("stretch,nominal_stress [Pa]\n{rows}");
+            let (result, text) = told(directory.path(), &one(marked, "yeoh", "1 GPa"), &table);
+            for kind in ["uniaxial", "equibiaxial", "planar"] {
+                let stable = &result["laws"][0]["stable"][kind];
+                assert_eq!(stable["within_data"], kind == marked, "{marked} {side} {kind}: {stable}");
+            }
+            let lines: Vec<&str> = text.lines().filter(|line| line.contains("WITHIN THE DATA")).collect();
+            let expected = format!("unstable (Drucker) in {marked} tests {side} stretch");
+            assert!(lines.len() == 1 && lines[0].contains(&expected), "{lines:?}");
+        }
+    }
+}
+
+/// Tension of Gent's law to nine tenths of its limit: beyond there is no law, rather than an unstable one.
+#[test]
+fn the_limit_of_a_law_is_no_instability() {
+    let directory = tempfile::tempdir().unwrap();
+    let law = Law::Gent.incompressible(&[1e6, 10.0]).unwrap();
+    let at: Vec<f64> = (1..=20).map(|k| 1.0 + 0.12 * f64::from(k)).collect();
+    let rows = at.iter().zip(curve(&*law, Mode::Uniaxial, Response::Nominal, &at));
+    let rows: String = rows.map(|(l, y)| format!("{l},{y}\n")).collect();
+    let table = format!("stretch,nominal_stress [Pa]\n{rows}");
+    let (result, text) = told(directory.path(), &one("uniaxial", "gent", "1 GPa"), &table);
+    let stable = &result["laws"][0]["stable"]["uniaxial"];
+    assert!(stable["ends_above"] == true && stable["limit_above"] == true, "{stable}");
+    assert!(!text.contains("unstable") && text.contains("stable in uniaxial tests up to the limit of gent"), "{text}");
+}
+
+#[test]
+fn what_is_left_out_and_not_decided_is_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let table = "stretch,nominal_stress [MPa]\n1,0\n1.2,0.2\n1.5,0.43\n2,0.69\n";
+    let mut data = one("uniaxial", "ogden_1", "1 GPa");
+    data["laws"] = json!(["mooney_rivlin", "neo_hooke_isochoric", "ogden_1"]);
+    let (result, text) = told(directory.path(), &data, table);
+    assert!(text.contains("4 points (1 at rest left out)") && result["tests"][0]["at_rest"] == 1, "{text}");
+    assert!(text.contains("laws        by BIC: AICc decides nothing") && text.contains("scatter, Pa"), "{text}");
+    assert!(text.contains("16 starts: ") && !text.contains("inf") && !text.contains("NaN"), "{text}");
+    let bic: Vec<f64> = result["laws"].as_array().unwrap().iter().map(|law| law["bic"].as_f64().unwrap()).collect();
+    assert!(bic.is_sorted() && result["laws"][0]["aicc"].is_null(), "{bic:?}");
+    assert!(!text.contains("WARNING"), "{text}");
+    data["errors"] = json!("relative");
+    data["bulk"] = json!("0.1 MPa");
+    let (result, text) = told(directory.path(), &data, table);
+    assert!(text.contains("scatter, 1") && result["laws"][0]["scatter_unit"] == "1", "{text}");
+    assert!(text.contains("WARNING: the bulk modulus, 100000 Pa, is below 2/3 of the shear modulus"), "{text}");
+    assert!(result["laws"][0]["poissons_ratio"].as_f64().unwrap() < 0.0);
+}
+
+/// The same conditions as `nastic check` states: with the growth that is implied.
+#[test]
+fn existence_is_stated_as_for_a_case() {
+    let directory = tempfile::tempdir().unwrap();
+    let table = "stretch,nominal_stress [MPa]\n1.2,0.2\n1.5,0.43\n2,0.69\n";
+    let (result, _) = told(directory.path(), &one("uniaxial", "neo_hooke_isochoric", "1 GPa"), table);
+    let law = &result["laws"][0];
+    let case = json!({
+        "nastic": 1, "units": "mm",
+        "mesh": { "box": { "size": [1, 1, 1], "cells": [1, 1, 1], "element": "hex8" } },
+        "materials": law["materials"], "supports": [{ "surface": "x-", "fix": "all" }],
+    });
+    let file = directory.path().join("case.json");
+    fs::write(&file, case.to_string()).unwrap();
+    let options = Options { in_memory: true, ..Options::default() };
+    let checked = run(Command::Check, &file, &options, &Console::silent()).unwrap().result;
+    assert!(law["existence"].is_object());
+    assert_eq!(law["existence"], checked["existence"][0]["conditions"], "{checked}");
 }
 
 /// The shipped data: Ogden's law of three terms wins, and is stable over the data.

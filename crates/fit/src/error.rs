@@ -17,6 +17,18 @@ pub enum FitError {
         /// What it has to satisfy.
         requirement: &'static str,
     },
+    /// A number of a test that it cannot be used with.
+    #[error("test \"{test}\": {what} = {value}, but {requirement}")]
+    Setting {
+        /// Name of the test.
+        test: String,
+        /// What it is.
+        what: &'static str,
+        /// The value found.
+        value: f64,
+        /// What it has to satisfy.
+        requirement: &'static str,
+    },
     /// A response that the mode does not have.
     #[error("test \"{test}\": a test of kind {mode} gives {expected}, not {found}")]
     Response {
@@ -44,6 +56,44 @@ pub enum FitError {
     /// All stresses are zero.
     #[error("no test of shape has a stress other than zero: there is nothing to fit")]
     NoStress,
+    /// A test all of whose responses oppose the deformation.
+    #[error(
+        "test \"{test}\": all of its {points} stresses have the wrong sign: they are positive in tension and negative in compression \
+         (stretches below 1), pressures of a balloon and shear stresses as the deformation"
+    )]
+    WrongSign {
+        /// Name of the test.
+        test: String,
+        /// Number of its points with a stress.
+        points: usize,
+    },
+    /// Some responses oppose the deformation, and they outweigh the others.
+    #[error(
+        "the shear modulus of least squares over all tests is {shear:.4e} Pa, which must be positive: many stresses have the wrong sign (they are \
+         positive in tension, negative in compression); correct them or leave them out"
+    )]
+    NegativeShear {
+        /// Of the neo-Hookean law, Pa.
+        shear: f64,
+    },
+    /// A test without responses, and residuals that are shares of them.
+    #[error(
+        "test \"{test}\": all stresses are zero, and errors relative to zero have no meaning: leave the test out, or take absolute errors"
+    )]
+    ZeroTest {
+        /// Name of the test.
+        test: String,
+    },
+    /// Another number of parameters than the law has.
+    #[error("{law} has {expected} parameters, but {found} were given")]
+    Parameters {
+        /// The law.
+        law: String,
+        /// How many it has.
+        expected: usize,
+        /// How many were given.
+        found: usize,
+    },
     /// No start led anywhere.
     #[error(
         "{law}: none of {starts} starts converged; the last said: {why}; leave out points that look wrong, or take another law"
@@ -55,6 +105,19 @@ pub enum FitError {
         starts: usize,
         /// Why the last one ended.
         why: String,
+    },
+    /// Every start that led anywhere ran out of evaluations before it converged.
+    #[error(
+        "{law}: {exhausted} of {starts} starts ran out of evaluations, and none converged: the data may not determine its parameters; take a law with \
+         fewer, or measure more"
+    )]
+    Exhausted {
+        /// The law.
+        law: String,
+        /// Number of starts.
+        starts: usize,
+        /// How many ran out of evaluations.
+        exhausted: usize,
     },
     /// Volumetric data that decide nothing, or against any bulk modulus.
     #[error("volumetric data: {0}")]

@@ -1,8 +1,10 @@
 use std::sync::Arc;
 
 use nastic_energy::catalogue::{Inputs, material};
-use nastic_energy::{EnergyError, EnergyTerm, Place};
+use nastic_energy::{EnergyTerm, Place};
 use nastic_numeric::Random;
+
+use crate::FitError;
 
 /// An isotropic law whose parameters can be fitted: those of its shape, and the bulk modulus apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,33 +97,41 @@ impl Law {
     /// The law with these parameters and this bulk modulus (Pa).
     ///
     /// # Errors
-    /// An [`EnergyError`] that names the parameter.
-    pub fn build(self, parameters: &[f64], bulk: f64) -> Result<Arc<dyn EnergyTerm>, EnergyError> {
+    /// [`FitError::Parameters`] for too few or too many; [`FitError::Energy`], which names the parameter that the law refuses.
+    pub fn build(self, parameters: &[f64], bulk: f64) -> Result<Arc<dyn EnergyTerm>, FitError> {
+        self.check(parameters)?;
         let (key, value) = self.volumetric(bulk);
         let named = self.parameters().iter().zip(parameters);
         let inputs = named.fold(Inputs::new().number(key, value), |inputs, (name, value)| inputs.number(name, *value));
-        material(self.name())?.build(&inputs)
+        Ok(material(self.name())?.build(&inputs)?)
     }
 
     /// The law for tests at constant volume, where the bulk modulus takes no part: with one far above the shear modulus.
     ///
     /// # Errors
     /// As [`build`](Self::build).
-    pub fn incompressible(self, parameters: &[f64]) -> Result<Arc<dyn EnergyTerm>, EnergyError> {
-        self.build(parameters, 1e3 * self.shear(parameters))
+    pub fn incompressible(self, parameters: &[f64]) -> Result<Arc<dyn EnergyTerm>, FitError> {
+        self.build(parameters, 1e3 * self.shear(parameters)?)
     }
 
     /// Shear modulus at rest (Pa).
-    pub fn shear(self, p: &[f64]) -> f64 {
-        match self {
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    pub fn shear(self, p: &[f64]) -> Result<f64, FitError> {
+        self.check(p)?;
+        Ok(match self {
             Law::NeoHooke | Law::NeoHookeIsochoric | Law::Gent => p[0],
             Law::MooneyRivlin => 2.0 * (p[0] + p[1]),
             Law::Yeoh => 2.0 * p[0],
-            Law::ArrudaBoyce => {
-                self.build(p, 1e3 * p[0]).ok().and_then(|law| law.moduli(HERE)).map_or(p[0], |m| m.mu_t)
-            }
+            Law::ArrudaBoyce => self.build(p, 1e3 * p[0])?.moduli(HERE).map_or(p[0], |m| m.mu_t),
             Law::Ogden(_) => p.chunks_exact(2).map(|pair| 0.5 * pair[0] * pair[1]).sum(),
-        }
+        })
+    }
+
+    fn check(self, parameters: &[f64]) -> Result<(), FitError> {
+        let (expected, found) = (self.parameters().len(), parameters.len());
+        if found == expected { Ok(()) } else { Err(FitError::Parameters { law: self.label(), expected, found }) }
     }
 
     /// Free numbers to admissible parameters, smoothly: moduli that must be positive by `exp`, those that may vanish by squares, and

@@ -6,7 +6,7 @@ use nastic_tensor::{Kinematics, Mat3};
 
 use crate::law::Scale;
 use crate::statistics::covariance;
-use crate::{Criteria, Estimate, FitError, Law, Mode, Test, student};
+use crate::{Criteria, Estimate, FitError, Law, Mode, Test, curve, student};
 
 /// What residuals are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -27,11 +27,13 @@ pub struct FitOptions {
     pub starts: usize,
     /// Of the random numbers.
     pub seed: u64,
+    /// Evaluations of the residuals that a start may take, for each parameter and one more.
+    pub patience: usize,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
-        FitOptions { errors: Errors::Absolute, starts: 16, seed: 1 }
+        FitOptions { errors: Errors::Absolute, starts: 16, seed: 1, patience: 200 }
     }
 }
 
@@ -52,9 +54,24 @@ pub struct Fit {
     pub scatter: f64,
     /// For comparisons with other laws.
     pub criteria: Criteria,
-    /// Starts that converged, and how many led to this sum of squares (to a thousandth).
-    pub starts: [usize; 3],
+    /// Where its starts ended.
+    pub starts: Starts,
     pub(crate) free: Free,
+}
+
+/// Where the starts of a fit ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Starts {
+    /// How many there were.
+    pub tried: usize,
+    /// How many converged.
+    pub converged: usize,
+    /// How many ran out of evaluations.
+    pub exhausted: usize,
+    /// How many of either led to the sum of squares of the best (to a thousandth).
+    pub alike: usize,
+    /// Whether the best one ran out of evaluations: its parameters may not be those of least squares.
+    pub best_exhausted: bool,
 }
 
 /// The fit in free numbers.
@@ -81,36 +98,51 @@ impl Fit {
 /// border of what its law admits, whose deviation is then `None`.
 ///
 /// # Errors
-/// [`FitError::NoStress`], [`FitError::TooFew`], [`FitError::NotConverged`].
+/// [`FitError::NoStress`], [`FitError::WrongSign`], [`FitError::NegativeShear`], [`FitError::ZeroTest`], [`FitError::TooFew`],
+/// [`FitError::NotConverged`], [`FitError::Exhausted`]; what [`Test::new`] refuses.
 pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitError> {
-    let data = Data::new(tests, options.errors);
+    let data = Data::new(tests, options.errors)?;
     let (points, parameters) = (data.targets.len(), law.parameters().len());
     if points <= parameters {
         return Err(FitError::TooFew { law: law.label(), parameters, points });
     }
     let scale = data.scale()?;
     let starts = law.starts(&mut Random::new(options.seed), options.starts);
-    let count = starts.len();
-    let (mut ends, mut why): (Vec<(f64, Problem<'_>)>, _) = (Vec::new(), String::new());
+    let tried = starts.len();
+    let (mut ends, mut why): (Vec<End<'_>>, _) = (Vec::new(), String::new());
     for (x, signs) in starts {
         let problem = Problem { law, data: &data, scale, signs, x: DVector::from_vec(x) };
-        let (problem, report) = LevenbergMarquardt::new().with_tol(1e-13).with_patience(200).minimize(problem);
+        let method = LevenbergMarquardt::new().with_tol(1e-13).with_patience(options.patience.max(1));
+        let (problem, report) = method.minimize(problem);
         let reason = report.termination;
-        let done = reason.was_successful()
-            || matches!(reason, TerminationReason::NoImprovementPossible(_) | TerminationReason::LostPatience);
+        let exhausted = reason == TerminationReason::LostPatience;
+        let done =
+            exhausted || reason.was_successful() || matches!(reason, TerminationReason::NoImprovementPossible(_));
         match problem.sum_of_squares() {
-            Some(squares) if done => ends.push((squares, problem)),
+            Some(squares) if done => ends.push(End { squares, exhausted, problem }),
             _ => why = format!("{reason:?}"),
         }
     }
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let converged = ends.len();
-    let Some((least, _)) = ends.first() else {
-        return Err(FitError::NotConverged { law: law.label(), starts: count, why });
+    ends.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    let exhausted = ends.iter().filter(|end| end.exhausted).count();
+    let converged = ends.len() - exhausted;
+    if converged == 0 && exhausted > 0 {
+        return Err(FitError::Exhausted { law: law.label(), starts: tried, exhausted });
+    }
+    let Some(least) = ends.first().map(|end| end.squares) else {
+        return Err(FitError::NotConverged { law: law.label(), starts: tried, why });
     };
-    let alike = ends.iter().filter(|(squares, _)| *squares <= least * 1.001).count();
-    let (squares, best) = ends.swap_remove(0);
-    Ok(best.sorted().assess(squares, [count, converged, alike]))
+    let alike = ends.iter().filter(|end| end.squares <= least * 1.001).count();
+    let best = ends.swap_remove(0);
+    let starts = Starts { tried, converged, exhausted, alike, best_exhausted: best.exhausted };
+    Ok(best.problem.sorted().assess(best.squares, starts))
+}
+
+/// Where a start ended.
+struct End<'a> {
+    squares: f64,
+    exhausted: bool,
+    problem: Problem<'a>,
 }
 
 /// The weighted sum of squares of any parameters: what [`fit`] makes least.
@@ -118,7 +150,7 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitErr
 /// # Errors
 /// Parameters that the law refuses, or a test beyond its domain ([`FitError::NotConverged`]).
 pub fn squares(law: Law, parameters: &[f64], tests: &[Test], errors: Errors) -> Result<f64, FitError> {
-    let data = Data::new(tests, errors);
+    let data = Data::new(tests, errors)?;
     let residuals = data.residuals(&*law.incompressible(parameters)?);
     let why = "a test lies beyond the domain of the law".to_owned();
     let residuals = residuals.ok_or(FitError::NotConverged { law: law.label(), starts: 0, why })?;
@@ -137,13 +169,18 @@ struct Data {
 }
 
 impl Data {
-    fn new(tests: &[Test], errors: Errors) -> Self {
+    fn new(tests: &[Test], errors: Errors) -> Result<Self, FitError> {
         let mut out = Data { states: vec![], projections: vec![], targets: vec![], factors: vec![], unit: 1.0 };
         for test in tests.iter().filter(|test| test.mode != Mode::Volumetric) {
+            test.check()?;
+            check_signs(test)?;
             let most = test.points.iter().fold(0.0f64, |most, [_, y]| most.max(y.abs()));
             for [x, y] in &test.points {
                 // at rest every law is free of stress: nothing to learn
-                let Some(state) = test.mode.state(*x).filter(|state| *state != Kinematics::rest()) else { continue };
+                let Some(state) = test.mode.state(*x).filter(|_| !test.mode.is_rest(*x)) else { continue };
+                if errors == Errors::Relative && most == 0.0 {
+                    return Err(FitError::ZeroTest { test: test.name.clone() });
+                }
                 let size = if errors == Errors::Relative { y.abs().max(0.05 * most) } else { 1.0 };
                 out.states.push(state);
                 out.projections.push(test.mode.projection(test.response, *x));
@@ -153,7 +190,7 @@ impl Data {
         }
         let scaled = out.targets.iter().zip(&out.factors);
         out.unit = scaled.map(|(y, factor)| (y * factor).abs()).fold(0.0, f64::max);
-        out
+        Ok(out)
     }
 
     /// The neo-Hookean modulus of least squares, and the largest `I1 - 3`.
@@ -167,7 +204,11 @@ impl Data {
         }
         let reach = self.states.iter().map(|state| state.f().norm_squared() - 3.0).fold(0.0, f64::max);
         let shear = along / own;
-        if shear > 0.0 && reach > 0.0 && self.unit > 0.0 { Ok(Scale { shear, reach }) } else { Err(FitError::NoStress) }
+        match shear {
+            _ if self.unit == 0.0 => Err(FitError::NoStress),
+            _ if shear > 0.0 && reach > 0.0 => Ok(Scale { shear, reach }),
+            _ => Err(FitError::NegativeShear { shear }),
+        }
     }
 
     /// Responses of a law; `None` where a point lies beyond its domain.
@@ -186,6 +227,18 @@ impl Data {
         let measured = self.targets.iter().zip(&self.factors);
         Some(model.iter().zip(measured).map(|(y, (target, factor))| (y - target) * factor / self.unit).collect())
     }
+}
+
+/// Whether any response has the sign that every law gives it: that of the neo-Hookean one.
+fn check_signs(test: &Test) -> Result<(), FitError> {
+    let at: Vec<f64> = test.points.iter().map(|[x, _]| *x).collect();
+    let expected = curve(&*Law::NeoHookeIsochoric.incompressible(&[1.0])?, test.mode, test.response, &at);
+    let signs = || expected.iter().zip(&test.points).map(|(a, [_, y])| a * y).filter(|product| *product != 0.0);
+    let points = signs().count();
+    if points > 0 && signs().all(|product| product < 0.0) {
+        return Err(FitError::WrongSign { test: test.name.clone(), points });
+    }
+    Ok(())
 }
 
 /// The problem as the method sees it: residuals as functions of free numbers.
@@ -243,7 +296,7 @@ impl Problem<'_> {
         self
     }
 
-    fn assess(self, squares: f64, starts: [usize; 3]) -> Fit {
+    fn assess(self, squares: f64, starts: Starts) -> Fit {
         let values = self.decoded(self.x.as_slice());
         let (n, k) = (self.data.targets.len(), values.len());
         let (unit, free) = (self.data.unit, (n - k) as f64);

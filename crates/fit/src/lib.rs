@@ -28,9 +28,9 @@ mod volume;
 
 pub use error::FitError;
 pub use law::Law;
-pub use least_squares::{Errors, Fit, FitOptions, fit, squares};
+pub use least_squares::{Errors, Fit, FitOptions, Starts, fit, squares};
 pub use scenario::{Scenario, scenarios};
-pub use stability::{Range, stable_range};
+pub use stability::{End, Range, stable_range};
 pub use statistics::{Criteria, Estimate, student};
 pub use test::{Mode, Response, Test, curve};
 pub use volume::{Bulk, bulk};

@@ -10,8 +10,19 @@ pub struct Range {
     pub from: f64,
     /// Up to here.
     pub to: f64,
-    /// Whether it ends there because the law is no longer stable (or defined), and not because no more was looked at.
-    pub ends: [bool; 2],
+    /// Why it ends below and above.
+    pub ends: [End; 2],
+}
+
+/// Why a range of stability ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// No more was looked at.
+    Examined,
+    /// Drucker's condition fails beyond.
+    Unstable,
+    /// The law is not defined beyond, as Gent's at its `jm`.
+    Undefined,
 }
 
 /// The range of stretches l in a mode (`Uniaxial`, `Equibiaxial`, `Planar`), within `1/reach` to `reach`, on which Drucker's condition holds:
@@ -25,36 +36,48 @@ pub fn stable_range(law: &dyn EnergyTerm, mode: Mode, reach: f64) -> Range {
         let mut inside = 0.0;
         for k in 1..=STEPS {
             let share = direction * f64::from(k) / f64::from(STEPS);
-            if !is_stable(law, mode, at(share)) {
-                return (at(border(law, mode, reach, [inside, share])), true);
+            if let Some(why) = fails(law, mode, at(share)) {
+                let (share, why) = border(law, mode, reach, [inside, share], why);
+                return (at(share), why);
             }
             inside = share;
         }
-        (at(direction), false)
+        (at(direction), End::Examined)
     };
-    if !is_stable(law, mode, 1.0) {
-        return Range { from: 1.0, to: 1.0, ends: [true, true] };
+    if let Some(why) = fails(law, mode, 1.0) {
+        return Range { from: 1.0, to: 1.0, ends: [why, why] };
     }
     let ((from, below), (to, above)) = (end(-1.0), end(1.0));
     Range { from, to, ends: [below, above] }
 }
 
-/// Where stability ends between two shares, the first of which is stable.
-fn border(law: &dyn EnergyTerm, mode: Mode, reach: f64, [mut inside, mut outside]: [f64; 2]) -> f64 {
+/// Where stability ends between two shares, the first of which is stable, and why there.
+fn border(law: &dyn EnergyTerm, mode: Mode, reach: f64, shares: [f64; 2], why: End) -> (f64, End) {
+    let ([mut inside, mut outside], mut why) = (shares, why);
     for _ in 0..40 {
         let middle = 0.5 * (inside + outside);
-        if is_stable(law, mode, reach.powf(middle)) {
-            inside = middle;
-        } else {
-            outside = middle;
+        match fails(law, mode, reach.powf(middle)) {
+            None => inside = middle,
+            Some(end) => (outside, why) = (middle, end),
         }
     }
-    inside
+    (inside, why)
 }
 
-fn is_stable(law: &dyn EnergyTerm, mode: Mode, l: f64) -> bool {
+/// Why a law is not stable at a stretch; `None` where it is.
+fn fails(law: &dyn EnergyTerm, mode: Mode, l: f64) -> Option<End> {
+    match is_stable(law, mode, l) {
+        Some(true) => None,
+        Some(false) => Some(End::Unstable),
+        None => Some(End::Undefined),
+    }
+}
+
+/// `None` where the law is not defined.
+fn is_stable(law: &dyn EnergyTerm, mode: Mode, l: f64) -> Option<bool> {
     const STEP: f64 = 1e-4;
-    let Some(state) = mode.state(l) else { return false };
+    const NEAR: f64 = 20.0;
+    let state = mode.state(l)?;
     let e = [state.f()[(0, 0)].ln(), state.f()[(1, 1)].ln()];
     let stresses = |i: usize, steps: f64| {
         let mut e = e;
@@ -65,9 +88,17 @@ fn is_stable(law: &dyn EnergyTerm, mode: Mode, l: f64) -> bool {
         let (one, back) = (stresses(i, 1.0)?, stresses(i, -1.0)?);
         Some([0, 1].map(|k| (one[k] - back[k]) / (2.0 * STEP)))
     };
-    let (Some(a), Some(b)) = (slope(0), slope(1)) else { return false };
+    let (a, b) = (slope(0)?, slope(1)?);
     let mixed = 0.5 * (a[1] + b[0]);
-    a[0] > 0.0 && a[0] * b[1] - mixed * mixed > 0.0
+    let stable = a[0] > 0.0 && a[0] * b[1] - mixed * mixed > 0.0;
+    if !stable {
+        // close to a limit of the law, where stresses grow without bound, differences are no derivatives: it is the limit that ends the range
+        for i in [0, 1] {
+            stresses(i, NEAR)?;
+            stresses(i, -NEAR)?;
+        }
+    }
+    Some(stable)
 }
 
 /// `tau_1 - tau_3`, `tau_2 - tau_3` at logarithmic stretches `e_1`, `e_2`, `-(e_1 + e_2)`.

@@ -1,3 +1,5 @@
+use std::cmp::Ordering;
+
 use nalgebra_of_levenberg_marquardt::DMatrix;
 
 /// A fitted parameter.
@@ -29,14 +31,27 @@ impl Criteria {
         let (n, k) = (points as f64, parameters as f64 + 1.0);
         let likelihood = n * (squares / n).ln();
         let room = n - k - 1.0;
-        let correction = if room > 0.0 { 2.0 * k * (k + 1.0) / room } else { f64::INFINITY };
-        Criteria { aicc: likelihood + 2.0 * k + correction, bic: likelihood + k * n.ln() }
+        // a sum of squares of zero does not outweigh a correction that is infinite
+        let aicc = if room > 0.0 { likelihood + 2.0 * k + 2.0 * k * (k + 1.0) / room } else { f64::INFINITY };
+        Criteria { aicc, bic: likelihood + k * n.ln() }
+    }
+
+    /// The better first: by AICc, by BIC where AICc does not decide.
+    pub fn compare(&self, other: &Self) -> Ordering {
+        self.aicc.total_cmp(&other.aicc).then(self.bic.total_cmp(&other.bic))
     }
 }
 
-/// Two-sided 95 % point of Student's distribution with `nu` degrees of freedom (M. Abramowitz & I. A. Stegun, 26.7.5: to 1 % from 3
-/// degrees on, to 1e-4 from 10).
+/// Two-sided 95 % point of Student's distribution with `nu` degrees of freedom, a whole number: `tan(0.95 pi/2)` for one,
+/// `0.95 sqrt(2/(1 - 0.95^2))` for two, beyond by the series of M. Abramowitz & I. A. Stegun, 26.7.5: to 1 % from 3 degrees on, to 1e-4 from 10.
 pub fn student(nu: f64) -> f64 {
+    const LEVEL: f64 = 0.95;
+    if nu <= 1.0 {
+        return (LEVEL * std::f64::consts::FRAC_PI_2).tan();
+    }
+    if nu <= 2.0 {
+        return LEVEL * (2.0 / (1.0 - LEVEL * LEVEL)).sqrt();
+    }
     let z: f64 = 1.959_963_984_540_054;
     let terms = [
         (z.powi(3) + z) / 4.0,

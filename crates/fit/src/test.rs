@@ -75,6 +75,10 @@ impl Mode {
 
     /// The deformation gradient; `None` where there is none.
     pub(crate) fn state(self, x: f64) -> Option<Kinematics> {
+        // det diag(l, l, l^-2) = 1 for negative l too
+        if !x.is_finite() || (x <= 0.0 && self != Mode::SimpleShear) {
+            return None;
+        }
         let f = match self {
             Mode::Uniaxial => diagonal(x, x.powf(-0.5), x.powf(-0.5)),
             Mode::Equibiaxial | Mode::Inflation { .. } => diagonal(x, x, x.powi(-2)),
@@ -83,6 +87,10 @@ impl Mode {
             Mode::Volumetric => Mat3::from_diagonal_element(x.cbrt()),
         };
         Kinematics::new(f).ok()
+    }
+
+    pub(crate) fn is_rest(self, x: f64) -> bool {
+        x == if self == Mode::SimpleShear { 0.0 } else { 1.0 }
     }
 
     /// The response is `A : P` with the stress P of the law: the pressure that keeps the volume, and so any volumetric part, drops out of
@@ -100,7 +108,8 @@ impl Mode {
         if response == Response::Cauchy { nominal * x } else { nominal }
     }
 
-    fn takes(self, response: Response) -> bool {
+    /// Whether a test of this mode may give it.
+    pub fn takes(self, response: Response) -> bool {
         match self {
             Mode::Uniaxial | Mode::Equibiaxial | Mode::Planar => {
                 matches!(response, Response::Nominal | Response::Cauchy)
@@ -135,30 +144,56 @@ impl Test {
     /// A test of weight 1.
     ///
     /// # Errors
-    /// [`FitError::Response`] of another mode; [`FitError::Point`] for a stretch or ratio that is not positive, or what is not finite.
+    /// [`FitError::Response`] of another mode; [`FitError::Point`] for a stretch or ratio that is not positive, or what is not finite;
+    /// [`FitError::Setting`] for a ratio of thickness to radius that is not positive.
     pub fn new(name: &str, mode: Mode, response: Response, points: Vec<[f64; 2]>) -> Result<Self, FitError> {
         if !mode.takes(response) {
             let (mode, expected, found) = (mode.name(), mode.gives(), response.name());
             return Err(FitError::Response { test: name.to_owned(), mode, expected, found });
         }
-        for (point, [x, y]) in points.iter().enumerate() {
+        let test = Test { name: name.to_owned(), mode, response, points, weight: 1.0 };
+        test.check().map(|()| test)
+    }
+
+    /// With another weight.
+    ///
+    /// # Errors
+    /// [`FitError::Setting`] for a weight that is not a positive number.
+    pub fn weighted(self, weight: f64) -> Result<Self, FitError> {
+        let test = Test { weight, ..self };
+        test.check().map(|()| test)
+    }
+
+    /// How many points are at rest, where every law is free of stress: fits leave them out.
+    pub fn at_rest(&self) -> usize {
+        self.points.iter().filter(|[x, _]| self.mode.is_rest(*x)).count()
+    }
+
+    /// What [`new`](Self::new) and [`weighted`](Self::weighted) promise; fields are public, so that fits check it too.
+    pub(crate) fn check(&self) -> Result<(), FitError> {
+        let positive = |what, value: f64| {
+            let (test, requirement) = (self.name.clone(), "it must be a positive number");
+            let good = value > 0.0 && value.is_finite();
+            if good { Ok(()) } else { Err(FitError::Setting { test, what, value, requirement }) }
+        };
+        positive("weight", self.weight)?;
+        if let Mode::Inflation { thickness_to_radius } = self.mode {
+            positive("thickness over radius", thickness_to_radius)?;
+        }
+        for (point, [x, y]) in self.points.iter().enumerate() {
             let wrong = |what, value, requirement| {
-                Err(FitError::Point { test: name.to_owned(), point, what, value, requirement })
+                Err(FitError::Point { test: self.name.clone(), point, what, value, requirement })
             };
-            if mode.state(*x).is_none() {
-                return wrong(mode.deformation(), *x, "it must be positive and finite");
+            if self.mode.state(*x).is_none() {
+                let shear = self.mode == Mode::SimpleShear;
+                let requirement = if shear { "it must be a finite number" } else { "it must be positive and finite" };
+                return wrong(self.mode.deformation(), *x, requirement);
             }
             if !y.is_finite() {
                 return wrong("response", *y, "it must be a finite number");
             }
         }
-        Ok(Test { name: name.to_owned(), mode, response, points, weight: 1.0 })
-    }
-
-    /// With another weight.
-    #[must_use]
-    pub fn weighted(self, weight: f64) -> Self {
-        Test { weight, ..self }
+        Ok(())
     }
 }
 

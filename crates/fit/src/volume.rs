@@ -18,12 +18,15 @@ pub struct Bulk {
 /// [`FitError::Volume`] without a change of volume, or for data that no positive bulk modulus fits; parameters that the law refuses.
 pub fn bulk(law: Law, parameters: &[f64], tests: &[Test]) -> Result<Bulk, FitError> {
     let volumetric = || tests.iter().filter(|test| test.mode == Mode::Volumetric);
-    let trial = 1e3 * law.shear(parameters);
+    let trial = 1e3 * law.shear(parameters)?;
     let (mut along, mut own, mut n) = (0.0, 0.0, 0.0);
     let mut rows = Vec::new();
     for test in volumetric() {
+        test.check()?;
         let [low, high] = [trial, 2.0 * trial].map(|bulk| pressures(law, parameters, bulk, &test.points));
-        for (([x, y], low), high) in test.points.iter().zip(low?).zip(high?).filter(|((point, _), _)| point[0] != 1.0) {
+        for (([x, y], low), high) in
+            test.points.iter().zip(low?).zip(high?).filter(|((point, _), _)| !test.mode.is_rest(point[0]))
+        {
             let slope = (high - low) / trial;
             let rest = y - (low - slope * trial);
             along += test.weight * slope * rest;

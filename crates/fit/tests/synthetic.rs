@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // a test may
 
 use nastic_fit::{
-    Errors, FitError, FitOptions, Law, Mode, Response, Test, bulk, curve, fit, scenarios, stable_range, student,
+    End, Errors, FitError, FitOptions, Law, Mode, Response, Test, bulk, curve, fit, scenarios, stable_range, student,
 };
 
 const TRUE: [(Law, &[f64]); 8] = [
@@ -32,7 +32,7 @@ fn battery(law: Law, values: &[f64]) -> Vec<Test> {
         test(law, values, Mode::Equibiaxial, Response::Cauchy, 3.0),
         test(law, values, Mode::Planar, Response::Nominal, 4.0),
         test(law, values, Mode::SimpleShear, Response::Shear, 2.5),
-        test(law, values, balloon, Response::Pressure, 3.5).weighted(1e3),
+        test(law, values, balloon, Response::Pressure, 3.5).weighted(1e3).unwrap(),
     ]
 }
 
@@ -90,6 +90,7 @@ fn the_interval_of_a_linear_problem() {
     assert!((shear.deviation.unwrap() / deviation - 1.0).abs() < 1e-6);
     // tabulated: t = 2.5706 for five degrees of freedom
     assert!((shear.half_width.unwrap() / (2.5706 * deviation) - 1.0).abs() < 2e-3);
+    assert!((student(1.0) - 12.7062).abs() < 1e-4 && (student(2.0) - 4.3027).abs() < 1e-4);
     assert!((student(10.0) - 2.2281).abs() < 2e-4 && (student(1e9) - 1.96).abs() < 1e-4);
     let spread = scenarios(&found);
     assert_eq!(spread.len(), 2);
@@ -129,15 +130,15 @@ fn a_bulk_modulus_from_volumetric_data() {
 fn the_range_of_stability() {
     let neo = Law::NeoHookeIsochoric.incompressible(&[1.0]).unwrap();
     let range = stable_range(&*neo, Mode::Equibiaxial, 5.0);
-    assert_eq!((range.from, range.to, range.ends), (0.2, 5.0, [false, false]));
+    assert_eq!((range.from, range.to, range.ends), (0.2, 5.0, [End::Examined; 2]));
     let gent = Law::Gent.incompressible(&[1.0, 10.0]).unwrap();
     let range = stable_range(&*gent, Mode::Uniaxial, 6.0);
     // to its limit, l^2 + 2/l - 3 = 10
-    assert!(range.ends[1] && (range.to.powi(2) + 2.0 / range.to - 13.0).abs() < 1e-2, "{range:?}");
+    assert!(range.ends[1] == End::Undefined && (range.to.powi(2) + 2.0 / range.to - 13.0).abs() < 1e-2, "{range:?}");
     // sigma = 2 (c10 + 2 c20 x + 3 c30 x^2)(..) with a deep valley
     let yeoh = Law::Yeoh.incompressible(&[1.0, -0.17, 0.01]).unwrap();
     let range = stable_range(&*yeoh, Mode::Uniaxial, 6.0);
-    assert!(range.ends[1] && range.to > 1.5 && range.to < 2.9, "{range:?}");
+    assert!(range.ends[1] == End::Unstable && range.to > 1.5 && range.to < 2.9, "{range:?}");
 }
 
 #[test]
@@ -152,4 +153,95 @@ fn refusals_say_what_and_where() {
     assert_eq!(error, FitError::TooFew { law: "yeoh".into(), parameters: 3, points: 3 });
     let still = [bar(vec![[1.2, 0.0], [1.4, 0.0], [1.6, 0.0]]).unwrap()];
     assert_eq!(fit(Law::NeoHooke, &still, &FitOptions::default()).unwrap_err(), FitError::NoStress);
+}
+
+/// A start that ran out of evaluations has not converged.
+#[test]
+fn exhausted_starts_are_counted_apart() {
+    let tests = battery(Law::Ogden(2), &[6e5, 1.5, -2e4, -2.2]);
+    let with = |patience: usize| fit(Law::Ogden(2), &tests, &FitOptions { patience, ..FitOptions::default() });
+    let starts = with(200).unwrap().starts;
+    assert!(starts.exhausted > 0 && starts.converged > 0 && !starts.best_exhausted, "{starts:?}");
+    assert!(starts.tried == 16 && starts.exhausted + starts.converged <= 16, "{starts:?}");
+    let none = with(1).unwrap_err();
+    assert_eq!(none, FitError::Exhausted { law: "ogden_2".into(), starts: 16, exhausted: 16 });
+    assert!((1..40).any(|patience| with(patience).is_ok_and(|found| found.starts.best_exhausted)));
+}
+
+/// `n <= K + 1`: AICc is infinite whatever the fit, and BIC decides.
+#[test]
+fn without_aicc_laws_are_compared_by_bic() {
+    let points = vec![[1.2, 0.9], [1.5, 2.1], [2.0, 3.6]];
+    let tests = [Test::new("bar", Mode::Uniaxial, Response::Nominal, points).unwrap()];
+    let of = |law: Law| fit(law, &tests, &FitOptions::default()).unwrap().criteria;
+    let (neo, mooney) = (of(Law::NeoHooke), of(Law::MooneyRivlin));
+    assert!(neo.aicc == f64::INFINITY && mooney.aicc == f64::INFINITY && neo.bic != mooney.bic);
+    assert_eq!(neo.compare(&mooney), neo.bic.total_cmp(&mooney.bic));
+}
+
+/// `det diag(l, l, l^-2) = 1` for negative l too.
+#[test]
+fn stretches_are_positive_in_every_mode() {
+    let balloon = Mode::Inflation { thickness_to_radius: 0.02 };
+    for (mode, response) in [
+        (Mode::Uniaxial, Response::Nominal),
+        (Mode::Equibiaxial, Response::Nominal),
+        (Mode::Planar, Response::Cauchy),
+        (balloon, Response::Pressure),
+        (Mode::Volumetric, Response::Pressure),
+    ] {
+        for x in [-1.5, -0.5, 0.0, f64::NAN, f64::INFINITY] {
+            let error = Test::new("t", mode, response, vec![[1.2, 1.0], [x, 1.0]]).unwrap_err();
+            let FitError::Point { point: 1, requirement, .. } = error else { unreachable!("{mode:?} {x}: {error:?}") };
+            assert_eq!(requirement, "it must be positive and finite");
+        }
+    }
+    let shear = |g: f64| Test::new("t", Mode::SimpleShear, Response::Shear, vec![[g, -1.0]]);
+    assert!(shear(-0.5).is_ok());
+    assert!(shear(f64::NAN).unwrap_err().to_string().contains("it must be a finite number"));
+}
+
+#[test]
+fn stresses_that_oppose_the_deformation_are_told() {
+    let bar =
+        |name: &str, points: &[[f64; 2]]| Test::new(name, Mode::Uniaxial, Response::Nominal, points.to_vec()).unwrap();
+    let tension = bar("tension", &[[1.0, 0.0], [1.2, 1.0], [1.5, 2.0], [2.0, 3.0]]);
+    let pressed = bar("pressed", &[[1.0, 0.0], [0.9, 1.0], [0.8, 2.0], [0.7, 3.0]]);
+    let options = FitOptions::default();
+    for tests in [vec![pressed.clone()], vec![tension.clone(), pressed]] {
+        let error = fit(Law::NeoHooke, &tests, &options).unwrap_err();
+        assert_eq!(error, FitError::WrongSign { test: "pressed".into(), points: 3 });
+    }
+    let mixed = bar("mixed", &[[1.1, 0.1], [1.5, -2.0], [2.0, -3.0]]);
+    assert!(matches!(fit(Law::NeoHooke, &[mixed], &options), Err(FitError::NegativeShear { shear }) if shear < 0.0));
+    let still = bar("still", &[[1.0, 0.0], [1.2, 0.0]]);
+    let relative = FitOptions { errors: Errors::Relative, ..options };
+    let both = [tension, still];
+    assert_eq!(fit(Law::NeoHooke, &both, &relative).unwrap_err(), FitError::ZeroTest { test: "still".into() });
+    assert!(fit(Law::NeoHooke, &both, &options).is_ok());
+}
+
+#[test]
+fn wrong_numbers_of_parameters_and_weights_are_errors() {
+    for (law, values) in TRUE {
+        let more = [values, &[1.0]].concat();
+        for wrong in [&values[1..], &more] {
+            let expected = FitError::Parameters { law: law.label(), expected: values.len(), found: wrong.len() };
+            assert_eq!(law.shear(wrong), Err(expected.clone()));
+            assert_eq!(law.incompressible(wrong).err(), Some(expected.clone()));
+            assert_eq!(law.build(wrong, 1e9).err(), Some(expected));
+        }
+    }
+    let good = test(Law::NeoHooke, &[1.0], Mode::Uniaxial, Response::Nominal, 2.0);
+    for weight in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(good.clone().weighted(weight), Err(FitError::Setting { what: "weight", .. })), "{weight}");
+        let put = Test { weight, ..good.clone() };
+        assert!(
+            matches!(fit(Law::NeoHooke, &[put], &FitOptions::default()), Err(FitError::Setting { .. })),
+            "{weight}"
+        );
+    }
+    let balloon = Mode::Inflation { thickness_to_radius: f64::NAN };
+    let error = Test::new("balloon", balloon, Response::Pressure, vec![[1.5, 1.0]]).unwrap_err();
+    assert!(error.to_string().contains("thickness over radius = NaN, but it must be a positive number"), "{error}");
 }

@@ -8,7 +8,7 @@ mod memory;
 
 pub(super) use actuation::actuation;
 pub(super) use duration::duration;
-pub(super) use existence::existence;
+pub(super) use existence::{conditions, existence};
 pub(super) use members::{load_cases, scenarios};
 pub(super) use memory::memory;
 

@@ -16,6 +16,9 @@ use nastic_fit::{FitError, FitOptions, Law, Mode, Test, fit as fit_law};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
+/// The results.
+const FILE: &str = "fit.json";
+
 /// What a fit found.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FitOutcome {
@@ -35,7 +38,11 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     let asked = FitData::read_document(&document)?;
     let tests = read_tests(&document, &asked)?;
     let out = Directory::claim(out.unwrap_or_else(|| directory_of(&document, None)))?;
-    let options = FitOptions { errors: asked.errors.errors(), starts: asked.starts, seed: asked.seed };
+    // They belong to an earlier fit, and would stand there as results of this one if it fails.
+    out.remove(FILE)?;
+    plot::files().try_for_each(|name| out.remove(&name))?;
+    let errors = asked.errors.errors();
+    let options = FitOptions { errors, starts: asked.starts, seed: asked.seed, ..FitOptions::default() };
     let laws: Vec<Law> = asked.laws.iter().map(|law| law.0).collect();
     let laws = if laws.is_empty() { Law::ALL.to_vec() } else { laws };
     print::introduce(&asked, &tests, console);
@@ -49,16 +56,16 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
         }
     }
     console.clear();
-    fitted.sort_by(|a, b| a.fit.criteria.aicc.total_cmp(&b.fit.criteria.aicc));
+    fitted.sort_by(|a, b| a.fit.criteria.compare(&b.fit.criteria));
     let Some(best) = fitted.first() else {
         return Err(RunError::Fit(failed.into_iter().next().map_or(FitError::NoStress, |(_, error)| error)));
     };
-    print::found(&fitted, &failed, console);
+    print::found(&fitted, &failed, errors, console);
     let charts = plot::charts(best, &tests, asked.title.as_deref());
     for (name, chart) in &charts {
         chart.write(out.file(name))?;
     }
-    let files: Vec<&str> = std::iter::once("fit.json").chain(charts.iter().map(|(name, _)| name.as_str())).collect();
+    let files: Vec<&str> = std::iter::once(FILE).chain(charts.iter().map(|(name, _)| name.as_str())).collect();
     let least = best.fit.criteria.aicc;
     let failures: Vec<Value> =
         failed.iter().map(|(law, why)| json!({ "law": law.label(), "why": why.to_string() })).collect();
@@ -69,12 +76,12 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
         "errors": asked.errors.name(),
         "tests": tests.iter().map(entry::of_test).collect::<Vec<_>>(),
         "best": best.fit.law.label(),
-        "laws": fitted.iter().map(|one| one.json(least)).collect::<Vec<_>>(),
+        "laws": fitted.iter().map(|one| one.json(least, errors)).collect::<Vec<_>>(),
         "failed": failures,
         "files": files,
         "exit": Exit::Done.code(),
     });
-    out.write_json("fit.json", &result)?;
+    out.write_json(FILE, &result)?;
     console.say(format!("results     {}: {}", out.path().display(), files.join(", ")));
     Ok(FitOutcome { exit: Exit::Done, result })
 }

@@ -21,18 +21,18 @@ pub(in crate::run) fn existence(problem: &CaseProblem) -> Vec<Line> {
 
 /// The same for `result.json`.
 pub(super) fn json(problem: &CaseProblem) -> Value {
-    let of = |group: &Group| {
-        let stated = group.stated.map(|stated| {
-            let growth = stated.growth.implied();
-            json!({
-                "polyconvex": stated.polyconvex, "resists_collapse": stated.resists_collapse,
-                "coercive": growth.is_coercive(), "growth": { "p": growth.p, "q": growth.q, "r": growth.r },
-                "balances_pressure": growth.balances_pressure(), "holds": stated.holds(),
-            })
-        });
-        json!({ "cells": group.cells, "conditions": stated })
-    };
+    let of = |group: &Group| json!({ "cells": group.cells, "conditions": group.stated.map(conditions) });
     groups(problem).iter().map(of).collect()
+}
+
+/// What is stated, in results: with the growth that the stated one implies.
+pub(in crate::run) fn conditions(stated: Existence) -> Value {
+    let growth = stated.growth.implied();
+    json!({
+        "polyconvex": stated.polyconvex, "resists_collapse": stated.resists_collapse,
+        "coercive": growth.is_coercive(), "growth": { "p": growth.p, "q": growth.q, "r": growth.r },
+        "balances_pressure": growth.balances_pressure(), "holds": stated.holds(),
+    })
 }
 
 /// By what the laws of a cell state together, point by point, in the order of the cells.

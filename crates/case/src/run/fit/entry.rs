@@ -1,20 +1,31 @@
 //! [`Fitted`]: one law, and its entry in `fit.json`.
 
+use crate::run::describe::conditions;
 use crate::schema::FitData;
 use nastic_energy::{Existence, Place};
-use nastic_fit::{Bulk, Estimate, Fit, FitError, Law, Mode, Range, Scenario, Test, bulk, scenarios, stable_range};
+use nastic_fit::{
+    Bulk, End, Errors, Estimate, Fit, FitError, Law, Mode, Range, Scenario, Test, bulk, scenarios, stable_range,
+};
 use serde_json::{Map, Value, json};
 
 /// Modes in which stability is examined.
 const MODES: [Mode; 3] = [Mode::Uniaxial, Mode::Equibiaxial, Mode::Planar];
 
+/// The range of stability in one kind of test.
+pub(super) struct Stable {
+    pub mode: Mode,
+    pub range: Range,
+    /// Whether it ends, below and above, within the stretches measured in tests of this kind.
+    pub within: [bool; 2],
+}
+
 /// A law with its parameters, and all that follows from them.
 pub(super) struct Fitted {
     pub fit: Fit,
     pub bulk: Bulk,
-    pub stable: Vec<(Mode, Range)>,
-    /// Largest stretch that was measured.
-    pub measured: f64,
+    /// Shear modulus at rest, Pa.
+    pub shear: f64,
+    pub stable: Vec<Stable>,
     pub existence: Option<Existence>,
     region: String,
     scenarios: Vec<Scenario>,
@@ -29,15 +40,20 @@ impl Fitted {
         };
         let law = fit.law.build(&values, bulk.value)?;
         let incompressible = fit.law.incompressible(&values)?;
-        let measured = largest_stretch(tests);
-        let reach = asked.stable_to.unwrap_or(1.25 * measured);
-        let stable = MODES.map(|mode| (mode, stable_range(&*incompressible, mode, reach))).to_vec();
+        let shear = fit.law.shear(&values)?;
+        let reach = asked.stable_to.unwrap_or_else(|| 1.25 * largest_stretch(tests));
+        let stable = MODES.map(|mode| Stable::new(mode, stable_range(&*incompressible, mode, reach), tests));
         let existence = law.existence(Place { cell: 0, point: 0 });
         // those that this bulk modulus does not fit are no materials
         let scenarios = scenarios(&fit);
         let admissible = scenarios.iter().all(|one| fit.law.build(&one.parameters, bulk.value).is_ok());
         let scenarios = if admissible { scenarios } else { vec![] };
-        Ok(Fitted { fit, bulk, stable, measured, existence, region: asked.region.clone(), scenarios })
+        Ok(Fitted { fit, bulk, shear, stable: stable.into(), existence, region: asked.region.clone(), scenarios })
+    }
+
+    /// Poisson's ratio at rest, `(3 K - 2 G)/(2 (3 K + G))`.
+    pub fn poisson(&self) -> f64 {
+        (3.0 * self.bulk.value - 2.0 * self.shear) / (2.0 * (3.0 * self.bulk.value + self.shear))
     }
 
     /// The block to paste.
@@ -68,19 +84,12 @@ impl Fitted {
     }
 
     /// Its entry; `least` is the smallest AICc of all laws.
-    pub fn json(&self, least: f64) -> Value {
+    pub fn json(&self, least: f64, errors: Errors) -> Value {
         let Fit { law, squares, points, scatter, criteria, starts, correlation, .. } = &self.fit;
         let parameters: Map<String, Value> =
             self.fit.parameters.iter().map(|one| (one.name.to_owned(), estimate(one))).collect();
         let stable: Map<String, Value> =
-            self.stable.iter().map(|(mode, range)| (mode.name().to_owned(), of_range(range))).collect();
-        let existence = self.existence.map(|e| {
-            json!({
-                "polyconvex": e.polyconvex, "resists_collapse": e.resists_collapse, "coercive": e.growth.is_coercive(),
-                "growth": { "p": e.growth.p, "q": e.growth.q, "r": e.growth.r },
-            })
-        });
-        let [tried, converged, alike] = starts;
+            self.stable.iter().map(|one| (one.mode.name().to_owned(), one.json())).collect();
         json!({
             "law": law.label(),
             "parameters": parameters,
@@ -89,15 +98,70 @@ impl Fitted {
             "squares": squares,
             "points": points,
             "scatter": scatter,
+            "scatter_unit": scatter_unit(errors),
             "aicc": finite(criteria.aicc),
             "bic": finite(criteria.bic),
             "aicc_above_best": finite(criteria.aicc - least),
-            "starts": { "tried": tried, "converged": converged, "alike": alike },
+            "starts": {
+                "tried": starts.tried, "converged": starts.converged, "exhausted": starts.exhausted, "alike": starts.alike,
+                "best_exhausted": starts.best_exhausted,
+            },
+            "poissons_ratio": self.poisson(),
             "stable": stable,
-            "existence": existence,
+            "existence": self.existence.map(conditions),
             "materials": self.materials(),
             "scenarios": self.scenario_block(),
         })
+    }
+}
+
+impl Stable {
+    fn new(mode: Mode, range: Range, tests: &[Test]) -> Self {
+        let own = tests.iter().filter(|test| kind(test.mode) == Some(mode)).flat_map(stretches);
+        let [low, high] = own.fold([1.0, 1.0], |[low, high], l| [f64::min(low, l), f64::max(high, l)]);
+        let [below, above] = range.ends.map(|end| end != End::Examined);
+        Stable { mode, range, within: [below && low < range.from, above && high > range.to] }
+    }
+
+    fn json(&self) -> Value {
+        let Range { from, to, ends } = self.range;
+        let [below, above] = ends.map(|end| end != End::Examined);
+        let [limit_below, limit_above] = ends.map(|end| end == End::Undefined);
+        json!({
+            "from": from, "to": to, "ends_below": below, "ends_above": above,
+            "limit_below": limit_below, "limit_above": limit_above, "within_data": self.within.contains(&true),
+        })
+    }
+}
+
+/// The mode in which stability is examined that has the deformations of a test.
+fn kind(mode: Mode) -> Option<Mode> {
+    match mode {
+        Mode::Uniaxial => Some(Mode::Uniaxial),
+        Mode::Equibiaxial | Mode::Inflation { .. } => Some(Mode::Equibiaxial),
+        Mode::Planar | Mode::SimpleShear => Some(Mode::Planar),
+        Mode::Volumetric => None,
+    }
+}
+
+/// Stretches of a test in the mode of its [`kind`]; simple shear is planar but for a rotation, with `l - 1/l = g`.
+fn stretches(test: &Test) -> Vec<f64> {
+    let of = |x: f64| match test.mode {
+        Mode::Volumetric => vec![],
+        Mode::SimpleShear => {
+            let l = x.abs() / 2.0 + (1.0 + x * x / 4.0).sqrt();
+            vec![l, 1.0 / l]
+        }
+        _ => vec![x],
+    };
+    test.points.iter().flat_map(|[x, _]| of(*x)).collect()
+}
+
+/// Of residuals, and so of their scatter.
+pub(super) fn scatter_unit(errors: Errors) -> &'static str {
+    match errors {
+        Errors::Absolute => "Pa",
+        Errors::Relative => "1",
     }
 }
 
@@ -105,30 +169,19 @@ impl Fitted {
 pub(super) fn of_test(test: &Test) -> Value {
     json!({
         "name": test.name, "kind": test.mode.name(), "response": test.response.name().trim_start_matches("a "),
-        "points": test.points.len(), "weight": test.weight,
+        "points": test.points.len(), "at_rest": test.at_rest(), "weight": test.weight,
     })
 }
 
 /// Largest stretch of all tests of shape, or the inverse of the smallest.
 fn largest_stretch(tests: &[Test]) -> f64 {
-    let of = |test: &Test, x: f64| match test.mode {
-        Mode::Volumetric => 1.0,
-        // the larger principal stretch of simple shear
-        Mode::SimpleShear => x.abs() / 2.0 + (1.0 + x * x / 4.0).sqrt(),
-        _ => x.max(1.0 / x),
-    };
-    let all = tests.iter().flat_map(|test| test.points.iter().map(move |[x, _]| of(test, *x)));
-    all.fold(1.0, f64::max)
+    tests.iter().flat_map(stretches).fold(1.0, |most, l| most.max(l).max(1.0 / l))
 }
 
 fn estimate(one: &Estimate) -> Value {
     let interval = one.half_width.map(|h| [one.value - h, one.value + h]);
     let unit = if Law::is_pressure(one.name) { "Pa" } else { "1" };
     json!({ "value": one.value, "unit": unit, "deviation": one.deviation, "interval": interval })
-}
-
-fn of_range(range: &Range) -> Value {
-    json!({ "from": range.from, "to": range.to, "ends_below": range.ends[0], "ends_above": range.ends[1] })
 }
 
 fn finite(value: f64) -> Option<f64> {

@@ -11,21 +11,35 @@ const MEGA: f64 = 1e6;
 /// Which tests a chart shows.
 type Belongs = fn(&Test) -> bool;
 
+/// Kinds of charts.
+const GROUPS: [(&str, Belongs); 4] = [
+    ("stretch", |test| test.mode.deformation() == "stretch" && test.response != Response::Pressure),
+    ("simple_shear", |test| test.mode == Mode::SimpleShear),
+    ("inflation", |test| matches!(test.mode, Mode::Inflation { .. })),
+    ("volumetric", |test| test.mode == Mode::Volumetric),
+];
+
+/// The chart that comes first, whatever it shows.
+const FIRST: &str = "fit.svg";
+
+fn file_of(group: &str) -> String {
+    format!("fit_{group}.svg")
+}
+
+/// All names that charts may have.
+pub(super) fn files() -> impl Iterator<Item = String> {
+    std::iter::once(FIRST.to_owned()).chain(GROUPS.iter().map(|(name, _)| file_of(name)))
+}
+
 /// Charts by file name: stresses over stretches first (or what there is), other kinds of tests in charts of their own.
 pub(super) fn charts(best: &Fitted, tests: &[Test], title: Option<&str>) -> Vec<(String, Chart)> {
-    let groups: [(&str, Belongs); 4] = [
-        ("stretch", |test| test.mode.deformation() == "stretch" && test.response != Response::Pressure),
-        ("simple_shear", |test| test.mode == Mode::SimpleShear),
-        ("inflation", |test| matches!(test.mode, Mode::Inflation { .. })),
-        ("volumetric", |test| test.mode == Mode::Volumetric),
-    ];
     let mut out: Vec<(String, Chart)> = Vec::new();
-    for (name, belongs) in groups {
+    for (name, belongs) in GROUPS {
         let own: Vec<&Test> = tests.iter().filter(|test| belongs(test)).collect();
         if own.is_empty() {
             continue;
         }
-        let file = if out.is_empty() { "fit.svg".to_owned() } else { format!("fit_{name}.svg") };
+        let file = if out.is_empty() { FIRST.to_owned() } else { file_of(name) };
         out.push((file, chart(best, &own, title)));
     }
     out

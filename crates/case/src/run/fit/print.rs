@@ -1,10 +1,10 @@
 //! What a fit says on the terminal.
 
-use super::entry::Fitted;
+use super::entry::{Fitted, Stable, scatter_unit};
 use crate::console::Console;
 use crate::run::number::short;
 use crate::schema::FitData;
-use nastic_fit::{Estimate, FitError, Law, Mode, Test};
+use nastic_fit::{End, Errors, Estimate, FitError, Law, Starts, Test};
 
 /// Correlations beyond which two parameters are hardly told apart.
 const ALIKE: f64 = 0.99;
@@ -17,8 +17,12 @@ pub(super) fn introduce(asked: &FitData, tests: &[Test], console: &Console) {
         let ends = test.points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [x, _]| [a.min(*x), b.max(*x)]);
         let (kind, what) = (test.mode.name(), test.response.name().trim_start_matches("a "));
         let weight = if test.weight == 1.0 { String::new() } else { format!(", weight {}", short(test.weight)) };
+        let rest = match test.at_rest() {
+            0 => String::new(),
+            some => format!(" ({some} at rest left out)"),
+        };
         console.say(format!(
-            "test        {}: {kind}, {what}, {} points, {} {} to {}{weight}",
+            "test        {}: {kind}, {what}, {} points{rest}, {} {} to {}{weight}",
             test.name,
             test.points.len(),
             test.mode.deformation(),
@@ -28,19 +32,25 @@ pub(super) fn introduce(asked: &FitData, tests: &[Test], console: &Console) {
     }
 }
 
-pub(super) fn found(fitted: &[Fitted], failed: &[(Law, FitError)], console: &Console) {
+pub(super) fn found(fitted: &[Fitted], failed: &[(Law, FitError)], errors: Errors, console: &Console) {
     let Some(best) = fitted.first() else { return };
-    console.say("laws        by AICc: the first is best; 10 more are decisive");
-    console.say("            law                   parameters     scatter      AICc   above best       BIC");
+    let scatter = format!("scatter, {}", scatter_unit(errors));
+    if best.fit.criteria.aicc == f64::INFINITY {
+        console.say("laws        by BIC: AICc decides nothing, for no law of k parameters has more than k + 2 points");
+    } else {
+        console.say("laws        by AICc: the first is best; 10 more are decisive");
+    }
+    console.say(format!("            law                   parameters {scatter:>11}      AICc   above best       BIC"));
     for one in fitted {
-        let above = one.fit.criteria.aicc - best.fit.criteria.aicc;
+        let criteria = &one.fit.criteria;
         console.say(format!(
-            "            {:<20} {:>11} {:>11.4e} {:>9.1} {above:>12.1} {:>9.1}",
+            "            {:<20} {:>11} {:>11.4e} {:>9} {:>12} {:>9}",
             one.fit.law.label(),
             one.fit.parameters.len(),
             one.fit.scatter,
-            one.fit.criteria.aicc,
-            one.fit.criteria.bic
+            tenths(criteria.aicc),
+            tenths(criteria.aicc - best.fit.criteria.aicc),
+            tenths(criteria.bic)
         ));
     }
     for (law, error) in failed {
@@ -56,6 +66,11 @@ pub(super) fn found(fitted: &[Fitted], failed: &[(Law, FitError)], console: &Con
     console.say("            with its uncertainty: \"materials\" and \"scenarios\" of each law in fit.json");
 }
 
+/// A criterion, where there is one.
+fn tenths(value: f64) -> String {
+    if value.is_finite() { format!("{value:.1}") } else { "-".to_owned() }
+}
+
 /// `c10 = 172.3 kPa +- 5 kPa`.
 fn estimate(one: &Estimate) -> String {
     let unit = if Law::is_pressure(one.name) { " Pa" } else { "" };
@@ -68,24 +83,20 @@ fn estimate(one: &Estimate) -> String {
 
 /// Stability, existence, parameters that move together, starts that differ.
 fn remarks(one: &Fitted) -> Vec<String> {
-    let mut out = Vec::new();
-    for (mode, range) in &one.stable {
-        let limits = [(range.ends[0], range.from), (range.ends[1], range.to)];
-        let limits: Vec<String> = limits.iter().filter(|(ends, _)| *ends).map(|(_, at)| short(*at)).collect();
-        if !limits.is_empty() {
-            let within = range.ends[1] && range.to < one.measured && *mode == Mode::Uniaxial;
-            let told = if within { ": WITHIN THE DATA" } else { "" };
-            out.push(format!(
-                "unstable (Drucker) in {} tests beyond stretch {}{told}",
-                mode.name(),
-                limits.join(" and ")
-            ));
-        }
-    }
-    if one.stable.iter().all(|(_, range)| range.ends == [false, false])
-        && let Some((_, range)) = one.stable.first()
+    let mut out: Vec<String> = one.stable.iter().flat_map(|stable| ends(stable, &one.fit.law.label())).collect();
+    if out.is_empty()
+        && let Some(Stable { range, .. }) = one.stable.first()
     {
         out.push(format!("stable (Drucker) in all tests, stretches {} to {}", short(range.from), short(range.to)));
+    }
+    let poisson = one.poisson();
+    if poisson < 0.0 {
+        out.push(format!(
+            "WARNING: the bulk modulus, {} Pa, is below 2/3 of the shear modulus, {} Pa: Poisson's ratio is negative, {}",
+            short(one.bulk.value),
+            short(one.shear),
+            short(poisson)
+        ));
     }
     if let Some(existence) = one.existence {
         let polyconvex = if existence.polyconvex { "polyconvex" } else { "not known to be polyconvex" };
@@ -100,9 +111,34 @@ fn remarks(one: &Fitted) -> Vec<String> {
             }
         }
     }
-    let [tried, _, alike] = one.fit.starts;
+    let Starts { tried, converged, exhausted, alike, best_exhausted } = one.fit.starts;
+    if tried > 1 {
+        let spent = if exhausted > 0 { format!(", {exhausted} ran out of evaluations") } else { String::new() };
+        out.push(format!("{tried} starts: {converged} converged{spent}, {alike} led here"));
+    }
+    if best_exhausted {
+        out.push("the best start ran out of evaluations: its parameters may not be those of least squares".to_owned());
+    }
     if tried > 3 && alike < 3 {
         out.push(format!("only {alike} of {tried} starts led here: try more (\"starts\")"));
     }
     out
+}
+
+/// Where stability ends, below and above, and why.
+fn ends(stable: &Stable, law: &str) -> Vec<String> {
+    let Stable { mode, range, within } = stable;
+    let of = |end: End, side: &str, at: f64, within: bool| {
+        let told = if within { ": WITHIN THE DATA" } else { "" };
+        let (kind, at) = (mode.name(), short(at));
+        match end {
+            End::Examined => None,
+            End::Unstable => Some(format!("unstable (Drucker) in {kind} tests {side} stretch {at}{told}")),
+            End::Undefined => {
+                Some(format!("stable in {kind} tests up to the limit of {law}: none {side} stretch {at}{told}"))
+            }
+        }
+    };
+    let both = [of(range.ends[0], "below", range.from, within[0]), of(range.ends[1], "above", range.to, within[1])];
+    both.into_iter().flatten().collect()
 }

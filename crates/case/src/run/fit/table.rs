@@ -51,7 +51,7 @@ pub(super) fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<Te
         }),
         _ => document.complain(&test.at, error.to_string()).into(),
     })?;
-    Ok(made.weighted(test.weight))
+    made.weighted(test.weight).map_err(|error| document.complain(&test.at.key("weight"), error.to_string()).into())
 }
 
 /// A row that was measured.
@@ -75,8 +75,13 @@ fn parse(text: &str, mode: Mode) -> Result<(Response, Vec<Row>), Vec<Wrong>> {
         return Err(vec![(0, 0, format!("the table is empty: a line of columns is wanted, as in \"{example}\""))]);
     };
     let (x, y, response) = columns(line, head, mode)?;
+    let named = cells(head).count();
     let (mut rows, mut wrong) = (Vec::new(), Vec::new());
     for (line, row) in lines {
+        if let Some((column, _)) = cells(row).nth(named) {
+            wrong.push((line, column, surplus(row, named)));
+            continue;
+        }
         let value = |column: &Column| number(line, row, column.index).map(|v| v * column.factor + column.shift);
         match (value(&x), value(&y)) {
             (Ok(x), Ok(y)) => rows.push(Row { line, point: [x, y] }),
@@ -87,6 +92,16 @@ fn parse(text: &str, mode: Mode) -> Result<(Response, Vec<Row>), Vec<Wrong>> {
         wrong.push((0, 0, "the table has no rows below its line of columns".to_owned()));
     }
     if wrong.is_empty() { Ok((response, rows)) } else { Err(wrong) }
+}
+
+/// A decimal comma splits a number into two cells, and the rest of the row moves on by one column.
+fn surplus(row: &str, named: usize) -> String {
+    let comma = if separator(row) == ',' {
+        ": are there decimal commas? Numbers have a point, or semicolons separate the columns"
+    } else {
+        ""
+    };
+    format!("the row has {} cells, but the line of columns has {named}{comma}", cells(row).count())
 }
 
 fn number(line: usize, row: &str, index: usize) -> Result<f64, Wrong> {
@@ -101,14 +116,17 @@ fn number(line: usize, row: &str, index: usize) -> Result<f64, Wrong> {
 
 /// Cells with their columns in the line, from 1, without blanks around them.
 fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
-    let separator = if row.contains(';') { ';' } else { ',' };
     let mut at = 1;
-    row.split(separator).map(move |cell| {
+    row.split(separator(row)).map(move |cell| {
         let blanks = cell.chars().take_while(|c| c.is_whitespace()).count();
         let place = at + blanks;
         at += cell.chars().count() + 1;
         (place, cell.trim())
     })
+}
+
+fn separator(row: &str) -> char {
+    if row.contains(';') { ';' } else { ',' }
 }
 
 /// The columns of deformation and response.
@@ -118,45 +136,58 @@ fn columns(line: usize, head: &str, mode: Mode) -> Result<(Column, Column, Respo
         Mode::Volumetric => RATIO,
         _ => STRETCH,
     };
-    let (mut x, mut y, mut wrong) = (None, None, Vec::new());
+    let answers: Vec<&(&str, Response)> = RESPONSES.iter().filter(|(_, response)| mode.takes(*response)).collect();
+    let (mut xs, mut ys, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
     for (index, (place, cell)) in cells(head).enumerate() {
-        let (name, unit) = match cell.split_once('[') {
-            Some((name, unit)) => (name.trim(), Some(unit.trim_end_matches(']').trim())),
-            None => (cell, None),
+        let name = cell.split('[').next().unwrap_or(cell).trim();
+        let answer = answers.iter().find(|(known, _)| *known == name);
+        let is_deformation = known.contains(&name);
+        if answer.is_none() && !is_deformation {
+            continue;
+        }
+        let read = unit_of(cell).and_then(|unit| match answer {
+            Some((_, response)) => pressure_unit(unit)
+                .map(|factor| ys.push((name, place, Column { index, factor, shift: 0.0 }, *response))),
+            None => {
+                strain_unit(name, unit).map(|[factor, shift]| xs.push((name, place, Column { index, factor, shift })))
+            }
+        });
+        wrong.extend(read.err().map(|why| (line, place, format!("\"{name}\" {why}"))));
+    }
+    let both = |first: &str, second: &str| {
+        format!("the columns \"{first}\" and \"{second}\" are both there: leave out one, or give it a name of its own")
+    };
+    wrong.extend(xs.windows(2).map(|pair| (line, pair[1].1, both(pair[0].0, pair[1].0))));
+    wrong.extend(ys.windows(2).map(|pair| (line, pair[1].1, both(pair[0].0, pair[1].0))));
+    if wrong.is_empty() {
+        let found: Vec<&str> = cells(head).map(|(_, cell)| cell).collect();
+        let lacks = |names: &[&str]| {
+            let (what, kind) = (names.join("\" or \""), mode.name());
+            (line, 1, format!("no column \"{what}\" for a test of kind \"{kind}\"; found: {}", found.join(", ")))
         };
-        if known.contains(&name) && x.is_none() {
-            match unit {
-                None | Some("1" | "-" | "") => {
-                    x = Some(Column { index, factor: 1.0, shift: f64::from(name == "strain") })
-                }
-                Some("%") if name == "strain" => x = Some(Column { index, factor: 0.01, shift: 1.0 }),
-                Some(unit) => {
-                    wrong.push((line, place, format!("\"{name}\" is a pure number, not in {}", quoted(unit))))
-                }
-            }
-        } else if let (Some((_, response)), None) = (RESPONSES.iter().find(|(known, _)| *known == name), &y) {
-            match pressure_unit(unit) {
-                Ok(factor) => y = Some((Column { index, factor, shift: 0.0 }, *response)),
-                Err(why) => wrong.push((line, place, format!("\"{name}\" {why}"))),
-            }
+        let names: Vec<&str> = answers.iter().map(|(name, _)| *name).collect();
+        match (xs.pop(), ys.pop()) {
+            (Some((_, _, x)), Some((_, _, y, response))) => return Ok((x, y, response)),
+            (None, _) => wrong.push(lacks(known)),
+            (_, None) => wrong.push(lacks(&names)),
         }
     }
-    match (x, y) {
-        (Some(x), Some((y, response))) if wrong.is_empty() => Ok((x, y, response)),
-        (x, y) => {
-            let found: Vec<&str> = cells(head).map(|(_, cell)| cell).collect();
-            let lacks = |what: &str| {
-                format!("no column {what} for a test of kind \"{}\"; found: {}", mode.name(), found.join(", "))
-            };
-            if wrong.is_empty() && x.is_none() {
-                wrong.push((line, 1, lacks(&format!("\"{}\"", known.join("\" or \"")))));
-            }
-            if wrong.is_empty() && y.is_none() {
-                let names: Vec<&str> = RESPONSES.iter().map(|(name, _)| *name).collect();
-                wrong.push((line, 1, lacks(&format!("\"{}\"", names.join("\" or \"")))));
-            }
-            Err(wrong)
-        }
+    Err(wrong)
+}
+
+/// What stands in brackets behind the name of a column.
+fn unit_of(cell: &str) -> Result<Option<&str>, String> {
+    let Some((_, unit)) = cell.split_once('[') else { return Ok(None) };
+    let inner = unit.strip_suffix(']').ok_or_else(|| format!("has a bracket that is not closed: {}", quoted(cell)))?;
+    Ok(Some(inner.trim()))
+}
+
+/// Factor and shift from a column of deformations to stretches, amounts of shear and ratios of volumes.
+fn strain_unit(name: &str, unit: Option<&str>) -> Result<[f64; 2], String> {
+    match unit {
+        None | Some("1" | "-" | "") => Ok([1.0, f64::from(name == "strain")]),
+        Some("%") if name == "strain" => Ok([0.01, 1.0]),
+        Some(unit) => Err(format!("is a pure number, not in {}", quoted(unit))),
     }
 }
 
