@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::{
-    Arap, ArrudaBoyce, EnergyTerm, Existence, FiberFamily, Field, Gent, Growth, HolzapfelGasserOgden,
-    NeoHookeIsochoric, Ogden, Place, PointBatch, SaintVenantKirchhoff, Yeoh, check,
+    Arap, ArrudaBoyce, EnergyTerm, Existence, FiberFamily, Field, Gent, Growth, HolzapfelGasserOgden, MooneyRivlin,
+    NeoHookeIsochoric, Ogden, Place, PointBatch, SaintVenantKirchhoff, TransverseMooneyRivlin, Yeoh, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
@@ -290,6 +290,11 @@ fn conditions_of_existence_by_parameters() {
     assert!(yeoh(0.1, 0.01).holds());
     assert!(!yeoh(0.1, 0.0).holds() && yeoh(0.1, 0.0).polyconvex);
     assert!(!yeoh(-0.1, 0.01).polyconvex && yeoh(-0.1, 0.01).growth.is_coercive());
+    // with the cofactor the volume grows too, for J^2 <= |H|^3 up to a factor: no term of J is needed
+    let mooney = |mu2: f64, mu3: f64| of(&MooneyRivlin::new(1.0, mu2, mu3).unwrap());
+    assert!(mooney(0.1, 0.0).holds() && !mooney(0.0, 1.0).growth.is_coercive());
+    let transverse = |mu2: f64, mu4: f64| of(&TransverseMooneyRivlin::new(1.0, mu2, 1.0, mu4, Vec3::x()).unwrap());
+    assert!(transverse(0.1, 0.0).holds() && !transverse(0.0, 1.0).growth.is_coercive());
     assert!(of(&Gent::new(1.0, 10.0, 10.0).unwrap()).holds());
     assert!(!of(&NeoHookeIsochoric::new(1.0, 10.0).unwrap()).growth.is_coercive());
     // Treloar's rubber: 1.3 is less than 3/2, and its growth (p = 30/11, q = 6/5) less than what the theorem asks for
