@@ -28,6 +28,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &TRUNCATED_FIELD,
     &CELL_SHAPE,
     &UNMATCHED_INTERFACE,
+    &GRID_RESOLUTION,
     &HAUSDORFF_LENGTH,
     &NEGLIGIBLE_TERM,
     &UNSTABLE,
@@ -111,6 +112,13 @@ pub const UNMATCHED_INTERFACE: WarningKind = WarningKind {
     code: "unmatched_interface",
     about: "surfaces of cells touch without sharing nodes, so the body is open there",
     advice: "merge coincident nodes (in Gmsh: Coherence Mesh; BooleanFragments for touching volumes)",
+};
+
+/// A control grid finer than the mesh.
+pub const GRID_RESOLUTION: WarningKind = WarningKind {
+    code: "grid_resolution",
+    about: "the grid of a control is finer than the mesh: its total variation and regularisation come out too small",
+    advice: "take no more cells than that, or refine the mesh",
 };
 
 /// A Hausdorff length below the spacing of points.

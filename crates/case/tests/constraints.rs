@@ -194,13 +194,15 @@ fn obstacles_are_drawn() {
     assert_eq!(page.matches(r#""label":"obstacle""#).count(), 2);
 }
 
-/// Taylor tests of the constraint beside those of the cost.
+/// Taylor tests of the constraint beside those of the cost, whatever the size of the cost.
 #[test]
 fn constraints_have_taylor_tests() {
-    let place = Place::new();
-    let found = place.run(Command::Gradcheck, KEEP_OUT, &[]).unwrap();
-    assert_eq!(found.exit, Exit::Done, "{:#}", found.result["gradcheck"]);
-    let tests = found.result["gradcheck"]["tests"].as_array().unwrap();
-    let ball = tests.iter().find(|test| test["term"] == "constraint ball").unwrap();
-    assert_eq!((&ball["verdict"], &ball["second"]), (&Value::from("right"), &Value::from("right")), "{ball:#}");
+    let weighed = with(KEEP_OUT, r#""kind": "tracking","#, r#""kind": "tracking", "weight": 1e12,"#);
+    for case in [KEEP_OUT, &weighed] {
+        let found = Place::new().run(Command::Gradcheck, case, &[]).unwrap();
+        assert_eq!(found.exit, Exit::Done, "{:#}", found.result["gradcheck"]);
+        let tests = found.result["gradcheck"]["tests"].as_array().unwrap();
+        let ball = tests.iter().find(|test| test["term"] == "constraint ball").unwrap();
+        assert_eq!((&ball["verdict"], &ball["second"]), (&Value::from("right"), &Value::from("right")), "{ball:#}");
+    }
 }

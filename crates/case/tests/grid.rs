@@ -5,8 +5,15 @@
 mod common;
 
 use common::{BAR, Place, problems, with};
+use nastic_case::run::Study;
 use nastic_case::schema::Command;
+use nastic_control::{Reduced, Space, Target, Tracking};
+use nastic_energy::{FiberTension, NeoHooke};
+use nastic_fem::Solid;
 use nastic_io::read_snapshot;
+use nastic_mesh::{CellKind, box_mesh};
+use nastic_opt::{Bounds, Lbfgs, Options as Stops};
+use nastic_tensor::Vec3;
 use serde_json::json;
 
 const MAGNET: &str = include_str!("cases/magnet_pair.json");
@@ -105,4 +112,27 @@ fn vectors_of_one_length_keep_it_between_the_nodes() {
     assert!((control["min"].as_f64().unwrap() - 0.1).abs() < 1e-12, "{name}: {control}");
     let points = problem_points(&case, &place);
     assert!(points.len() > 8 && points.iter().all(|length| (length - 0.1).abs() < 1e-12), "{points:?}");
+}
+
+/// The control of a program is looked at as that of a case.
+#[test]
+fn a_program_is_warned_of_a_grid_finer_than_its_mesh() -> Result<(), Box<dyn std::error::Error>> {
+    for (cells, told) in [([4, 1, 2], 0), ([8, 1, 2], 1)] {
+        let body = Solid::new(box_mesh([0.4, 0.1, 0.1], [4, 1, 2], CellKind::Hex8)?)?
+            .material("body", NeoHooke::from_young_poisson(1e5, 0.3)?)?
+            .actuate("body", "top", FiberTension::along(Vec3::x())?)?
+            .clamp("x-")?;
+        let target = Target::position(|x| [0.99 * x[0], x[1], x[2]]);
+        let problem = Reduced::new(body).control("top", Space::Grid(cells))?.cost(Tracking::surface("x+", target))?;
+        let start = vec![-1e3; problem.layout().len()];
+        let study = Study::new(problem)?.within("top", Bounds::new(-1e4, 0.0)?).start("top", start);
+        let few = Stops { max_iterations: 1, ..Stops::default() };
+        let result = study.optimize(&Lbfgs { options: few, ..Lbfgs::default() })?.outcome.result;
+        let all = result["warnings"].as_array().cloned().unwrap_or_default();
+        let found = all.iter().filter(|one| one["code"] == "grid_resolution");
+        let found: Vec<&str> = found.filter_map(|one| one["message"].as_str()).collect();
+        assert_eq!(found.len(), told, "{all:?}");
+        assert!(found.iter().all(|m| m.starts_with("top: ") && m.ends_with("at most 4 x 1 x 2")), "{all:?}");
+    }
+    Ok(())
 }

@@ -382,3 +382,24 @@ fn a_random_field_that_is_cut_off() {
     assert!(message(&short, "truncated_field").contains("2 modes hold 10.0 % of the field's variance"));
     assert_eq!(codes(&check("1 m")), [""; 0]);
 }
+
+/// A strip of 32 x 4 cells resolves a grid of as many, in its own words (a plane grid has two numbers of cells).
+#[test]
+fn a_control_grid_finer_than_the_mesh() {
+    let case = |cells: &str| {
+        let control = format!(
+            r#", "actuation": [ {{ "name": "muscle", "kind": "fiber_tension", "region": "body", "direction": [1, 0] }} ],
+            "controls": [ {{ "of": "muscle", "space": {{ "grid": {cells} }}, "start": 0, "lower": -10, "upper": 10 }} ]"#
+        );
+        strip("[1.0, 0.125]", "[32, 4]", &control)
+    };
+    let coarse = case("[32, 4]");
+    assert_eq!(codes(&run(Command::Check, &coarse)), [""; 0]);
+    let told = Place::new().text(Command::Check, &coarse, &[]);
+    assert!(told.contains("muscle: by grid of 32 x 4 cells, 165 unknowns"), "{told}");
+    let fine = run(Command::Check, &case("[64, 16]"));
+    assert_eq!(codes(&fine), ["grid_resolution"]);
+    let told = message(&fine, "grid_resolution");
+    assert!(told.contains("controls/0/space") && told.contains("grid of 64 x 16"), "{told}");
+    assert!(told.contains("a grid of at most 32 x 4"), "{told}");
+}

@@ -8,6 +8,9 @@ pub(crate) type Corner = (u32, f64, [f64; 3]);
 /// How near to a face of its grid cell a point may lie, as a share of the cell: a point on a plane of the grid belongs to the cell above.
 const FACE: f64 = 1e-12;
 
+/// How far a cell of the body may exceed one of the grid by rounding, as a share.
+const ROOM: f64 = 1e-9;
+
 /// A box divided into `cells` of equal size along each axis; node `(i, j, k)` has number `i + (n_x + 1) (j + (n_y + 1) k)`.
 ///
 /// The basis function of a node is the product over the axes of `max(0, 1 - |x_k - node_k| / h_k)`: not negative, and their sum is one
@@ -42,6 +45,15 @@ impl Grid {
     /// Number of cells along each axis.
     pub fn cells(&self) -> [u32; 3] {
         self.cells
+    }
+
+    /// The most cells along each axis, over the same box, none of which is smaller than the lengths given (to rounding).
+    pub(crate) fn most_cells(&self, least: [f64; 3]) -> [u32; 3] {
+        [0, 1, 2].map(|k| {
+            let room = self.edges[k] * f64::from(self.cells[k]) * (1.0 + ROOM);
+            // An axis without extent, or cells without extent along it, ask for nothing.
+            if room > 0.0 && least[k] > 0.0 { (room / least[k]).floor().max(1.0) as u32 } else { self.cells[k] }
+        })
     }
 
     /// Where a node lies.

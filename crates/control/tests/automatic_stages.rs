@@ -3,7 +3,7 @@
 use nastic_control::{BoundHausdorff, Cost, SmoothedHausdorff, Smoothing};
 use nastic_energy::NeoHooke;
 use nastic_fem::Solid;
-use nastic_mesh::{CellKind, Mesh, box_mesh};
+use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh, rectangle};
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
@@ -60,5 +60,38 @@ fn they_do_not_depend_on_the_length_of_phi_and_choose_points() -> Outcome {
     assert_eq!(short.len(), 2);
     assert!(short.iter().zip(&long).all(|(a, b)| (a - b).abs() < 1e-12 * a), "{short:?}, {long:?}");
     assert!(short[1] <= 1.08f64.sqrt() / 40.0, "{short:?}");
+    Ok(())
+}
+
+/// A square of 5 cm of 2 x 2 cells, of which a strip of 1 m beside it is a part of the mesh where `strip` is given.
+fn square(strip: bool) -> Outcome<Mesh> {
+    let mut raw = RawMesh::new("target");
+    for (tag, name, left, size) in [(1, "goal", 0.0, [0.05, 0.05]), (2, "strip", 0.1, [1.0, 0.05])] {
+        if tag == 1 || strip {
+            let part = rectangle(size, [2, 2], CellKind::Quad4)?;
+            let first = raw.points.len() as u32;
+            raw.points.extend(part.points().iter().map(|x| [x[0] + left, x[1], 0.0]));
+            for cell in 0..part.cells() {
+                let nodes: Vec<u32> = part.cell(cell).nodes.iter().map(|node| first + node).collect();
+                raw.push(CellKind::Quad4, &nodes, &[tag]);
+            }
+            raw.name_group(2, tag, name);
+        }
+    }
+    Ok(Mesh::build(raw)?)
+}
+
+/// Points resolve a fortieth of the region that is the target, whatever else its mesh holds: the square of 5 cm is resolved in two stages.
+#[test]
+fn the_size_is_that_of_the_region_of_the_target() -> Outcome {
+    let solid = Solid::new(rectangle([0.05, 0.05], [2, 2], CellKind::Quad4)?)?;
+    let solid = solid.material("body", NeoHooke::from_young_poisson(1e5, 0.3)?)?.clamp("x-")?;
+    let of = |strip: bool| -> Outcome<Vec<f64>> {
+        let cost = SmoothedHausdorff::to(square(strip)?).target_region("goal").exponential(0.005).automatic_stages();
+        Ok(resolved(&cost.bind_to(&solid)?.smoothings()))
+    };
+    let (alone, beside) = (of(false)?, of(true)?);
+    assert!(alone.len() == 2 && alone[1] <= 0.05 * 2f64.sqrt() / 40.0 * (1.0 + 1e-8), "{alone:?}");
+    assert_eq!(alone, beside);
     Ok(())
 }

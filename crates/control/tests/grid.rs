@@ -3,7 +3,7 @@
 use nastic_control::{ControlError, ControlNorm, ControlSmoothness, Reduced, Space};
 use nastic_energy::{Magnet, MooneyRivlin, Turgor};
 use nastic_fem::Solid;
-use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
+use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh, rectangle};
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
@@ -157,5 +157,35 @@ fn the_total_variation_is_that_of_closed_forms() -> Outcome {
     let (found, expected) =
         (block.total_variation(problem.solid().discretization(), block.of(&m)), 0.5 * std::f64::consts::PI);
     assert!((found - expected).abs() < 1e-3 * expected, "{found}, {expected}");
+    Ok(())
+}
+
+/// The bar has cells of half a metre along every axis: six, two and two.
+#[test]
+fn a_grid_is_resolved_where_no_cell_is_smaller_than_those_of_the_body() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Tet10] {
+        for (cells, most) in [
+            ([6, 2, 2], None),
+            ([1, 1, 1], None),
+            ([7, 1, 1], Some([6, 2, 2])),
+            ([6, 2, 3], Some([6, 2, 2])),
+            ([24, 8, 8], Some([6, 2, 2])),
+        ] {
+            let problem = controlled(bar(kind)?, Space::Grid(cells))?;
+            let map = &problem.layout().block("turgor")?.map;
+            assert_eq!(map.resolved_grid(problem.solid().discretization()), most, "{kind}, {cells:?}");
+        }
+    }
+    let plane = Solid::new(rectangle([1.0, 0.5], [4, 2], CellKind::Quad9)?)?
+        .material("body", MooneyRivlin::new(1e5, 2e4, 5e5)?)?
+        .actuate("body", "turgor", Turgor::new())?
+        .clamp("x-")?;
+    for (cells, most) in [([4, 2, 1], None), ([5, 2, 9], Some([4, 2, 9])), ([4, 2, 9], None)] {
+        let problem = Reduced::new(plane.clone()).control("turgor", Space::Grid(cells))?;
+        let found = problem.layout().block("turgor")?.map.resolved_grid(problem.solid().discretization());
+        assert_eq!(found, most, "{cells:?}");
+    }
+    let nodes = controlled(bar(CellKind::Hex8)?, Space::Node)?;
+    assert!(nodes.layout().block("turgor")?.map.resolved_grid(nodes.solid().discretization()).is_none());
     Ok(())
 }

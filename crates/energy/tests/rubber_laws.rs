@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::{
-    Arap, ArrudaBoyce, EnergyTerm, Existence, FiberFamily, Field, Gent, Growth, HolzapfelGasserOgden,
-    NeoHookeIsochoric, Ogden, Place, PointBatch, SaintVenantKirchhoff, Yeoh, check,
+    Arap, ArrudaBoyce, EnergyTerm, Existence, FiberFamily, Field, Gent, Growth, HolzapfelGasserOgden, MooneyRivlin,
+    NeoHookeIsochoric, Ogden, Place, PointBatch, SaintVenantKirchhoff, TransverseMooneyRivlin, Yeoh, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
@@ -290,6 +290,11 @@ fn conditions_of_existence_by_parameters() {
     assert!(yeoh(0.1, 0.01).holds());
     assert!(!yeoh(0.1, 0.0).holds() && yeoh(0.1, 0.0).polyconvex);
     assert!(!yeoh(-0.1, 0.01).polyconvex && yeoh(-0.1, 0.01).growth.is_coercive());
+    // with the cofactor the volume grows too, for J^2 <= |H|^3 up to a factor: no term of J is needed
+    let mooney = |mu2: f64, mu3: f64| of(&MooneyRivlin::new(1.0, mu2, mu3).unwrap());
+    assert!(mooney(0.1, 0.0).holds() && !mooney(0.0, 1.0).growth.is_coercive());
+    let transverse = |mu2: f64, mu4: f64| of(&TransverseMooneyRivlin::new(1.0, mu2, 1.0, mu4, Vec3::x()).unwrap());
+    assert!(transverse(0.1, 0.0).holds() && !transverse(0.0, 1.0).growth.is_coercive());
     assert!(of(&Gent::new(1.0, 10.0, 10.0).unwrap()).holds());
     assert!(!of(&NeoHookeIsochoric::new(1.0, 10.0).unwrap()).growth.is_coercive());
     // Treloar's rubber: 1.3 is less than 3/2, and its growth (p = 30/11, q = 6/5) less than what the theorem asks for
@@ -301,4 +306,31 @@ fn conditions_of_existence_by_parameters() {
     assert!(!growth(2.0, 0.0, 0.0).balances_pressure() && growth(2.0, 2.0, 0.0).balances_pressure());
     let sum = yeoh(0.1, 0.01).and(of(&FiberFamily::new(1.0, 1.0, 0.0, Vec3::x()).unwrap()));
     assert_eq!(sum, Existence { polyconvex: true, resists_collapse: true, growth: Growth::isochoric(3.0) });
+}
+
+/// Where fibres work: `E = 0.5` with the default toe of 0.01, at other volumes than 1 and turned, so that no curvature of the toe
+/// helps. In equibiaxial stretch l of any volume all fibres of the plane have `E = d (2 l^2 + l^-4) + (1 - 3 d) l^2 - 1`.
+#[test]
+fn derivatives_of_fibers_beyond_the_toe() {
+    let [turn, other] = [check::rotations()[1], check::rotations()[4]];
+    for dispersion in [0.0, 0.1, 0.3] {
+        let strain = |l: f64| dispersion * (2.0 * l * l + l.powi(-4)) + (1.0 - 3.0 * dispersion) * l * l - 1.0;
+        let bisect = |(low, high): (f64, f64), _| {
+            let middle = 0.5 * (low + high);
+            if strain(middle) < 0.5 { (middle, high) } else { (low, middle) }
+        };
+        let (l, _) = (0..60).fold((1.0, 3.0), bisect);
+        assert_close(strain(l), 0.5, "strain of the fibres");
+        let [first, second] = [0.6f64, -0.6].map(|angle| other.transpose() * Vec3::new(angle.cos(), angle.sin(), 0.0));
+        let family = FiberFamily::new(1.0, 1.5, dispersion, first).unwrap();
+        let fibers = [1.0, 1.5, dispersion, FiberFamily::TOE].map(Field::from);
+        let both = HolzapfelGasserOgden::new([0.8, 5.0].map(Field::from), fibers, first, Some(second.into())).unwrap();
+        for volume in [0.8f64, 1.0, 1.3] {
+            let f = turn * diagonal([l, l, l.powi(-2)]) * other * volume.cbrt();
+            derivatives_by_differences(&family, f);
+            derivatives_by_differences(&both, f);
+            let energy = (1.5 * (0.5f64 - 0.005).powi(2)).exp_m1() / 3.0;
+            assert_close(evaluate(&family, f).energy, energy, "energy of one family");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! [`GroupNames`]: one or several groups of a mesh that stand for their union.
 
-use crate::{Facet, Mesh, MeshError};
+use crate::{Facet, Mesh, MeshError, geometry};
 use std::fmt;
 
 /// The names of one or several regions, surfaces or node sets; several stand for their union.
@@ -29,6 +29,17 @@ impl GroupNames {
 }
 
 impl Mesh {
+    /// Diagonal of the bounding box of the nodes of regions; of the whole mesh if `None`.
+    ///
+    /// # Errors
+    /// A name that the mesh lacks.
+    pub fn diagonal_of(&self, regions: Option<&GroupNames>) -> Result<f64, MeshError> {
+        let Some(names) = regions else { return Ok(self.diagonal()) };
+        let nodes = self.nodes_of_cells(&self.cells_of(names)?);
+        let (low, high) = geometry::bounds(nodes.iter().map(|&node| &self.points()[node as usize]));
+        Ok(geometry::norm(&geometry::minus(&high, &low)))
+    }
+
     /// Cells of the regions, ascending, each once.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ mod error;
 pub use error::AssemblyError;
 
 use super::control::{Admitted, ControlField, is_reserved};
+use super::control_grid::unresolved;
 use super::member::Label;
 use super::probe::{LocatedProbe, outside};
 use super::tension::{beyond_limit, beyond_together, joint_excess, limit};
@@ -15,7 +16,7 @@ use crate::expression::dimension_of;
 use crate::quantity::Dimension;
 use crate::schema::Case;
 use crate::syntax::{At, Document};
-use crate::warning::{CONVEXITY, HAUSDORFF_LENGTH, UNBOUNDED, UNITS, Warning};
+use crate::warning::{CONVEXITY, GRID_RESOLUTION, HAUSDORFF_LENGTH, UNBOUNDED, UNITS, Warning};
 use nastic_control::{Ensemble, EnsembleBlock, Member, Reduced};
 use nastic_opt::{Admissible, Bounds, Product};
 use serde_json::Map;
@@ -142,6 +143,9 @@ fn field(
     let name = block.name.replace('/', ".");
     let unit = case.units.label(dimension_of(own.unit).unwrap_or(Dimension::NONE));
     let bodies = ensemble.members().iter().map(Member::problem);
+    let told =
+        unresolved(own, owner.problem()).map(|message| Warning::new(&GRID_RESOLUTION, format!("{name}: {message}")));
+    warnings.extend(told);
     let users = bodies.filter(|body| body.layout().blocks().iter().any(|other| other.name == own.name));
     let limit = users
         .filter_map(|body| {

@@ -3,6 +3,7 @@
 use super::actuation::{CONTRACTION, MUSCLES_PULL, is_built};
 use super::array::{self, Entity, MeshArray};
 use super::context::Context;
+use super::control_grid::unresolved;
 use super::start;
 use super::tension::{beyond_limit, default_upper, limit};
 use super::variant::Variant;
@@ -10,7 +11,7 @@ use crate::quantity::Dimension;
 use crate::result::snapshot::RESERVED;
 use crate::schema::{Case, Cells, Control, ControlsFile, Parameter, Space as SpaceBlock, Start, vector_at};
 use crate::syntax::At;
-use crate::warning::{CONVEXITY, UNBOUNDED};
+use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
 use nastic_control::{ControlBlock, ControlMap, Reduced, Space};
 use nastic_numeric::Random;
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Outside, Product, Sphere};
@@ -196,6 +197,9 @@ impl Lowering<'_> {
         let start = self.settle(start, set.as_ref(), context)?;
         let unit = crate::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
         let unit = context.units.label(unit);
+        if let Some(message) = unresolved(self.block, self.reduced) {
+            context.warn(&GRID_RESOLUTION, &self.control.at.key("space"), message);
+        }
         let (at, array) = (self.control.at.clone(), self.control.name().to_owned());
         if is_reserved(&array) {
             context

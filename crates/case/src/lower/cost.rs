@@ -160,7 +160,8 @@ impl Lowering<'_> {
         if !sound {
             return None;
         }
-        let diagonal = diagonal(&target.mesh, block.target_region.as_ref());
+        let diagonal = target.mesh.diagonal_of(block.target_region.as_ref());
+        let diagonal = context.take(&block.at.key("target_region"), diagonal)?;
         let mut cost = SmoothedHausdorff::to(target.mesh.clone()).phi(phi(&block.phi, diagonal)).weight(block.weight);
         cost = match &block.stages {
             Stages::Auto => cost.automatic_stages(),
@@ -301,18 +302,6 @@ fn phi(block: &PhiBlock, diagonal: f64) -> Phi {
         PhiBlock::Inverse(phi) => Phi::Inverse { eps: phi.eps },
         PhiBlock::SmoothInverse(phi) => Phi::SmoothInverse { eps: phi.eps },
     }
-}
-
-/// Diagonal of the bounding box of a mesh, or of one of its regions.
-fn diagonal(mesh: &Mesh, region: Option<&GroupNames>) -> f64 {
-    let Some(cells) = region.and_then(|names| mesh.cells_of(names).ok()) else { return mesh.diagonal() };
-    let points: Vec<[f64; 3]> = mesh.nodes_of_cells(&cells).iter().map(|&node| mesh.points()[node as usize]).collect();
-    let extent = |k: usize| {
-        let (low, high) =
-            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x[k]), h.max(x[k])));
-        high - low
-    };
-    (0..3).map(|k| extent(k).powi(2)).sum::<f64>().sqrt()
 }
 
 /// A term under the name the case gives it.

@@ -14,7 +14,7 @@ pub(super) use memory::memory;
 
 use super::number::{count, grouped, quantity, scientific, short, vector};
 use crate::expression::dimension_of;
-use crate::lower::{Admitted, CaseProblem, ControlField, TargetShape};
+use crate::lower::{Admitted, CaseProblem, ControlField, TargetShape, grid_cells};
 use crate::quantity::{Dimension, Units};
 use crate::result::summary::owner;
 use crate::schema::{Cost, Input, Means, Metric, Parameter, Phi, Stage, Stages, VectorField};
@@ -126,22 +126,18 @@ pub(super) fn controls(problem: &CaseProblem) -> Vec<Line> {
             if block.components > 1 { format!(" of {} components", block.components) } else { String::new() };
         let unknowns = count(block.map.len(), "unknown");
         let admitted = admitted(field);
+        let grid = block.map.grid().map(|grid| format!(" of {} cells", grid_cells(grid.cells(), problem.mesh().dim())));
         line(
             "controls",
             format!(
                 "{}: by {}{}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
                 field.name,
                 block.map.space().name(),
-                block.map.grid().map_or_else(String::new, |grid| format!(" of {} cells", times(&grid.cells())))
+                grid.unwrap_or_default()
             ),
         )
     };
     fields.map(of).collect()
-}
-
-/// `4 x 2 x 2`.
-fn times(cells: &[u32]) -> String {
-    cells.iter().map(u32::to_string).collect::<Vec<_>>().join(" x ")
 }
 
 fn admitted(field: &ControlField) -> String {

@@ -85,7 +85,7 @@ impl SmoothedHausdorff {
     /// Continuation stages from the sizes of the problem: with d the diagonal of the target's points and h the coarser mean spacing of the
     /// points of body and target, stage s of S resolves `R_s = l/alpha_s`, in geometric progression from d/10 to h, with
     /// `S = 1 + round(log_4(d/(10 h)))`; beta goes from 4 to 16 and gamma from 4 to 8 in the same way. Points left open by
-    /// [`quadrature`](Self::quadrature) are chosen to resolve d/40. One stage, the last, where d/10 < 2 h.
+    /// [`quadrature`](Self::quadrature) are chosen to resolve a fortieth of the diagonal of the target (of its region, where one is named). One stage, the last, where d/10 < 2 h.
     pub fn automatic_stages(mut self) -> Self {
         self.stages = None;
         self
@@ -131,7 +131,7 @@ impl SmoothedHausdorff {
         let given = self.stages.as_deref().map(smoothings).transpose()?;
         let length = match &given {
             Some(stages) => stages.iter().map(Smoothing::resolution).fold(f64::INFINITY, f64::min),
-            None => automatic_stages::finest(self.target.diagonal()),
+            None => automatic_stages::finest(self.target.diagonal_of(self.target_region.as_ref())?),
         };
         let (body, body_cloud) = sample(solid.mesh(), self.region.as_ref(), (self.quadrature, length))?;
         let (_, cloud) = sample(&self.target, self.target_region.as_ref(), (self.quadrature, length))?;

@@ -86,6 +86,29 @@ impl Ensemble {
     ) -> Result<Vec<f64>, EnsembleError> {
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let shares = self.shares(point, [y, &[]], |member| by_cost[member.scenario] * member.weight);
+        self.derivative_of(&shares, point, workspace)
+    }
+
+    /// The derivative of `y . c`, of constraints alone: no digits are lost to a cost of another size.
+    ///
+    /// # Errors
+    /// As [`derivative`](nastic_opt::Objective::derivative).
+    pub fn constraint_derivative(
+        &self,
+        point: &EnsemblePoint,
+        y: &[f64],
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
+        let shares = self.shares(point, [y, &[]], |_| 0.0);
+        self.derivative_of(&shares, &mut point.clone(), workspace)
+    }
+
+    fn derivative_of(
+        &self,
+        shares: &[Share],
+        point: &mut EnsemblePoint,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
         let members = &point.members;
         let found = self.side_by_side(workspace, |index, member, workspace| {
             let (Some(share), Some(at)) = (shares.get(index).filter(|share| !share.is_nothing()), members.get(index))
@@ -96,7 +119,7 @@ impl Ensemble {
             member.problem.lagrangian_sensitivity(at, of, workspace).map(Some)
         })?;
         let mut out = vec![0.0; self.len];
-        for (((member, at), share), found) in self.members.iter().zip(&mut point.members).zip(&shares).zip(found) {
+        for (((member, at), share), found) in self.members.iter().zip(&mut point.members).zip(shares).zip(found) {
             let Some((derivative, adjoint)) = found else { continue };
             scatter(&self.blocks, member, share.factor, &derivative, &mut out);
             // Without its costs it is no adjoint that a point is said to have.
@@ -117,6 +140,36 @@ impl Ensemble {
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let weight = |member: &Member| if bends { 0.0 } else { by_cost[member.scenario] * member.weight };
         let shares = self.shares(point, weights, weight);
+        let mut out = self.product_of(&shares, point, (v, which), workspace)?;
+        if bends {
+            axpy(1.0, &self.second_derivative(point, v, which, workspace)?, &mut out);
+        }
+        Ok(out)
+    }
+
+    /// The product of the second derivative of `y . c`, of constraints alone, with a direction.
+    ///
+    /// # Errors
+    /// As [`hessian_vector`](nastic_opt::Objective::hessian_vector).
+    pub fn constraint_hessian_vector(
+        &self,
+        point: &EnsemblePoint,
+        y: &[f64],
+        (v, which): (&[f64], Hessian),
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
+        self.check_len(v)?;
+        let shares = self.shares(point, [y, &vec![0.0; y.len()]], |_| 0.0);
+        self.product_of(&shares, point, (v, which), workspace)
+    }
+
+    fn product_of(
+        &self,
+        shares: &[Share],
+        point: &EnsemblePoint,
+        (v, which): (&[f64], Hessian),
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
         let found = self.side_by_side(workspace, |index, member, workspace| {
             let (Some(share), Some(at)) =
                 (shares.get(index).filter(|share| !share.is_nothing()), point.members.get(index))
@@ -127,13 +180,10 @@ impl Ensemble {
             member.problem.lagrangian_second_derivative(at, (of, &share.w), (&along, which), workspace).map(Some)
         })?;
         let mut out = vec![0.0; self.len];
-        for ((member, share), product) in self.members.iter().zip(&shares).zip(found) {
+        for ((member, share), product) in self.members.iter().zip(shares).zip(found) {
             if let Some(product) = product {
                 scatter(&self.blocks, member, share.factor, &product, &mut out);
             }
-        }
-        if bends {
-            axpy(1.0, &self.second_derivative(point, v, which, workspace)?, &mut out);
         }
         Ok(out)
     }

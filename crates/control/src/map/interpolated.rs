@@ -13,6 +13,27 @@ impl ControlMap {
         corners.into_iter().filter_map(|(node, shape, slope)| Some((unknown(node)?, shape, slope))).collect()
     }
 
+    /// The most cells along each axis of a grid that the quadrature points of the body resolve: none smaller than the largest of the cells
+    /// that the control acts on. In smaller ones there are too few points to see the gradient of the field, and the total variation and
+    /// the inner products with gradients come out too small. `None` without a grid, or where this one is resolved.
+    pub fn resolved_grid(&self, disc: &Discretization) -> Option<[u32; 3]> {
+        let (grid, mesh) = (self.grid?, disc.mesh());
+        let mut largest = [0.0f64; 3];
+        for (id, (first, _)) in disc.points_of_cells().into_iter().enumerate() {
+            if self.starts[first] == self.starts[first + 1] {
+                continue;
+            }
+            let nodes = mesh.gather(mesh.points(), mesh.cell(id).nodes);
+            for (k, largest) in largest.iter_mut().enumerate() {
+                let along = nodes.iter().map(|x| x[k]);
+                let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+                *largest = largest.max(high - low);
+            }
+        }
+        let most = grid.most_cells(largest);
+        grid.cells().iter().zip(most).any(|(cells, most)| *cells > most).then_some(most)
+    }
+
     /// A field of `components` components of this grid at a place, interpolated between the nodes that have unknowns; `None` where no
     /// grid is, or none of the nodes around the place has one.
     pub fn on_grid(&self, m: &[f64], components: usize, x: [f64; 3]) -> Option<Vec<f64>> {

@@ -34,7 +34,7 @@ impl Solid {
     /// The cell averages of a state, for output.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
+    /// [`InvertedAt`] where J <= 0, or beyond the domain of a law.
     pub fn cell_fields(&self, state: &State) -> Result<CellFields, InvertedAt> {
         let disc = self.discretization();
         let PointStresses { kinematics, piola, energy } = self.point_stresses(state)?;
@@ -65,13 +65,13 @@ impl Solid {
     /// by row (9 per node).
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
+    /// [`InvertedAt`] where J <= 0, or beyond the domain of a law.
     pub fn nodal_stresses(&self, state: &State) -> Result<Vec<f64>, InvertedAt> {
         let PointStresses { kinematics, piola, .. } = self.point_stresses(state)?;
         Ok(self.discretization().nodal_average(&by_row(cauchy(&kinematics, &piola)), 9))
     }
 
-    /// What the laws answer at the quadrature points.
+    /// What the laws answer at the quadrature points, where all are within the domains of their laws.
     fn point_stresses(&self, state: &State) -> Result<PointStresses, InvertedAt> {
         let disc = self.discretization();
         let kinematics = disc.points().kinematics(&state.u)?;
@@ -80,6 +80,7 @@ impl Solid {
         for (cell, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
             let range = first..first + count;
             let at = PointBatch { kinematics: &kinematics[range.clone()], cell, first };
+            self.body().check_domain(&at)?;
             let composition = &self.body().compositions[self.body().of_cell[cell] as usize];
             let mut out =
                 Response { energy: &mut energy[range.clone()], stress: &mut piola[range.clone()], tangent: &mut [] };

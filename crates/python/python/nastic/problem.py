@@ -22,7 +22,7 @@ class Control:
     name: str
     #: Its entries: `m[control.slice]`.
     slice: slice
-    #: "uniform", "region", "cell" or "node".
+    #: "uniform", "region", "cell", "node" or "grid".
     space: str
     #: Numbers per unknown; entries are in the order of unknowns, components of a vector one after the other.
     components: int

@@ -2,7 +2,7 @@
 
 use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_numeric::Random;
-use nastic_numeric::vector::{dot, sub};
+use nastic_numeric::vector::dot;
 use nastic_opt::{Constrained, ConstraintGroup, Failed, Hessian, Objective, Request};
 use std::sync::Mutex;
 
@@ -182,10 +182,7 @@ impl Objective for Column<'_> {
         match &self.term.of {
             Functional::Cost => ensemble.derivative(&mut base.clone(), &mut known.workspace),
             Functional::Term(name) => Ok(ensemble.derivative_of_term(base, name, &mut known.workspace)?),
-            Functional::Constraint(y) => {
-                let sum = ensemble.lagrangian_derivative(&mut base.clone(), y, &mut known.workspace)?;
-                Ok(sub(&sum, &ensemble.derivative(&mut base.clone(), &mut known.workspace)?))
-            }
+            Functional::Constraint(y) => Ok(ensemble.constraint_derivative(base, y, &mut known.workspace)?),
         }
     }
 
@@ -198,9 +195,7 @@ impl Objective for Column<'_> {
         match &self.term.of {
             Functional::Cost => Objective::hessian_vector(ensemble, base, v, which, &mut known.workspace),
             Functional::Constraint(y) => {
-                let weights = [y.as_slice(), &vec![0.0; y.len()]];
-                let sum = ensemble.lagrangian_hessian_vector(base, weights, (v, which), &mut known.workspace)?;
-                Ok(sub(&sum, &Objective::hessian_vector(ensemble, base, v, which, &mut known.workspace)?))
+                Ok(ensemble.constraint_hessian_vector(base, y, (v, which), &mut known.workspace)?)
             }
             Functional::Term(_) if which != Hessian::Exact => {
                 Err(Failed::because("of a single term there is the exact one alone"))

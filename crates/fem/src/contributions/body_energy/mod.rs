@@ -11,6 +11,7 @@ use formulation::{Formulation, Standard};
 use nastic_energy::{Actuation, EnergyTerm, Outside, PointBatch};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::GroupNames;
+use nastic_tensor::Kinematics;
 use std::sync::Arc;
 
 pub(crate) mod assembly;
@@ -142,13 +143,16 @@ impl BodyEnergy {
         self.check_domain(&PointBatch { kinematics: &scratch.kinematics, cell, first })
     }
 
-    /// Refuses what is beyond the domain of a law of the cell.
-    fn check_domain(&self, at: &PointBatch) -> Result<(), InvertedAt> {
-        let beyond = |outside: Outside| {
-            let (cell, point) = (at.cell, outside.point);
-            InvertedAt { cell, point, jacobian: at.kinematics[point].j(), outside: Some(outside) }
-        };
-        self.materials_of(at.cell).try_for_each(|law| law.check_domain(at).map_err(beyond))
+    /// Refuses what is beyond the domain of a law of the cell, passive or an actuation.
+    pub(crate) fn check_domain(&self, at: &PointBatch) -> Result<(), InvertedAt> {
+        self.check_domain_of_materials(at)?;
+        let acting = &self.compositions[self.of_cell[at.cell] as usize].actuations;
+        acting.iter().try_for_each(|&k| self.actuations[k].law.check_domain(at).map_err(|outside| beyond(at, outside)))
+    }
+
+    /// Refuses what is beyond the domain of a passive law of the cell.
+    fn check_domain_of_materials(&self, at: &PointBatch) -> Result<(), InvertedAt> {
+        self.materials_of(at.cell).try_for_each(|law| law.check_domain(at).map_err(|outside| beyond(at, outside)))
     }
 
     /// Energy alone, or energy and internal force.
@@ -236,6 +240,12 @@ impl BodyEnergy {
         control_vjp::add(self, (u, controls), lambda, &mut out, parallel)?;
         Ok(out)
     }
+}
+
+/// What a law says of a point of its cell. The number of the point is the law's own: it may be none of the cell's.
+fn beyond(at: &PointBatch, outside: Outside) -> InvertedAt {
+    let jacobian = at.kinematics.get(outside.point).map_or(f64::NAN, Kinematics::j);
+    InvertedAt { cell: at.cell, point: outside.point, jacobian, outside: Some(outside) }
 }
 
 impl Contribution for BodyEnergy {

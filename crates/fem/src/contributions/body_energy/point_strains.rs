@@ -141,7 +141,7 @@ impl BodyEnergy {
         let stretches = c.iter().enumerate().map(stretch).collect::<Result<Vec<_>, _>>()?;
         let (mut stress, mut tangent) = (vec![Mat3::zeros(); c.len()], vec![Tangent::zero(); c.len()]);
         let at = PointBatch { kinematics: &stretches, cell, first };
-        self.check_domain(&at)?;
+        self.check_domain_of_materials(&at)?;
         let mut response = Response { energy: &mut [], stress: &mut stress, tangent: &mut tangent };
         for &t in &self.compositions[self.of_cell[cell] as usize].terms {
             self.terms[t].respond(&at, Slots::none(), Want::TANGENT, &mut response);
