@@ -4,7 +4,7 @@
 
 use nastic_energy::{
     EnergyTerm, FiberTension, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, TensionBound, TransverseMooneyRivlin,
-    check,
+    Yeoh, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
@@ -120,4 +120,11 @@ fn a_bound_of_zero_bears_contraction_alone() {
         [bound.along(&x), bound.largest_multiple(&along_x), bound.largest_multiple(&-along_x)],
         [0.0, 0.0, f64::INFINITY]
     );
+}
+
+#[test]
+fn a_law_that_is_not_polyconvex_states_no_bound() {
+    let (stiff, soft) = (Yeoh::new(1.0, 0.01, 2e-3, 1e3).unwrap(), Yeoh::new(1.0, -0.01, 2e-3, 1e3).unwrap());
+    assert_eq!(stiff.fiber_limit(HERE, &Vec3::x()), Some(0.0));
+    assert_eq!(soft.fiber_limit(HERE, &Vec3::x()), None);
 }

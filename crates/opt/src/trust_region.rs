@@ -82,6 +82,7 @@ impl Subproblem<'_> {
                 // Bounds that the step so far has reached and this one would pass are active too.
                 let before = face.active();
                 face.join(&self.here.set.face(self.here.m, &at.d, &moved.s.iter().map(|s| -s).collect::<Vec<_>>()));
+                // After the last restart the step is kept as it is: it is taken no farther than its first bound, or where q falls.
                 if face.active() == before || joins == JOINS {
                     break Some(moved);
                 }
@@ -90,7 +91,7 @@ impl Subproblem<'_> {
                     break None;
                 }
             };
-            // A step that was made for another face is of no use.
+            // The products are used up, and none is left for the face with these bounds.
             let Some(moved) = moved else { break };
             let last = moved.cut_short;
             let before = (at.d.clone(), at.image.clone());

@@ -159,9 +159,10 @@ impl<L: IsochoricLaw> ConvexDensity for L {
         Some(self.existence(at))
     }
 
-    /// The curvature by `F` fades as `J` grows: no positive tension leaves the sum convex.
-    fn tension_bound(&self, _at: Place) -> Option<TensionBound> {
-        Some(TensionBound::isotropic(0.0))
+    /// The curvature by `F` fades as `J` grows: no positive tension leaves the sum convex. `None` where the law alone is not polyconvex.
+    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+        let polyconvex = self.conditions(at).is_some_and(|conditions| conditions.polyconvex);
+        polyconvex.then(|| TensionBound::isotropic(0.0))
     }
 
     fn check_fields(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

@@ -92,9 +92,11 @@ impl BodyEnergy {
         least
     }
 
-    /// What the laws of a cell bear: each may carry its share, so their bounds add up.
+    /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none.
     fn tension_bound(&self, at: Place) -> Option<TensionBound> {
-        self.materials_of(at.cell).filter_map(|law| law.fiber_bound(at)).reduce(|sum, next| sum + next)
+        let mut bounds = self.materials_of(at.cell).map(|law| law.fiber_bound(at));
+        let first = bounds.next()??;
+        bounds.try_fold(first, |sum, next| Some(sum + next?))
     }
 
     /// The families of fibres on a cell whose control is a tension: number and unit vector.
