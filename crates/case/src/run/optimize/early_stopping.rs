@@ -12,8 +12,9 @@ const MARGIN: f64 = 2.0;
 /// A start in the last continuation stage, where costs of different starts compare.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Standing {
+    /// The lowest so far.
     pub cost: f64,
-    /// The cost that it may yet reach: c (c/c_half) / [`MARGIN`], c_half its cost after half of the iterations; the factor of the latter half
+    /// The cost that it may yet reach: c (c/c_half) / [`MARGIN`], c_half the lowest after half of the iterations; the factor of the latter half
     /// once more, and the margin.
     pub within_reach: f64,
 }
@@ -33,7 +34,9 @@ impl Standing {
     pub fn of(progress: &Progress, last_stage: usize) -> Option<Self> {
         let costs = &progress.costs;
         let done = costs.len().checked_sub(1).filter(|done| *done >= FEWEST && progress.stage == last_stage)?;
-        let (cost, half) = (costs[done], costs[done / 2]);
+        // Costs of a method that is not monotone may have been lower before: the best start would be stopped for a rise.
+        let least = |costs: &[f64]| costs.iter().copied().fold(f64::INFINITY, f64::min);
+        let (cost, half) = (least(costs), least(&costs[..=done / 2]));
         (cost > 0.0).then(|| Self { cost, within_reach: cost * (cost / half) / MARGIN })
     }
 
@@ -85,6 +88,15 @@ mod tests {
         assert_eq!(Standing::of(&progress(0, &costs), 1), None);
         assert_eq!(Standing::of(&progress(1, &costs[..4]), 1), None);
         assert_eq!(Standing::of(&progress(1, &[1.0, 0.5, 0.2, 0.1, -0.1]), 1), None);
+    }
+
+    #[test]
+    fn a_rise_does_not_stop_the_best() {
+        let rising = Standing::of(&progress(0, &[9.0, 2.0, 1.0, 8.0, 7.0]), 0).unwrap();
+        assert_eq!(rising, Standing { cost: 1.0, within_reach: 1.0 / MARGIN });
+        let other = Standing::of(&progress(0, &[9.0, 8.0, 7.5, 7.2, 7.1]), 0);
+        let stopped = outperformed(&[(0, Some(rising)), (1, other)], &[]);
+        assert_eq!(stopped.iter().map(|one| one.start).collect::<Vec<_>>(), [1]);
     }
 
     #[test]
