@@ -21,6 +21,8 @@ pub const WARNINGS: &[&WarningKind] = &[
     &UNBOUNDED,
     &CONVEXITY,
     &UNBALANCED_TURGOR,
+    &UNBOUNDED_ENERGY,
+    &BREAKDOWN,
     &BOUNDS,
     &UNITS,
     &LOCKING,
@@ -79,6 +81,20 @@ pub const UNBALANCED_TURGOR: WarningKind = WarningKind {
     code: "unbalanced_turgor",
     about: "a turgor acts on a law whose energy grows too slowly with the volume: with any positive pressure it has no lower bound",
     advice: "take a law that resists changes of volume: neo_hooke with lambda > 0, or one with a bulk modulus",
+};
+
+/// An energy without a lower bound.
+pub const UNBOUNDED_ENERGY: WarningKind = WarningKind {
+    code: "unbounded_energy",
+    about: "an actuation has an energy without a lower bound: theorems on the existence of minimisers do not cover it",
+    advice: "judge a state by its inertia: 0 negative pivots is a local minimum; --ramp shows where equilibria end",
+};
+
+/// A true electric field that the material does not bear.
+pub const BREAKDOWN: WarningKind = WarningKind {
+    code: "breakdown",
+    about: "the true electric field exceeds the breakdown strength of a dielectric",
+    advice: "lower the field's upper bound: a film that thins to a share l of its thickness has 1/l times the nominal field",
 };
 
 /// Bounds far beyond the material.

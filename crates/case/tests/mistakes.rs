@@ -176,7 +176,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"fiber_tension\"",
         "\"fibre_tension\"",
         ": actuation/0/kind: unknown kind \"fibre_tension\": did you mean \"fiber_tension\"? (one of: \
-         fiber_tension, muscle, turgor, magnet, cavity)",
+         fiber_tension, muscle, turgor, magnet, dielectric, cavity)",
     );
     one(
         COMPLETE,

@@ -62,7 +62,7 @@ impl Reduced {
     /// `gradient_NAME`. Cell data: the other controls and
     /// gradients, one value per cell (of a control on a grid its mean there); averages over the reference volume of every scalar slot that nobody controls (under
     /// the actuation's name), of `B_r` and `B_a` (the sums over all magnets), `J`, `P` and `cauchy_stress` (row by row),
-    /// `mises` (of that mean Cauchy stress), `green_strain`, `principal_stretches` (of its mean, largest first), `energy` (stored by the passive material), `fiber` and `direction_NAME` of each actuation that has one. Vectors
+    /// `mises` (of that mean Cauchy stress), `green_strain`, `principal_stretches` (of its mean, largest first), `energy` (stored by the passive material), `true_field_NAME` of each dielectric, `fiber` and `direction_NAME` of each actuation that has one. Vectors
     /// always have three components, tensors nine. What follows from `J` and `F` is left out where a cell is inverted.
     /// Writers of VTU files add `region`.
     ///
@@ -185,6 +185,13 @@ impl Reduced {
             .with_cells("cauchy_stress", 9, fields.cauchy)?
             .with_cells("mises", 1, mises)?
             .with_cells("energy", 1, fields.energy)?;
+        for (k, attached) in self.solid().body().actuations().iter().enumerate() {
+            let values = self.solid().body().point_values(k, &of.state.u, &of.state.controls);
+            if let (Some(quantity), Ok(Some(values))) = (attached.law.point_quantity(), values) {
+                let means = self.solid().discretization().cell_average(&values, 1);
+                shot = shot.with_cells(&format!("{}_{}", quantity.name, attached.name), 1, means)?;
+            }
+        }
         for (name, direction) in fields.directions {
             shot = shot.with_cells(&format!("direction_{name}"), 3, direction)?;
         }

@@ -19,7 +19,9 @@ mod polyconvex;
 mod tension_bound;
 mod term;
 
-pub use actuation::{FiberTension, Magnet, MagnetIsochoric, MagnetRotation, Turgor, magnet};
+pub use actuation::{
+    Dielectric, FiberTension, Magnet, MagnetIsochoric, MagnetRotation, PointQuantity, Turgor, dielectric, magnet,
+};
 pub use error::{EnergyError, Outside};
 pub use existence::{Existence, Growth};
 pub use field::{Entry, Field, Place, combine};

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-use crate::{EnergyError, Existence, Moduli, Outside, Place, TensionBound};
+use crate::{EnergyError, Existence, Moduli, Outside, Place, PointQuantity, TensionBound};
 
 /// The quadrature points of one cell: their kinematics, and who they are.
 #[derive(Clone, Copy, Debug)]
@@ -266,6 +266,19 @@ pub trait Actuation: EnergyTerm {
         Err(EnergyError::no_second_derivatives::<Self>("Actuation::control_stress_change"))
     }
 
+    /// The number at every point that this actuation has to be judged by, if there is one.
+    fn point_quantity(&self) -> Option<PointQuantity> {
+        None
+    }
+
+    /// Sets the value of its [`point_quantity`](Self::point_quantity) at every point of one cell; nothing without one.
+    fn point_values(&self, _at: &PointBatch, _m: Slots, _out: &mut [f64]) {}
+
+    /// The largest value of its [`point_quantity`](Self::point_quantity) that the material bears at a point, if that is known.
+    fn point_limit(&self, _at: Place) -> Option<f64> {
+        None
+    }
+
     /// The control values seen by an observer who turned space by `q`: components of spatial vectors turn with it,
     /// scalars and vectors of the reference body stay. The contract tests use it to state objectivity.
     fn turn(&self, _q: &Mat3, _m: &mut [f64]) {}
@@ -333,6 +346,18 @@ impl<T: Actuation + ?Sized> Actuation for Arc<T> {
         out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
         (**self).control_stress_change(at, m, change, v, out)
+    }
+
+    fn point_quantity(&self) -> Option<PointQuantity> {
+        (**self).point_quantity()
+    }
+
+    fn point_values(&self, at: &PointBatch, m: Slots, out: &mut [f64]) {
+        (**self).point_values(at, m, out);
+    }
+
+    fn point_limit(&self, at: Place) -> Option<f64> {
+        (**self).point_limit(at)
     }
 
     fn turn(&self, q: &Mat3, m: &mut [f64]) {

@@ -280,12 +280,14 @@ impl Model {
         found
     }
 
-    /// Named numbers of every contribution that has some: name of the contribution, of the number, value.
+    /// Named numbers of every actuation and contribution that has some: its name, that of the number, value. Of an actuation it is the
+    /// largest value over its points (see [`BodyEnergy::point_peaks`]).
     ///
     /// # Errors
     /// [`InvertedAt`] where a contribution needs J > 0.
     pub fn quantities(&self, at: &Instant) -> Result<Vec<(String, &'static str, f64)>, InvertedAt> {
-        let mut all = Vec::new();
+        let peaks = self.body.point_peaks(at.u, at.controls)?;
+        let mut all: Vec<_> = peaks.into_iter().map(|peak| (peak.actuation, peak.quantity.name, peak.value)).collect();
         self.each_other(at, |contribution, at| {
             let own = contribution.quantities(at);
             all.extend(own.into_iter().map(|(name, value)| (contribution.name().to_owned(), name, value)));

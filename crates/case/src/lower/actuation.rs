@@ -7,10 +7,10 @@ use super::named::{attempt, complain_of_law};
 use super::place;
 use super::tension::beyond_limit;
 use crate::schema::{Actuation, Case, Fixed, Input, Means};
-use crate::warning::{CONVEXITY, UNBALANCED_TURGOR};
+use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::Reduced;
-use nastic_energy::catalogue::ActuationRow;
-use nastic_energy::{Place, Turgor};
+use nastic_energy::catalogue::{ActuationRow, Parameter};
+use nastic_energy::{Dielectric, Place, Turgor};
 use nastic_fem::Solid;
 use nastic_mesh::GroupNames;
 use std::collections::BTreeMap;
@@ -40,8 +40,10 @@ fn add_law(
     let disc = solid.discretization().clone();
     let points = SamplePoints::of_body(case, &disc, &cells);
     let Some(mut inputs) = inputs(parameters, &actuation.at, &points, context) else { return };
-    if row.parameters().iter().any(|p| p.name == MU0) && !parameters.contains_key(MU0) {
-        inputs = inputs.number(MU0, context.units.permeability());
+    for (constant, value) in [(MU0, context.units.permeability()), (EPS0, context.units.permittivity())] {
+        if takes(row, constant, parameters) && !parameters.contains_key(constant) {
+            inputs = inputs.number(constant, value);
+        }
     }
     match row.build(&inputs) {
         Ok(law) => attempt(solid, &actuation.at, context, |solid| solid.actuate(region, &actuation.name, law)),
@@ -49,6 +51,11 @@ fn add_law(
     }
     if row.name == Turgor::NAME && mesh.dim() == 3 {
         warn_of_growth(actuation, &cells, solid, context);
+    }
+    if row.name == Dielectric::NAME {
+        let message = "the energy of a dielectric is not polyconvex and has no lower bound as J -> 0: no theorem gives a minimiser, \
+                       and an equilibrium is a local minimum at best, up to the field of pull-in";
+        context.warn(&UNBOUNDED_ENERGY, &actuation.at, message.to_owned());
     }
 }
 
@@ -77,8 +84,15 @@ pub(super) fn is_built(name: &str, reduced: &Reduced) -> bool {
     reduced.solid().model().controllable().iter().any(|has| has.name == name)
 }
 
-/// The one constant with a unit: in the case's system unless given.
+/// The constants with a unit: in the case's system unless given.
 const MU0: &str = "mu0";
+const EPS0: &str = "eps0";
+
+/// Whether the row's set of parameters that is given has this one.
+fn takes(row: &ActuationRow, constant: &str, given: &BTreeMap<&'static str, Input>) -> bool {
+    let meant = |form: &&&[Parameter]| given.keys().all(|key| form.iter().any(|p| p.name == *key));
+    row.forms.iter().filter(meant).any(|form| form.iter().any(|p| p.name == constant))
+}
 
 /// Sets the fixed values; `None` after a complaint that leaves no problem to go on with.
 pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {

@@ -31,6 +31,14 @@ impl Dimension {
     pub const BODY_FORCE: Self = Self::of(-3, 1, 0, 0);
     /// A = N/(T m)
     pub const CURRENT: Self = Self::of(-1, 1, 0, -1);
+    /// V = W/A = T m^2/s
+    pub const VOLTAGE: Self = Self::of(2, 0, -1, 1);
+    /// F = A s/V
+    pub const CAPACITANCE: Self = Self::of(-3, 1, 2, -2);
+    /// V/m
+    pub const ELECTRIC_FIELD: Self = Self::of(1, 0, -1, 1);
+    /// F/m = N/V^2
+    pub const PERMITTIVITY: Self = Self::of(-4, 1, 2, -2);
     /// T^2/Pa = N/A^2, the vacuum permeability's
     pub const PERMEABILITY: Self = Self::of(2, -1, 0, 2);
 
@@ -130,6 +138,10 @@ impl fmt::Display for Dimension {
             (Self::of(2, 0, 0, 0), "an area"),
             (Self::of(3, 0, 0, 0), "a volume"),
             (Self::PERMEABILITY, "a magnetic permeability"),
+            (Self::VOLTAGE, "an electric voltage"),
+            (Self::CAPACITANCE, "an electric capacitance"),
+            (Self::ELECTRIC_FIELD, "an electric field"),
+            (Self::PERMITTIVITY, "an electric permittivity"),
         ];
         match known.iter().find(|(dimension, _)| dimension == self) {
             Some((_, name)) => f.write_str(name),

@@ -2,8 +2,11 @@
 
 use crate::quantity::{Dimension, UNITS, Unit};
 
-/// Vacuum permeability in N/A^2 = T^2/Pa, the one physical constant with a unit.
+/// Vacuum permeability in N/A^2 = T^2/Pa.
 const PERMEABILITY_SI: f64 = 1.25663706e-6;
+
+/// Vacuum permittivity in F/m.
+const PERMITTIVITY_SI: f64 = nastic_energy::dielectric::VACUUM_PERMITTIVITY;
 
 /// The units of a case's plain numbers, mesh and results. Everything else follows: pressure = force / length^2,
 /// mass = force time^2 / length.
@@ -86,6 +89,12 @@ impl Units {
     #[must_use]
     pub fn permeability(&self) -> f64 {
         self.in_case(PERMEABILITY_SI, Dimension::PERMEABILITY)
+    }
+
+    /// Vacuum permittivity eps0 in this system, force time^2 / (field^2 length^4) (SI: 8.8541878128e-12 F/m).
+    #[must_use]
+    pub fn permittivity(&self) -> f64 {
+        self.in_case(PERMITTIVITY_SI, Dimension::PERMITTIVITY)
     }
 
     /// How results of this system are labelled: "Pa", "MPa" (N and mm), or "kN/km^2" where no symbol fits.

@@ -1,12 +1,13 @@
 //! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
 
 use crate::lower::{CaseMember, CaseProblem};
-use crate::run::number::short;
+use crate::quantity::Dimension;
+use crate::run::number::{quantity, short};
 use crate::warning::{
-    CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
+    BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
 };
 use nastic_control::EnsemblePoint;
-use nastic_fem::{State, StateError};
+use nastic_fem::{PointPeak, State, StateError};
 use nastic_mesh::spatial::{SelfIntersection, Shape};
 use nastic_numeric::vector::norm;
 use rayon::prelude::*;
@@ -33,6 +34,8 @@ pub(crate) struct Inspection {
     distorted: (usize, Option<(u32, f64)>),
     /// What of the deformation is beyond any material.
     extremes: Vec<String>,
+    /// True electric fields beyond the breakdown strength.
+    breakdowns: Vec<String>,
 }
 
 /// Why negative pivots were not counted.
@@ -90,6 +93,7 @@ impl Inspection {
             intersection,
             distorted: (distorted.len(), lowest),
             extremes: extremes(member, state),
+            breakdowns: breakdowns(member, state),
         }
     }
 
@@ -131,6 +135,7 @@ impl Inspection {
         if !self.extremes.is_empty() {
             out.push(Warning::new(&EXTREME_DEFORMATION, self.extremes.join("; ")));
         }
+        out.extend(self.breakdowns.iter().map(|found| Warning::new(&BREAKDOWN, found.clone())));
         let name = member.name();
         let place = if name.is_empty() { what.to_owned() } else { format!("{name}: {what}") };
         out.into_iter().map(|warning| warning.of(place.clone())).collect()
@@ -174,6 +179,22 @@ fn extremes(member: CaseMember<'_>, state: &State) -> Vec<String> {
         out.push(format!("the smallest J is {min_j:.3}: the material is compressed to this share of its volume"));
     }
     out
+}
+
+/// Actuations beyond what their material bears at a point, in words.
+fn breakdowns(member: CaseMember<'_>, state: &State) -> Vec<String> {
+    let Ok(peaks) = member.solid().body().point_peaks(&state.u, &state.controls) else { return Vec::new() };
+    let units = member.problem().units();
+    let told = |peak: PointPeak| {
+        let (share, limit) = peak.share.filter(|_| peak.beyond > 0)?;
+        let limit = quantity(limit, Dimension::ELECTRIC_FIELD, units);
+        let (name, cells) = (peak.actuation, peak.beyond);
+        Some(format!(
+            "{name}: the true field reaches {} times the breakdown strength {limit}, in {cells} cells beyond it",
+            short(share)
+        ))
+    };
+    peaks.into_iter().filter_map(told).collect()
 }
 
 /// int J dX over the cells whose centres lie in others.

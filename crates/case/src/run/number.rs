@@ -29,7 +29,7 @@ pub(super) fn vector(values: &[f64]) -> String {
 }
 
 /// A value with its unit, and in SI where that is another number.
-pub(super) fn quantity(value: f64, dimension: Dimension, units: &Units) -> String {
+pub(crate) fn quantity(value: f64, dimension: Dimension, units: &Units) -> String {
     if dimension.is_none() {
         return short(value);
     }

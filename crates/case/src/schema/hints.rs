@@ -35,7 +35,9 @@ const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with 
 const NO_LAW: &str = "nastic does not have this law yet; \"mooney_rivlin\" and \"neo_hooke\" take large strains \
     too, also by \"young\" and \"poisson\"";
 const NO_FIELD: &str =
-    "nastic has no actuation of this kind yet; there are fibre tension, turgor, magnets and air chambers";
+    "nastic has no actuation of this kind yet; there are fibre tension, turgor, magnets, dielectrics and air chambers";
+const ELECTRIC: &str = "a dielectric elastomer is an actuation of the \"kind\": \"dielectric\" with a \"region\", a \
+    \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"";
 const YOUNG: &str = "write \"young\": \"300 kPa\", with \"poisson\" (the law \"transverse_mooney_rivlin\" takes \
     \"mu1\" to \"mu4\" alone)";
 const POISSON: &str = "write \"poisson\": 0.45, with \"young\" (the law \"transverse_mooney_rivlin\" takes \
@@ -116,7 +118,8 @@ const HINTS: &[Hint] = &[
     ),
     hint("actuation", &["tendon", "cable", "wire", "string"], TENDON),
     hint("actuation", &["magnetic", "magnetization", "magnetisation", "b", "b_r", "m"], MAGNET),
-    hint("actuation", &["dielectric", "electric", "thermal", "temperature", "shape_memory", "lce", "light"], NO_FIELD),
+    hint("actuation", &["electric", "voltage", "electrode", "electrodes", "dea", "eps"], ELECTRIC),
+    hint("actuation", &["thermal", "temperature", "shape_memory", "lce", "light"], NO_FIELD),
     hint(
         "actuation",
         &["stress", "activation", "value", "strength"],

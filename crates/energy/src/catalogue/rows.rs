@@ -2,9 +2,10 @@ use std::sync::Arc;
 
 use super::Given;
 use super::{ActuationRow, Example, Made, MaterialRow, Parameter};
+use crate::dielectric::VACUUM_PERMITTIVITY;
 use crate::magnet::VACUUM_PERMEABILITY;
 use crate::{
-    Arap, ArrudaBoyce, EnergyError, FiberFamily, FiberTension, Field, Gent, HolzapfelGasserOgden, Magnet,
+    Arap, ArrudaBoyce, Dielectric, EnergyError, FiberFamily, FiberTension, Field, Gent, HolzapfelGasserOgden, Magnet,
     MagnetIsochoric, MagnetRotation, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, SaintVenantKirchhoff,
     TransverseMooneyRivlin, Turgor, Yeoh,
 };
@@ -319,7 +320,37 @@ pub const ACTUATIONS: &[ActuationRow] = &[
             })
         },
     },
+    ActuationRow {
+        name: Dielectric::NAME,
+        about: "electric field across a film between electrodes, along `direction`: thins it and widens it, whatever its sign",
+        forms: &[
+            &[
+                number("relative_permittivity", 3.0),
+                Parameter::number("eps0", "F/m", VACUUM_PERMITTIVITY).optional(),
+                FILM_NORMAL,
+                BREAKDOWN,
+            ],
+            &[Parameter::number("permittivity", "F/m", 2.5e-11), FILM_NORMAL, BREAKDOWN],
+        ],
+        example: Example { controls: &[3e7], towards: [[0.28, 0.0, -0.96], [0.0, 1.0, 0.0], [-0.96, 0.0, -0.28]] },
+        make: |given| {
+            let direction = given.direction("direction")?;
+            let film = if given.form_has("permittivity") {
+                Dielectric::new(given.number("permittivity")?, direction)?
+            } else {
+                let eps0 = given.number_or("eps0", VACUUM_PERMITTIVITY);
+                Dielectric::from_relative(given.number("relative_permittivity")?, eps0, direction)?
+            };
+            Ok(Arc::new(match given.number("breakdown") {
+                Ok(strength) => film.with_breakdown(strength)?,
+                Err(_) => film,
+            }))
+        },
+    },
 ];
+
+const FILM_NORMAL: Parameter = Parameter::direction("direction", [0.6, 0.0, 0.8]);
+const BREAKDOWN: Parameter = Parameter::number("breakdown", "V/m", 1e8).optional();
 
 /// `mu` and `alpha` of every term; any first ones fulfil the conditions of polyconvexity.
 const OGDEN: &[Parameter] = &[

@@ -19,6 +19,7 @@ mod control_product;
 mod control_vjp;
 pub(crate) mod formulation;
 pub(crate) mod max_step;
+pub(crate) mod point_peaks;
 pub(crate) mod point_strains;
 mod second_order;
 mod tangent_product;
