@@ -25,6 +25,7 @@ mod place;
 mod probe;
 mod random;
 mod scenario;
+mod shape_cost;
 mod sizes;
 mod start;
 mod support;

@@ -33,6 +33,7 @@ mod optimizer;
 mod read;
 mod scenario;
 mod settings;
+mod shape_cost;
 mod support;
 mod units;
 mod value;
@@ -63,6 +64,7 @@ pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
 };
+pub use shape_cost::{Coordinates, Curvature, LargestStretch, Orientation, Position};
 pub use support::{Axis, Displacement, Fix, Support};
 pub use value::Vector;
 

@@ -25,8 +25,8 @@ pub use constraint::{BetweenNodes, Constraint, ConstraintPoint, CostLimit, IntoC
 pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, ControlNorm, ControlSmoothness, Cost, CostContext, CostExample,
-    CostForm, CostPoint, CostRow, CostTarget, Figure, FigureKind, IntoCost, MakeCost, Obstacle, ObstaclePenetration,
-    Partials, SmoothedHausdorff, Target, Tracking,
+    CostForm, CostPoint, CostRow, CostTarget, Curvature, Figure, FigureKind, IntoCost, LargestStretch, MakeCost,
+    MeanPosition, Obstacle, ObstaclePenetration, Orientation, Partials, SmoothedHausdorff, Target, Tracking,
 };
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,

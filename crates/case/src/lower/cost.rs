@@ -119,6 +119,10 @@ impl Lowering<'_> {
         match self.block {
             Block::SmoothedHausdorff(block) => self.hausdorff(block, target?, context),
             Block::Tracking(block) => self.tracking(block, target, context),
+            Block::Position(block) => self.position(block, context),
+            Block::Orientation(block) => self.orientation(block, context),
+            Block::Curvature(block) => self.curvature(block, context),
+            Block::LargestStretch(block) => self.largest_stretch(block, context),
             Block::Obstacle(block) => self.obstacle(block, context),
             Block::ControlNorm(block) => {
                 let cost = ControlNorm::of(self.control(&block.of)?, block.weight);

@@ -137,6 +137,7 @@ impl fmt::Display for Dimension {
             (Self::BODY_FORCE, "a force per volume"),
             (Self::of(2, 0, 0, 0), "an area"),
             (Self::of(3, 0, 0, 0), "a volume"),
+            (Self::of(-1, 0, 0, 0), "a curvature (1 over a length)"),
             (Self::PERMEABILITY, "a magnetic permeability"),
             (Self::VOLTAGE, "an electric voltage"),
             (Self::CAPACITANCE, "an electric capacitance"),

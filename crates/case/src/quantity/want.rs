@@ -39,6 +39,8 @@ impl Want {
     pub const LENGTH: Self = Self::a(Dimension::LENGTH);
     /// A length > 0.
     pub const POSITIVE_LENGTH: Self = Self::LENGTH.positive();
+    /// A curvature, 1 over a length.
+    pub const CURVATURE: Self = Self::a(Dimension::of(-1, 0, 0, 0));
     /// A force.
     pub const FORCE: Self = Self::a(Dimension::FORCE);
     /// A time.

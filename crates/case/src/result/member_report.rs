@@ -119,6 +119,10 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<Map<String, Value>, M
         if !distances.is_null() {
             out.insert("tracking".into(), distances);
         }
+        let others = summary::figures(one.member, &one.costs).map_err(|error| (one.member.index(), error))?;
+        if !others.is_null() {
+            out.insert("figures".into(), others);
+        }
     }
     if detail == Detail::Full {
         out.extend(summary::state(one.member, one.state));

@@ -2,7 +2,7 @@
 
 use super::member_report::MemberReport;
 use crate::lower::{Admitted, CaseMember, CaseProblem, ControlField};
-use nastic_control::{ControlBlock, ControlError, ControlMap, CostPoint, EnsembleBlock, Space};
+use nastic_control::{ControlBlock, ControlError, ControlMap, CostPoint, EnsembleBlock, FigureKind, Space};
 use nastic_energy::SlotGroup;
 use nastic_fem::{Demand, Instant, InvertedAt, SolveReport, State};
 use nastic_numeric::vector::norm;
@@ -45,6 +45,20 @@ pub(crate) fn tracking(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> 
         let distances = cost.figures()?.into_iter().filter(|figure| figure.kind.is_tracking());
         let own: Map<String, Value> =
             distances.map(|figure| (figure.kind.name().to_owned(), json!(figure.value))).collect();
+        if !own.is_empty() {
+            out.insert(name, Value::Object(own));
+        }
+    }
+    Ok(if out.is_empty() { Value::Null } else { Value::Object(out) })
+}
+
+/// `{ TERM: { "angle": ... } }`: what other costs report of themselves; null without one.
+pub(crate) fn figures(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> Result<Value, ControlError> {
+    let mut out = Map::new();
+    for (name, cost) in member.reduced().term_names().into_iter().zip(costs) {
+        let others = cost.figures()?.into_iter().filter(|figure| matches!(figure.kind, FigureKind::Other(_)));
+        let own: Map<String, Value> =
+            others.map(|figure| (figure.kind.name().to_owned(), json!(figure.value))).collect();
         if !own.is_empty() {
             out.insert(name, Value::Object(own));
         }

@@ -6,6 +6,7 @@ mod duration;
 mod existence;
 mod members;
 mod memory;
+mod shape_cost;
 
 pub(super) use actuation::actuation;
 pub(super) use conventions::conventions;
@@ -13,6 +14,7 @@ pub(super) use duration::duration;
 pub(super) use existence::{conditions, existence};
 pub(super) use members::{load_cases, scenarios};
 pub(super) use memory::memory;
+use shape_cost::shape_cost;
 
 use super::number::{count, grouped, quantity, short, vector};
 use crate::expression::dimension_of;
@@ -220,6 +222,7 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
             format!("weight/2 int |x - x_target|^2 on {}", place.map(ToString::to_string).unwrap_or_default())
         }
+        Cost::Position(_) | Cost::Orientation(_) | Cost::Curvature(_) | Cost::LargestStretch(_) => shape_cost(cost),
         Cost::Obstacle(block) => {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
             let place = place.map(ToString::to_string).unwrap_or_default();

@@ -428,6 +428,15 @@ pub(super) fn say_tracked(session: &Session<'_>, result: &Value) {
         let (mean, most) = (of("root_mean_square"), of("largest"));
         session.console.say(format!("distance    {name}: root mean square {mean}, largest {most}"));
     }
+    for (name, now) in result["figures"].as_object().into_iter().flatten() {
+        let of = |(key, value): (&String, &Value)| {
+            let before = result["start"]["figures"][name][key].as_f64();
+            let before = before.map_or_else(String::new, |before| format!("{} -> ", short(before)));
+            format!("{} {before}{}", key.replace('_', " "), short(value.as_f64().unwrap_or(f64::NAN)))
+        };
+        let told: Vec<String> = now.as_object().into_iter().flatten().map(of).collect();
+        session.console.say(format!("reached     {name}: {}", told.join(", ")));
+    }
 }
 
 /// The title of pictures of a member.

@@ -8,6 +8,7 @@ use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::mesh::MeshSource;
 use crate::schema::obstacle::Shape;
 use crate::schema::read::{Read, Reader};
+use crate::schema::shape_cost::{Curvature, LargestStretch, Orientation, Position};
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Value};
 use nastic_mesh::GroupNames;
@@ -21,6 +22,14 @@ tagged! {
         "smoothed_hausdorff" => SmoothedHausdorff(SmoothedHausdorff),
         /// Distance of every point to its own target position.
         "tracking" => Tracking(Tracking),
+        /// Where a point or the mean of a surface lies.
+        "position" => Position(Position),
+        /// Where the normals of a surface point.
+        "orientation" => Orientation(Orientation),
+        /// Curvature of a line in the body.
+        "curvature" => Curvature(Curvature),
+        /// A smoothed maximum of the principal stretches.
+        "largest_stretch" => LargestStretch(LargestStretch),
         /// Squared penetration into an obstacle.
         "obstacle" => Obstacle(Penetration),
         /// Size of a control.
@@ -212,6 +221,10 @@ impl Cost {
         match self {
             Self::SmoothedHausdorff(block) => &block.at,
             Self::Tracking(block) => &block.at,
+            Self::Position(block) => &block.at,
+            Self::Orientation(block) => &block.at,
+            Self::Curvature(block) => &block.at,
+            Self::LargestStretch(block) => &block.at,
             Self::Obstacle(block) => &block.at,
             Self::ControlNorm(block) => &block.at,
             Self::ControlSmoothness(block) => &block.at,
@@ -225,6 +238,10 @@ impl Cost {
         let own = match self {
             Self::SmoothedHausdorff(block) => &block.name,
             Self::Tracking(block) => &block.name,
+            Self::Position(block) => &block.name,
+            Self::Orientation(block) => &block.name,
+            Self::Curvature(block) => &block.name,
+            Self::LargestStretch(block) => &block.name,
             Self::Obstacle(block) => &block.name,
             Self::ControlNorm(block) => &block.name,
             Self::ControlSmoothness(block) => &block.name,
@@ -239,6 +256,10 @@ impl Cost {
         match self {
             Self::SmoothedHausdorff(block) => block.weight,
             Self::Tracking(block) => block.weight,
+            Self::Position(block) => block.weight,
+            Self::Orientation(block) => block.weight,
+            Self::Curvature(block) => block.weight,
+            Self::LargestStretch(block) => block.weight,
             Self::Obstacle(block) => block.weight,
             Self::ControlNorm(block) => block.weight,
             Self::ControlSmoothness(block) => block.weight,
@@ -251,7 +272,7 @@ impl Cost {
         match self {
             Self::ControlNorm(block) => Some(&block.of),
             Self::ControlSmoothness(block) => Some(&block.of),
-            Self::SmoothedHausdorff(_) | Self::Tracking(_) | Self::Obstacle(_) | Self::Added(_) => None,
+            _ => None,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
 use super::{
-    ControlNorm, ControlSmoothness, Cost, CostForm, IntoCost, Obstacle, ObstaclePenetration, SmoothedHausdorff, Target,
-    Tracking,
+    ControlNorm, ControlSmoothness, Cost, CostForm, Curvature, IntoCost, LargestStretch, MeanPosition, Obstacle,
+    ObstaclePenetration, Orientation, SmoothedHausdorff, Target, Tracking,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -46,6 +46,30 @@ pub const CATALOGUE: &[CostRow] = &[
         examples: tracking,
     },
     CostRow {
+        name: "position",
+        about: "squared distance of a point, or of the mean of a surface, region or node set, from a position",
+        form: None,
+        examples: position,
+    },
+    CostRow {
+        name: "orientation",
+        about: "squared deviation of the normals of a surface from a direction",
+        form: None,
+        examples: orientation,
+    },
+    CostRow {
+        name: "curvature",
+        about: "squared deviation of the curvature of a line in the body from a wanted one",
+        form: None,
+        examples: curvature,
+    },
+    CostRow {
+        name: "largest_stretch",
+        about: "a smoothed maximum of the principal stretches",
+        form: None,
+        examples: largest_stretch,
+    },
+    CostRow {
         name: "smoothed_hausdorff",
         about: "smoothed Hausdorff distance of the deformed body from a target domain",
         form: None,
@@ -86,6 +110,41 @@ fn tracking(on: &CostExample) -> Bound {
     .into_iter()
     .map(|cost| cost.weight(on.weight).bind(on.solid))
     .collect()
+}
+
+fn position(on: &CostExample) -> Bound {
+    let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
+    let place = |names: Option<&String>| names.cloned().unwrap_or_default();
+    let (surface, region) = (place(mesh.surfaces().keys().next_back()), place(mesh.regions().keys().next()));
+    let centre = mesh.cell_centre(mesh.cells() - 1);
+    [
+        MeanPosition::surface(&surface, [Some(0.3 * size), None, None]),
+        MeanPosition::region(&region, [None, Some(0.7 * size), None]),
+        MeanPosition::nodes(&surface, [Some(-0.2 * size), Some(0.3 * size), None]),
+        MeanPosition::point(centre, [Some(0.1 * size), Some(-0.6 * size), None]),
+    ]
+    .into_iter()
+    .map(|cost| cost.weight(on.weight).bind(on.solid))
+    .collect()
+}
+
+fn orientation(on: &CostExample) -> Bound {
+    let surface = on.solid.mesh().surfaces().keys().next_back().cloned().unwrap_or_default();
+    Ok(vec![Orientation::surface(&surface, [0.8, 0.3, 0.0]).weight(on.weight).bind(on.solid)?])
+}
+
+fn curvature(on: &CostExample) -> Bound {
+    let (low, high) = on.solid.mesh().bounds();
+    let along = |share: f64| [0, 1, 2].map(|i| low[i] + (high[i] - low[i]) * if i == 0 { share } else { 0.45 });
+    let line: Vec<[f64; 3]> = [0.05, 0.3, 0.5, 0.8, 0.95].map(along).into();
+    let wanted = 0.7 / on.solid.mesh().diagonal();
+    Ok(vec![Curvature::of_line(line, [0.0, 0.0, 1.0], wanted).weight(on.weight).bind(on.solid)?])
+}
+
+fn largest_stretch(on: &CostExample) -> Bound {
+    let region = on.solid.mesh().regions().keys().next().cloned().unwrap_or_default();
+    let of = |cost: LargestStretch| cost.weight(on.weight).bind(on.solid);
+    Ok(vec![of(LargestStretch::default())?, of(LargestStretch::default().region(&region).exponent(1))?])
 }
 
 fn smoothed_hausdorff(on: &CostExample) -> Bound {

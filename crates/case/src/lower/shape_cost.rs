@@ -1,0 +1,68 @@
+//! Costs of positions, directions, curvatures and stretches, as the library makes them.
+
+use super::context::Context;
+use super::cost::Lowering;
+use super::place::{self, Kind, Place};
+use crate::schema;
+use nastic_control::{Cost, Curvature, IntoCost, LargestStretch, MeanPosition, Orientation};
+
+impl Lowering<'_> {
+    pub(super) fn position(&self, block: &schema::Position, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
+        let (solid, target) = (self.reduced.solid(), block.target.entries());
+        let position = if let Some(point) = &block.point {
+            let point = point.xyz();
+            if solid.mesh().locate(point).is_none() {
+                context.complain(&block.at.key("point"), super::probe::outside(solid.mesh(), point));
+                return None;
+            }
+            MeanPosition::point(point, target)
+        } else {
+            let place = Place::of(&block.surface, &block.region, &block.nodes)?;
+            place.nodes(solid.mesh(), &block.at, context)?;
+            match place.kind {
+                Kind::Surface => MeanPosition::surface(place.names, target),
+                Kind::Region => MeanPosition::region(place.names, target),
+                Kind::Nodes => MeanPosition::nodes(place.names, target),
+            }
+        };
+        context.take(&block.at.key("target"), position.weight(block.weight).bind(solid))
+    }
+
+    pub(super) fn orientation(&self, block: &schema::Orientation, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
+        let solid = self.reduced.solid();
+        place::facets(solid.mesh(), &block.surface, &block.at.key("surface"), context)?;
+        let cost = Orientation::surface(&block.surface, block.direction.xyz()).weight(block.weight);
+        context.take(&block.at.key("direction"), cost.bind(solid))
+    }
+
+    pub(super) fn curvature(&self, block: &schema::Curvature, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
+        let solid = self.reduced.solid();
+        let points: Vec<[f64; 3]> = block.line.iter().map(schema::Vector::xyz).collect();
+        let mut inside = true;
+        for (i, point) in points.iter().enumerate().filter(|(_, point)| solid.mesh().locate(**point).is_none()) {
+            context.complain(&block.at.key("line").index(i), super::probe::outside(solid.mesh(), *point));
+            inside = false;
+        }
+        let axis = block.axis.as_ref().map(schema::Direction::xyz);
+        if axis.is_none() && solid.mesh().dim() == 3 {
+            context.complain(&block.at, "a body in space needs an \"axis\": turns about it count as positive");
+            return None;
+        }
+        let cost = Curvature::of_line(points, axis.unwrap_or([0.0, 0.0, 1.0]), block.curvature).weight(block.weight);
+        if inside { context.take(&block.at, cost.bind(solid)) } else { None }
+    }
+
+    pub(super) fn largest_stretch(
+        &self,
+        block: &schema::LargestStretch,
+        context: &mut Context<'_>,
+    ) -> Option<Box<dyn Cost>> {
+        let solid = self.reduced.solid();
+        let mut cost = LargestStretch::default().exponent(block.exponent as u32).weight(block.weight);
+        if let Some(region) = &block.region {
+            place::cells(solid.mesh(), region, &block.at.key("region"), context)?;
+            cost = cost.region(region);
+        }
+        context.take(&block.at.key("exponent"), cost.bind(solid))
+    }
+}

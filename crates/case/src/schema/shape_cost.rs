@@ -1,0 +1,96 @@
+//! Costs of positions, directions, curvatures and stretches.
+
+use crate::schema::direction::Direction;
+use crate::schema::read::Reader;
+use crate::schema::value::Vector;
+use nastic_mesh::GroupNames;
+
+object! {
+    /// weight/2 |x - target|^2 of the mean x of a surface, region or node set, or of one point.
+    pub struct Position one of [surface, region, nodes, point] checked by check_target {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// Surface of the mesh.
+        pub surface: Option<GroupNames>,
+        /// Region of the mesh.
+        pub region: Option<GroupNames>,
+        /// Node set of the mesh.
+        pub nodes: Option<GroupNames>,
+        /// A point of the body, at rest.
+        pub point: Option<Vector> as LENGTH,
+        /// Where it shall be; components left out are free.
+        pub target: Coordinates,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
+object! {
+    /// Coordinates of a position; those left out are free.
+    pub struct Coordinates {
+        /// x
+        pub x: Option<f64> as LENGTH,
+        /// y
+        pub y: Option<f64> as LENGTH,
+        /// z
+        pub z: Option<f64> as LENGTH,
+    }
+}
+
+object! {
+    /// weight/2 int |n - direction|^2 over a surface, n its outward unit normal in the deformed body.
+    pub struct Orientation {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// Surface of the mesh.
+        pub surface: GroupNames,
+        /// Where its normals shall point.
+        pub direction: Direction,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
+object! {
+    /// weight/2 int (kappa - curvature)^2 along a line through points of the body, kappa its curvature about an axis.
+    pub struct Curvature {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// The line at rest, at least three points of the body.
+        pub line: Vec<Vector> as LENGTH,
+        /// What is counted as positive turns about it; in plane strain z.
+        pub axis: Option<Direction>,
+        /// The curvature that is wanted, 1 over a radius.
+        pub curvature: f64 as CURVATURE,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
+object! {
+    /// weight times a smoothed maximum of the principal stretches, the power mean of exponent 2p over a region.
+    pub struct LargestStretch {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// Region of the mesh; the body if left out.
+        pub region: Option<GroupNames>,
+        /// p, from 1 to 32.
+        pub exponent: usize as POSITIVE = 8,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
+impl Coordinates {
+    /// As an array.
+    #[must_use]
+    pub fn entries(&self) -> [Option<f64>; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+fn check_target(block: &Position, reader: &mut Reader<'_>) {
+    if block.target.entries().iter().all(Option::is_none) {
+        reader.complain_at(&block.target.at, "at least one coordinate is wanted: { \"x\": ..., \"z\": ... }");
+    }
+}

@@ -1,0 +1,184 @@
+//! [`MeanPosition`]: the squared distance of one point, or of the mean of a surface, region or node set, from a position.
+
+use super::body_points::Place;
+use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use crate::error::ControlError;
+use nastic_fem::Solid;
+use nastic_mesh::GroupNames;
+use std::sync::Arc;
+
+/// `j = (weight/2) sum_i (x_i - y_i)^2` over the components i that have a target y_i, with the mean `x = int_{Gamma_0} (X + u) dA / int dA`
+/// of a named surface of the reference body (`dX` over a region, the mean of the nodes of a node set), or with the position of one point.
+///
+/// Derivatives: `dj/du [v] = weight (x - y) . v_mean`, `d2j/du2 [v, w] = weight v_mean . w_mean`, over those components.
+/// Units: length^2 times the weight's. Source: docs/model.md section 5.
+#[derive(Clone, Debug)]
+pub struct MeanPosition {
+    of: Of,
+    target: [Option<f64>; 3],
+    weight: f64,
+}
+
+/// Whose position.
+#[derive(Clone, Debug)]
+enum Of {
+    Place(Place),
+    Point([f64; 3]),
+}
+
+impl MeanPosition {
+    fn of(of: Of, target: [Option<f64>; 3]) -> Self {
+        MeanPosition { of, target, weight: 1.0 }
+    }
+
+    /// The mean of a named surface, or of the union of several; components without a target are free.
+    pub fn surface(names: impl Into<GroupNames>, target: [Option<f64>; 3]) -> Self {
+        Self::of(Of::Place(Place::Surface(names.into())), target)
+    }
+
+    /// The mean of a named region, or of the union of several.
+    pub fn region(names: impl Into<GroupNames>, target: [Option<f64>; 3]) -> Self {
+        Self::of(Of::Place(Place::Region(names.into())), target)
+    }
+
+    /// The mean of the nodes of named node sets (or of surfaces).
+    pub fn nodes(names: impl Into<GroupNames>, target: [Option<f64>; 3]) -> Self {
+        Self::of(Of::Place(Place::Nodes(names.into())), target)
+    }
+
+    /// The point that is at `point` in the reference body.
+    pub fn point(point: [f64; 3], target: [Option<f64>; 3]) -> Self {
+        Self::of(Of::Point(point), target)
+    }
+
+    /// Multiplies the cost.
+    #[must_use]
+    pub fn weight(mut self, weight: f64) -> Self {
+        self.weight = weight;
+        self
+    }
+}
+
+impl IntoCost for MeanPosition {
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        let weight = check_weight("position", self.weight)?;
+        let dim = solid.discretization().dim();
+        let refuse = |what: &str| Err(ControlError::Cost { what: what.to_owned() });
+        if self.target.iter().all(Option::is_none) {
+            return refuse("a position has no target: give at least one component");
+        }
+        if self.target.iter().flatten().any(|y| !y.is_finite()) {
+            return refuse("the target of a position is not finite");
+        }
+        if dim == 2 && self.target[2].is_some() {
+            return refuse("a plane body has no component z: leave it out of the target of a position");
+        }
+        let (shares, reference) = shares(&self.of, solid)?;
+        Ok(Box::new(Bound { shares: shares.into(), reference, target: self.target, weight }))
+    }
+}
+
+/// Nodes with their shares of a mean.
+type Shares = Vec<(u32, f64)>;
+
+/// Shares `c_a` of the nodes, `x = sum_a c_a x_a`, and the mean at rest.
+fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
+    let mesh = solid.mesh();
+    let mut by_node = vec![0.0; mesh.points().len()];
+    match of {
+        Of::Place(place) => {
+            let (points, _) = place.points(solid)?;
+            let count = points.positions(solid, None).len();
+            let weights: Vec<f64> = (0..count).map(|q| points.weight(q)).collect();
+            let measure: f64 = weights.iter().sum();
+            let means: Vec<f64> = weights.iter().map(|w| w / measure).collect();
+            points.spread(&means, 1, &mut by_node);
+        }
+        Of::Point(point) => {
+            let Some(located) = mesh.locate(*point) else {
+                let what = format!("the point {point:?} of a position lies outside the body");
+                return Err(ControlError::Cost { what });
+            };
+            located.weights.iter().for_each(|&(node, shape)| by_node[node as usize] += shape);
+        }
+    }
+    let nodes = (0..).zip(by_node).filter(|(_, share)| *share != 0.0);
+    let shares: Shares = nodes.collect();
+    let mean = |i: usize| shares.iter().map(|&(node, share)| share * mesh.points()[node as usize][i]).sum();
+    let reference = std::array::from_fn(mean);
+    Ok((shares, reference))
+}
+
+/// [`MeanPosition`] bound to a body.
+#[derive(Debug)]
+struct Bound {
+    shares: Arc<[(u32, f64)]>,
+    reference: [f64; 3],
+    target: [Option<f64>; 3],
+    weight: f64,
+}
+
+impl Cost for Bound {
+    fn name(&self) -> &str {
+        "position"
+    }
+
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        let dim = at.solid.discretization().dim();
+        let moved = mean(&self.shares, at.u, dim);
+        let gap = |i: usize| self.target[i].map_or(0.0, |y| self.reference[i] + moved[i] - y);
+        let (shares, free) = (self.shares.clone(), self.target.map(|y| y.is_none()));
+        Ok(Arc::new(Point { shares, free, weight: self.weight, dim, gap: std::array::from_fn(gap) }))
+    }
+}
+
+/// `sum_a c_a v_a` of a nodal vector.
+fn mean(shares: &[(u32, f64)], nodal: &[f64], dim: usize) -> [f64; 3] {
+    let component = |i: usize| shares.iter().map(|&(node, share)| share * nodal[node as usize * dim + i]).sum();
+    std::array::from_fn(|i| if i < dim { component(i) } else { 0.0 })
+}
+
+/// The cost evaluated.
+#[derive(Debug)]
+struct Point {
+    shares: Arc<[(u32, f64)]>,
+    free: [bool; 3],
+    weight: f64,
+    dim: usize,
+    /// `x - y`; zero in free components.
+    gap: [f64; 3],
+}
+
+impl Point {
+    fn add(&self, force: &[f64; 3], out: &mut [f64]) {
+        for &(node, share) in self.shares.iter() {
+            for i in 0..self.dim {
+                out[node as usize * self.dim + i] += self.weight * share * force[i];
+            }
+        }
+    }
+}
+
+impl CostPoint for Point {
+    fn value(&self) -> f64 {
+        0.5 * self.weight * self.gap.iter().map(|gap| gap * gap).sum::<f64>()
+    }
+
+    fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
+        self.add(&self.gap, &mut out.u);
+        Ok(())
+    }
+
+    fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
+        let moved = mean(&self.shares, &along.u, self.dim);
+        let wanted = std::array::from_fn(|i| if self.free[i] { 0.0 } else { moved[i] });
+        self.add(&wanted, &mut out.u);
+        Ok(())
+    }
+
+    /// The distance over the components that have a target.
+    fn figures(&self) -> Result<Vec<Figure>, ControlError> {
+        let distance = self.gap.iter().map(|gap| gap * gap).sum::<f64>().sqrt();
+        Ok(vec![Figure::length(FigureKind::Other("position_distance"), distance)])
+    }
+}
