@@ -1,0 +1,265 @@
+//! Cases that contradict themselves: every contradiction is told once, with its place and what would be right.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+use nastic_case::schema::Case;
+use nastic_case::syntax::Document;
+
+const COMPLETE: &str = include_str!("cases/complete.json");
+const MAGNETS: &str = include_str!("cases/magnets.json");
+const SCENARIOS: &str = include_str!("cases/scenarios.json");
+
+/// All problems of `text` after replacing `from` by `to`, which must occur.
+fn problems(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "nothing to replace: {from}");
+    let broken = text.replacen(from, to, 1);
+    let read = Document::parse("case.json", &broken).and_then(|document| Case::read(&document));
+    read.map_or_else(|problems| problems.to_string(), |_| String::new())
+}
+
+/// Expects one problem, ending so; its place is checked where it matters.
+fn one(text: &str, from: &str, to: &str, ending: &str) {
+    let found = problems(text, from, to);
+    assert_eq!(found.lines().count(), 1, "{from} -> {to}:\n{found}");
+    assert!(found.ends_with(ending), "{from} -> {to}:\n{found}\nwanted: {ending}");
+}
+
+#[test]
+fn contradictions_inside_a_block_are_found() {
+    one(
+        COMPLETE,
+        "\"lower\": \"-400 kPa\"",
+        "\"lower\": \"400 kPa\"",
+        ": controls/0/lower: crossed bounds: \"lower\" is 400000, above \"upper\" 190000",
+    );
+    one(
+        COMPLETE,
+        "\"start\": \"0 Pa\"",
+        "\"start\": \"200 kPa\"",
+        ": controls/0/start: the start 200000 lies outside the bounds -400000 to 190000",
+    );
+    one(COMPLETE, "[0.70710678, 0.70710678, 0]", "[1, 1, 0]", "write [0.707106781, 0.707106781, 0.000000000]");
+    one(COMPLETE, "[1, 0, 0]", "[0, 0, 0]", ": actuation/0/direction: a direction must have length 1, this has 0");
+    one(
+        COMPLETE,
+        "\"surface\": \"clamp\", \"fix\"",
+        "\"fix\"",
+        ": supports/0: exactly one of \"surface\", \"region\", \"nodes\" must be given, found 0",
+    );
+    one(
+        COMPLETE,
+        "\"fix\": [\"x\", \"y\", \"z\"]",
+        "\"fix\": []",
+        ": supports/0: this holds nothing: give \"fix\": \"all\", \"fix\": [\"x\", ...] or \"displacement\": { \"x\": ... }",
+    );
+    one(
+        COMPLETE,
+        "\"fix\": [\"x\", \"y\", \"z\"]",
+        "\"fix\": [\"x\"], \"displacement\": { \"x\": 1 }",
+        ": supports/0/fix/0: \"x\" cannot be fixed and displaced",
+    );
+    one(
+        COMPLETE,
+        "\"fix\": [\"x\", \"y\", \"z\"]",
+        "\"fix\": [\"x\", \"x\"]",
+        ": supports/0/fix/1: \"x\" is fixed twice",
+    );
+    one(
+        COMPLETE,
+        "\"traction\"",
+        "\"body_force\": [1, 2], \"traction\"",
+        ": loads/0/body_force: a surface takes \"traction\", not \"body_force\"",
+    );
+    one(
+        COMPLETE,
+        "\"absolute\": 0.01",
+        "\"absolute\": 0.01, \"value\": 1",
+        ": expect/probes/tip/displacement/2/value: this key was given before, in line 22",
+    );
+    one(
+        SCENARIOS,
+        "[20, 4, 4]",
+        "[20, 4]",
+        ": mesh/box/cells: \"hex20\" is a cell in 3 dimensions: 3 entries wanted, found 2",
+    );
+    one(
+        SCENARIOS,
+        "[20, 4, 4]",
+        "[20000, 4000, 4000]",
+        ": mesh/box/cells: this box would have some 7.7e12 unknowns; at most 4e6 are taken: use fewer cells",
+    );
+    one(SCENARIOS, "\"level\": 0.9", "\"level\": 1.5", ": risk/cvar/level: must lie between 0 and 1, found 1.5");
+    one(SCENARIOS, "\"length\": \"0.3 m\", ", "", "modes belong to a field: give its covariance \"length\" too");
+    one(
+        SCENARIOS,
+        "\"upper\": \"11 cm\"",
+        "\"upper\": \"1 cm\"",
+        "crossed bounds: \"lower\" is 0.09, not below \"upper\" 0.01",
+    );
+    one(
+        SCENARIOS,
+        "\"bulk\": \"200 kPa\", ",
+        "\"bulk\": \"200 kPa\", \"young\": 1, ",
+        ": materials/0: \"mooney_rivlin\" takes {mu1, mu2, mu3} or {shear, bulk, share} or {young, poisson, \
+         share} or {c10, c01, d1}, found {shear, bulk, share, young}",
+    );
+}
+
+#[test]
+fn contradictions_between_blocks_are_found() {
+    one(
+        COMPLETE,
+        "\"of\": \"tension\"",
+        "\"of\": \"tensoin\"",
+        ": controls/0/of: no actuation \"tensoin\": did you mean \"tension\"? (one of: tension)",
+    );
+    one(
+        COMPLETE,
+        "\"start\": \"0 Pa\"",
+        "\"start\": \"1 mT\"",
+        ": controls/0/start: unit of the wrong kind: \"1 mT\" is a magnetic field, a pressure is wanted (Pa, \
+         kPa, MPa, GPa, bar, mbar)",
+    );
+    one(
+        COMPLETE,
+        "\"lower\": \"-400 kPa\"",
+        "\"lower\": \"-400 mm\"",
+        ": controls/0/lower: unit of the wrong kind: \"-400 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)",
+    );
+    one(
+        COMPLETE,
+        "\"probability\": 0.5, \"set\": { \"materials/0/mu1\": \"90",
+        "\"probability\": 0.4, \"set\": { \"materials/0/mu1\": \"90",
+        ": scenarios: the probabilities add up to 0.9, not to 1",
+    );
+    one(COMPLETE, "\"probability\": 0.5, ", "", ": scenarios: 1 of 2 scenarios have a probability: give all or none");
+    one(
+        COMPLETE,
+        "materials/0/mu1\": \"90 kPa\"",
+        "materials/0/mu1\": \"90 mm\"",
+        ": materials/0/mu1: unit of the wrong kind: \"90 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)",
+    );
+    one(
+        COMPLETE,
+        "materials/0/mu1\": \"90 kPa\"",
+        "materials/0/mu\": \"90 kPa\"",
+        ": materials/0/mu: unknown key \"mu\": did you mean \"mu1\"? (one of: region, law, mu1, mu2, mu3, mu4, fiber)",
+    );
+    one(
+        COMPLETE,
+        "materials/0/mu1\": \"90 kPa\"",
+        "mesh\": \"90 kPa\"",
+        ": scenarios/0/set/mesh: \"mesh\" cannot vary between scenarios or load cases, only materials, \
+         supports, loads, actuation, costs can",
+    );
+    one(
+        COMPLETE,
+        "\"risk\": \"mean\"",
+        "\"risk\": { \"mean_deviation\": { \"lambda\": -1 } }",
+        ": risk/mean_deviation/lambda: must not be negative, found -1",
+    );
+    one(
+        SCENARIOS,
+        "\"path\": \"materials/0/shear\", \"gamma\": { \"mean\": \"40 kPa\"",
+        "\"path\": \"materials/0/share\", \"gamma\": { \"mean\": \"40 kPa\"",
+        "is random twice",
+    );
+    one(
+        SCENARIOS,
+        "\"mean\": \"40 kPa\"",
+        "\"mean\": \"40 mm\"",
+        ": materials/0/shear: unit of the wrong kind: \"40 mm\" is a length, a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)",
+    );
+    one(
+        SCENARIOS,
+        "\"path\": \"materials/0/bulk\"",
+        "\"path\": \"materials/3/bulk\"",
+        ": materials/3/bulk: \"materials\" has no entry \"3\": its entries are 0 to 0",
+    );
+
+    one(
+        MAGNETS,
+        "\"of\": \"magnet.remanence\"",
+        "\"of\": \"magnet.remanenc\"",
+        "no actuation \"magnet.remanenc\": did you mean \"magnet.remanence\"? (one of: magnet.remanence, \
+         magnet.field, cells, muscle)",
+    );
+    one(
+        MAGNETS,
+        "\"of\": \"muscle\", \"space\"",
+        "\"of\": \"cells\", \"name\": \"muscle\", \"space\"",
+        "\"muscle\" has no effect: its tension is zero; give \"tension\" a value, or a control { \"of\": \
+         \"muscle\", ... }",
+    );
+    one(
+        MAGNETS,
+        "\"of\": \"design\"",
+        "\"of\": \"desing\"",
+        ": costs/0/of: no control \"desing\": did you mean \"design\"? (one of: design, muscle)",
+    );
+    one(
+        MAGNETS,
+        "\"norm\": \"100 mT\"",
+        "\"norm\": \"100 mT\", \"max_norm\": 1",
+        "\"norm\" fixes the length already: give one of them",
+    );
+    one(
+        MAGNETS,
+        "\"start\": [1, \"0\", \"0 T\"], ",
+        "",
+        "missing key \"start\": zero, the default, does not have the \"norm\"",
+    );
+    one(
+        MAGNETS,
+        "\"start\": [1, \"0\", \"0 T\"], ",
+        "\"start\": [0, 0, \"0 T\"], ",
+        "a zero vector cannot be given the \"norm\"",
+    );
+    one(
+        MAGNETS,
+        "\"start\": [1, \"0\", \"0 T\"], ",
+        "\"start\": \"1 T\", ",
+        "\"magnet.remanence\" is a vector: give two or three entries",
+    );
+    one(
+        MAGNETS,
+        "\"start\": [1, \"0\", \"0 T\"], ",
+        "\"start\": [1, 0, \"1 Pa\"], ",
+        "controls/0/start/2: unit of the wrong kind: \"1 Pa\" is a pressure, a magnetic field is wanted (T, mT, uT)",
+    );
+    one(
+        MAGNETS,
+        "\"max_norm\": \"20 mT\"",
+        "\"upper\": \"20 mT\"",
+        "\"magnet.field\" is a vector: give \"norm\" or \"max_norm\"",
+    );
+    one(MAGNETS, "\"lower\": \"-1 kPa\"", "\"norm\": \"1 mT\"", "\"muscle\" is a scalar: give \"lower\" and \"upper\"");
+    one(MAGNETS, "\"lower\": \"-1 kPa\"", "\"direction\": [1, 0]", "\"muscle\" is a scalar, it has no direction");
+    one(MAGNETS, "\"start\": \"-1e-3 * X\"", "\"start\": [1, 2]", "\"muscle\" is a scalar: give one value");
+    one(MAGNETS, "\"direction\": [0, 1], ", "\"direction\": [0, 2], ", "write [0.000000000, 1.000000000, 0.000000000]");
+    one(
+        MAGNETS,
+        "\"name\": \"down\"",
+        "\"name\": \"up\"",
+        "load_cases/1/name: \"up\" has a load case already, at load_cases/0",
+    );
+    one(
+        MAGNETS,
+        "\"region\": \"core\"",
+        "\"region\": \"skin\"",
+        "materials/3/region: \"skin\" has a material already, at materials/2",
+    );
+    one(MAGNETS, "\"name\": \"down\"", "\"name\": \"do/wn\"", "load_cases/1/name: a name must not contain \"/\"");
+    one(
+        MAGNETS,
+        "\"controls\": [ { \"of\": \"magnet.field\"",
+        "\"controls\": [ { \"of\": \"muscle\", \"space\": \"cell\" }, { \"of\": \"magnet.field\"",
+        "\"muscle\" has a control already, at controls/1",
+    );
+    one(
+        MAGNETS,
+        "\"pressure\": \"10 kPa * (X < 5 mm)\"",
+        "\"pressure\": 0, \"mu0\": 1",
+        "unknown key \"mu0\": did you mean \"name\"? (one of: name, kind, region, pressure)",
+    );
+}
