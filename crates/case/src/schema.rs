@@ -58,7 +58,7 @@ pub use load_case::LoadCase;
 pub use material::Material;
 pub use mesh::{BoxMesh, MeshFile, MeshSource};
 pub use named::{Element, Method};
-pub use obstacle::{Capsule, HalfSpace, Shape, Sphere};
+pub use obstacle::{AlignedBox, Capsule, HalfSpace, Shape, Sphere};
 pub use optimizer::{Metric, Optimizer, Unstable};
 pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,

@@ -75,6 +75,8 @@ fn derivatives_of_the_augmented_lagrangian() -> Done {
     taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", around).clearance(0.1))?, "sphere")?;
     let capsule = Obstacle::capsule([1.0, -0.1, -1.0], [1.2, -0.1, 1.0], 0.8);
     taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", capsule))?, "capsule")?;
+    let brick = Obstacle::aligned_box([0.9, -0.9, -0.9], [2.0, -0.1, 2.0]);
+    taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", brick).clearance(0.5))?, "box")?;
     let still = || Tracking::surface("y+", Target::position(|x| x)).weight(10.0);
     taylor(bar(3e5, 0.2)?.constrain(CostLimit::at_most(still(), 1e-4).scale(1e-2))?, "tracking")?;
     let both = bar(3e5, 0.2)?
@@ -171,6 +173,11 @@ fn distances_of_obstacles() {
     assert!((rod.distance(&[0.3, 0.4, 1.0]) - 0.4).abs() < 1e-15);
     assert!((rod.distance(&[0.0, 3.0, 6.0]) - 4.9).abs() < 1e-15);
     assert!((rod.distance(&[0.0, 0.0, -1.0]) - 0.9).abs() < 1e-15);
+    let brick = Obstacle::aligned_box([0.0; 3], [2.0, 3.0, 4.0]);
+    // inside, before a face, beside an edge, off a corner
+    for (x, d) in [([1.0, 1.5, 3.6], -0.4), ([1.0, -0.7, 2.0], 0.7), ([2.3, 3.4, 1.0], 0.5), ([-2.0, 4.0, 6.0], 3.0)] {
+        assert!((brick.distance(&x) - d).abs() < 1e-15, "{x:?}: {}", brick.distance(&x));
+    }
 }
 
 #[test]
@@ -190,6 +197,8 @@ fn constraints_that_make_no_sense_are_refused() -> Done {
     let long = Obstacle::HalfSpace { point: [0.0; 3], normal: [0.0, 2.0, 0.0] };
     refused("has the length 2", ObstacleDistance::surface("y+", long).bind(solid));
     refused("clearance NaN", ObstacleDistance::surface("y+", ball()).clearance(f64::NAN).bind(solid));
+    let empty = Obstacle::aligned_box([0.0; 3], [1.0, 0.0, 1.0]);
+    refused("is empty", ObstacleDistance::surface("y+", empty).bind(solid));
     refused("top", ObstacleDistance::surface("top", ball()).bind(solid));
     Ok(())
 }

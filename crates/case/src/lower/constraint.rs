@@ -22,6 +22,13 @@ pub(super) fn obstacle(shape: &Shape) -> Obstacle {
     match shape {
         Shape::Sphere(sphere) => Obstacle::sphere(sphere.center.xyz(), sphere.radius),
         Shape::HalfSpace(half) => Obstacle::half_space(half.point.xyz(), half.normal.xyz()),
+        // In plane strain z is left out: the box is there at every z.
+        Shape::Box(block) if block.low.entries().len() == 2 || block.high.entries().len() == 2 => {
+            let ([x0, y0, _], [x1, y1, _]) = (block.low.xyz(), block.high.xyz());
+            let reach = (x1 - x0).abs().max((y1 - y0).abs());
+            Obstacle::aligned_box([x0, y0, -reach], [x1, y1, reach])
+        }
+        Shape::Box(block) => Obstacle::aligned_box(block.low.xyz(), block.high.xyz()),
         Shape::Capsule(capsule) => Obstacle::capsule(capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
     }
 }

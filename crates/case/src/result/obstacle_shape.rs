@@ -42,11 +42,19 @@ pub(crate) fn files(problem: &CaseProblem) -> (Vec<(String, Snapshot)>, Vec<Vec<
     (files, names)
 }
 
-/// A ball or a capsule of bricks, a plate.
+/// A box.
+fn brick(low: [f64; 3], high: [f64; 3]) -> Option<Mesh> {
+    let size = std::array::from_fn(|i| high[i] - low[i]);
+    let at = |x: [f64; 3]| std::array::from_fn(|i| low[i] + x[i]);
+    box_mesh(size, [CELLS; 3], CellKind::Hex8).ok()?.mapped(at).ok()
+}
+
+/// A ball or a capsule of bricks, a plate, a box.
 fn mesh(shape: &Shape, body: &Mesh) -> Option<Mesh> {
     let (from, to, radius) = match shape {
         Shape::Sphere(sphere) => (sphere.center.xyz(), sphere.center.xyz(), sphere.radius),
         Shape::Capsule(capsule) => (capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
+        Shape::Box(block) => return brick(block.low.xyz(), block.high.xyz()),
         Shape::HalfSpace(half) => return plate(half.point.xyz(), half.normal.xyz(), body),
     };
     let along: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);

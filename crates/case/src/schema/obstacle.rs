@@ -11,6 +11,8 @@ choice! {
         "half_space" => HalfSpace(HalfSpace),
         /// All points within a radius of a segment.
         "capsule" => Capsule(Capsule),
+        /// All points between two corners.
+        "box" => Box(AlignedBox),
     }
 }
 
@@ -31,6 +33,16 @@ object! {
         pub point: Vector as LENGTH,
         /// Towards where the body belongs; of any length but zero.
         pub normal: Vector,
+    }
+}
+
+object! {
+    /// All points between two corners, the sides along the axes.
+    pub struct AlignedBox {
+        /// The corner with the smallest coordinates.
+        pub low: Vector as LENGTH,
+        /// The corner with the largest ones.
+        pub high: Vector as LENGTH,
     }
 }
 

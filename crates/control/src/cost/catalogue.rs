@@ -174,6 +174,15 @@ fn obstacle(on: &CostExample) -> Bound {
         ObstaclePenetration::surface(&surface, half_space).clearance(0.0137 * size),
         ObstaclePenetration::region(&region, sphere),
         ObstaclePenetration::nodes(&surface, capsule),
+        ObstaclePenetration::region(
+            &region,
+            Obstacle::aligned_box([-9.0 * size; 3], [1.9 * size, 3.0 * size, 3.0 * size]),
+        ),
+        // All around a corner of it, and an edge, within the clearance.
+        ObstaclePenetration::region(&region, Obstacle::aligned_box([-size; 3], [-0.13 * size; 3]))
+            .clearance(2.0 * size),
+        ObstaclePenetration::region(&region, Obstacle::aligned_box([-size; 3], [-0.13 * size, -0.17 * size, size]))
+            .clearance(2.0 * size),
     ]
     .into_iter()
     .map(|cost| cost.weight(on.weight).bind(on.solid))

@@ -34,6 +34,13 @@ pub enum Obstacle {
         /// Radius > 0.
         radius: f64,
     },
+    /// All points between two corners, `low <= x <= high`: the distance from the nearest point outside, from the nearest face inside.
+    Box {
+        /// The corner with the smallest coordinates.
+        low: [f64; 3],
+        /// The corner with the largest ones.
+        high: [f64; 3],
+    },
 }
 
 /// The signed distance of a point: `d`, `grad d`, and what its second derivative takes.
@@ -75,6 +82,11 @@ impl Obstacle {
         Obstacle::Capsule { ends: [from, to], radius }
     }
 
+    /// A box along the axes.
+    pub fn aligned_box(low: [f64; 3], high: [f64; 3]) -> Self {
+        Obstacle::Box { low, high }
+    }
+
     /// Its signed distance at x: positive outside.
     pub fn distance(&self, x: &[f64; 3]) -> f64 {
         self.at(x).value
@@ -96,6 +108,7 @@ impl Obstacle {
                 let nearest = std::array::from_fn(|i| from[i] + place.max(0.0).min(length) * axis[i]);
                 around(&nearest, x, *radius, straight)
             }
+            Obstacle::Box { low, high } => from_box(low, high, x),
         }
     }
 
@@ -109,6 +122,7 @@ impl Obstacle {
             Obstacle::Sphere { center, radius } => (center.to_vec(), *radius),
             Obstacle::HalfSpace { point, normal } => ([*point, *normal].concat(), 1.0),
             Obstacle::Capsule { ends, radius } => (ends.concat(), *radius),
+            Obstacle::Box { low, high } => ([*low, *high].concat(), 1.0),
         };
         if numbers.iter().any(|x| !x.is_finite()) {
             return complain(format!(
@@ -123,11 +137,35 @@ impl Obstacle {
                 "the normal of a half-space has the length {size}; Obstacle::half_space makes it 1"
             ));
         }
+        if let Obstacle::Box { low, high } = self
+            && (0..3).any(|i| low[i] >= high[i])
+        {
+            return complain(format!(
+                "the box from {low:?} to {high:?} is empty; its second corner has the larger coordinates"
+            ));
+        }
         if !(radius > 0.0 && radius.is_finite()) {
             return complain(format!("an obstacle has the radius {radius}; radii are positive numbers"));
         }
         Ok(())
     }
+}
+
+/// Outside: the distance from the nearest point, beside an edge without curvature along it, before a face without any. Inside: minus that
+/// from the nearest face.
+fn from_box(low: &[f64; 3], high: &[f64; 3], x: &[f64; 3]) -> Distance {
+    let nearest: [f64; 3] = std::array::from_fn(|i| x[i].max(low[i]).min(high[i]));
+    let beyond: Vec<usize> = (0..3).filter(|&i| nearest[i] != x[i]).collect();
+    if beyond.is_empty() {
+        let faces = (0..3).flat_map(|i| [(i, -1.0, low[i] - x[i]), (i, 1.0, x[i] - high[i])]);
+        let (axis, sense, value) = faces.max_by(|a, b| a.2.total_cmp(&b.2)).unwrap_or((0, 1.0, 0.0));
+        let normal = std::array::from_fn(|i| if i == axis { sense } else { 0.0 });
+        return Distance { value, normal, curvature: 0.0, straight: [0.0; 3] };
+    }
+    let edge = (0..3).find(|i| !beyond.contains(i)).filter(|_| beyond.len() == 2);
+    let straight = std::array::from_fn(|i| if edge == Some(i) { 1.0 } else { 0.0 });
+    let found = around(&nearest, x, 0.0, straight);
+    if beyond.len() == 1 { Distance { curvature: 0.0, ..found } } else { found }
 }
 
 fn around(center: &[f64; 3], x: &[f64; 3], radius: f64, straight: [f64; 3]) -> Distance {
