@@ -64,7 +64,7 @@ pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
 };
-pub use shape_cost::{Coordinates, Curvature, LargestStretch, Orientation, Position};
+pub use shape_cost::{Compliance, Coordinates, Curvature, LargestStretch, Orientation, Position};
 pub use support::{Axis, Displacement, Fix, Support};
 pub use value::Vector;
 

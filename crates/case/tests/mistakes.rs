@@ -181,7 +181,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"kind\": \"smoothed_hausdorff\", ",
         "",
         ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, orientation, curvature, \
-         largest_stretch, obstacle, control_norm, control_smoothness)",
+         largest_stretch, compliance, obstacle, control_norm, control_smoothness)",
     );
     one(
         COMPLETE,

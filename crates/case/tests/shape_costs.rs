@@ -51,6 +51,22 @@ fn a_strip_is_lifted_turned_and_bent_within_a_bound_on_its_stretch() {
     assert!(free["cost"]["total"].as_f64() < result["cost"]["total"].as_f64(), "the bound is not active");
 }
 
+/// A bound on the compliance keeps fibres under tension that the position alone would relax.
+#[test]
+fn a_bound_on_the_compliance_keeps_a_stiffness() {
+    let compliant = CASE.replace(
+        "\"largest_stretch\" }, \"at_most\": 1.01",
+        "\"compliance\", \"surface\": \"x+\", \"direction\": [0, 1] }, \"at_most\": 1e6",
+    );
+    let probe =
+        |result: &serde_json::Value| result["constraints"]["groups"]["stretch"]["largest"].as_f64().unwrap() + 1e6;
+    let free = probe(&optimize("soft", &compliant));
+    let bound = 0.97 * free;
+    let stiff = compliant.replace("\"at_most\": 1e6", &format!("\"at_most\": {bound}"));
+    let result = optimize("stiff", &stiff);
+    assert!(result["constraints"]["violation"].as_f64().unwrap() < 1e-4, "{}", result["constraints"]);
+}
+
 #[test]
 fn mistakes_are_told_where_they_are() {
     let mistakes = [

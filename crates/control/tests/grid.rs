@@ -51,6 +51,7 @@ fn integrals_over_the_body_are_exact() -> Outcome {
                 solid: problem.solid(),
                 layout: problem.layout(),
                 u: &u,
+                state: None,
                 m: &m,
                 stage,
             };

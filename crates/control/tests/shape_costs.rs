@@ -1,7 +1,8 @@
 //! Costs of positions, directions, curvatures and stretches against closed forms, in space and in plane strain.
 
 use nastic_control::{
-    Cost, CostContext, Curvature, IntoCost, LargestStretch, MeanPosition, Orientation, Partials, Reduced, Space,
+    Compliance, Cost, CostContext, Curvature, IntoCost, LargestStretch, MeanPosition, Orientation, Partials, Reduced,
+    Space,
 };
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::Solid;
@@ -39,7 +40,7 @@ fn moved(body: &Reduced, to: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
 /// Value and figures.
 fn told(body: &Reduced, cost: &dyn Cost, u: &[f64]) -> Outcome<(f64, Vec<(&'static str, f64)>)> {
     let m = vec![0.0; body.layout().len()];
-    let at = cost.at(&CostContext { solid: body.solid(), layout: body.layout(), u, m: &m, stage: 0 })?;
+    let at = cost.at(&CostContext { solid: body.solid(), layout: body.layout(), u, state: None, m: &m, stage: 0 })?;
     Ok((at.value(), at.figures()?.iter().map(|figure| (figure.kind.name(), figure.value)).collect()))
 }
 
@@ -159,6 +160,45 @@ fn a_stretched_body_has_its_power_mean() -> Outcome {
     Ok(())
 }
 
+/// A cantilever gives way by `L^3 / (3 E I) + ..` to a force at its end: at rest to 3 % of beam theory with shear; the pulled one less.
+#[test]
+fn a_cantilever_gives_way_as_a_beam_does() -> Outcome {
+    let (young, poisson) = (3e5, 0.3);
+    let solid = Solid::new(box_mesh(SIZE, [16, 4, 2], CellKind::Hex20)?)?
+        .material("body", NeoHooke::from_young_poisson(young, poisson)?)?
+        .clamp("x-")?;
+    let pulled = solid.clone().traction("x+", Vec3::x() * 3e3)?;
+    let compliance = |solid: Solid| -> Outcome<f64> {
+        let problem = Reduced::new(solid.actuate("body", "tension", FiberTension::along(Vec3::x())?)?)
+            .control("tension", Space::Uniform)?
+            .cost(Compliance::surface("x+", [0.0, 0.0, -2.0]))?;
+        Ok(problem.at(&[0.0])?.cost())
+    };
+    let [length, width, height] = SIZE;
+    let (inertia, area, shear) = (width * height.powi(3) / 12.0, width * height, young / (2.0 * (1.0 + poisson)));
+    let beam = length.powi(3) / (3.0 * young * inertia) + length / (5.0 / 6.0 * shear * area);
+    let found = compliance(solid)?;
+    assert!((found / beam - 1.0).abs() < 0.03, "{found} where beam theory has {beam}");
+    let stiffer = compliance(pulled)?;
+    assert!(stiffer < 0.8 * found, "{stiffer} under tension, {found} at rest");
+    Ok(())
+}
+
+/// Through a solve: the derivative of the tangent by displacement and controls.
+#[test]
+fn the_derivative_of_a_compliance_is_exact() -> Outcome {
+    for n in [1, 2] {
+        let problem = body(CellKind::Quad9, n)?.cost(Compliance::surface("x+", [0.1, 1.0, 0.0]))?;
+        let start: Vec<f64> = (0..problem.layout().len()).map(|k| -2e4 - 9e3 * ((k * k) as f64).sin()).collect();
+        let report = Taylor::default().test(&problem, &Bounds::new(-1e5, 5e4)?, &start)?;
+        assert_eq!(report.verdict(), Verdict::Right, "{report}");
+        assert!(report.directions.iter().all(|direction| direction.order1 > 1.95), "{report}");
+    }
+    let held = Compliance::surface("x-", [0.0, 1.0, 0.0]).bind(body(CellKind::Quad9, 1)?.solid());
+    assert!(held.is_err_and(|error| error.to_string().contains("no force moves it")));
+    Ok(())
+}
+
 /// First and second partials in plane strain, where the second tangent of a surface does not change.
 #[test]
 fn partials_in_plane_strain_are_differences() -> Outcome {
@@ -174,7 +214,7 @@ fn partials_in_plane_strain_are_differences() -> Outcome {
     let wave = |k: f64| -> Vec<f64> { (0..u.len()).map(|i| 0.01 * (i as f64 * 1.3 + k).sin()).collect() };
     let (m, v, w) = (vec![0.0; body.layout().len()], wave(0.4), wave(2.1));
     let partials = |cost: &dyn Cost, u: &[f64]| -> Outcome<(f64, Vec<f64>, Vec<f64>)> {
-        let at = cost.at(&CostContext { solid, layout: body.layout(), u, m: &m, stage: 0 })?;
+        let at = cost.at(&CostContext { solid, layout: body.layout(), u, state: None, m: &m, stage: 0 })?;
         let (mut first, mut second) = (Partials::zero(u.len(), m.len()), Partials::zero(u.len(), m.len()));
         at.add_partials(&mut first)?;
         at.add_second_partials(&Partials { u: v.clone(), m: m.clone() }, &mut second)?;

@@ -123,6 +123,7 @@ impl Lowering<'_> {
             Block::Orientation(block) => self.orientation(block, context),
             Block::Curvature(block) => self.curvature(block, context),
             Block::LargestStretch(block) => self.largest_stretch(block, context),
+            Block::Compliance(block) => self.compliance(block, context),
             Block::Obstacle(block) => self.obstacle(block, context),
             Block::ControlNorm(block) => {
                 let cost = ControlNorm::of(self.control(&block.of)?, block.weight);

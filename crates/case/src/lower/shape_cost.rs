@@ -4,7 +4,7 @@ use super::context::Context;
 use super::cost::Lowering;
 use super::place::{self, Kind, Place};
 use crate::schema;
-use nastic_control::{Cost, Curvature, IntoCost, LargestStretch, MeanPosition, Orientation};
+use nastic_control::{Compliance, Cost, Curvature, IntoCost, LargestStretch, MeanPosition, Orientation};
 
 impl Lowering<'_> {
     pub(super) fn position(&self, block: &schema::Position, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
@@ -33,6 +33,13 @@ impl Lowering<'_> {
         place::facets(solid.mesh(), &block.surface, &block.at.key("surface"), context)?;
         let cost = Orientation::surface(&block.surface, block.direction.xyz()).weight(block.weight);
         context.take(&block.at.key("direction"), cost.bind(solid))
+    }
+
+    pub(super) fn compliance(&self, block: &schema::Compliance, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
+        let solid = self.reduced.solid();
+        place::facets(solid.mesh(), &block.surface, &block.at.key("surface"), context)?;
+        let cost = Compliance::surface(&block.surface, block.direction.xyz()).weight(block.weight);
+        context.take(&block.at, cost.bind(solid))
     }
 
     pub(super) fn curvature(&self, block: &schema::Curvature, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {

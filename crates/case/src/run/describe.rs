@@ -222,7 +222,11 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
             format!("weight/2 int |x - x_target|^2 on {}", place.map(ToString::to_string).unwrap_or_default())
         }
-        Cost::Position(_) | Cost::Orientation(_) | Cost::Curvature(_) | Cost::LargestStretch(_) => shape_cost(cost),
+        Cost::Position(_)
+        | Cost::Orientation(_)
+        | Cost::Curvature(_)
+        | Cost::LargestStretch(_)
+        | Cost::Compliance(_) => shape_cost(cost),
         Cost::Obstacle(block) => {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
             let place = place.map(ToString::to_string).unwrap_or_default();

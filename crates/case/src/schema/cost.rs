@@ -8,7 +8,7 @@ use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::mesh::MeshSource;
 use crate::schema::obstacle::Shape;
 use crate::schema::read::{Read, Reader};
-use crate::schema::shape_cost::{Curvature, LargestStretch, Orientation, Position};
+use crate::schema::shape_cost::{Compliance, Curvature, LargestStretch, Orientation, Position};
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Value};
 use nastic_mesh::GroupNames;
@@ -30,6 +30,8 @@ tagged! {
         "curvature" => Curvature(Curvature),
         /// A smoothed maximum of the principal stretches.
         "largest_stretch" => LargestStretch(LargestStretch),
+        /// How far a surface gives way to a small force.
+        "compliance" => Compliance(Compliance),
         /// Squared penetration into an obstacle.
         "obstacle" => Obstacle(Penetration),
         /// Size of a control.
@@ -225,6 +227,7 @@ impl Cost {
             Self::Orientation(block) => &block.at,
             Self::Curvature(block) => &block.at,
             Self::LargestStretch(block) => &block.at,
+            Self::Compliance(block) => &block.at,
             Self::Obstacle(block) => &block.at,
             Self::ControlNorm(block) => &block.at,
             Self::ControlSmoothness(block) => &block.at,
@@ -242,6 +245,7 @@ impl Cost {
             Self::Orientation(block) => &block.name,
             Self::Curvature(block) => &block.name,
             Self::LargestStretch(block) => &block.name,
+            Self::Compliance(block) => &block.name,
             Self::Obstacle(block) => &block.name,
             Self::ControlNorm(block) => &block.name,
             Self::ControlSmoothness(block) => &block.name,
@@ -260,6 +264,7 @@ impl Cost {
             Self::Orientation(block) => block.weight,
             Self::Curvature(block) => block.weight,
             Self::LargestStretch(block) => block.weight,
+            Self::Compliance(block) => block.weight,
             Self::Obstacle(block) => block.weight,
             Self::ControlNorm(block) => block.weight,
             Self::ControlSmoothness(block) => block.weight,

@@ -81,6 +81,20 @@ object! {
     }
 }
 
+object! {
+    /// weight times the compliance of a surface: its mean displacement along a direction for each unit of force along it.
+    pub struct Compliance {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// Surface of the mesh, on which the force is spread evenly.
+        pub surface: GroupNames,
+        /// Direction of force and displacement.
+        pub direction: Direction,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
 impl Coordinates {
     /// As an array.
     #[must_use]

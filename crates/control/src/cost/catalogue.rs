@@ -1,8 +1,8 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
 use super::{
-    ControlNorm, ControlSmoothness, Cost, CostForm, Curvature, IntoCost, LargestStretch, MeanPosition, Obstacle,
-    ObstaclePenetration, Orientation, SmoothedHausdorff, Target, Tracking,
+    Compliance, ControlNorm, ControlSmoothness, Cost, CostForm, Curvature, IntoCost, LargestStretch, MeanPosition,
+    Obstacle, ObstaclePenetration, Orientation, SmoothedHausdorff, Target, Tracking,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -33,6 +33,8 @@ pub struct CostRow {
     pub about: &'static str,
     /// How case files name it, unless they have a block of its own for it.
     pub form: Option<&'static CostForm>,
+    /// Whether it has second partials, which second derivatives of the objective take.
+    pub second: bool,
     /// Examples that cover its options.
     pub examples: fn(&CostExample) -> Bound,
 }
@@ -43,48 +45,66 @@ pub const CATALOGUE: &[CostRow] = &[
         name: "tracking",
         about: "squared distance of a surface, region or node set from its target positions",
         form: None,
+        second: true,
         examples: tracking,
     },
     CostRow {
         name: "position",
         about: "squared distance of a point, or of the mean of a surface, region or node set, from a position",
         form: None,
+        second: true,
         examples: position,
     },
     CostRow {
         name: "orientation",
         about: "squared deviation of the normals of a surface from a direction",
         form: None,
+        second: true,
         examples: orientation,
     },
     CostRow {
         name: "curvature",
         about: "squared deviation of the curvature of a line in the body from a wanted one",
         form: None,
+        second: true,
         examples: curvature,
     },
     CostRow {
         name: "largest_stretch",
         about: "a smoothed maximum of the principal stretches",
         form: None,
+        second: true,
         examples: largest_stretch,
+    },
+    CostRow {
+        name: "compliance",
+        about: "how far a surface of the deformed body gives way to a small probe force",
+        form: None,
+        second: false,
+        examples: |on| {
+            let surface = on.solid.mesh().surfaces().keys().next_back().cloned().unwrap_or_default();
+            Ok(vec![Compliance::surface(&surface, [0.2, 0.9, 0.0]).weight(on.weight).bind(on.solid)?])
+        },
     },
     CostRow {
         name: "smoothed_hausdorff",
         about: "smoothed Hausdorff distance of the deformed body from a target domain",
         form: None,
+        second: true,
         examples: smoothed_hausdorff,
     },
     CostRow {
         name: "obstacle",
         about: "squared penetration of a surface, region or node set into an obstacle",
         form: None,
+        second: true,
         examples: obstacle,
     },
     CostRow {
         name: "control_norm",
         about: "half the squared L2 norm of a control",
         form: None,
+        second: true,
         // Controls are stresses of 1e5 Pa, whose squares would drown what else is compared.
         examples: |on| Ok(vec![Box::new(ControlNorm::of(on.control, 1e-10 * on.weight)?)]),
     },
@@ -92,6 +112,7 @@ pub const CATALOGUE: &[CostRow] = &[
         name: "control_smoothness",
         about: "half the squared L2 norm of a control's gradient",
         form: None,
+        second: true,
         examples: |on| Ok(vec![Box::new(ControlSmoothness::of(on.control, 1e-10 * on.weight)?)]),
     },
 ];

@@ -4,6 +4,7 @@ mod automatic_stages;
 pub(crate) mod body_points;
 mod bound_hausdorff;
 mod catalogue;
+mod compliance;
 mod cost_form;
 mod curvature;
 mod facet_tangents;
@@ -19,6 +20,7 @@ mod tracking;
 
 pub use bound_hausdorff::BoundHausdorff;
 pub use catalogue::{CATALOGUE, CostExample, CostRow};
+pub use compliance::Compliance;
 pub use cost_form::{CostForm, MakeCost};
 pub use curvature::Curvature;
 pub use figure::{Figure, FigureKind};
@@ -33,7 +35,7 @@ pub use tracking::{BoundTracking, Target, Tracking};
 
 use crate::error::ControlError;
 use crate::layout::Layout;
-use nastic_fem::Solid;
+use nastic_fem::{Solid, State};
 use nastic_hausdorff::Smoothing;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -47,6 +49,8 @@ pub struct CostContext<'a> {
     pub layout: &'a Layout,
     /// Displacement, flat.
     pub u: &'a [f64],
+    /// The equilibrium that u is of; `None` where a displacement alone is given. A cost that needs its tangent refuses without it.
+    pub state: Option<&'a State>,
     /// Control vector.
     pub m: &'a [f64],
     /// Continuation stage; a cost with fewer stages stays at its last.

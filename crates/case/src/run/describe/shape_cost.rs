@@ -23,6 +23,9 @@ pub(super) fn shape_cost(cost: &Cost) -> String {
         Cost::Curvature(block) => {
             format!("weight/2 int (kappa - {})^2 along {} points", short(block.curvature), block.line.len())
         }
+        Cost::Compliance(block) => {
+            format!("displacement of {} along ({}) for a unit of force", block.surface, vector(block.direction.xyz()))
+        }
         Cost::LargestStretch(block) => {
             let place = block.region.as_ref().map_or("the body".to_owned(), ToString::to_string);
             format!(

@@ -1,0 +1,138 @@
+//! [`Compliance`]: how far a surface of the deformed body gives way to a small probe force.
+
+use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use crate::error::ControlError;
+use nastic_fem::{Increment, Instant, Model, QuadraturePoints, Solid, SolveOptions, StateError};
+use nastic_mesh::GroupNames;
+use nastic_numeric::vector::{dot, norm};
+use std::sync::Arc;
+
+/// `j = weight c` with the compliance `c = f . v`, `K(u, m) v = f`: the mean displacement along a unit vector d of a named surface, for each
+/// unit of a force along d spread evenly over it, `f_a = (1/A) int N_a d dA` over the reference surface; K is the tangent stiffness of the
+/// equilibrium, loads and controls held. The inverse of the stiffness against a probe.
+///
+/// Derivatives: `dc/du = -(v . K v)_u`, `dc/dm = -(v . K v)_m`, the second derivatives of `v . r` along v: third derivatives of the
+/// energy. There are no second partials, which would take fourth ones. Where cavities hold a volume it is refused.
+/// Units: length over force, in plane strain per unit of depth. Source: docs/model.md section 5.
+#[derive(Clone, Debug)]
+pub struct Compliance {
+    surface: GroupNames,
+    direction: [f64; 3],
+    weight: f64,
+}
+
+impl Compliance {
+    /// Of a named surface or the union of several, along a direction of any length but zero.
+    pub fn surface(names: impl Into<GroupNames>, direction: [f64; 3]) -> Self {
+        Compliance { surface: names.into(), direction, weight: 1.0 }
+    }
+
+    /// Multiplies the cost.
+    #[must_use]
+    pub fn weight(mut self, weight: f64) -> Self {
+        self.weight = weight;
+        self
+    }
+}
+
+impl IntoCost for Compliance {
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        let weight = check_weight("compliance", self.weight)?;
+        let refuse = |what: String| Err(ControlError::Cost { what });
+        let (mesh, dim) = (solid.mesh(), solid.discretization().dim());
+        let length = norm(&self.direction);
+        if !(length > 0.0 && length.is_finite()) {
+            return refuse(format!("the direction {:?} of a compliance has no finite length but zero", self.direction));
+        }
+        if dim == 2 && self.direction[2] != 0.0 {
+            return refuse("a plane body gives way in its plane: the direction of a compliance has no z".into());
+        }
+        if solid.model().unknowns().scalars > 0 {
+            return refuse("a compliance is not there yet for bodies with cavities of given volume".into());
+        }
+        let facets = mesh.facets_of(&self.surface)?;
+        let points = QuadraturePoints::of_facets(mesh, &facets, |k| k.rule_of_points(k.order() + 2));
+        let share = |w: &f64| w / points.measure() / length;
+        let forces = points.weights().iter().flat_map(|w| self.direction[..dim].iter().map(move |d| share(w) * d));
+        let mut force = vec![0.0; solid.discretization().dofs()];
+        points.spread(&forces.collect::<Vec<_>>(), dim, &mut force);
+        if force.iter().zip(solid.supports().fixed()).all(|(f, fixed)| *f == 0.0 || *fixed) {
+            return refuse(format!(
+                "surface \"{}\" of a compliance is held along its direction: no force moves it",
+                self.surface
+            ));
+        }
+        Ok(Box::new(Bound { force, weight }))
+    }
+}
+
+/// [`Compliance`] bound to a body.
+#[derive(Debug)]
+struct Bound {
+    force: Vec<f64>,
+    weight: f64,
+}
+
+impl Cost for Bound {
+    fn name(&self) -> &str {
+        "compliance"
+    }
+
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        let Some(state) = at.state else {
+            let what = "a compliance takes the equilibrium itself, not a displacement alone".to_owned();
+            return Err(ControlError::Cost { what });
+        };
+        let model = at.solid.model();
+        let solved = model.adjoint(state, &[&self.force], &SolveOptions::default())?;
+        let v = solved.lambda.into_iter().next().unwrap_or_default();
+        let instant = Instant::new(&state.u, &state.controls, state.load);
+        let compliance = self.compliance(model, &instant, &v)?;
+        let zero = model.controls();
+        let along = Increment { u: &v, controls: &zero };
+        let second = model.second_vjp(&instant, &v, &along);
+        let second = second.map_err(StateError::from)?;
+        let scaled = |values: Vec<f64>| values.into_iter().map(|d| -self.weight * d).collect();
+        let m = at.layout.control_vjp(at.m, &second.controls);
+        let partials = Partials { u: scaled(second.u), m: scaled(m) };
+        Ok(Arc::new(Point { value: self.weight * compliance, compliance, partials }))
+    }
+}
+
+impl Bound {
+    /// `2 f . v - v . K v`: that of f . v where v solves, with the square of the error of v elsewhere.
+    fn compliance(&self, model: &Model, at: &Instant, v: &[f64]) -> Result<f64, ControlError> {
+        let mut product = vec![0.0; v.len()];
+        if !model.tangent_product(at, v, &mut product)? {
+            let mut matrix = model.matrix();
+            model.add_tangent(at, &mut matrix)?;
+            matrix.multiply(v, &mut product);
+        }
+        Ok(2.0 * dot(&self.force, v) - dot(v, &product))
+    }
+}
+
+/// The cost evaluated.
+#[derive(Debug)]
+struct Point {
+    value: f64,
+    compliance: f64,
+    partials: Partials,
+}
+
+impl CostPoint for Point {
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
+        out.u.iter_mut().zip(&self.partials.u).for_each(|(out, d)| *out += d);
+        out.m.iter_mut().zip(&self.partials.m).for_each(|(out, d)| *out += d);
+        Ok(())
+    }
+
+    /// Its inverse.
+    fn figures(&self) -> Result<Vec<Figure>, ControlError> {
+        Ok(vec![Figure { kind: FigureKind::Other("stiffness"), value: 1.0 / self.compliance, unit: "N/m" }])
+    }
+}
