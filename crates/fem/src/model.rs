@@ -6,7 +6,7 @@ use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use crate::contributions::{Contribution, Demand, Sums};
+use crate::contributions::{Contribution, Demand, Line, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
@@ -39,6 +39,22 @@ pub struct Controllable<'a> {
     pub cells: Option<&'a [u32]>,
     /// Size of what it acts on, where that is no set of cells.
     pub measure: f64,
+}
+
+impl Controllable<'_> {
+    /// Refuses negative values of contributions that only pull. Of actuations of the body they have a meaning: fibres that push.
+    pub(crate) fn check_pulling(&self, values: &[f64]) -> Result<(), FemError> {
+        let mut pushing = self.slots.iter().zip(values).filter(|(slot, value)| slot.not_negative && **value < 0.0);
+        match pushing.next().filter(|_| self.cells.is_none()) {
+            None => Ok(()),
+            Some((slot, value)) => Err(FemError::Meaningless {
+                what: format!(
+                    "the {} of \"{}\" is {value}, but it only pulls: it must not be negative",
+                    slot.group, self.name
+                ),
+            }),
+        }
+    }
 }
 
 /// How many unknowns there are.
@@ -289,6 +305,19 @@ impl Model {
         self.each_other(at, |contribution, at| {
             let own = contribution.quantities(at);
             all.extend(own.into_iter().map(|(name, value)| (contribution.name().to_owned(), name, value)));
+            Ok(())
+        })?;
+        Ok(all)
+    }
+
+    /// What contributions show of themselves beside the body.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where a contribution needs J > 0.
+    pub fn lines(&self, at: &Instant) -> Result<Vec<Line>, InvertedAt> {
+        let mut all = Vec::new();
+        self.each_other(at, |contribution, at| {
+            all.extend(contribution.lines(at));
             Ok(())
         })?;
         Ok(all)

@@ -73,7 +73,7 @@ impl<'a> SecondOrder<'a> {
     /// # Errors
     /// A singular tangent; a contribution without second derivatives.
     pub fn state_change(&mut self, v: &Controls) -> Result<Vec<f64>, StateError> {
-        self.model.check_controls(v)?;
+        self.model.check_control_change(v)?;
         let mut rhs = self.model.control_product(&self.instant(), v).map_err(|error| self.failed(error))?;
         rhs.iter_mut().for_each(|r| *r = -*r);
         self.solve(rhs, Transposition::No)

@@ -1,6 +1,8 @@
 //! The catalogue of contributions: a row each, with an example that the contract test holds to [`check_contribution`](crate::check_contribution).
 
+use crate::contributions::body_point::BodyPoint;
 use crate::contributions::cavity::{self, Cavity};
+use crate::contributions::tendon::{Tendon, form as tendon};
 use crate::error::FemError;
 use crate::solid::Solid;
 use nastic_energy::{FiberTension, NeoHooke, Slot};
@@ -11,7 +13,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A row of the catalogue.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry {
-    /// What the contribution is called in messages, and its kind in case files.
+    /// What the contribution is called in messages, and its kind in case files. Rows of one name are forms of one kind, which their
+    /// keys tell apart.
     pub name: &'static str,
     /// How it stands in case files, if it is one of the kinds of `actuation` there.
     pub form: Option<Form>,
@@ -54,6 +57,15 @@ pub enum KeyKind {
     Surfaces,
     /// True or false; false if left out.
     Flag,
+    /// Points of the body: positions, or names of node sets; needed.
+    Points,
+    /// A positive number in this unit.
+    Number {
+        /// Its unit.
+        unit: &'static str,
+        /// Whether it must be there.
+        required: bool,
+    },
 }
 
 /// The values of a form's keys.
@@ -63,6 +75,10 @@ pub struct Values {
     pub names: BTreeMap<&'static str, Vec<String>>,
     /// Flags that are true.
     pub flags: BTreeSet<&'static str>,
+    /// Points of the body, by key.
+    pub points: BTreeMap<&'static str, Vec<BodyPoint>>,
+    /// Numbers that were given, by key.
+    pub numbers: BTreeMap<&'static str, f64>,
 }
 
 impl Values {
@@ -81,7 +97,20 @@ pub const CATALOGUE: &[Entry] = &[
         form: Some(cavity::FORM),
         example: || block()?.cavity(Cavity::new("cavity", "inside").lid()),
     },
+    Entry {
+        name: "tendon",
+        form: Some(tendon::TENSION),
+        example: || block()?.tendon(Tendon::through("tendon", TENDON)),
+    },
+    Entry {
+        name: "tendon",
+        form: Some(tendon::PULL),
+        example: || block()?.tendon(Tendon::through("tendon", TENDON).spacing(0.8).stiffness(50.0)),
+    },
 ];
+
+/// A way through the cup of the examples, between its nodes.
+const TENDON: [[f64; 3]; 3] = [[0.2, 0.4, 0.3], [1.6, 0.7, 0.5], [2.9, 0.3, 1.9]];
 
 /// A cup that is held at one side and pulled along its fibres.
 fn block() -> Result<Solid, FemError> {

@@ -1,23 +1,29 @@
 //! What the residual is made of: [`Contribution`]s, summed by [`Model`](crate::Model).
 
 pub(crate) mod body_energy;
+pub(crate) mod body_point;
 pub mod catalogue;
 mod cavity;
 mod check;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
 pub(crate) mod instant;
+mod line;
 pub(crate) mod sensitivities;
+mod tendon;
 
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::Controls;
 pub use instant::{Instant, TimeStep};
+pub use line::Line;
 use nastic_energy::Slot;
 use nastic_linear::{SparseMatrix, Symmetry};
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use std::fmt::Debug;
+pub use tendon::Tendon;
 
 /// A term of the residual `r(u) = sum_c r_c(u; controls, load, v, a)`, whose zero is an equilibrium.
 ///
@@ -61,6 +67,11 @@ pub trait Contribution: Debug + Send + Sync {
 
     /// Named numbers worth reporting of a state: the volume of a cavity, say.
     fn quantities(&self, _at: &Instant) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
+    /// What of it is to be drawn beside the body: tendons, say.
+    fn lines(&self, _at: &Instant) -> Vec<Line> {
         Vec::new()
     }
 

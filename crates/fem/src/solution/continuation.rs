@@ -198,7 +198,15 @@ impl Model {
         self.check_controls(&state.controls)
     }
 
+    /// Refuses controls of another body, and tendons that would push.
     pub(crate) fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
+        self.check_control_change(controls)?;
+        let each = self.controllable().into_iter().enumerate();
+        Ok(each.map(|(k, own)| own.check_pulling(controls.values(k))).collect::<Result<(), _>>()?)
+    }
+
+    /// Refuses changes of controls of another body.
+    pub(crate) fn check_control_change(&self, controls: &Controls) -> Result<(), StateError> {
         if !controls.fits(&self.controls()) {
             let what = "the controls belong to another body; make them with Solid::controls".to_owned();
             return Err(crate::FemError::Meaningless { what }.into());
