@@ -10,6 +10,7 @@ mod macros;
 
 mod actuation;
 mod added_cost;
+mod body_point;
 mod case;
 mod catalogue;
 mod check;

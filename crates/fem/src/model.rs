@@ -6,13 +6,13 @@ use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use crate::contributions::{Contribution, Demand, Line, Sums};
+use crate::contributions::{Contribution, Demand, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::{Solver, SparseMatrix, Symmetry};
-use nastic_mesh::GroupNames;
+use nastic_mesh::{GroupNames, Polyline};
 use std::sync::Arc;
 
 /// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
@@ -314,7 +314,7 @@ impl Model {
     ///
     /// # Errors
     /// [`InvertedAt`] where a contribution needs J > 0.
-    pub fn lines(&self, at: &Instant) -> Result<Vec<Line>, InvertedAt> {
+    pub fn lines(&self, at: &Instant) -> Result<Vec<Polyline>, InvertedAt> {
         let mut all = Vec::new();
         self.each_other(at, |contribution, at| {
             all.extend(contribution.lines(at));

@@ -113,8 +113,9 @@ fn fix_slot(
     let controllable = reduced.solid().model().controllable();
     let index = controllable.iter().position(|a| a.name == actuation.name)?;
     let first = controllable[index].slots.iter().position(|slot| slot.group == key)?;
+    let only_pulls = controllable[index].slots[first].not_negative;
     let Some(cells) = controllable[index].cells else {
-        return fix_number(actuation, key, value, (index, first), reduced, context);
+        return fix_number(actuation, (key, only_pulls), value, (index, first), reduced, context);
     };
     let points = SamplePoints::of_body(case, &disc, cells);
     let columns: Vec<Vec<f64>> = match value {
@@ -130,8 +131,8 @@ fn fix_slot(
             context.warn(&CONVEXITY, &at, beyond_limit(most, limit, context.units));
         }
     }
-    if key == CONTRACTION && columns.iter().flatten().any(|value| *value < 0.0) {
-        context.complain(&at, MUSCLES_PULL);
+    if only_pulls && columns.iter().flatten().any(|value| *value < 0.0) {
+        context.complain(&at, must_pull(key));
         return None;
     }
     let mut reduced = reduced;
@@ -145,7 +146,7 @@ fn fix_slot(
 /// The fixed value of a contribution as a whole: one number.
 fn fix_number(
     actuation: &Actuation,
-    key: &str,
+    (key, only_pulls): (&str, bool),
     value: &Fixed,
     (index, slot): (usize, usize),
     reduced: Reduced,
@@ -157,11 +158,24 @@ fn fix_number(
         context.complain(&at, format!("\"{}\" has one {key}: give a number, not a field", actuation.name));
         return None;
     };
+    if only_pulls && constant < 0.0 {
+        context.complain(&at, must_pull(key));
+        return None;
+    }
     let fixed = reduced.fix(index, slot, &[constant]);
     context.take(&at, fixed)
 }
 
 /// The control of a muscle.
 pub(crate) const CONTRACTION: &str = "contraction";
-pub(super) const MUSCLES_PULL: &str = "a muscle only pulls: its contraction is positive or zero; fibres that lengthen are of the kind \"fiber_tension\", \
-     with a positive tension";
+
+/// Why a negative value of a slot that only pulls is refused.
+pub(super) fn must_pull(slot: &str) -> &'static str {
+    match slot {
+        CONTRACTION => {
+            "a muscle only pulls: its contraction is positive or zero; fibres that lengthen are of the kind \"fiber_tension\", \
+             with a positive tension"
+        }
+        _ => "a tendon only pulls: its tension is positive or zero",
+    }
+}

@@ -62,7 +62,9 @@ impl Want {
         Self { dimension: Some(dimension), sign: Sign::Any }
     }
 
-    const fn positive(self) -> Self {
+    /// The same, > 0.
+    #[must_use]
+    pub(crate) const fn positive(self) -> Self {
         Self { dimension: self.dimension, sign: Sign::Positive }
     }
 

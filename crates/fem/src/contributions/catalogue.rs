@@ -31,6 +31,8 @@ pub struct Form {
     pub keys: &'static [Key],
     /// Its slots: what can be controlled, or have a fixed value.
     pub slots: &'static [Slot],
+    /// Whether it acts where all its slots are zero: an elastic tendon resists to being stretched.
+    pub passive: bool,
     /// Adds one of that name to a body.
     pub add: fn(Solid, &str, &Values) -> Result<Solid, FemError>,
 }
@@ -66,6 +68,17 @@ pub enum KeyKind {
         /// Whether it must be there.
         required: bool,
     },
+}
+
+impl KeyKind {
+    /// Whether a block without the key is refused.
+    pub fn is_required(self) -> bool {
+        match self {
+            KeyKind::Surface | KeyKind::Union | KeyKind::Points => true,
+            KeyKind::Surfaces | KeyKind::Flag => false,
+            KeyKind::Number { required, .. } => required,
+        }
+    }
 }
 
 /// The values of a form's keys.

@@ -8,7 +8,6 @@ mod check;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
 pub(crate) mod instant;
-mod line;
 pub(crate) mod sensitivities;
 mod tendon;
 
@@ -18,9 +17,9 @@ pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::Controls;
 pub use instant::{Instant, TimeStep};
-pub use line::Line;
 use nastic_energy::Slot;
 use nastic_linear::{SparseMatrix, Symmetry};
+use nastic_mesh::Polyline;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use std::fmt::Debug;
 pub use tendon::Tendon;
@@ -71,7 +70,7 @@ pub trait Contribution: Debug + Send + Sync {
     }
 
     /// What of it is to be drawn beside the body: tendons, say.
-    fn lines(&self, _at: &Instant) -> Vec<Line> {
+    fn lines(&self, _at: &Instant) -> Vec<Polyline> {
         Vec::new()
     }
 

@@ -2,11 +2,12 @@
 
 use super::guides::Guides;
 use crate::contributions::{
-    Contribution, Controls, Demand, Increment, Instant, Line, SecondSensitivities, Sensitivities, Sums,
+    Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
 use crate::error::{InvertedAt, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
+use nastic_mesh::Polyline;
 use nastic_numeric::vector::{axpy, dot};
 
 /// What is given of a tendon.
@@ -117,9 +118,9 @@ impl Contribution for TendonForce {
         out
     }
 
-    fn lines(&self, at: &Instant) -> Vec<Line> {
+    fn lines(&self, at: &Instant) -> Vec<Polyline> {
         let quantities = vec![("tension", self.tension(at).value)];
-        vec![Line { name: self.name.clone(), points: self.guides.positions(at.u), quantities }]
+        vec![Polyline { name: self.name.clone(), points: self.guides.positions(at.u), quantities }]
     }
 
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {

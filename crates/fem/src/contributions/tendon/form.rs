@@ -27,6 +27,7 @@ pub(in crate::contributions) const TENSION: Form = Form {
     about: "A tendon through points of the body, under a given tension.",
     keys: &[POINTS, SPACING],
     slots: &Drive::TENSION,
+    passive: false,
     add,
 };
 
@@ -35,6 +36,7 @@ pub(in crate::contributions) const PULL: Form = Form {
     about: "An elastic tendon through points of the body, drawn in by a given length; slack where it would have to push.",
     keys: &[POINTS, SPACING, STIFFNESS],
     slots: &Drive::PULL,
+    passive: true,
     add,
 };
 
