@@ -4,7 +4,7 @@ use crate::adjoint::Adjoint;
 use crate::contributions::Contribution;
 use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
-use crate::contributions::{Cavity, Tendon};
+use crate::contributions::{Cavity, Motion, Tendon};
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
@@ -262,6 +262,16 @@ impl Solid {
     /// A guide outside the body, guides that coincide, numbers that are not positive; a name that is taken.
     pub fn tendon(self, tendon: Tendon) -> Result<Self, FemError> {
         let contribution = tendon.on(self.mesh())?;
+        self.contribution(contribution)
+    }
+
+    /// Holds a surface that moves as a rigid body.
+    ///
+    /// # Errors
+    /// An unknown surface, nodes that something else holds; a name that is taken.
+    pub fn motion(self, motion: Motion) -> Result<Self, FemError> {
+        let nodes = self.nodes_of(motion.surface())?;
+        let contribution = motion.on(self.mesh(), nodes)?;
         self.contribution(contribution)
     }
 

@@ -143,7 +143,7 @@ fn fix_slot(
     Some(reduced)
 }
 
-/// The fixed value of a contribution as a whole: one number.
+/// The fixed value of a contribution as a whole: one number, or one vector.
 fn fix_number(
     actuation: &Actuation,
     (key, only_pulls): (&str, bool),
@@ -153,17 +153,23 @@ fn fix_number(
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
     let at = actuation.at.key(key);
-    let constant = if let Fixed::Scalar(value) = value { value.constant() } else { None };
-    let Some(constant) = constant else {
-        context.complain(&at, format!("\"{}\" has one {key}: give a number, not a field", actuation.name));
+    let constants: Option<Vec<f64>> = match value {
+        Fixed::Scalar(value) => value.constant().map(|value| vec![value]),
+        Fixed::Vector(value) => value.constant().map(Vec::from),
+    };
+    let Some(constants) = constants else {
+        let what = if matches!(value, Fixed::Scalar(_)) { "a number" } else { "numbers" };
+        context.complain(&at, format!("\"{}\" has one {key}: give {what}, not a field", actuation.name));
         return None;
     };
-    if only_pulls && constant < 0.0 {
+    if only_pulls && constants.iter().any(|constant| *constant < 0.0) {
         context.complain(&at, must_pull(key));
         return None;
     }
-    let fixed = reduced.fix(index, slot, &[constant]);
-    context.take(&at, fixed)
+    constants.iter().enumerate().try_fold(reduced, |reduced, (component, constant)| {
+        let fixed = reduced.fix(index, slot + component, &[*constant]);
+        context.take(&at, fixed)
+    })
 }
 
 /// The control of a muscle.

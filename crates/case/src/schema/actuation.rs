@@ -6,7 +6,7 @@ use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, 
 use crate::schema::field::{Parameter, VectorField};
 use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
-use crate::schema::value::described_text;
+use crate::schema::value::{Vector, described_text};
 use crate::syntax::{At, Node, Property};
 use nastic_energy::catalogue::ActuationRow;
 use nastic_fem::contributions::catalogue::{Form, KeyKind, Values};
@@ -219,6 +219,11 @@ fn read_contribution(kind: &'static str, form: &'static Form, node: &Node, at: &
                 values.points.insert(key.name, points.map(|points| points.0).unwrap_or_default());
                 continue;
             }
+            KeyKind::Place => {
+                let place: Option<Option<Vector>> = reader.key(node, at, key.name, key.about, Want::LENGTH, Some(None));
+                values.places.extend(place.flatten().map(|place| (key.name, place.xyz())));
+                continue;
+            }
             KeyKind::Number { unit, required } => {
                 let default = if required { None } else { Some(None) };
                 let number: Option<Option<f64>> =
@@ -255,6 +260,7 @@ fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Defini
             KeyKind::Surfaces => json!({ "description": key.about, "type": "array", "items": { "type": "string" } }),
             KeyKind::Flag => json!({ "description": key.about, "type": "boolean", "default": false }),
             KeyKind::Points => annotated(BodyPoints::schema(Want::LENGTH, definitions), key.about, None),
+            KeyKind::Place => annotated(Vector::schema(Want::LENGTH, definitions), key.about, None),
             KeyKind::Number { unit, .. } => annotated(f64::schema(want(unit).positive(), definitions), key.about, None),
         };
         properties.insert(key.name.into(), schema);

@@ -2,6 +2,7 @@
 
 use crate::contributions::body_point::BodyPoint;
 use crate::contributions::cavity::{self, Cavity};
+use crate::contributions::motion::{self, Motion};
 use crate::contributions::tendon::{Tendon, form as tendon};
 use crate::error::FemError;
 use crate::solid::Solid;
@@ -61,6 +62,8 @@ pub enum KeyKind {
     Flag,
     /// Points of the body: positions, or names of node sets; needed.
     Points,
+    /// A point of space; none if left out.
+    Place,
     /// A positive number in this unit.
     Number {
         /// Its unit.
@@ -75,7 +78,7 @@ impl KeyKind {
     pub fn is_required(self) -> bool {
         match self {
             KeyKind::Surface | KeyKind::Union | KeyKind::Points => true,
-            KeyKind::Surfaces | KeyKind::Flag => false,
+            KeyKind::Surfaces | KeyKind::Flag | KeyKind::Place => false,
             KeyKind::Number { required, .. } => required,
         }
     }
@@ -90,6 +93,8 @@ pub struct Values {
     pub flags: BTreeSet<&'static str>,
     /// Points of the body, by key.
     pub points: BTreeMap<&'static str, Vec<BodyPoint>>,
+    /// Points of space that were given, by key.
+    pub places: BTreeMap<&'static str, [f64; 3]>,
     /// Numbers that were given, by key.
     pub numbers: BTreeMap<&'static str, f64>,
 }
@@ -119,6 +124,11 @@ pub const CATALOGUE: &[Entry] = &[
         name: "tendon",
         form: Some(tendon::PULL),
         example: || block()?.tendon(Tendon::through("tendon", TENDON).spacing(0.8).stiffness(50.0)),
+    },
+    Entry {
+        name: "motion",
+        form: Some(motion::FORM),
+        example: || block()?.motion(Motion::of("motion", "x+").about([2.8, 1.0, 0.5])),
     },
 ];
 

@@ -8,6 +8,7 @@ mod check;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
 pub(crate) mod instant;
+mod motion;
 pub(crate) mod sensitivities;
 mod tendon;
 
@@ -17,6 +18,7 @@ pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::Controls;
 pub use instant::{Instant, TimeStep};
+pub use motion::Motion;
 use nastic_energy::Slot;
 use nastic_linear::{SparseMatrix, Symmetry};
 use nastic_mesh::Polyline;
@@ -77,6 +79,33 @@ pub trait Contribution: Debug + Send + Sync {
     /// Size of what its controls act on (a volume, say): their weight in the inner product of the control space.
     fn measure(&self) -> f64 {
         1.0
+    }
+
+    /// Whether its controls may have these values, by slot.
+    ///
+    /// # Errors
+    /// What may not.
+    fn check_controls(&self, _values: &[f64]) -> Result<(), FemError> {
+        Ok(())
+    }
+
+    /// Unknowns that its controls prescribe: it holds them as supports do.
+    fn held(&self) -> Vec<u32> {
+        Vec::new()
+    }
+
+    /// Sets what it [holds](Self::held), `u_D(m)`.
+    fn prescribe(&self, _at: &Instant, _u: &mut [f64]) {}
+
+    /// Adds `du_D/dm v` to what it holds.
+    fn add_prescribed_change(&self, _at: &Instant, _v: &Controls, _du: &mut [f64]) {}
+
+    /// Adds `force . du_D/dm`.
+    fn prescribed_vjp(&self, _at: &Instant, _force: &[f64], _into: &mut Sensitivities) {}
+
+    /// Whether `u_D` has no second derivative along v and any other change of the controls.
+    fn prescribes_along_a_line(&self, _at: &Instant, _v: &Controls) -> bool {
+        true
     }
 
     /// Adds potential (in a time step the incremental one) and residual, as wanted, and what their rounding is measured against.

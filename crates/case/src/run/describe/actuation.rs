@@ -30,6 +30,8 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
                 };
                 let numbers = values.numbers.iter().map(number);
                 let flags = values.flags.iter().map(ToString::to_string);
+                let place = |(key, place): (&&str, &[f64; 3])| format!("{key} {}", point(&BodyPoint::At(*place)));
+                let points = points.chain(values.places.iter().map(place));
                 names.chain(points).chain(numbers).chain(flags).collect::<Vec<_>>().join("; ")
             }
         };
@@ -77,6 +79,7 @@ pub(super) fn json(problem: &CaseProblem) -> Value {
                     };
                     entry[*key] = points.iter().map(point).collect();
                 }
+                values.places.iter().for_each(|(key, place)| entry[*key] = json!(place));
                 values.numbers.iter().for_each(|(key, number)| entry[*key] = json!(number));
                 for (key, quantity) in [("reference_volume", "volume"), ("reference_length", "length")] {
                     if let Some(value) = at_rest(problem, &a.name, quantity) {
