@@ -196,7 +196,8 @@ impl Lowering<'_> {
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
         let start = self.settle(start, set.as_ref(), context)?;
         let unit = crate::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
-        let unit = context.units.label(unit);
+        // the only controls that are plain numbers are angles
+        let unit = if unit.is_none() { "rad".to_owned() } else { context.units.label(unit) };
         if let Some(message) = unresolved(self.block, self.reduced) {
             context.warn(&GRID_RESOLUTION, &self.control.at.key("space"), message);
         }
