@@ -64,7 +64,7 @@ pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
 };
-pub use support::{Axis, Displacement, Fix, Support};
+pub use support::{Along, Axis, Displacement, Fix, Support};
 pub use value::Vector;
 
 pub(crate) use case::Reading;

@@ -41,22 +41,6 @@ pub struct Controllable<'a> {
     pub measure: f64,
 }
 
-impl Controllable<'_> {
-    /// Refuses negative values of contributions that only pull. Of actuations of the body they have a meaning: fibres that push.
-    pub(crate) fn check_pulling(&self, values: &[f64]) -> Result<(), FemError> {
-        let mut pushing = self.slots.iter().zip(values).filter(|(slot, value)| slot.not_negative && **value < 0.0);
-        match pushing.next().filter(|_| self.cells.is_none()) {
-            None => Ok(()),
-            Some((slot, value)) => Err(FemError::Meaningless {
-                what: format!(
-                    "the {} of \"{}\" is {value}, but it only pulls: it must not be negative",
-                    slot.group, self.name
-                ),
-            }),
-        }
-    }
-}
-
 /// How many unknowns there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unknowns {
@@ -433,7 +417,8 @@ impl Model {
     /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
     pub fn check(&self) -> Result<(), FemError> {
         self.body.check_complete()?;
-        self.supports.check(self.discretization().mesh())?;
+        let springs = self.others.iter().flat_map(|contribution| contribution.holds());
+        self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>())?;
         self.others.iter().try_for_each(|contribution| contribution.check(self.supports.fixed()))
     }
 }

@@ -4,7 +4,7 @@ use crate::adjoint::Adjoint;
 use crate::contributions::Contribution;
 use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
-use crate::contributions::{Cavity, Motion, Tendon};
+use crate::contributions::{Cavity, Foundation, Motion, Tendon};
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
@@ -262,6 +262,15 @@ impl Solid {
     /// A guide outside the body, guides that coincide, numbers that are not positive; a name that is taken.
     pub fn tendon(self, tendon: Tendon) -> Result<Self, FemError> {
         let contribution = tendon.on(self.mesh())?;
+        self.contribution(contribution)
+    }
+
+    /// Puts a surface on an elastic foundation.
+    ///
+    /// # Errors
+    /// An unknown surface, a stiffness that is not positive; a second foundation on it.
+    pub fn foundation(self, foundation: Foundation) -> Result<Self, FemError> {
+        let contribution = foundation.of(self.mesh())?;
         self.contribution(contribution)
     }
 

@@ -144,6 +144,12 @@ pub(crate) fn states(result: &Value) -> String {
         }
         for (contribution, entry) in own["contributions"].as_object().into_iter().flatten() {
             let of = |key: &str, unit: &str| number(&entry[key], unit);
+            if entry.get("force_x").is_some() {
+                let mut row = vec![format!("{name}{contribution}")];
+                row.extend(["force_x", "force_y", "force_z"].map(|key| number(&entry[key], "")));
+                reactions.push(row);
+                continue;
+            }
             if entry.get("tension").is_some() {
                 let slack = if entry["slack"] == 1.0 { "slack" } else { "taut" };
                 let mut row = vec![format!("{name}{contribution}"), slack.to_owned(), of("tension", unit("force"))];

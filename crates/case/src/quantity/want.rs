@@ -53,6 +53,8 @@ impl Want {
     pub const POSITIVE_FIELD: Self = Self::FIELD.positive();
     /// A force per volume.
     pub const BODY_FORCE: Self = Self::a(Dimension::BODY_FORCE);
+    /// A force per length and area > 0.
+    pub const STIFFNESS_PER_AREA: Self = Self::a(Dimension::BODY_FORCE).positive();
     /// A magnetic permeability > 0.
     pub const PERMEABILITY: Self = Self::a(Dimension::PERMEABILITY).positive();
 

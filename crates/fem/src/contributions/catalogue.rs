@@ -2,6 +2,7 @@
 
 use crate::contributions::body_point::BodyPoint;
 use crate::contributions::cavity::{self, Cavity};
+use crate::contributions::foundation::Foundation;
 use crate::contributions::motion::{self, Motion};
 use crate::contributions::tendon::{Tendon, form as tendon};
 use crate::error::FemError;
@@ -109,6 +110,11 @@ impl Values {
 /// Every contribution of this crate.
 pub const CATALOGUE: &[Entry] = &[
     Entry { name: "body energy", form: None, example: block },
+    Entry {
+        name: "foundation on x+",
+        form: None,
+        example: || block()?.foundation(Foundation::on("x+", 3e3).normal_only()),
+    },
     Entry { name: "dead load", form: None, example: || block()?.traction("x+", Vec3::new(3.0, -2.0, 1.0)) },
     Entry {
         name: "cavity",

@@ -7,6 +7,7 @@ mod cavity;
 mod check;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
+mod foundation;
 pub(crate) mod instant;
 mod motion;
 pub(crate) mod sensitivities;
@@ -17,6 +18,7 @@ pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::Controls;
+pub use foundation::Foundation;
 pub use instant::{Instant, TimeStep};
 pub use motion::Motion;
 use nastic_energy::Slot;
@@ -59,6 +61,11 @@ pub trait Contribution: Debug + Send + Sync {
     /// What has to be held.
     fn check(&self, _fixed: &[bool]) -> Result<(), FemError> {
         Ok(())
+    }
+
+    /// Displacements that it resists to at rest, each a sum of weighted unknowns: they hold a body still as supports do.
+    fn holds(&self) -> &[Vec<(u32, f64)>] {
+        &[]
     }
 
     /// Its controls: numbers for the whole contribution, one per slot (see [`Instant::control`]).

@@ -125,11 +125,11 @@ impl Supports {
     }
 
     /// Whether the supports exclude every rigid motion of every connected part of the body (small rotations about the
-    /// part's centre; rank of the motions restricted to the prescribed components).
-    pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), FemError> {
+    /// part's centre; rank of the motions restricted to the prescribed components and to what springs resist to).
+    pub(crate) fn check(&self, mesh: &Mesh, springs: &[&Vec<(u32, f64)>]) -> Result<(), FemError> {
         let parts = connected_parts(mesh);
         for (p, nodes) in parts.iter().enumerate() {
-            let modes = self.free_motions(mesh, nodes);
+            let modes = self.free_motions(mesh, nodes, springs);
             if let Some((count, example)) = modes {
                 let what = match parts.len() {
                     1 => "the body".to_owned(),
@@ -142,21 +142,29 @@ impl Supports {
     }
 
     /// How many rigid motions of these nodes stay free, and one of them in words.
-    fn free_motions(&self, mesh: &Mesh, nodes: &[u32]) -> Option<(usize, String)> {
+    fn free_motions(&self, mesh: &Mesh, nodes: &[u32], springs: &[&Vec<(u32, f64)>]) -> Option<(usize, String)> {
         let (centre, radius) = extent(mesh, nodes);
         let modes = if self.dim == 2 { 3 } else { 6 };
         let mut gram = DMatrix::<f64>::zeros(modes, modes);
-        for &node in nodes {
-            let x = mesh.points()[node as usize];
+        let mut add = |row: &[f64]| (0..modes * modes).for_each(|at| gram[at] += row[at / modes] * row[at % modes]);
+        let component = |dof: usize| {
+            let x = mesh.points()[dof / self.dim];
             let r: Vec<f64> = (0..3).map(|k| (x[k] - centre[k]) / radius).collect();
-            for c in (0..self.dim).filter(|c| self.fixed[node as usize * self.dim + c]) {
-                let row = motion_component(self.dim, c, &r);
-                for i in 0..modes {
-                    for k in 0..modes {
-                        gram[(i, k)] += row[i] * row[k];
-                    }
-                }
+            motion_component(self.dim, dof % self.dim, &r)
+        };
+        for &node in nodes {
+            let dofs = (0..self.dim).map(|c| node as usize * self.dim + c);
+            dofs.filter(|dof| self.fixed[*dof]).for_each(|dof| add(&component(dof)));
+        }
+        let own = |terms: &&&Vec<(u32, f64)>| {
+            terms.iter().all(|(dof, _)| nodes.binary_search(&(dof / self.dim as u32)).is_ok())
+        };
+        for terms in springs.iter().filter(own) {
+            let mut row = vec![0.0; modes];
+            for (dof, weight) in *terms {
+                row.iter_mut().zip(component(*dof as usize)).for_each(|(row, value)| *row += weight * value);
             }
+            add(&row);
         }
         let eigen = gram.symmetric_eigen();
         let largest = eigen.eigenvalues.max();

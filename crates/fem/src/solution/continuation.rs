@@ -201,9 +201,7 @@ impl Model {
     /// Refuses controls of another body, and tendons that would push.
     pub(crate) fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
         self.check_control_change(controls)?;
-        self.check_own_controls(controls)?;
-        let each = self.controllable().into_iter().enumerate();
-        Ok(each.map(|(k, own)| own.check_pulling(controls.values(k))).collect::<Result<(), _>>()?)
+        Ok(self.check_own_controls(controls)?)
     }
 
     /// Refuses changes of controls of another body.

@@ -4,7 +4,7 @@ use super::guides::Guides;
 use crate::contributions::{
     Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
-use crate::error::{InvertedAt, SecondDerivativeError};
+use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::Polyline;
@@ -97,6 +97,18 @@ impl Contribution for TendonForce {
         match self.drive {
             Drive::Tension => &Drive::TENSION,
             Drive::Pull { .. } => &Drive::PULL,
+        }
+    }
+
+    fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
+        match (self.drive, values) {
+            (Drive::Tension, [tension]) if *tension < 0.0 => Err(FemError::Meaningless {
+                what: format!(
+                    "the tension of tendon \"{}\" is {tension}, but it only pulls: it must not be negative",
+                    self.name
+                ),
+            }),
+            _ => Ok(()),
         }
     }
 
