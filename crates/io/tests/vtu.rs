@@ -67,7 +67,7 @@ fn lines_are_polylines_with_their_quantities() {
     assert!(of("length").values[0] == 2.5 && of("length").values[1].is_nan());
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains(r#"<Piece NumberOfPoints="5" NumberOfCells="2">"#) && text.contains("line:lower"));
-    let refused = read_vtu(&path).err().expect("lines are no body").to_string();
+    let refused = read_vtu(&path).expect_err("lines are no body").to_string();
     assert!(refused.contains('4'), "{refused}");
 }
 
