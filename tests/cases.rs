@@ -151,6 +151,96 @@ fn a_film_beyond_its_breakdown_strength_is_warned_about() {
 }
 
 #[test]
+fn the_tendon_finger_reaches_its_target_with_both_tendons() {
+    let outcome = command(Command::Optimize, &shipped("tendon_finger.json"), "tendon_finger", &[]).unwrap();
+    assert_eq!((outcome.exit, outcome.missed.len()), (Exit::Done, 0), "{:?}", outcome.missed);
+    let tensions = ["flexor", "extensor"].map(|name| {
+        let tendon = &outcome.result["contributions"][name];
+        assert_eq!((tendon["slack"].as_f64(), tendon["reference_length"].as_f64()), (Some(0.0), Some(100.0)));
+        assert_eq!(tendon["tension"], outcome.result["controls"][name]["max"]);
+        tendon["tension"].as_f64().unwrap()
+    });
+    assert!(tensions.iter().all(|tension| *tension > 1.0), "{tensions:?}");
+    let files = outcome.result["files"].as_array().unwrap();
+    for file in ["start_lines.vtu", "optimum_lines.vtu"] {
+        let text = std::fs::read_to_string(scratch("tendon_finger").join(file)).unwrap();
+        assert!(text.contains("line:flexor") && text.contains("Name=\"tension\""), "{file}");
+        assert!(files.iter().any(|listed| listed == file), "{file} is not listed");
+    }
+    let picture = std::fs::read_to_string(scratch("tendon_finger").join("picture.svg")).unwrap();
+    assert!(picture.contains("lines: tendons"));
+}
+
+#[test]
+fn mistakes_about_a_tendon_are_told() {
+    let text = std::fs::read_to_string(shipped("tendon_finger.json")).unwrap();
+    let flexor = "[[0, 8, 3], [100, 8, 3]], \"spacing\": 5";
+    let with = |change: &str| flexor.replace("5", change);
+    let cases = [
+        (
+            "outside",
+            flexor,
+            "[[0, 8, 3], [100, 8, 23]]",
+            vec!["actuation/0", "guide 1", "(100, 8, 23) is outside", "(100, 8, 20), 3.000e0"],
+        ),
+        ("twice", flexor, "[[0, 8, 3], [0, 8, 3]]", vec!["actuation/0", "guides 0 and 1 at one place"]),
+        ("alone", flexor, "[[0, 8, 3]]", vec!["actuation/0", "1 guides"]),
+        ("set", flexor, "[\"root\", [100, 8, 3]]", vec!["actuation/0", "guide 0", "\"root\" not found"]),
+        ("unit", flexor, &with("\"5 N\""), vec!["actuation/0/spacing", "a length is wanted"]),
+        ("sign", flexor, &with("-5"), vec!["actuation/0/spacing", "must be positive"]),
+        ("pull", flexor, &with("5, \"pull\": 3"), vec!["actuation/0", "missing key \"stiffness\""]),
+        (
+            "both",
+            flexor,
+            &with("5, \"stiffness\": 3, \"tension\": 2"),
+            vec!["actuation/0", "unknown key \"stiffness\""],
+        ),
+        ("pushes", "\"upper\": \"15 N\" },", "\"lower\": -1 },", vec!["controls/0/lower", "only pulls"]),
+        ("start", "\"start\": \"1 N\"", "\"start\": \"-1 N\"", vec!["controls/0/start", "outside what is allowed"]),
+        (
+            "fixed",
+            "\"spacing\": 5 }\n",
+            "\"spacing\": 5, \"tension\": -2 },\n{ \"name\": \"x\", \"kind\": \"turgor\", \"region\": \"body\", \"pressure\": 1 }\n",
+            vec!["actuation/1/tension"],
+        ),
+        ("space", "\"uniform\"", "\"cell\"", vec!["controls/0", "\"flexor\" is one number", "\"uniform\""]),
+        ("word", "\"kind\": \"tendon\"", "\"kind\": \"cable\"", vec!["actuation/0/kind", "\"kind\": \"tendon\""]),
+    ];
+    for (name, from, to, told) in cases {
+        assert!(text.contains(from), "{from}");
+        let path = scratch("tendon").join(format!("{name}.json"));
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        let message = command(Command::Check, &path, "tendon", &[]).unwrap_err().to_string();
+        assert!(told.iter().all(|words| message.contains(words)), "{name}: {message}");
+    }
+}
+
+/// Drawn in by lengths instead of tensions: the elastic tendons that find the same end, and the antagonist goes slack when it is let out.
+#[test]
+fn tendons_are_drawn_in_by_lengths() {
+    let text = std::fs::read_to_string(shipped("tendon_finger.json")).unwrap();
+    let text = text
+        .replace("\"spacing\": 5", "\"spacing\": 5, \"stiffness\": \"2 N/mm\"")
+        .replace("\"1 N\", \"upper\": \"15 N\"", "\"1 mm\", \"lower\": 0, \"upper\": 30");
+    let text = text.split("\"expect\"").next().unwrap().to_owned() + "\"output\": { \"directory\": \"out\" } }";
+    let path = scratch("pulled").join("case.json");
+    std::fs::write(&path, text).unwrap();
+    let outcome = command(Command::Optimize, &path, "pulled", &[]).unwrap();
+    let tendon = |name: &str, what: &str| outcome.result["contributions"][name][what].as_f64().unwrap();
+    // the state is that of the tensions
+    for (name, tension, length) in [("flexor", 7.7983, 80.013), ("extensor", 2.2566, 97.026)] {
+        let found = (tendon(name, "tension"), tendon(name, "length"));
+        assert!((found.0 - tension).abs() < 0.01 && (found.1 - length).abs() < 0.02, "{name}: {found:?}");
+        let pull = outcome.result["controls"][name]["max"].as_f64().unwrap();
+        assert!((2.0 * (found.1 - 100.0 + pull) - found.0).abs() < 1e-9, "{name}: pull {pull}");
+    }
+    let set = ["controls/1/lower=-5", "controls/1/start=-5", "controls/0/start=10"];
+    let out = command(Command::Solve, &path, "pulled", &set).unwrap();
+    let extensor = &out.result["contributions"]["extensor"];
+    assert_eq!((extensor["slack"].as_f64(), extensor["tension"].as_f64()), (Some(1.0), Some(0.0)), "{extensor}");
+}
+
+#[test]
 fn mistakes_about_a_cavity_are_told_once() {
     let text = std::fs::read_to_string(shipped("finger.json")).unwrap();
     let text = text.replace("../../meshes/", concat!(env!("CARGO_MANIFEST_DIR"), "/meshes/"));

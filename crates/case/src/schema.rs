@@ -10,6 +10,7 @@ mod macros;
 
 mod actuation;
 mod added_cost;
+mod body_point;
 mod case;
 mod catalogue;
 mod check;
@@ -65,7 +66,7 @@ pub use scenario::{
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
 };
 pub use shape_cost::{Compliance, Coordinates, Curvature, LargestStretch, Orientation, Position};
-pub use support::{Axis, Displacement, Fix, Support};
+pub use support::{Along, Axis, Displacement, Fix, Support};
 pub use value::Vector;
 
 pub(crate) use case::Reading;

@@ -206,7 +206,7 @@ pub const OTHER_SIGN: WarningKind = WarningKind {
     code: "other_sign",
     about: "the cost falls in the direction that a bound at zero forbids",
     advice: "turn the sign of the bounds: a positive tension lengthens, a negative one contracts; a positive pressure inflates; a muscle only pulls, \
-             by a positive contraction: put it on the other side of the body",
+             by a positive contraction, a tendon by a positive tension: put it on the other side of the body",
 };
 
 /// The body intersects itself.

@@ -50,7 +50,7 @@ fn contradictions_inside_a_block_are_found() {
         COMPLETE,
         "\"fix\": [\"x\", \"y\", \"z\"]",
         "\"fix\": []",
-        ": supports/0: this holds nothing: give \"fix\": \"all\", \"fix\": [\"x\", ...] or \"displacement\": { \"x\": ... }",
+        ": supports/0: this holds nothing: give \"fix\": \"all\", \"fix\": [\"x\", ...], \"displacement\": { \"x\": ... } or a \"foundation\"",
     );
     one(
         COMPLETE,

@@ -80,7 +80,7 @@ fn words_people_try_are_answered_with_what_to_write() {
         (kind, "\"kind\": \"fibre\"", ["unknown kind \"fibre\"", "\"kind\": \"muscle\""]),
         (kind, "\"kind\": \"air_chamber\"", ["unknown kind \"air_chamber\"", "\"cavity\""]),
         (kind, "\"kind\": \"chamber\"", ["unknown kind \"chamber\"", "\"cavity\""]),
-        (kind, "\"kind\": \"tendon\"", ["unknown kind \"tendon\"", "no tendons yet"]),
+        (kind, "\"kind\": \"cable\"", ["unknown kind \"cable\"", "\"kind\": \"tendon\""]),
         (kind, "\"magnetization\": 1, \"kind\": \"fiber_tension\"", ["actuation/0/magnetization", "\"remanence\""]),
         ("\"max_iterations\"", "\"maxiter\"", ["optimizer/maxiter", "\"max_iterations\": 100"]),
     ] {
@@ -174,7 +174,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"fiber_tension\"",
         "\"fibre_tension\"",
         ": actuation/0/kind: unknown kind \"fibre_tension\": did you mean \"fiber_tension\"? (one of: \
-         fiber_tension, muscle, turgor, magnet, dielectric, cavity)",
+         fiber_tension, muscle, turgor, magnet, dielectric, cavity, tendon, motion)",
     );
     one(
         COMPLETE,

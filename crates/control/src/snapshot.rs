@@ -6,7 +6,7 @@ use crate::layout::ControlBlock;
 use crate::map::Space;
 use crate::reduced::Reduced;
 use nastic_energy::SlotGroup;
-use nastic_fem::State;
+use nastic_fem::{Instant, State};
 use nastic_mesh::{Mesh, MeshError, Snapshot};
 use nastic_tensor::Mat3;
 
@@ -85,6 +85,8 @@ impl Reduced {
             }
         }
         shot = self.with_actuations(shot, fields.state)?;
+        let at = Instant::new(&fields.state.u, &fields.state.controls, fields.state.load);
+        shot = shot.with_lines(self.solid().model().lines(&at).unwrap_or_default());
         Ok(self.with_state(shot, fields)?)
     }
 

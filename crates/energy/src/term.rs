@@ -191,20 +191,27 @@ pub struct Slot {
     pub component: Option<usize>,
     /// `Pa`, `T` ...
     pub unit: &'static str,
+    /// Whether it only pulls: case files refuse values below zero, and zero is the lower bound unless one is given.
+    pub not_negative: bool,
 }
 
 impl Slot {
     /// The slot of a scalar.
     pub const fn scalar(group: &'static str, unit: &'static str) -> Self {
-        Slot { group, component: None, unit }
+        Slot { group, component: None, unit, not_negative: false }
+    }
+
+    /// The slot of a scalar that only pulls.
+    pub const fn pulling(group: &'static str, unit: &'static str) -> Self {
+        Slot { group, component: None, unit, not_negative: true }
     }
 
     /// The three slots of a vector.
     pub const fn vector(group: &'static str, unit: &'static str) -> [Self; 3] {
         [
-            Slot { group, component: Some(0), unit },
-            Slot { group, component: Some(1), unit },
-            Slot { group, component: Some(2), unit },
+            Slot { group, component: Some(0), unit, not_negative: false },
+            Slot { group, component: Some(1), unit, not_negative: false },
+            Slot { group, component: Some(2), unit, not_negative: false },
         ]
     }
 }
@@ -220,6 +227,8 @@ pub struct SlotGroup {
     pub len: usize,
     /// `Pa`, `T` ...
     pub unit: &'static str,
+    /// Whether it only pulls.
+    pub not_negative: bool,
 }
 
 impl SlotGroup {
@@ -229,7 +238,13 @@ impl SlotGroup {
         for (first, slot) in slots.iter().enumerate() {
             match groups.last_mut() {
                 Some(last) if last.name == slot.group => last.len += 1,
-                _ => groups.push(SlotGroup { name: slot.group, first, len: 1, unit: slot.unit }),
+                _ => groups.push(SlotGroup {
+                    name: slot.group,
+                    first,
+                    len: 1,
+                    unit: slot.unit,
+                    not_negative: slot.not_negative,
+                }),
             }
         }
         groups

@@ -146,6 +146,14 @@ pub enum SecondDerivativeError {
     /// A law or actuation that does not give them.
     #[error(transparent)]
     Energy(#[from] EnergyError),
+    /// A motion whose rotation changes.
+    #[error(
+        "motion \"{name}\" gives no second derivatives by its rotation; take a method that needs first ones alone, or control its translation"
+    )]
+    Turning {
+        /// Its name.
+        name: String,
+    },
     /// A contribution that does not give them.
     #[error("contribution \"{name}\" gives no second derivatives; implement `Contribution::{method}`")]
     Contribution {

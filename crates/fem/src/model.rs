@@ -12,7 +12,7 @@ use crate::discretization::supports::Supports;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::{Solver, SparseMatrix, Symmetry};
-use nastic_mesh::GroupNames;
+use nastic_mesh::{GroupNames, Polyline};
 use std::sync::Arc;
 
 /// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
@@ -84,6 +84,10 @@ impl Model {
             return Err(FemError::Meaningless { what });
         }
         let disc = self.discretization().with_couplings(&contribution.couplings())?;
+        let held = contribution.held();
+        if !held.is_empty() {
+            self.supports.drive(name, &held)?;
+        }
         self.body.set_discretization(disc);
         self.others.push(contribution);
         Ok(())
@@ -263,6 +267,72 @@ impl Model {
         Ok(sums)
     }
 
+    /// The displacement of all held unknowns under these controls and a multiple of the prescribed displacements; 0 elsewhere.
+    pub(crate) fn prescribed(&self, controls: &Controls, load: f64) -> Vec<f64> {
+        let mut u: Vec<f64> = self.supports.values().iter().map(|value| load * value).collect();
+        self.each_held(&Instant::new(&[], controls, load), |contribution, at| contribution.prescribe(at, &mut u));
+        u
+    }
+
+    /// The change of the [`prescribed`](Self::prescribed) displacement along a change of the controls; `None` where they prescribe none.
+    pub(crate) fn prescribed_change(&self, controls: &Controls, v: &Controls) -> Option<Vec<f64>> {
+        let mut du = vec![0.0; self.unknowns().len()];
+        let mut any = false;
+        self.each_held(&Instant::new(&[], controls, 1.0), |contribution, at| {
+            any = true;
+            contribution.add_prescribed_change(at, v, &mut du);
+        });
+        any.then_some(du)
+    }
+
+    /// Adds `(by_u + K^T lambda)_D . du_D/dm`, what a functional with the adjoint lambda owes to the held unknowns that controls move.
+    pub(crate) fn add_held_sensitivity(
+        &self,
+        at: &Instant,
+        by_u: &[f64],
+        lambda: &[f64],
+        into: &mut Sensitivities,
+    ) -> Result<(), InvertedAt> {
+        if self.others.iter().all(|contribution| contribution.held().is_empty()) {
+            return Ok(());
+        }
+        let mut tangent = self.matrix();
+        self.add_tangent(at, &mut tangent)?;
+        let mut force = vec![0.0; by_u.len()];
+        tangent.multiply_transposed(lambda, &mut force, at.parallel);
+        force.iter_mut().zip(by_u).for_each(|(f, j)| *f += j);
+        self.each_held(at, |contribution, at| contribution.prescribed_vjp(at, &force, into));
+        Ok(())
+    }
+
+    /// The name of a contribution whose held unknowns have a second derivative along a change of the controls.
+    pub(crate) fn turning(&self, at: &Instant, v: &Controls) -> Option<String> {
+        let mut found = None;
+        self.each_held(at, |contribution, at| {
+            if !contribution.prescribes_along_a_line(at, v) {
+                found = Some(contribution.name().to_owned());
+            }
+        });
+        found
+    }
+
+    fn each_held(&self, at: &Instant, mut call: impl FnMut(&dyn Contribution, &Instant)) {
+        let mut block = self.body.actuations().len();
+        for contribution in &self.others {
+            if !contribution.held().is_empty() {
+                call(contribution.as_ref(), &Instant { block, ..*at });
+            }
+            block += usize::from(!contribution.slots().is_empty());
+        }
+    }
+
+    /// Asks every contribution whether its controls may be what they are.
+    pub(crate) fn check_own_controls(&self, controls: &Controls) -> Result<(), FemError> {
+        let own = self.others.iter().filter(|contribution| !contribution.slots().is_empty());
+        own.zip(self.body.actuations().len()..)
+            .try_for_each(|(contribution, block)| contribution.check_controls(controls.values(block)))
+    }
+
     /// A contribution by name, and the index of its block of controls.
     pub(crate) fn contribution(&self, name: &str) -> Option<(&dyn Contribution, usize)> {
         let mut found: Option<(&dyn Contribution, usize)> = None;
@@ -291,6 +361,19 @@ impl Model {
         self.each_other(at, |contribution, at| {
             let own = contribution.quantities(at);
             all.extend(own.into_iter().map(|(name, value)| (contribution.name().to_owned(), name, value)));
+            Ok(())
+        })?;
+        Ok(all)
+    }
+
+    /// What contributions show of themselves beside the body.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where a contribution needs J > 0.
+    pub fn lines(&self, at: &Instant) -> Result<Vec<Polyline>, InvertedAt> {
+        let mut all = Vec::new();
+        self.each_other(at, |contribution, at| {
+            all.extend(contribution.lines(at));
             Ok(())
         })?;
         Ok(all)
@@ -336,7 +419,8 @@ impl Model {
     /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
     pub fn check(&self) -> Result<(), FemError> {
         self.body.check_complete()?;
-        self.supports.check(self.discretization().mesh())?;
+        let springs = self.others.iter().flat_map(|contribution| contribution.holds());
+        self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>())?;
         self.others.iter().try_for_each(|contribution| contribution.check(self.supports.fixed()))
     }
 }

@@ -1,10 +1,10 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
 use crate::adjoint::Adjoint;
-use crate::contributions::Cavity;
 use crate::contributions::Contribution;
 use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
+use crate::contributions::{Cavity, Foundation, Motion, Tendon};
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
@@ -254,6 +254,34 @@ impl Solid {
         let contribution = cavity.on(self.mesh())?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)
+    }
+
+    /// Adds a tendon.
+    ///
+    /// # Errors
+    /// A guide outside the body, guides that coincide, numbers that are not positive; a name that is taken.
+    pub fn tendon(self, tendon: Tendon) -> Result<Self, FemError> {
+        let contribution = tendon.on(self.mesh())?;
+        self.contribution(contribution)
+    }
+
+    /// Puts a surface on an elastic foundation.
+    ///
+    /// # Errors
+    /// An unknown surface, a stiffness that is not positive; a second foundation on it.
+    pub fn foundation(self, foundation: Foundation) -> Result<Self, FemError> {
+        let contribution = foundation.of(self.mesh())?;
+        self.contribution(contribution)
+    }
+
+    /// Holds a surface that moves as a rigid body.
+    ///
+    /// # Errors
+    /// An unknown surface, nodes that something else holds; a name that is taken.
+    pub fn motion(self, motion: Motion) -> Result<Self, FemError> {
+        let nodes = self.nodes_of(motion.surface())?;
+        let contribution = motion.on(self.mesh(), nodes)?;
+        self.contribution(contribution)
     }
 
     /// Adds a contribution of your own to the residual.

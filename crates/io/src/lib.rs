@@ -24,7 +24,8 @@ pub use error::{At, ReadError, WriteError};
 pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
 pub use pvd::write_pvd;
 pub use vtu::{
-    Entity, FileArray, base64, escape, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled, write_vtu,
+    Entity, FileArray, base64, escape, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled, write_lines,
+    write_vtu,
 };
 
 /// Reads a mesh from a `.msh` (Gmsh) or `.vtu` (VTK) file, all lengths multiplied by `scale`.

@@ -4,8 +4,10 @@
 
 use std::path::Path;
 
-use nastic_io::{Entity, WriteError, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled, write_vtu};
-use nastic_mesh::{CellKind, Mesh, NamedArray, RawMesh, Snapshot, box_mesh, rectangle};
+use nastic_io::{
+    Entity, WriteError, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled, write_lines, write_vtu,
+};
+use nastic_mesh::{CellKind, Mesh, NamedArray, Polyline, RawMesh, Snapshot, box_mesh, rectangle};
 
 /// A small mesh of any kind of cell.
 fn small(kind: CellKind) -> Mesh {
@@ -43,6 +45,30 @@ fn assert_same_mesh(a: &Mesh, b: &Mesh) {
     assert_eq!(a.regions(), b.regions());
     assert_eq!(a.surfaces(), b.surfaces());
     assert_eq!(a.node_sets(), b.node_sets());
+}
+
+/// One cell per line; a quantity that a line lacks is not a number.
+#[test]
+fn lines_are_polylines_with_their_quantities() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("lines.vtu");
+    let line = |name: &str, points: &[[f64; 3]], quantities: &[(&'static str, f64)]| Polyline {
+        name: name.to_owned(),
+        points: points.to_vec(),
+        quantities: quantities.to_vec(),
+    };
+    let long =
+        line("upper", &[[0.0, 0.0, 1.0], [1.0, 0.5, 1.0], [2.0, 0.0, 1.25]], &[("tension", 3.5), ("length", 2.5)]);
+    let short = line("lower", &[[0.0; 3], [2.0, 0.0, 0.0]], &[("tension", 0.0)]);
+    write_lines(&path, &[long, short]).unwrap();
+    let of = |name: &str| read_array(&path, name).unwrap();
+    assert_eq!((of("tension").entity, of("tension").values), (Entity::Cell, vec![3.5, 0.0]));
+    assert_eq!(of("line").values, [0.0, 1.0]);
+    assert!(of("length").values[0] == 2.5 && of("length").values[1].is_nan());
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains(r#"<Piece NumberOfPoints="5" NumberOfCells="2">"#) && text.contains("line:lower"));
+    let refused = read_vtu(&path).expect_err("lines are no body").to_string();
+    assert!(refused.contains('4'), "{refused}");
 }
 
 #[test]

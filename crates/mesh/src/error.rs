@@ -35,6 +35,18 @@ pub enum MeshError {
         /// What is wrong with the request, and what to try.
         why: String,
     },
+    /// A point of space that no cell holds.
+    #[error("{} is outside the body, which spans {} to {}{}", show(.point), show(.low), show(.high), near(.nearest))]
+    OutsideBody {
+        /// The point.
+        point: [f64; 3],
+        /// Least coordinates of the body.
+        low: [f64; 3],
+        /// Greatest coordinates of the body.
+        high: [f64; 3],
+        /// The nearest point of the body and its distance, where the body can be searched.
+        nearest: Option<([f64; 3], f64)>,
+    },
     /// An array does not fit the mesh it is attached to.
     #[error("array \"{name}\" has {found} values; {expected} needed ({entities} entities of {components} components)")]
     ArrayLength {
@@ -49,6 +61,15 @@ pub enum MeshError {
         /// Components per entity.
         components: usize,
     },
+}
+
+fn near(nearest: &Option<([f64; 3], f64)>) -> String {
+    let told = |(x, distance)| format!("; the nearest point of it is {}, {distance:.3e} away", show(&x));
+    nearest.map_or_else(String::new, told)
+}
+
+fn show([x, y, z]: &[f64; 3]) -> String {
+    format!("({x}, {y}, {z})")
 }
 
 /// Why a file from Gmsh has no cells of the body.

@@ -1,6 +1,7 @@
 //! [`Mesh::locate`]: the cell that holds a point of the reference body.
 
-use crate::{CellKind, Mesh};
+use crate::spatial::Shape;
+use crate::{CellKind, Mesh, MeshError};
 use nalgebra::{Matrix3, Vector3};
 
 /// A point of a mesh: the cell that holds it, and the values of that cell's shape functions there.
@@ -42,6 +43,18 @@ impl Mesh {
             let mut shapes = vec![0.0; cell.kind.nodes()];
             cell.kind.shapes(&xi, &mut shapes);
             Some(Located { cell: id, weights: cell.nodes.iter().copied().zip(shapes).collect() })
+        })
+    }
+
+    /// [`locate`](Self::locate), with what is nearest in the place of nothing.
+    ///
+    /// # Errors
+    /// [`MeshError::OutsideBody`].
+    pub fn locate_inside(&self, point: [f64; 3]) -> Result<Located, MeshError> {
+        self.locate(point).ok_or_else(|| {
+            let (low, high) = self.bounds();
+            let nearest = Shape::new(self, self.points(), None).ok().map(|shape| shape.nearest(point));
+            MeshError::OutsideBody { point, low, high, nearest }
         })
     }
 }

@@ -1,6 +1,6 @@
 //! A mesh with named fields on it: what is written to files and drawn.
 
-use crate::{Mesh, MeshError};
+use crate::{Mesh, MeshError, Polyline};
 use std::sync::Arc;
 
 /// A field with a name: `components` numbers per node or cell, entity after entity.
@@ -40,12 +40,14 @@ pub struct Snapshot {
     pub point_data: Vec<NamedArray>,
     /// Fields on cells.
     pub cell_data: Vec<NamedArray>,
+    /// Lines beside the cells, in the displaced body.
+    pub lines: Vec<Polyline>,
 }
 
 impl Snapshot {
     /// A mesh without fields.
     pub fn new(mesh: impl Into<Arc<Mesh>>) -> Snapshot {
-        Snapshot { mesh: mesh.into(), point_data: Vec::new(), cell_data: Vec::new() }
+        Snapshot { mesh: mesh.into(), point_data: Vec::new(), cell_data: Vec::new(), lines: Vec::new() }
     }
 
     /// Adds a nodal field; one of the same name is replaced.
@@ -75,6 +77,12 @@ impl Snapshot {
             array.single = true;
             array.values.iter_mut().for_each(|value| *value = f64::from(*value as f32));
         }
+        self
+    }
+
+    /// With these lines beside its cells.
+    pub fn with_lines(mut self, lines: Vec<Polyline>) -> Snapshot {
+        self.lines = lines;
         self
     }
 

@@ -2,6 +2,7 @@
 
 use super::arrows;
 use super::colour::Colour;
+use super::polylines;
 use super::scene::{Bar, Scene};
 use super::shade;
 use super::vector::V3;
@@ -56,6 +57,7 @@ impl Frame {
         }
         layout.axes(scene);
         layout.ruler(scene, &picture.length_unit);
+        layout.marks.extend(polylines::marks(picture, scene, unit));
         layout.marks.extend(arrows::marks(picture, scene, unit));
         Self { marks: layout.marks }
     }

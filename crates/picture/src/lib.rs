@@ -12,6 +12,7 @@ mod frame;
 mod layer;
 mod paint;
 mod png;
+mod polylines;
 mod raster;
 mod scene;
 mod shade;
@@ -131,6 +132,7 @@ pub struct Body {
     appearance: Appearance,
     lines: bool,
     arrows: Vec<Arrows>,
+    polylines: Vec<(Colour, Vec<[f64; 3]>)>,
     part: Option<Vec<bool>>,
 }
 
@@ -154,6 +156,7 @@ impl Body {
             appearance: Appearance::Solid(Colour::GREY),
             lines: true,
             arrows: Vec::new(),
+            polylines: Vec::new(),
             part: None,
         }
     }
@@ -191,6 +194,12 @@ impl Body {
     /// cell. Several such fields are drawn over each other.
     pub fn arrows(mut self, colour: Colour, vectors: Vec<[f64; 3]>) -> Self {
         self.arrows.push(Arrows { colour, vectors });
+        self
+    }
+
+    /// Draws a line through points of space in front of the surface, which it may lie within.
+    pub fn polyline(mut self, colour: Colour, points: Vec<[f64; 3]>) -> Self {
+        self.polylines.push((colour, points));
         self
     }
 }

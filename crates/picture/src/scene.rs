@@ -199,6 +199,9 @@ fn check(picture: &Picture) -> Result<(), String> {
         for arrows in &body.arrows {
             fits("arrows", arrows.vectors.len(), cells)?;
         }
+        if body.polylines.iter().flat_map(|(_, points)| points.as_flattened()).any(|x| !x.is_finite()) {
+            return Err(format!("body \"{}\" has a line with a point that is not finite", body.label));
+        }
         if let Some(marked) = &body.part {
             fits("marks", marked.len(), nodes)?;
         }

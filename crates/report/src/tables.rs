@@ -122,14 +122,14 @@ pub(crate) fn events(result: &Value) -> String {
     section("events", "Critical points", &table(&["kind", "value", "negative pivots"], &rows))
 }
 
-/// Probes, cavities and reactions of the result's state, or of every load case.
+/// Probes, reactions, cavities and tendons of the result's state, or of every load case.
 pub(crate) fn states(result: &Value) -> String {
     let units = &result["units"];
     let unit = |key: &str| units[key].as_str().unwrap_or_default();
     let vector = |value: &Value| -> Vec<String> {
         (0..3).map(|k| value[k].as_f64().map_or_else(|| "–".to_owned(), short)).collect()
     };
-    let (mut probes, mut reactions, mut cavities) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut probes, mut reactions, mut cavities, mut tendons) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (name, own) in entries(result) {
         for (probe, entry) in own["probes"].as_object().into_iter().flatten() {
             let mut row = vec![format!("{name}{probe}")];
@@ -142,11 +142,24 @@ pub(crate) fn states(result: &Value) -> String {
             row.extend(vector(force));
             reactions.push(row);
         }
-        for (cavity, entry) in own["contributions"].as_object().into_iter().flatten() {
+        for (contribution, entry) in own["contributions"].as_object().into_iter().flatten() {
             let of = |key: &str, unit: &str| number(&entry[key], unit);
+            if entry.get("force_x").is_some() {
+                let mut row = vec![format!("{name}{contribution}")];
+                row.extend(["force_x", "force_y", "force_z"].map(|key| number(&entry[key], "")));
+                reactions.push(row);
+                continue;
+            }
+            if entry.get("tension").is_some() {
+                let slack = if entry["slack"] == 1.0 { "slack" } else { "taut" };
+                let mut row = vec![format!("{name}{contribution}"), slack.to_owned(), of("tension", unit("force"))];
+                row.extend(["length", "reference_length"].map(|key| of(key, unit("length"))));
+                tendons.push(row);
+                continue;
+            }
             let volume = format!("{}^3", unit("length"));
             cavities.push(vec![
-                format!("{name}{cavity}"),
+                format!("{name}{contribution}"),
                 of("pressure", unit("pressure")),
                 of("volume", &volume),
                 of("reference_volume", &volume),
@@ -160,8 +173,9 @@ pub(crate) fn states(result: &Value) -> String {
     let force_head: Vec<&str> = ["reaction at"].into_iter().chain(forces.iter().map(String::as_str)).collect();
     let content = table(&head, &probes)
         + &table(&force_head, &reactions)
-        + &table(&["cavity", "pressure", "volume", "volume at rest"], &cavities);
-    section("states", "Probes, reactions, cavities", &content)
+        + &table(&["cavity", "pressure", "volume", "volume at rest"], &cavities)
+        + &table(&["tendon", "", "tension", "length", "length at rest"], &tendons);
+    section("states", "Probes, reactions, cavities, tendons", &content)
 }
 
 /// The result's own entries, or those of its load cases with their names.

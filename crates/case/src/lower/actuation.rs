@@ -127,8 +127,9 @@ fn fix_slot(
     let controllable = reduced.solid().model().controllable();
     let index = controllable.iter().position(|a| a.name == actuation.name)?;
     let first = controllable[index].slots.iter().position(|slot| slot.group == key)?;
+    let only_pulls = controllable[index].slots[first].not_negative;
     let Some(cells) = controllable[index].cells else {
-        return fix_number(actuation, key, value, (index, first), reduced, context);
+        return fix_number(actuation, (key, only_pulls), value, (index, first), reduced, context);
     };
     let points = SamplePoints::of_body(case, &disc, cells);
     let columns: Vec<Vec<f64>> = match value {
@@ -144,8 +145,8 @@ fn fix_slot(
             context.warn(&CONVEXITY, &at, beyond_limit(most, limit, context.units));
         }
     }
-    if key == CONTRACTION && columns.iter().flatten().any(|value| *value < 0.0) {
-        context.complain(&at, MUSCLES_PULL);
+    if only_pulls && columns.iter().flatten().any(|value| *value < 0.0) {
+        context.complain(&at, must_pull(key));
         return None;
     }
     let mut reduced = reduced;
@@ -156,26 +157,45 @@ fn fix_slot(
     Some(reduced)
 }
 
-/// The fixed value of a contribution as a whole: one number.
+/// The fixed value of a contribution as a whole: one number, or one vector.
 fn fix_number(
     actuation: &Actuation,
-    key: &str,
+    (key, only_pulls): (&str, bool),
     value: &Fixed,
     (index, slot): (usize, usize),
     reduced: Reduced,
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
     let at = actuation.at.key(key);
-    let constant = if let Fixed::Scalar(value) = value { value.constant() } else { None };
-    let Some(constant) = constant else {
-        context.complain(&at, format!("\"{}\" has one {key}: give a number, not a field", actuation.name));
+    let constants: Option<Vec<f64>> = match value {
+        Fixed::Scalar(value) => value.constant().map(|value| vec![value]),
+        Fixed::Vector(value) => value.constant().map(Vec::from),
+    };
+    let Some(constants) = constants else {
+        let what = if matches!(value, Fixed::Scalar(_)) { "a number" } else { "numbers" };
+        context.complain(&at, format!("\"{}\" has one {key}: give {what}, not a field", actuation.name));
         return None;
     };
-    let fixed = reduced.fix(index, slot, &[constant]);
-    context.take(&at, fixed)
+    if only_pulls && constants.iter().any(|constant| *constant < 0.0) {
+        context.complain(&at, must_pull(key));
+        return None;
+    }
+    constants.iter().enumerate().try_fold(reduced, |reduced, (component, constant)| {
+        let fixed = reduced.fix(index, slot + component, &[*constant]);
+        context.take(&at, fixed)
+    })
 }
 
 /// The control of a muscle.
 pub(crate) const CONTRACTION: &str = "contraction";
-pub(super) const MUSCLES_PULL: &str = "a muscle only pulls: its contraction is positive or zero; fibres that lengthen are of the kind \"fiber_tension\", \
-     with a positive tension";
+
+/// Why a negative value of a slot that only pulls is refused.
+pub(super) fn must_pull(slot: &str) -> &'static str {
+    match slot {
+        CONTRACTION => {
+            "a muscle only pulls: its contraction is positive or zero; fibres that lengthen are of the kind \"fiber_tension\", \
+             with a positive tension"
+        }
+        _ => "a tendon only pulls: its tension is positive or zero",
+    }
+}

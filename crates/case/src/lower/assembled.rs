@@ -8,7 +8,7 @@ pub use error::AssemblyError;
 use super::control::{Admitted, ControlField, is_reserved};
 use super::control_grid::unresolved;
 use super::member::Label;
-use super::probe::{LocatedProbe, outside};
+use super::probe::LocatedProbe;
 use super::tension::{beyond_limit, beyond_together, joint_excess, limit};
 use super::variant::stems;
 use super::{CaseProblem, TargetShape, sizes};
@@ -73,9 +73,9 @@ impl CaseProblem {
             set.push(block.len, control.set);
         }
         let mesh = ensemble.members()[0].problem().solid().mesh().clone();
-        let locate = |(name, point): (String, [f64; 3])| match mesh.locate(point) {
-            Some(located) => Ok(LocatedProbe { name, point, located }),
-            None => Err(AssemblyError::Probe { what: outside(&mesh, point), name }),
+        let locate = |(name, point): (String, [f64; 3])| match mesh.locate_inside(point) {
+            Ok(located) => Ok(LocatedProbe { name, point, located }),
+            Err(outside) => Err(AssemblyError::Probe { what: outside.to_string(), name }),
         };
         let probes = probes.into_iter().map(locate).collect::<Result<_, _>>()?;
         if let Some(large) = sizes::large(&mesh, case.units) {

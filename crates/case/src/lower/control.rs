@@ -1,6 +1,6 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
-use super::actuation::{CONTRACTION, MUSCLES_PULL, is_built};
+use super::actuation::{is_built, must_pull};
 use super::array::{self, Entity, MeshArray};
 use super::context::Context;
 use super::control_grid::unresolved;
@@ -196,7 +196,8 @@ impl Lowering<'_> {
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
         let start = self.settle(start, set.as_ref(), context)?;
         let unit = crate::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
-        let unit = context.units.label(unit);
+        // the only controls that are plain numbers are angles
+        let unit = if unit.is_none() { "rad".to_owned() } else { context.units.label(unit) };
         if let Some(message) = unresolved(self.block, self.reduced) {
             context.warn(&GRID_RESOLUTION, &self.control.at.key("space"), message);
         }
@@ -209,10 +210,10 @@ impl Lowering<'_> {
         Some((ControlField { at, name, array, load_case: None, unit, admitted, bounds, limit }, start, set))
     }
 
-    /// Whether it is that of a muscle.
-    fn is_contraction(&self) -> bool {
+    /// The slot, where it only pulls.
+    fn pulling(&self) -> Option<&'static str> {
         let actuation = &self.reduced.solid().model().controllable()[self.block.actuation];
-        actuation.slots.get(self.block.slot).is_some_and(|slot| slot.group == CONTRACTION)
+        actuation.slots.get(self.block.slot).filter(|slot| slot.not_negative).map(|slot| slot.group)
     }
 
     fn allowed(&self, context: &mut Context<'_>) -> Option<Allowed> {
@@ -245,9 +246,9 @@ impl Lowering<'_> {
         let lower = self.bound("lower", &self.control.lower, context);
         let upper = self.bound("upper", &self.control.upper, context);
         let (mut lower, mut upper) = (lower?, upper?);
-        if self.is_contraction() {
+        if let Some(slot) = self.pulling() {
             if lower.as_ref().is_some_and(|lower| least(lower) < 0.0) {
-                context.complain(&self.control.at.key("lower"), MUSCLES_PULL);
+                context.complain(&self.control.at.key("lower"), must_pull(slot));
                 return None;
             }
             lower = lower.or(Some(Limit::Uniform(0.0)));

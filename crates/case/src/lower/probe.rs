@@ -2,7 +2,6 @@
 
 use super::context::Context;
 use crate::schema::Case;
-use nastic_mesh::spatial::Shape;
 use nastic_mesh::{Located, Mesh};
 
 /// A probe and where in the mesh it lies.
@@ -28,23 +27,9 @@ pub(super) fn locate(case: &Case, mesh: &Mesh, context: &mut Context<'_>) -> Vec
     let mut out = Vec::new();
     for probe in &case.probes {
         let point = probe.point.xyz();
-        match mesh.locate(point) {
-            Some(located) => out.push(LocatedProbe { name: probe.name.clone(), point, located }),
-            None => context.complain(&probe.at.key("point"), outside(mesh, point)),
+        if let Some(located) = context.take(&probe.at.key("point"), mesh.locate_inside(point)) {
+            out.push(LocatedProbe { name: probe.name.clone(), point, located });
         }
     }
     out
-}
-
-pub(super) fn outside(mesh: &Mesh, point: [f64; 3]) -> String {
-    let show = |p: [f64; 3]| format!("({}, {}, {})", p[0], p[1], p[2]);
-    let (low, high) = mesh.bounds();
-    let near = match Shape::new(mesh, mesh.points(), None) {
-        Ok(shape) => {
-            let (nearest, distance) = shape.nearest(point);
-            format!("the nearest point of it is {}, {distance:.3e} away", show(nearest))
-        }
-        Err(error) => error.to_string(),
-    };
-    format!("{} is outside the body, which spans {} to {}; {near}", show(point), show(low), show(high))
 }

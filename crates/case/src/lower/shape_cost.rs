@@ -11,10 +11,7 @@ impl Lowering<'_> {
         let (solid, target) = (self.reduced.solid(), block.target.entries());
         let position = if let Some(point) = &block.point {
             let point = point.xyz();
-            if solid.mesh().locate(point).is_none() {
-                context.complain(&block.at.key("point"), super::probe::outside(solid.mesh(), point));
-                return None;
-            }
+            context.take(&block.at.key("point"), solid.mesh().locate_inside(point))?;
             MeanPosition::point(point, target)
         } else {
             let place = Place::of(&block.surface, &block.region, &block.nodes)?;
@@ -45,11 +42,11 @@ impl Lowering<'_> {
     pub(super) fn curvature(&self, block: &schema::Curvature, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
         let solid = self.reduced.solid();
         let points: Vec<[f64; 3]> = block.line.iter().map(schema::Vector::xyz).collect();
-        let mut inside = true;
-        for (i, point) in points.iter().enumerate().filter(|(_, point)| solid.mesh().locate(**point).is_none()) {
-            context.complain(&block.at.key("line").index(i), super::probe::outside(solid.mesh(), *point));
-            inside = false;
-        }
+        let located = |(i, point): (usize, &[f64; 3])| {
+            context.take(&block.at.key("line").index(i), solid.mesh().locate_inside(*point)).is_some()
+        };
+        // Every point outside is told.
+        let inside = points.iter().enumerate().map(located).fold(true, |all, one| all & one);
         let axis = block.axis.as_ref().map(schema::Direction::xyz);
         if axis.is_none() && solid.mesh().dim() == 3 {
             context.complain(&block.at, "a body in space needs an \"axis\": turns about it count as positive");

@@ -4,9 +4,9 @@ use super::context::Context;
 use super::named::attempt;
 use super::place::Place;
 use crate::expression::EvaluationError;
-use crate::schema::{Case, Displacement, Support};
+use crate::schema::{Along, Case, Displacement, Support};
 use crate::syntax::At;
-use nastic_fem::Solid;
+use nastic_fem::{Foundation, Solid};
 use nastic_mesh::Mesh;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
@@ -14,6 +14,12 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let mesh = solid.mesh().clone();
         let Some(place) = Place::of(&support.surface, &support.region, &support.nodes) else { continue };
         let Some(nodes) = place.nodes(&mesh, &support.at, context) else { continue };
+        if let Some(stiffness) = support.foundation {
+            let foundation = Foundation::on(place.names, stiffness);
+            let foundation = if support.along == Along::Normal { foundation.normal_only() } else { foundation };
+            attempt(solid, &support.at, context, |solid| solid.foundation(foundation));
+            continue;
+        }
         let Some(values) = values(support, &mesh, &nodes, context) else { continue };
         attempt(solid, &support.at, context, |solid| {
             solid.displace_nodes(&place.names.to_string(), &nodes, |node, _| {

@@ -55,6 +55,8 @@ impl Want {
     pub const POSITIVE_FIELD: Self = Self::FIELD.positive();
     /// A force per volume.
     pub const BODY_FORCE: Self = Self::a(Dimension::BODY_FORCE);
+    /// A force per length and area > 0.
+    pub const STIFFNESS_PER_AREA: Self = Self::a(Dimension::BODY_FORCE).positive();
     /// A magnetic permeability > 0.
     pub const PERMEABILITY: Self = Self::a(Dimension::PERMEABILITY).positive();
 
@@ -64,7 +66,9 @@ impl Want {
         Self { dimension: Some(dimension), sign: Sign::Any }
     }
 
-    const fn positive(self) -> Self {
+    /// The same, > 0.
+    #[must_use]
+    pub(crate) const fn positive(self) -> Self {
         Self { dimension: self.dimension, sign: Sign::Positive }
     }
 

@@ -85,6 +85,26 @@ impl Directory {
     pub fn write_vtu(&self, name: &str, snapshot: &Snapshot) -> Result<(), WriteError> {
         nastic_io::write_vtu(self.file(name), snapshot)
     }
+
+    /// A state `NAME.vtu`, and beside it `NAME_lines.vtu` where it has lines; the names of the files.
+    pub fn write_state(&self, name: &str, snapshot: &Snapshot) -> Result<Vec<String>, WriteError> {
+        let files = state_files(name, !snapshot.lines.is_empty());
+        self.write_vtu(&files[0], snapshot)?;
+        match files.get(1) {
+            Some(lines) => nastic_io::write_lines(self.file(lines), &snapshot.lines)?,
+            None => self.remove(&lines_of(name))?,
+        }
+        Ok(files)
+    }
+}
+
+/// The files of a state: `NAME.vtu`, and `NAME_lines.vtu` where it has lines.
+pub(crate) fn state_files(name: &str, has_lines: bool) -> Vec<String> {
+    std::iter::once(format!("{name}.vtu")).chain(has_lines.then(|| lines_of(name))).collect()
+}
+
+fn lines_of(name: &str) -> String {
+    format!("{name}_lines.vtu")
 }
 
 /// Removes unfinished files that a killed program left: `.NAME.PROCESS.COUNT.part`, as [`write_atomically`] calls them.

@@ -6,7 +6,7 @@ use super::snapshot;
 use crate::lower::{Admitted, CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, Space};
 use nastic_io::WriteError;
-use nastic_mesh::{NamedArray, Snapshot};
+use nastic_mesh::{NamedArray, Polyline, Snapshot};
 use nastic_picture::{Appearance, Body, Colour, Face, Field, Picture, Sheet};
 use nastic_report::carried;
 
@@ -131,7 +131,7 @@ fn controlled(block: &ControlBlock, field: &ControlField, body: &Snapshot) -> Op
     Some(Field::at_cells(&name, &field.unit, values))
 }
 
-/// Magnetisation (black, as the body carries it) and applied field (orange), where there are any.
+/// Magnetisation (black, as the body carries it) and applied field (orange), where there are any; tendons, orange where they pull.
 fn with_arrows(member: CaseMember<'_>, mut drawn: Body, body: &Snapshot) -> Body {
     let positions = body.positions();
     for (name, colour) in [("B_r", Colour::INK), ("B_a", Colour::ORANGE)] {
@@ -144,11 +144,28 @@ fn with_arrows(member: CaseMember<'_>, mut drawn: Body, body: &Snapshot) -> Body
         });
         drawn = drawn.arrows(colour, vectors.collect());
     }
+    for line in &body.lines {
+        let colour = if is_taut(line) { Colour::ORANGE } else { Colour::GREY };
+        drawn = drawn.polyline(colour, line.points.clone());
+    }
     drawn
 }
 
-/// What the arrows of a picture are, for its subtitle; empty without any.
-pub(crate) fn arrows(body: &Snapshot) -> &'static str {
+fn is_taut(line: &Polyline) -> bool {
+    line.quantities.iter().any(|(name, value)| *name == "tension" && *value > 0.0)
+}
+
+/// What the arrows and lines of a picture are, for its subtitle; empty without any.
+pub(crate) fn legend(body: &Snapshot) -> String {
+    let lines = match (body.lines.is_empty(), body.lines.iter().all(is_taut)) {
+        (true, _) => "",
+        (false, true) => "; lines: tendons",
+        (false, false) => "; lines: tendons, grey where slack",
+    };
+    arrows(body).to_owned() + lines
+}
+
+fn arrows(body: &Snapshot) -> &'static str {
     let has = |name: &str| body.cell_array(name).is_some_and(|array| array.values.iter().any(|x| *x != 0.0));
     match (has("B_r"), has("B_a")) {
         (true, true) => "; arrows: remanence black, field orange",

@@ -3,7 +3,7 @@
 use super::summary;
 use crate::lower::{CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, ControlError, StateFields};
-use nastic_fem::State;
+use nastic_fem::{Instant, State};
 use nastic_mesh::{Shape, Snapshot};
 use rayon::prelude::*;
 
@@ -41,6 +41,13 @@ pub(crate) const RESERVED: [&str; 21] = [
 pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
     let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
     member.reduced().snapshot_of(&StateFields { names: &names, ..*fields })
+}
+
+/// Whether its states have lines beside the body.
+pub(crate) fn has_lines(member: CaseMember<'_>) -> bool {
+    let rest = member.solid().rest();
+    let lines = member.solid().model().lines(&Instant::new(&rest.u, &rest.controls, 0.0));
+    lines.is_ok_and(|lines| !lines.is_empty())
 }
 
 /// Displacement and control fields alone, for the record of an optimisation's iterations.

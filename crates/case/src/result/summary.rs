@@ -142,8 +142,17 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
 
 /// The name of the slots that a control drives; `None` for a contribution that is no field.
 pub(crate) fn slot(member: CaseMember<'_>, block: &ControlBlock) -> Option<&'static str> {
-    let attached = member.solid().body().actuations().get(block.actuation)?;
-    SlotGroup::of(attached.law.slots()).into_iter().find(|group| group.first == block.slot).map(|group| group.name)
+    let controllable = member.solid().model().controllable();
+    SlotGroup::of(controllable.get(block.actuation)?.slots)
+        .into_iter()
+        .find(|group| group.first == block.slot)
+        .map(|group| group.name)
+}
+
+/// Whether negative values of a control have no meaning: of muscles and tendons.
+pub(crate) fn only_pulls(member: CaseMember<'_>, block: &ControlBlock) -> bool {
+    let controllable = member.solid().model().controllable();
+    controllable.get(block.actuation).and_then(|own| own.slots.get(block.slot)).is_some_and(|slot| slot.not_negative)
 }
 
 fn finite(bound: f64) -> Option<f64> {

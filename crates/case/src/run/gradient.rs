@@ -101,11 +101,8 @@ pub(super) fn write_states(
         let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
         let fields =
             StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::new(&at.state, &at.m) };
-        files.push(member.file(&format!("{what}.vtu")));
-        out.write_vtu(
-            &member.file(&format!("{what}.vtu")),
-            &snapshot::inspected(member, &fields, found.get(member.index()))?,
-        )?;
+        let shot = snapshot::inspected(member, &fields, found.get(member.index()))?;
+        files.extend(out.write_state(&member.file(what), &shot)?);
     }
     Ok(files)
 }

@@ -308,15 +308,14 @@ fn write(
         if let Some(modes) = modes.get(member.index()) {
             shot = modes::with_fields(shot, modes)?;
         }
-        files.push(member.file("start.vtu"));
-        let write = || out.write_vtu(&member.file("start.vtu"), &shot);
+        let write = || out.write_state(&member.file("start"), &shot);
         if member.part().scenario() > 0 {
-            write()?;
+            files.extend(write()?);
             continue;
         }
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, at.state.report.min_j) + picture::arrows(&shot),
+            subtitle: subtitle(session, at.state.report.min_j) + &picture::legend(&shot),
             body: ("equilibrium", &shot),
             ghost: None,
             scenarios: Vec::new(),
@@ -324,7 +323,8 @@ fn write(
         };
         let draw = || picture::write(member, picture::compose(member, &drawing), &out);
         let (written, drawn) = rayon::join(write, draw);
-        written.and(drawn)?;
+        files.extend(written?);
+        drawn?;
         files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
     }
     files.extend(write_targets(problem, &out)?);

@@ -93,7 +93,7 @@ impl States {
         let start = self.shown.start.as_ref().map(shot).transpose()?;
         let drawing = Drawing {
             title: title(member),
-            subtitle: self.shown.subtitle.clone() + picture::arrows(&body),
+            subtitle: self.shown.subtitle.clone() + &picture::legend(&body),
             body: (self.shown.what, &body),
             ghost: start.as_ref().map(|start| ("start", start)),
             scenarios: Vec::new(),

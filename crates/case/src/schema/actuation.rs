@@ -1,12 +1,13 @@
 //! The blocks of `actuation`.
 
 use crate::quantity::Want;
-use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, slot_names, slot_schema, slots};
+use crate::schema::body_point::BodyPoints;
+use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, slot_names, slot_schema, slots, want};
 use crate::schema::field::{Parameter, VectorField};
 use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
-use crate::schema::value::described_text;
-use crate::syntax::{At, Node};
+use crate::schema::value::{Vector, described_text};
+use crate::syntax::{At, Node, Property};
 use nastic_energy::catalogue::ActuationRow;
 use nastic_fem::contributions::catalogue::{Form, KeyKind, Values};
 use nastic_mesh::GroupNames;
@@ -93,6 +94,11 @@ impl Actuation {
         }
     }
 
+    /// Whether it acts where nothing drives it.
+    pub(crate) fn is_passive(&self) -> bool {
+        matches!(&self.means, Means::Contribution { form, .. } if form.passive)
+    }
+
     /// How a control names each slot, and the slot: "NAME" if there is one, otherwise "NAME.field", ...
     pub(crate) fn slots(&self) -> Vec<(String, SlotName)> {
         let slots = match &self.means {
@@ -118,13 +124,17 @@ impl Read for Actuation {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
         let catalogue = reader.document.catalogue().clone();
         let laws = catalogue.actuations().iter().map(|row| row.name);
-        let kinds: Vec<&str> = laws.chain(catalogue.contributions().map(|(kind, _)| kind)).collect();
+        let mut kinds: Vec<&str> = laws.chain(catalogue.contributions().map(|(kind, _)| kind)).collect();
+        kinds.dedup();
         let name: Option<String> = reader.key(node, at, "name", NAME, Want::ANY, None);
         let tag = reader.tag(node, at, "kind", &kinds)?;
         let (means, slots, known) = match catalogue.actuations().iter().find(|row| row.name == tag) {
             Some(row) => read_law(row, node, at, reader),
             None => {
-                let (kind, form) = catalogue.contributions().find(|(kind, _)| *kind == tag)?;
+                let members = reader.members(node, at)?;
+                let of_kind = catalogue.contributions().filter(|(kind, _)| *kind == tag);
+                // The form that was meant has the most of the keys that are there.
+                let (kind, form) = of_kind.min_by_key(|(_, form)| strange(form, members))?;
                 read_contribution(kind, form, node, at, reader)
             }
         };
@@ -162,6 +172,13 @@ impl Read for Actuation {
     }
 }
 
+/// How many keys of a block are not those of the form.
+fn strange(form: &Form, members: &[Property]) -> usize {
+    let common = ["name", "kind"].into_iter().chain(form.keys.iter().map(|key| key.name));
+    let known: Vec<&str> = common.chain(form.slots.iter().map(|slot| slot.group)).collect();
+    members.iter().filter(|member| !known.contains(&member.key.as_str())).count()
+}
+
 type Found = (Option<Means>, Vec<SlotName>, Vec<&'static str>);
 
 /// A law, its slots, and its keys.
@@ -196,6 +213,25 @@ fn read_contribution(kind: &'static str, form: &'static Form, node: &Node, at: &
                 values.flags.extend(flag.unwrap_or_default().then_some(key.name));
                 continue;
             }
+            KeyKind::Points => {
+                let points: Option<BodyPoints> = reader.key(node, at, key.name, key.about, Want::LENGTH, None);
+                complete &= points.is_some();
+                values.points.insert(key.name, points.map(|points| points.0).unwrap_or_default());
+                continue;
+            }
+            KeyKind::Place => {
+                let place: Option<Option<Vector>> = reader.key(node, at, key.name, key.about, Want::LENGTH, Some(None));
+                values.places.extend(place.flatten().map(|place| (key.name, place.xyz())));
+                continue;
+            }
+            KeyKind::Number { unit, required } => {
+                let default = if required { None } else { Some(None) };
+                let number: Option<Option<f64>> =
+                    reader.key(node, at, key.name, key.about, want(unit).positive(), default);
+                complete &= number.is_some();
+                values.numbers.extend(number.flatten().map(|number| (key.name, number)));
+                continue;
+            }
         };
         values.names.insert(key.name, names);
     }
@@ -223,9 +259,12 @@ fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Defini
             KeyKind::Union => annotated(GroupNames::schema(Want::ANY, definitions), key.about, None),
             KeyKind::Surfaces => json!({ "description": key.about, "type": "array", "items": { "type": "string" } }),
             KeyKind::Flag => json!({ "description": key.about, "type": "boolean", "default": false }),
+            KeyKind::Points => annotated(BodyPoints::schema(Want::LENGTH, definitions), key.about, None),
+            KeyKind::Place => annotated(Vector::schema(Want::LENGTH, definitions), key.about, None),
+            KeyKind::Number { unit, .. } => annotated(f64::schema(want(unit).positive(), definitions), key.about, None),
         };
         properties.insert(key.name.into(), schema);
-        if matches!(key.kind, KeyKind::Surface | KeyKind::Union) {
+        if key.kind.is_required() {
             required.push(key.name);
         }
     }

@@ -48,6 +48,7 @@ pub(crate) struct SlotName {
     pub(crate) key: &'static str,
     pub(crate) want: Want,
     pub(crate) vector: bool,
+    pub(crate) not_negative: bool,
 }
 
 /// The control slots of an actuation; the components of a vector are one.
@@ -60,7 +61,12 @@ pub(crate) fn slots(row: &ActuationRow) -> Vec<SlotName> {
 
 /// Slots by name; the components of a vector are one.
 pub(crate) fn slot_names(slots: &[nastic_energy::Slot]) -> Vec<SlotName> {
-    let name = |group: SlotGroup| SlotName { key: group.name, want: want(group.unit), vector: group.is_vector() };
+    let name = |group: SlotGroup| SlotName {
+        key: group.name,
+        want: want(group.unit),
+        vector: group.is_vector(),
+        not_negative: group.not_negative,
+    };
     SlotGroup::of(slots).into_iter().map(name).collect()
 }
 
@@ -138,7 +144,7 @@ fn describe(form: &[catalogue::Parameter]) -> String {
 }
 
 /// What a value in this unit of the catalogue demands of a case.
-fn want(unit: &str) -> Want {
+pub(crate) fn want(unit: &str) -> Want {
     dimension_of(unit).map_or(Want::ANY, Want::a)
 }
 
@@ -173,7 +179,11 @@ pub(crate) fn form_schema(
 
 /// The schema of a slot's fixed value.
 pub(crate) fn slot_schema(slot: &SlotName, definitions: &mut Definitions) -> Json {
-    let sign = if slot.key == "tension" { " A positive one lengthens, a negative one contracts." } else { "" };
+    let sign = match slot.key {
+        _ if slot.not_negative => " It only pulls: not negative.",
+        "tension" => " A positive one lengthens, a negative one contracts.",
+        _ => "",
+    };
     let about = format!("The {} where it is no control.{sign}", slot.key);
     let schema = if slot.vector {
         VectorField::schema(slot.want, definitions)
@@ -208,6 +218,9 @@ mod tests {
         let names: Vec<_> = slots(magnet).iter().map(|slot| (slot.key, slot.vector)).collect();
         assert_eq!(names, [("remanence", true), ("field", true)]);
         let turgor = catalogue::actuation("turgor").unwrap();
-        assert_eq!(slots(turgor), [SlotName { key: "pressure", want: Want::PRESSURE, vector: false }]);
+        assert_eq!(
+            slots(turgor),
+            [SlotName { key: "pressure", want: Want::PRESSURE, vector: false, not_negative: false }]
+        );
     }
 }

@@ -28,14 +28,14 @@ const FORCE: &str = "forces stand in \"loads\", per reference area or volume: { 
 const MUSCLE: &str = "a muscle is an actuation of the \"kind\": \"muscle\" with a \"region\" and a \"direction\"; a \
     positive \"contraction\" pulls";
 const CHAMBER: &str = "an air chamber is an actuation of the \"kind\": \"cavity\", with the \"surface\" of its walls";
-const TENDON: &str = "nastic has no tendons yet; a thin region with a \"fiber_tension\" along it comes nearest";
+const TENDON: &str = "a cable is an actuation of the \"kind\": \"tendon\" with the \"points\" that it passes; its control is the \"tension\", \
+    with a \"stiffness\" the \"pull\"";
 const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with the vectors \"remanence\" (mu0 \
     times the magnetisation, in T) and \
                       \"field\" (in T)";
 const NO_LAW: &str = "nastic does not have this law yet; \"mooney_rivlin\" and \"neo_hooke\" take large strains \
     too, also by \"young\" and \"poisson\"";
-const NO_FIELD: &str =
-    "nastic has no actuation of this kind yet; there are fibre tension, turgor, magnets, dielectrics and air chambers";
+const NO_FIELD: &str = "nastic has no actuation of this kind yet; there are fibre tension, turgor, magnets, dielectrics, air chambers and tendons";
 const ELECTRIC: &str = "a dielectric elastomer is an actuation of the \"kind\": \"dielectric\" with a \"region\", a \
     \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"";
 const YOUNG: &str = "write \"young\": \"300 kPa\", with \"poisson\" (the law \"transverse_mooney_rivlin\" takes \
@@ -116,7 +116,7 @@ const HINTS: &[Hint] = &[
         &["swelling", "osmosis", "growth", "inflation"],
         "a pressure inside the material itself is of the \"kind\": \"turgor\"",
     ),
-    hint("actuation", &["tendon", "cable", "wire", "string"], TENDON),
+    hint("actuation", &["cable", "wire", "string", "rope", "tendons"], TENDON),
     hint("actuation", &["magnetic", "magnetization", "magnetisation", "b", "b_r", "m"], MAGNET),
     hint("actuation", &["electric", "voltage", "electrode", "electrodes", "dea", "eps"], ELECTRIC),
     hint("actuation", &["thermal", "temperature", "shape_memory", "lce", "light"], NO_FIELD),

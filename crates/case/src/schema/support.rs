@@ -21,6 +21,10 @@ object! {
         pub fix: Fix = Fix::default(),
         /// Components with a given displacement.
         pub displacement: Option<Displacement>,
+        /// Stiffness of an elastic foundation of a surface: force per displacement and reference area.
+        pub foundation: Option<f64> as STIFFNESS_PER_AREA,
+        /// Displacements that the foundation resists to.
+        pub along: Along = Along::All,
     }
 }
 
@@ -45,6 +49,16 @@ choice! {
         "y" => Y,
         /// Along z.
         "z" => Z,
+    }
+}
+
+choice! {
+    /// Displacements that a foundation resists to.
+    pub enum Along {
+        /// All.
+        "all" => All,
+        /// Along the reference normal of the surface alone: it slides freely along itself.
+        "normal" => Normal,
     }
 }
 
@@ -126,11 +140,23 @@ impl Displacement {
 fn check(support: &Support, reader: &mut Reader<'_>) {
     let moved = support.displacement.as_ref().map_or([None; 3], Displacement::entries);
     let fixed = support.fix.places(&support.at.key("fix"));
-    if fixed.is_empty() && moved.iter().all(Option::is_none) {
+    let rests = support.foundation.is_some();
+    if fixed.is_empty() && moved.iter().all(Option::is_none) && !rests {
         reader.complain_at(
             &support.at,
-            "this holds nothing: give \"fix\": \"all\", \"fix\": [\"x\", ...] or \"displacement\": { \"x\": ... }",
+            "this holds nothing: give \"fix\": \"all\", \"fix\": [\"x\", ...], \"displacement\": { \"x\": ... } or a \"foundation\"",
         );
+    }
+    if rests && support.surface.is_none() {
+        reader.complain_at(&support.at.key("foundation"), "a foundation lies under a \"surface\": name one");
+    }
+    if rests && !(fixed.is_empty() && moved.iter().all(Option::is_none)) {
+        let message =
+            "a foundation gives way where \"fix\" and \"displacement\" do not: write a support of its own for each";
+        reader.complain_at(&support.at.key("foundation"), message);
+    }
+    if !rests && support.along != Along::All {
+        reader.complain_at(&support.at.key("along"), "\"along\" belongs to a \"foundation\": give its stiffness");
     }
     for (i, (axis, at)) in fixed.iter().enumerate() {
         if fixed[..i].iter().any(|(other, _)| other == axis) {

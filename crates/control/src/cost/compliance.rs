@@ -54,7 +54,7 @@ impl IntoCost for Compliance {
         let points = QuadraturePoints::of_facets(mesh, &facets, |k| k.rule_of_points(k.order() + 2));
         let share = |w: &f64| w / points.measure() / length;
         let forces = points.weights().iter().flat_map(|w| self.direction[..dim].iter().map(move |d| share(w) * d));
-        let mut force = vec![0.0; solid.discretization().dofs()];
+        let mut force = vec![0.0; solid.model().unknowns().len()];
         points.spread(&forces.collect::<Vec<_>>(), dim, &mut force);
         if force.iter().zip(solid.supports().fixed()).all(|(f, fixed)| *f == 0.0 || *fixed) {
             return refuse(format!(

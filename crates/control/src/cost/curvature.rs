@@ -60,10 +60,7 @@ impl IntoCost for Curvature {
         }
         let mut located = Vec::with_capacity(self.points.len());
         for point in &self.points {
-            let Some(found) = solid.mesh().locate(*point) else {
-                return refuse(format!("the point {point:?} of the line of a curvature lies outside the body"));
-            };
-            located.push(found);
+            located.push(solid.mesh().locate_inside(*point)?);
         }
         let lengths = self.points.windows(2).map(|pair| (Vec3::from(pair[1]) - Vec3::from(pair[0])).norm());
         let lengths: Vec<f64> = lengths.collect();

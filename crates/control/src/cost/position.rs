@@ -95,10 +95,7 @@ fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
             points.spread(&means, 1, &mut by_node);
         }
         Of::Point(point) => {
-            let Some(located) = mesh.locate(*point) else {
-                let what = format!("the point {point:?} of a position lies outside the body");
-                return Err(ControlError::Cost { what });
-            };
+            let located = mesh.locate_inside(*point)?;
             located.weights.iter().for_each(|&(node, shape)| by_node[node as usize] += shape);
         }
     }

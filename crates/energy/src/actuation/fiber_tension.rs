@@ -32,7 +32,7 @@ impl FiberTension {
     /// Name of the fibres whose control is their contraction.
     pub const MUSCLE: &str = "muscle";
     const TENSION: [Slot; 1] = [Slot::scalar("tension", "Pa")];
-    const CONTRACTION: [Slot; 1] = [Slot::scalar("contraction", "Pa")];
+    const CONTRACTION: [Slot; 1] = [Slot::pulling("contraction", "Pa")];
 
     /// Fibres along the unit vector `a` everywhere.
     ///

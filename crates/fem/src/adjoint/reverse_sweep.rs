@@ -112,7 +112,11 @@ impl Model {
                 }
             };
             let at = self.instant(&states[n], step.as_ref(), how.parallel);
-            let sensitivities = self.vjp(&at, &lambda).map_err(|at| {
+            let found = self.vjp(&at, &lambda).and_then(|mut found| {
+                self.add_held_sensitivity(&at, &by_u, &lambda, &mut found)?;
+                Ok(found)
+            });
+            let sensitivities = found.map_err(|at| {
                 let last = Box::new(states[n].clone());
                 StateError::Inverted { at, load: states[n].load, cuts: 0, last }
             })?;

@@ -2,7 +2,7 @@
 
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
-use crate::contributions::sensitivities::Increment;
+use crate::contributions::sensitivities::{Increment, Sensitivities};
 use crate::error::{SecondDerivativeError, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
@@ -73,10 +73,19 @@ impl<'a> SecondOrder<'a> {
     /// # Errors
     /// A singular tangent; a contribution without second derivatives.
     pub fn state_change(&mut self, v: &Controls) -> Result<Vec<f64>, StateError> {
-        self.model.check_controls(v)?;
+        self.model.check_control_change(v)?;
         let mut rhs = self.model.control_product(&self.instant(), v).map_err(|error| self.failed(error))?;
         rhs.iter_mut().for_each(|r| *r = -*r);
-        self.solve(rhs, Transposition::No)
+        let Some(held) = self.model.prescribed_change(&self.state.controls, v) else {
+            return self.solve(rhs, Transposition::No);
+        };
+        // K_FF du_F = -(r_m v)_F - K_FD du_D
+        let mut moved = vec![0.0; held.len()];
+        self.model.tangent(self.state, self.how.parallel)?.multiply_on(&held, &mut moved, self.how.parallel);
+        axpy(-1.0, &moved, &mut rhs);
+        let mut du = self.solve(rhs, Transposition::No)?;
+        axpy(1.0, &held, &mut du);
+        Ok(du)
     }
 
     /// `dlambda` and what comes of it, for the adjoint `lambda`, along `(du, v)`; `by_state` is `j_uu du + j_um v`.
@@ -94,10 +103,13 @@ impl<'a> SecondOrder<'a> {
             let what = "a vector of the second-order adjoint".to_owned();
             return Err(crate::FemError::Length { what, found, expected }.into());
         }
+        if let Some(name) = self.model.turning(&self.instant(), along.controls) {
+            return Err(SecondDerivativeError::Turning { name }.into());
+        }
         let second = self.model.second_vjp(&self.instant(), lambda, along).map_err(|error| self.failed(error))?;
-        let rhs = second.u.iter().zip(by_state).map(|(r, j)| -(r + j)).collect();
-        let d_lambda = self.solve(rhs, Transposition::Yes)?;
-        let first = self.model.vjp(&self.instant(), &d_lambda).map_err(|error| self.failed(error.into()))?;
+        let by_u: Vec<f64> = second.u.iter().zip(by_state).map(|(r, j)| r + j).collect();
+        let d_lambda = self.solve(by_u.iter().map(|d| -d).collect(), Transposition::Yes)?;
+        let first = self.sensitivities(&by_u, &d_lambda)?;
         let mut controls = second.controls;
         (0..controls.len()).for_each(|k| axpy(1.0, first.controls.values(k), controls.values_mut(k)));
         Ok(AdjointChange { lambda: d_lambda, controls })
@@ -114,8 +126,18 @@ impl<'a> SecondOrder<'a> {
             return Err(crate::FemError::Length { what, found: by_state.len(), expected }.into());
         }
         let lambda = self.solve(by_state.iter().map(|j| -j).collect(), Transposition::Yes)?;
-        let controls = self.model.vjp(&self.instant(), &lambda).map_err(|error| self.failed(error.into()))?.controls;
+        let controls = self.sensitivities(by_state, &lambda)?.controls;
         Ok(AdjointChange { lambda, controls })
+    }
+
+    /// `lambda . dr/dm`, and what `by_u` and lambda owe to held unknowns that controls move.
+    fn sensitivities(&self, by_u: &[f64], lambda: &[f64]) -> Result<Sensitivities, StateError> {
+        let at = self.instant();
+        let found = self.model.vjp(&at, lambda).and_then(|mut found| {
+            self.model.add_held_sensitivity(&at, by_u, lambda, &mut found)?;
+            Ok(found)
+        });
+        found.map_err(|error| self.failed(error.into()))
     }
 
     /// Work done so far.

@@ -1,6 +1,10 @@
 //! The catalogue of contributions: a row each, with an example that the contract test holds to [`check_contribution`](crate::check_contribution).
 
+use crate::contributions::body_point::BodyPoint;
 use crate::contributions::cavity::{self, Cavity};
+use crate::contributions::foundation::Foundation;
+use crate::contributions::motion::{self, Motion};
+use crate::contributions::tendon::{Tendon, form as tendon};
 use crate::error::FemError;
 use crate::solid::Solid;
 use nastic_energy::{FiberTension, NeoHooke, Slot};
@@ -11,7 +15,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A row of the catalogue.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry {
-    /// What the contribution is called in messages, and its kind in case files.
+    /// What the contribution is called in messages, and its kind in case files. Rows of one name are forms of one kind, which their
+    /// keys tell apart.
     pub name: &'static str,
     /// How it stands in case files, if it is one of the kinds of `actuation` there.
     pub form: Option<Form>,
@@ -28,6 +33,8 @@ pub struct Form {
     pub keys: &'static [Key],
     /// Its slots: what can be controlled, or have a fixed value.
     pub slots: &'static [Slot],
+    /// Whether it acts where all its slots are zero: an elastic tendon resists to being stretched.
+    pub passive: bool,
     /// Adds one of that name to a body.
     pub add: fn(Solid, &str, &Values) -> Result<Solid, FemError>,
 }
@@ -54,6 +61,28 @@ pub enum KeyKind {
     Surfaces,
     /// True or false; false if left out.
     Flag,
+    /// Points of the body: positions, or names of node sets; needed.
+    Points,
+    /// A point of space; none if left out.
+    Place,
+    /// A positive number in this unit.
+    Number {
+        /// Its unit.
+        unit: &'static str,
+        /// Whether it must be there.
+        required: bool,
+    },
+}
+
+impl KeyKind {
+    /// Whether a block without the key is refused.
+    pub fn is_required(self) -> bool {
+        match self {
+            KeyKind::Surface | KeyKind::Union | KeyKind::Points => true,
+            KeyKind::Surfaces | KeyKind::Flag | KeyKind::Place => false,
+            KeyKind::Number { required, .. } => required,
+        }
+    }
 }
 
 /// The values of a form's keys.
@@ -63,6 +92,12 @@ pub struct Values {
     pub names: BTreeMap<&'static str, Vec<String>>,
     /// Flags that are true.
     pub flags: BTreeSet<&'static str>,
+    /// Points of the body, by key.
+    pub points: BTreeMap<&'static str, Vec<BodyPoint>>,
+    /// Points of space that were given, by key.
+    pub places: BTreeMap<&'static str, [f64; 3]>,
+    /// Numbers that were given, by key.
+    pub numbers: BTreeMap<&'static str, f64>,
 }
 
 impl Values {
@@ -75,13 +110,36 @@ impl Values {
 /// Every contribution of this crate.
 pub const CATALOGUE: &[Entry] = &[
     Entry { name: "body energy", form: None, example: block },
+    Entry {
+        name: "foundation on x+",
+        form: None,
+        example: || block()?.foundation(Foundation::on("x+", 3e3).normal_only()),
+    },
     Entry { name: "dead load", form: None, example: || block()?.traction("x+", Vec3::new(3.0, -2.0, 1.0)) },
     Entry {
         name: "cavity",
         form: Some(cavity::FORM),
         example: || block()?.cavity(Cavity::new("cavity", "inside").lid()),
     },
+    Entry {
+        name: "tendon",
+        form: Some(tendon::TENSION),
+        example: || block()?.tendon(Tendon::through("tendon", TENDON)),
+    },
+    Entry {
+        name: "tendon",
+        form: Some(tendon::PULL),
+        example: || block()?.tendon(Tendon::through("tendon", TENDON).spacing(0.8).stiffness(50.0)),
+    },
+    Entry {
+        name: "motion",
+        form: Some(motion::FORM),
+        example: || block()?.motion(Motion::of("motion", "x+").about([2.8, 1.0, 0.5])),
+    },
 ];
+
+/// A way through the cup of the examples, between its nodes.
+const TENDON: [[f64; 3]; 3] = [[0.2, 0.4, 0.3], [1.6, 0.7, 0.5], [2.9, 0.3, 1.9]];
 
 /// A cup that is held at one side and pulled along its fibres.
 fn block() -> Result<Solid, FemError> {

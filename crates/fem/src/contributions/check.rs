@@ -99,7 +99,42 @@ impl Subject<'_> {
             agree("the product without a matrix", &out, "the tangent times the vector", &product, norm(lambda))?;
         }
         self.check_sensitivities(lambda)?;
+        self.check_prescribed(lambda)?;
         self.check_second(direction, lambda)
+    }
+
+    /// What it prescribes: the change along a change of the controls, and the derivative of its work with a force.
+    fn check_prescribed(&self, force: &[f64]) -> Result<(), String> {
+        let held = self.contribution.held();
+        if held.is_empty() {
+            return Ok(());
+        }
+        let mut random = Random::new(13);
+        let mut draw = || {
+            let mut controls = self.model.controls();
+            controls.values_mut(self.at.block).iter_mut().for_each(|m| *m = 0.7 * random.symmetric());
+            controls
+        };
+        let (m, v) = (draw(), draw());
+        let at = Instant { controls: &m, ..self.at };
+        let moved = |s: f64| {
+            let mut controls = m.clone();
+            axpy(s, v.values(self.at.block), controls.values_mut(self.at.block));
+            let mut u = vec![0.0; force.len()];
+            self.contribution.prescribe(&Instant { controls: &controls, ..self.at }, &mut u);
+            Ok(u)
+        };
+        let mut found = vec![0.0; force.len()];
+        self.contribution.add_prescribed_change(&at, &v, &mut found);
+        if let Some(dof) = (0..found.len()).find(|dof| found[*dof] != 0.0 && !held.contains(&(*dof as u32))) {
+            return Err(format!("it moves unknown {dof}, which it does not hold"));
+        }
+        agree("the change of what it holds", &found, "differences", &difference(moved)?, 0.0)?;
+        let mut by_controls = Sensitivities::zero(self.model.controls(), &at);
+        self.contribution.prescribed_vjp(&at, force, &mut by_controls);
+        let (left, right) =
+            (dot(by_controls.controls.values(self.at.block), v.values(self.at.block)), dot(force, &found));
+        agree("the derivative of a force's work", &[left], "the work along the change", &[right], 0.0)
     }
 
     /// Second derivatives of `lambda . r`, where there are some, are differences of the first ones along an increment, and

@@ -91,6 +91,15 @@ impl Controls {
         Controls { blocks: self.blocks.iter().zip(&other.blocks).map(mix).collect() }
     }
 
+    /// The change from the other set to this one.
+    pub(crate) fn minus(&self, other: &Controls) -> Controls {
+        let mut out = self.clone();
+        for (own, other) in out.blocks.iter_mut().zip(&other.blocks) {
+            own.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a -= b);
+        }
+        out
+    }
+
     /// Whether the other set has the same blocks, slots and points.
     pub fn fits(&self, other: &Controls) -> bool {
         let same = |(a, b): (&Block, &Block)| a.slots == b.slots && a.values.len() == b.values.len();

@@ -1,23 +1,32 @@
 //! What the residual is made of: [`Contribution`]s, summed by [`Model`](crate::Model).
 
 pub(crate) mod body_energy;
+pub(crate) mod body_point;
 pub mod catalogue;
 mod cavity;
 mod check;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
+mod foundation;
 pub(crate) mod instant;
+mod motion;
 pub(crate) mod sensitivities;
+mod tendon;
 
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::Controls;
+pub use foundation::Foundation;
 pub use instant::{Instant, TimeStep};
+pub use motion::Motion;
 use nastic_energy::Slot;
 use nastic_linear::{SparseMatrix, Symmetry};
+use nastic_mesh::Polyline;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use std::fmt::Debug;
+pub use tendon::Tendon;
 
 /// A term of the residual `r(u) = sum_c r_c(u; controls, load, v, a)`, whose zero is an equilibrium.
 ///
@@ -54,6 +63,11 @@ pub trait Contribution: Debug + Send + Sync {
         Ok(())
     }
 
+    /// Displacements that it resists to at rest, each a sum of weighted unknowns: they hold a body still as supports do.
+    fn holds(&self) -> &[Vec<(u32, f64)>] {
+        &[]
+    }
+
     /// Its controls: numbers for the whole contribution, one per slot (see [`Instant::control`]).
     fn slots(&self) -> &[Slot] {
         &[]
@@ -64,9 +78,41 @@ pub trait Contribution: Debug + Send + Sync {
         Vec::new()
     }
 
+    /// What of it is to be drawn beside the body: tendons, say.
+    fn lines(&self, _at: &Instant) -> Vec<Polyline> {
+        Vec::new()
+    }
+
     /// Size of what its controls act on (a volume, say): their weight in the inner product of the control space.
     fn measure(&self) -> f64 {
         1.0
+    }
+
+    /// Whether its controls may have these values, by slot.
+    ///
+    /// # Errors
+    /// What may not.
+    fn check_controls(&self, _values: &[f64]) -> Result<(), FemError> {
+        Ok(())
+    }
+
+    /// Unknowns that its controls prescribe: it holds them as supports do.
+    fn held(&self) -> Vec<u32> {
+        Vec::new()
+    }
+
+    /// Sets what it [holds](Self::held), `u_D(m)`.
+    fn prescribe(&self, _at: &Instant, _u: &mut [f64]) {}
+
+    /// Adds `du_D/dm v` to what it holds.
+    fn add_prescribed_change(&self, _at: &Instant, _v: &Controls, _du: &mut [f64]) {}
+
+    /// Adds `force . du_D/dm`.
+    fn prescribed_vjp(&self, _at: &Instant, _force: &[f64], _into: &mut Sensitivities) {}
+
+    /// Whether `u_D` has no second derivative along v and any other change of the controls.
+    fn prescribes_along_a_line(&self, _at: &Instant, _v: &Controls) -> bool {
+        true
     }
 
     /// Adds potential (in a time step the incremental one) and residual, as wanted, and what their rounding is measured against.

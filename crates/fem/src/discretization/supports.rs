@@ -4,7 +4,7 @@ use crate::error::FemError;
 use nalgebra::DMatrix;
 use nastic_mesh::Mesh;
 use nastic_numeric::DisjointSets;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The names of displacement components.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
@@ -15,6 +15,8 @@ pub struct Supports {
     dim: usize,
     fixed: Vec<bool>,
     value: Vec<f64>,
+    /// Unknowns whose value is a function of controls, by the name of what drives them; `value` is 0 there.
+    driven: BTreeMap<u32, String>,
     /// Supported unknowns by the name of the surface or node set, for reactions.
     groups: Vec<(String, Vec<u32>)>,
 }
@@ -22,7 +24,13 @@ pub struct Supports {
 impl Supports {
     pub(crate) fn new(mesh: &Mesh) -> Self {
         let dofs = mesh.points().len() * mesh.dim();
-        Supports { dim: mesh.dim(), fixed: vec![false; dofs], value: vec![0.0; dofs], groups: vec![] }
+        Supports {
+            dim: mesh.dim(),
+            fixed: vec![false; dofs],
+            value: vec![0.0; dofs],
+            driven: BTreeMap::new(),
+            groups: vec![],
+        }
     }
 
     /// Prescribes components (`None` stays free) at the nodes.
@@ -41,6 +49,9 @@ impl Supports {
                     return Err(FemError::NotFinite { what, index: c, value });
                 }
                 let dof = node as usize * self.dim + c;
+                if let Some(driver) = self.driven.get(&(dof as u32)) {
+                    return Err(held_twice(driver, name, node as usize));
+                }
                 if self.fixed[dof] && self.value[dof] != value {
                     return Err(FemError::SupportConflict {
                         support: name.to_owned(),
@@ -62,12 +73,30 @@ impl Supports {
         Ok(())
     }
 
+    /// Holds unknowns at values that are functions of controls.
+    pub(crate) fn drive(&mut self, name: &str, dofs: &[u32]) -> Result<(), FemError> {
+        for &dof in dofs {
+            let node = dof as usize / self.dim;
+            if self.fixed[dof as usize] {
+                let holds = |(_, group): &&(String, Vec<u32>)| group.contains(&dof);
+                let other = self.groups.iter().find(holds).map_or("", |(other, _)| other);
+                return Err(held_twice(name, other, node));
+            }
+        }
+        for &dof in dofs {
+            self.fixed[dof as usize] = true;
+            self.driven.insert(dof, name.to_owned());
+        }
+        self.groups.push((name.to_owned(), dofs.to_vec()));
+        Ok(())
+    }
+
     /// Whether each unknown is prescribed.
     pub fn fixed(&self) -> &[bool] {
         &self.fixed
     }
 
-    /// The prescribed value of each unknown at load 1 (0 where free).
+    /// The prescribed value of each unknown at load 1 (0 where free, and where controls decide).
     pub fn values(&self) -> &[f64] {
         &self.value
     }
@@ -96,11 +125,11 @@ impl Supports {
     }
 
     /// Whether the supports exclude every rigid motion of every connected part of the body (small rotations about the
-    /// part's centre; rank of the motions restricted to the prescribed components).
-    pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), FemError> {
+    /// part's centre; rank of the motions restricted to the prescribed components and to what springs resist to).
+    pub(crate) fn check(&self, mesh: &Mesh, springs: &[&Vec<(u32, f64)>]) -> Result<(), FemError> {
         let parts = connected_parts(mesh);
         for (p, nodes) in parts.iter().enumerate() {
-            let modes = self.free_motions(mesh, nodes);
+            let modes = self.free_motions(mesh, nodes, springs);
             if let Some((count, example)) = modes {
                 let what = match parts.len() {
                     1 => "the body".to_owned(),
@@ -113,21 +142,29 @@ impl Supports {
     }
 
     /// How many rigid motions of these nodes stay free, and one of them in words.
-    fn free_motions(&self, mesh: &Mesh, nodes: &[u32]) -> Option<(usize, String)> {
+    fn free_motions(&self, mesh: &Mesh, nodes: &[u32], springs: &[&Vec<(u32, f64)>]) -> Option<(usize, String)> {
         let (centre, radius) = extent(mesh, nodes);
         let modes = if self.dim == 2 { 3 } else { 6 };
         let mut gram = DMatrix::<f64>::zeros(modes, modes);
-        for &node in nodes {
-            let x = mesh.points()[node as usize];
+        let mut add = |row: &[f64]| (0..modes * modes).for_each(|at| gram[at] += row[at / modes] * row[at % modes]);
+        let component = |dof: usize| {
+            let x = mesh.points()[dof / self.dim];
             let r: Vec<f64> = (0..3).map(|k| (x[k] - centre[k]) / radius).collect();
-            for c in (0..self.dim).filter(|c| self.fixed[node as usize * self.dim + c]) {
-                let row = motion_component(self.dim, c, &r);
-                for i in 0..modes {
-                    for k in 0..modes {
-                        gram[(i, k)] += row[i] * row[k];
-                    }
-                }
+            motion_component(self.dim, dof % self.dim, &r)
+        };
+        for &node in nodes {
+            let dofs = (0..self.dim).map(|c| node as usize * self.dim + c);
+            dofs.filter(|dof| self.fixed[*dof]).for_each(|dof| add(&component(dof)));
+        }
+        let own = |terms: &&&Vec<(u32, f64)>| {
+            terms.iter().all(|(dof, _)| nodes.binary_search(&(dof / self.dim as u32)).is_ok())
+        };
+        for terms in springs.iter().filter(own) {
+            let mut row = vec![0.0; modes];
+            for (dof, weight) in *terms {
+                row.iter_mut().zip(component(*dof as usize)).for_each(|(row, value)| *row += weight * value);
             }
+            add(&row);
         }
         let eigen = gram.symmetric_eigen();
         let largest = eigen.eigenvalues.max();
@@ -149,6 +186,11 @@ impl Supports {
         });
         example.map(|example| (free.len(), example))
     }
+}
+
+fn held_twice(motion: &str, other: &str, node: usize) -> FemError {
+    let what = format!("motion \"{motion}\" moves node {node}, which \"{other}\" holds too; let one of them go");
+    FemError::Meaningless { what }
 }
 
 /// The c-th component of every rigid motion at relative position r: shifts, then rotations.

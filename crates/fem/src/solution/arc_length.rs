@@ -256,7 +256,7 @@ impl<'a> Equations<'a> {
         let (controls, load) = self.prescribed(s);
         let mut matrix = self.model.matrix();
         self.model.add_tangent(&self.at(u, &controls, load), &mut matrix)?;
-        let support = self.support_motion();
+        let support = self.support_motion(s);
         let mut column = self.residual_by_s(u, s)?;
         let mut pulled = vec![0.0; u.len()];
         matrix.multiply_on(&support, &mut pulled, self.how.parallel);
@@ -308,20 +308,26 @@ impl<'a> Equations<'a> {
 
     /// Puts supported components where they belong at s.
     fn support(&self, u: &mut [f64], s: f64) {
-        let (_, load) = self.prescribed(s);
-        let supports = &self.model.supports;
-        for ((u, &fixed), value) in u.iter_mut().zip(supports.fixed()).zip(supports.values()) {
+        let (controls, load) = self.prescribed(s);
+        let values = self.model.prescribed(&controls, load);
+        for ((u, &fixed), value) in u.iter_mut().zip(self.model.supports.fixed()).zip(values) {
             if fixed {
-                *u = load * value;
+                *u = value;
             }
         }
     }
 
     /// Derivative of the supported components by s.
-    fn support_motion(&self) -> Vec<f64> {
+    fn support_motion(&self, s: f64) -> Vec<f64> {
         let supports = &self.model.supports;
         let change = self.to.1 - self.from.load;
-        supports.fixed().iter().zip(supports.values()).map(|(&f, v)| if f { change * v } else { 0.0 }).collect()
+        let fixed = supports.fixed().iter().zip(supports.values());
+        let mut out: Vec<f64> = fixed.map(|(&f, v)| if f { change * v } else { 0.0 }).collect();
+        let along = self.to.0.minus(&self.from.controls);
+        if let Some(driven) = self.model.prescribed_change(&self.prescribed(s).0, &along) {
+            out.iter_mut().zip(driven).for_each(|(o, d)| *o += d);
+        }
+        out
     }
 
     /// How far the second point is along the direction of the first.

@@ -198,7 +198,14 @@ impl Model {
         self.check_controls(&state.controls)
     }
 
+    /// Refuses controls of another body, and tendons that would push.
     pub(crate) fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
+        self.check_control_change(controls)?;
+        Ok(self.check_own_controls(controls)?)
+    }
+
+    /// Refuses changes of controls of another body.
+    pub(crate) fn check_control_change(&self, controls: &Controls) -> Result<(), StateError> {
         if !controls.fits(&self.controls()) {
             let what = "the controls belong to another body; make them with Solid::controls".to_owned();
             return Err(crate::FemError::Meaningless { what }.into());

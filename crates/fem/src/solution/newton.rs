@@ -90,7 +90,8 @@ const LOST: (usize, usize) = (30, 3);
 const RESOLUTION: f64 = 1e-12;
 
 /// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
-/// measure it by.
+/// measure it by. The largest; steps shorter than that share of the body are solved as exactly as they are short, since what they leave may
+/// be within the accuracy asked for at once.
 const JUMP: f64 = 1e-2;
 
 impl Newton<'_> {
@@ -128,7 +129,10 @@ impl Newton<'_> {
             let rhs = self.right_hand_side(matrix, &residual, jump.as_deref());
             let scale = self.energy_scale(matrix, u, &now);
             eliminate(self.model, matrix);
-            let accuracy = if jump.is_some() { JUMP } else { forcing(relative, self.options.accuracy) };
+            let accuracy = match &jump {
+                Some(jump) => (max_abs(jump) / self.model.discretization().mesh().diagonal()).clamp(ROUNDING, JUMP),
+                None => forcing(relative, self.options.accuracy),
+            };
             let (mut step, curvature) = systems.step(matrix, u, &rhs, (accuracy, Wanted::Newton), report)?;
             report.newton += 1;
             let here = Iterate { u, now: &now, residual: &residual, scale };
@@ -179,8 +183,9 @@ impl Newton<'_> {
     /// What the prescribed components still have to move; `None` when they are in place.
     pub(super) fn jump(&self, u: &[f64]) -> Option<Vec<f64>> {
         let supports = &self.model.supports;
-        let wanted = supports.fixed().iter().zip(supports.values()).zip(u);
-        let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { self.load * v - u } else { 0.0 }).collect();
+        let prescribed = self.model.prescribed(self.controls, self.load);
+        let wanted = supports.fixed().iter().zip(&prescribed).zip(u);
+        let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { v - u } else { 0.0 }).collect();
         jump.iter().any(|&d| d != 0.0).then_some(jump)
     }
 

@@ -165,16 +165,16 @@ fn real_array(out: &mut dyn Write, data: &NamedArray) -> io::Result<()> {
     array(out, "Float64", name, *components, None, &reals(values))
 }
 
-fn reals(values: &[f64]) -> Vec<u8> {
+pub(super) fn reals(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-fn integers(values: &[i64]) -> Vec<u8> {
+pub(super) fn integers(values: &[i64]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
 /// One `DataArray`; `tuples` only in field data, where nothing else tells.
-fn array(
+pub(super) fn array(
     out: &mut dyn Write,
     kind: &str,
     name: &str,

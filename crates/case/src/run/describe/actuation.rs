@@ -1,11 +1,13 @@
 //! The actuations in words and as JSON.
 
 use super::{Line, catalogue_of, law, line, parameters, scalar, vector_field};
+use crate::expression::dimension_of;
 use crate::lower::CaseProblem;
 use crate::quantity::Dimension;
 use crate::run::number::quantity;
 use crate::schema::{Fixed, Means};
-use nastic_fem::BodyEnergy;
+use nastic_fem::contributions::catalogue::{Key, KeyKind};
+use nastic_fem::{BodyEnergy, BodyPoint};
 use serde_json::{Value, json};
 
 pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
@@ -17,16 +19,29 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
                 let values = parameters(given, &catalogue_of(row.forms), units);
                 if values.is_empty() { region.to_string() } else { format!("{region}; {values}") }
             }
-            Means::Contribution { values, .. } => {
+            Means::Contribution { values, form, .. } => {
                 let told = |(key, names): (&&str, &Vec<String>)| format!("{key} {}", names.join(", "));
                 let names = values.names.iter().filter(|(_, names)| !names.is_empty()).map(told);
-                names.chain(values.flags.iter().map(ToString::to_string)).collect::<Vec<_>>().join("; ")
+                let through = |points: &Vec<BodyPoint>| points.iter().map(point).collect::<Vec<_>>().join(", ");
+                let points = values.points.iter().map(|(key, points)| format!("{key} {}", through(points)));
+                let units_of = |key: &str| form.keys.iter().find(|known| known.name == key).map(dimension);
+                let number = |(key, value): (&&str, &f64)| {
+                    format!("{key} {}", quantity(*value, units_of(key).unwrap_or(Dimension::NONE), units))
+                };
+                let numbers = values.numbers.iter().map(number);
+                let flags = values.flags.iter().map(ToString::to_string);
+                let place = |(key, place): (&&str, &[f64; 3])| format!("{key} {}", point(&BodyPoint::At(*place)));
+                let points = points.chain(values.places.iter().map(place));
+                names.chain(points).chain(numbers).chain(flags).collect::<Vec<_>>().join("; ")
             }
         };
         out.push(line("actuation", format!("{}: {} on {place}", actuation.name, actuation.kind())));
         out.push(line("actuation", format!("  {}", actuation.about())));
-        if let Some(volume) = volume_at_rest(problem, &actuation.name) {
+        if let Some(volume) = at_rest(problem, &actuation.name, "volume") {
             out.push(line("actuation", format!("  volume at rest {}", quantity(volume, VOLUME, units))));
+        }
+        if let Some(length) = at_rest(problem, &actuation.name, "length") {
+            out.push(line("actuation", format!("  length at rest {}", quantity(length, Dimension::LENGTH, units))));
         }
         if let Some(limit) = limit(problem, &actuation.name, BodyEnergy::fiber_limit) {
             let limit = quantity(limit, Dimension::PRESSURE, units);
@@ -57,7 +72,20 @@ pub(super) fn json(problem: &CaseProblem) -> Value {
                 let mut entry = json!({ "kind": kind });
                 values.names.iter().for_each(|(key, names)| entry[*key] = json!(names));
                 values.flags.iter().for_each(|key| entry[*key] = json!(true));
-                entry["reference_volume"] = json!(volume_at_rest(problem, &a.name));
+                for (key, points) in &values.points {
+                    let point = |point: &BodyPoint| match point {
+                        BodyPoint::At(place) => json!(place),
+                        BodyPoint::Nodes(name) => json!(name),
+                    };
+                    entry[*key] = points.iter().map(point).collect();
+                }
+                values.places.iter().for_each(|(key, place)| entry[*key] = json!(place));
+                values.numbers.iter().for_each(|(key, number)| entry[*key] = json!(number));
+                for (key, quantity) in [("reference_volume", "volume"), ("reference_length", "length")] {
+                    if let Some(value) = at_rest(problem, &a.name, quantity) {
+                        entry[key] = json!(value);
+                    }
+                }
                 entry
             }
         };
@@ -92,11 +120,25 @@ fn number(body: &BodyEnergy, actuation: &str) -> Option<usize> {
 
 const VOLUME: Dimension = Dimension::of(3, 0, 0, 0);
 
-/// The volume that a contribution of that name reports of itself at rest.
-fn volume_at_rest(problem: &CaseProblem, name: &str) -> Option<f64> {
+/// A number that a contribution of that name reports of itself at rest.
+fn at_rest(problem: &CaseProblem, name: &str, quantity: &str) -> Option<f64> {
     let solid = problem.solid();
     let rest = solid.rest();
     let at = nastic_fem::Instant::new(&rest.u, &rest.controls, 0.0);
     let all = solid.model().quantities(&at).unwrap_or_default();
-    all.into_iter().find(|(of, what, _)| of == name && *what == "volume").map(|(.., value)| value)
+    all.into_iter().find(|(of, what, _)| of == name && *what == quantity).map(|(.., value)| value)
+}
+
+fn point(point: &BodyPoint) -> String {
+    match point {
+        BodyPoint::At([x, y, z]) => format!("({x}, {y}, {z})"),
+        BodyPoint::Nodes(name) => format!("\"{name}\""),
+    }
+}
+
+fn dimension(key: &Key) -> Dimension {
+    match key.kind {
+        KeyKind::Number { unit, .. } => dimension_of(unit).unwrap_or(Dimension::NONE),
+        _ => Dimension::NONE,
+    }
 }

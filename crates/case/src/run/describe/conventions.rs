@@ -36,6 +36,12 @@ pub(in crate::run) fn conventions(problem: &CaseProblem) -> Vec<Line> {
     if problem.case.actuation.iter().any(|a| a.kind() == "cavity") {
         out.push(line("conventions", "cavity p adds -p V to the energy, V its volume: p > 0 inflates"));
     }
+    if problem.case.actuation.iter().any(|a| a.kind() == "tendon") {
+        out.push(line(
+            "conventions",
+            "tendon T adds T L to the energy, L its length; with a stiffness k and a pull s (k/2) max(0, L - L0 + s)^2: both pull if positive",
+        ));
+    }
     if problem.case.actuation.iter().any(|a| a.kind() == "magnet") {
         let mu0 = problem.units().permeability();
         for magnet in problem.case.actuation.iter().filter(|a| a.kind() == "magnet") {

@@ -16,6 +16,7 @@ use super::spectrum::Diagnosis;
 use super::{advice, constraints, fall, revalued, table_of_starts, why};
 use crate::lower::CaseMember;
 use crate::result::convergence;
+use crate::result::files::state_files;
 use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
 use crate::result::picture::{self, Drawing};
@@ -236,7 +237,10 @@ fn write(
         let mean = problem.has_scenarios().then(|| mean(session, member.load_case().unwrap_or(""), &best.point));
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, best) + &distance(session, member) + &left_out(session) + picture::arrows(&end),
+            subtitle: subtitle(session, best)
+                + &distance(session, member)
+                + &left_out(session)
+                + &picture::legend(&end),
             body: ("optimum", &end),
             ghost: Some(("start", &begin)),
             scenarios: others.collect::<Result<_, RunError>>()?,
@@ -258,7 +262,7 @@ fn write(
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
     files.extend(write_collections(problem, "optimum", &out)?);
-    files.extend(problem.members().map(|member| member.file("start.vtu")));
+    files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::has_lines(member))));
     files.extend(super::super::solve::target_files(problem));
     let number = if several { format!("start_{best_start}_") } else { String::new() };
     files.extend(problem.leads().map(|lead| lead.case_file(&format!("{number}iterates.bin"))));

@@ -79,8 +79,13 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, sessio
             let mut message =
                 format!("{}: all values are 0, the {bound} bound, and the cost falls {side} it", field.name);
             let owner = session.problem.member(block.owner);
-            if summary::slot(owner, &owner.layout().blocks()[block.field]) == Some(CONTRACTION) {
-                message += ": this muscle would have to push";
+            let block = &owner.layout().blocks()[block.field];
+            if summary::only_pulls(owner, block) {
+                let is_muscle = summary::slot(owner, block) == Some(CONTRACTION);
+                if !is_muscle && run.best.m.iter().any(|value| *value != 0.0) {
+                    return None; // the antagonist of one that pulls
+                }
+                message += &format!(": this {} would have to push", if is_muscle { "muscle" } else { "tendon" });
             }
             return Some(Warning::new(&OTHER_SIGN, message));
         }

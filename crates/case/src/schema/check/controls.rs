@@ -148,7 +148,7 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
         // A misspelt control may have meant any of them.
         return;
     }
-    for actuation in &blocks.actuation {
+    for actuation in blocks.actuation.iter().filter(|actuation| !actuation.is_passive()) {
         for (name, slot) in actuation.slots() {
             let at = actuation.at.key(slot.key);
             if actuation.fixes(slot.key) || controlled.contains(&name.as_str()) || varies(blocks, &at) {

@@ -97,6 +97,7 @@ pub(super) const FORM: Form = Form {
         },
     ],
     slots: &SLOTS,
+    passive: false,
     add: |solid, name, values| {
         let mut cavity = Cavity::new(name, values.names.get("surface").cloned().unwrap_or_default());
         cavity.lid = values.flags.contains("lid");

@@ -1,0 +1,37 @@
+//! Points of the body: positions, or names of node sets.
+
+use crate::quantity::Want;
+use crate::schema::json::{Definitions, any_of};
+use crate::schema::read::{Read, Reader};
+use crate::schema::value::Vector;
+use crate::syntax::{At, Node, Value};
+use nastic_fem::BodyPoint;
+use serde_json::{Value as Json, json};
+
+/// A list of points of the body; plain numbers in the case's unit of length.
+pub(crate) struct BodyPoints(pub(crate) Vec<BodyPoint>);
+
+impl Read for BodyPoints {
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        let Value::Array(entries) = &node.value else {
+            reader.expected(node, at, "a list of points, [[0, 0, 1], [2, 0, 1]],");
+            return None;
+        };
+        let entries = entries.iter().enumerate();
+        let points: Vec<Option<BodyPoint>> =
+            entries.map(|(i, entry)| point(entry, &at.index(i), want, reader)).collect();
+        points.into_iter().collect::<Option<_>>().map(Self)
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        let point = any_of(vec![Vector::schema(want, definitions), String::schema(Want::ANY, definitions)]);
+        json!({ "type": "array", "items": point })
+    }
+}
+
+fn point(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<BodyPoint> {
+    match &node.value {
+        Value::Text(_) => String::read(node, at, Want::ANY, reader).map(BodyPoint::Nodes),
+        _ => Vector::read(node, at, want, reader).map(|place| BodyPoint::At(place.xyz())),
+    }
+}

@@ -1,0 +1,81 @@
+//! The motion of a rigid surface as a control: derivatives by translation and rotation.
+
+use nastic_control::{Reduced, Space, Target, Tracking};
+use nastic_energy::{FiberTension, NeoHooke};
+use nastic_fem::{Motion, Solid};
+use nastic_mesh::{CellKind, box_mesh};
+use nastic_opt::{Bounds, Lbfgs, Optimizer, Taylor, Verdict};
+use nastic_tensor::Vec3;
+
+type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
+
+fn bar(kind: CellKind, cells: [usize; 3]) -> Outcome<Solid> {
+    Ok(Solid::new(box_mesh([2.0, 0.25, 0.25], cells, kind)?)?
+        .material("body", NeoHooke::new(4e4, 6e4)?)?
+        .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
+        .clamp("x-")?
+        .motion(Motion::of("grip", "x+").about([2.1, 0.0, 0.1]))?)
+}
+
+/// Tracked are the whole body, so that the cost depends on the held nodes too, and the upper face.
+fn problem(kind: CellKind, cells: [usize; 3], rotation: bool) -> Outcome<Reduced> {
+    let wanted = Target::position(|x| [0.95 * x[0], x[1] + 0.1 * x[0], x[2] + 0.1 * x[0] * x[0]]);
+    let flat = Target::position(|x| [x[0], x[1], x[2] + 0.05]);
+    let problem = Reduced::new(bar(kind, cells)?)
+        .control("grip.translation", Space::Uniform)?
+        .control("fibre", Space::Region)?
+        .cost(Tracking::region("body", wanted))?
+        .cost(Tracking::surface("z+", flat))?;
+    Ok(if rotation { problem.control("grip.rotation", Space::Uniform)? } else { problem })
+}
+
+const M: [f64; 7] = [-0.1, 0.15, 0.2, -400.0, 0.3, -0.4, 0.25];
+
+fn around(m: &[f64]) -> Outcome<Bounds> {
+    let shifted = |sign: f64| m.iter().map(|m| m + 0.5 * sign * m.abs()).collect::<Vec<_>>();
+    Ok(Bounds::new(shifted(-1.0), shifted(1.0))?)
+}
+
+#[test]
+fn derivatives_by_translation_and_rotation_are_exact() -> Outcome {
+    for (kind, cells) in [(CellKind::Hex8, [6, 2, 2]), (CellKind::Tet10, [3, 1, 1])] {
+        let problem = problem(kind, cells, true)?;
+        let report = Taylor { directions: 3, ..Taylor::default() }.test(&problem, &around(&M)?, &M)?;
+        assert_eq!(report.verdict(), Verdict::Right, "{kind}: {report}");
+        for direction in &report.directions {
+            assert!(direction.order1 > 1.95 && direction.order1 < 2.05, "{kind}: {direction}");
+        }
+        // of the rotation alone, and of the translation alone
+        for components in [0..3, 4..7] {
+            let taylor = Taylor { components: Some(components), ..Taylor::default() };
+            let report = taylor.test(&problem, &around(&M)?, &M)?;
+            assert!(report.directions.iter().all(|direction| direction.order1 > 1.95), "{kind}: {report}");
+        }
+    }
+    Ok(())
+}
+
+/// By the translation, also where the surface is turned; by the rotation they are refused with its name.
+#[test]
+fn second_derivatives_by_a_translation_are_exact() -> Outcome {
+    let translated = problem(CellKind::Hex8, [6, 2, 2], false)?;
+    let m = &M[..4];
+    let report = Taylor { second: true, directions: 2, ..Taylor::default() }.test(&translated, &around(m)?, m)?;
+    assert_eq!(report.second_verdict(), Some(Verdict::Right), "{report}");
+    let turned = problem(CellKind::Hex8, [6, 2, 2], true)?;
+    let refused = Taylor { second: true, ..Taylor::default() }.test(&turned, &around(&M)?, &M);
+    let told = refused.err().ok_or("second derivatives by a rotation")?.to_string();
+    assert!(told.contains("grip") && told.contains("rotation"), "{told}");
+    Ok(())
+}
+
+/// The motion that takes the end of the bar where it is wanted is found.
+#[test]
+fn a_motion_is_found() -> Outcome {
+    let problem = problem(CellKind::Hex8, [6, 2, 2], true)?;
+    let start = problem.at(&[0.0; 7])?.cost();
+    let (lower, upper) = ([-0.5, -0.5, -0.5, -2e3, -1.0, -1.0, -1.0], [0.5, 0.5, 0.5, 1e3, 1.0, 1.0, 1.0]);
+    let best = Lbfgs::default().within(Bounds::new(lower.to_vec(), upper.to_vec())?).minimize(&problem, 0.0)?;
+    assert!(best.cost < 0.5 * start, "{} of {start} at {:?}", best.cost, best.m);
+    Ok(())
+}

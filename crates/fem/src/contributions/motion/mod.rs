@@ -1,0 +1,205 @@
+//! [`Motion`]: a surface held rigid that moves and turns.
+
+mod rotation;
+
+use super::catalogue::{Form, Key, KeyKind};
+use super::{Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use nastic_energy::Slot;
+use nastic_linear::SparseMatrix;
+use nastic_mesh::{GroupNames, Mesh};
+use nastic_tensor::Vec3;
+use rotation::{rotation, spin};
+use std::sync::Arc;
+
+/// A surface that is held and moves as a rigid body: `u = t + (R(theta) - 1) (X - c)` at its nodes, with the translation t (m), the
+/// rotation vector theta (radians: about its direction, by its length) and the centre c in the reference body.
+///
+/// Its controls are t and theta. They act through the supported unknowns alone: the derivative of a functional by them is
+/// `(j_u + K^T lambda)_D . du_D/d(t, theta)`, D the nodes of the surface. Continuation scales t and theta.
+///
+/// In plane strain t is in the plane and theta along z. Source: docs/model.md section 4.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    name: String,
+    surface: GroupNames,
+    centre: Option<[f64; 3]>,
+}
+
+impl Motion {
+    /// The motion of a named surface or node set, or of several together, about the mean of their nodes; `name` is that of the control.
+    pub fn of(name: &str, surface: impl Into<GroupNames>) -> Self {
+        Motion { name: name.to_owned(), surface: surface.into(), centre: None }
+    }
+
+    /// Turns it about another point, which need not be one of the body.
+    #[must_use]
+    pub fn about(mut self, centre: [f64; 3]) -> Self {
+        self.centre = Some(centre);
+        self
+    }
+
+    /// The names of what moves.
+    pub(crate) fn surface(&self) -> &GroupNames {
+        &self.surface
+    }
+
+    /// The contribution on the nodes of the surface.
+    ///
+    /// # Errors
+    /// No nodes; a centre that is not finite.
+    pub(crate) fn on(&self, mesh: &Arc<Mesh>, nodes: Vec<u32>) -> Result<RigidSurface, FemError> {
+        let refuse = |what: &str| Err(FemError::Meaningless { what: format!("motion \"{}\" {what}", self.name) });
+        if nodes.is_empty() {
+            return refuse("has no nodes to move");
+        }
+        let position = |node: &u32| Vec3::from(mesh.points()[*node as usize]);
+        let mean = nodes.iter().map(position).sum::<Vec3>() / nodes.len() as f64;
+        let centre = self.centre.map_or(mean, Vec3::from);
+        if centre.iter().any(|x| !x.is_finite()) {
+            return refuse("has a centre that is not finite");
+        }
+        let arms: Vec<(u32, Vec3)> = nodes.iter().map(|node| (*node, position(node) - centre)).collect();
+        Ok(RigidSurface { name: self.name.clone(), dim: mesh.dim(), arms })
+    }
+}
+
+/// How it stands in case files.
+pub(super) const FORM: Form = Form {
+    about: "A surface that is held and moves as a rigid body.",
+    keys: &[
+        Key { name: "surface", about: "Surface or node set of the mesh, or several.", kind: KeyKind::Union },
+        Key {
+            name: "centre",
+            about: "Point of the reference body about which it turns; the mean of its nodes if left out.",
+            kind: KeyKind::Place,
+        },
+    ],
+    slots: &SLOTS,
+    passive: true,
+    add: |solid, name, values| {
+        let mut motion = Motion::of(name, values.names.get("surface").cloned().unwrap_or_default());
+        motion.centre = values.places.get("centre").copied();
+        solid.motion(motion)
+    },
+};
+
+const TRANSLATION: [Slot; 3] = Slot::vector("translation", "m");
+const ROTATION: [Slot; 3] = Slot::vector("rotation", "1");
+const SLOTS: [Slot; 6] = [TRANSLATION[0], TRANSLATION[1], TRANSLATION[2], ROTATION[0], ROTATION[1], ROTATION[2]];
+
+/// The contribution of a [`Motion`], which has no residual of its own.
+#[derive(Debug)]
+pub(crate) struct RigidSurface {
+    name: String,
+    dim: usize,
+    /// Nodes, each with X - c.
+    arms: Vec<(u32, Vec3)>,
+}
+
+impl RigidSurface {
+    fn vectors(value: impl Fn(usize) -> f64) -> [Vec3; 2] {
+        [Vec3::from_fn(|i, _| value(i)), Vec3::from_fn(|i, _| value(3 + i))]
+    }
+
+    /// Calls with every held unknown and its value, given the displacement at the end of an arm.
+    fn each(&self, displacement: impl Fn(&Vec3) -> Vec3, mut call: impl FnMut(usize, f64)) {
+        for (node, arm) in &self.arms {
+            let u = displacement(arm);
+            (0..self.dim).for_each(|i| call(self.dim * *node as usize + i, u[i]));
+        }
+    }
+}
+
+impl Contribution for RigidSurface {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn slots(&self) -> &[Slot] {
+        &SLOTS
+    }
+
+    fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
+        let out_of_plane = [2, 3, 4].into_iter().any(|slot| values.get(slot).is_some_and(|value| *value != 0.0));
+        if self.dim == 3 || !out_of_plane {
+            return Ok(());
+        }
+        let what = format!(
+            "motion \"{}\" leaves the plane of a plane-strain body; its translation has the components x and y, its rotation z",
+            self.name
+        );
+        Err(FemError::Meaningless { what })
+    }
+
+    fn held(&self) -> Vec<u32> {
+        let dim = self.dim as u32;
+        self.arms.iter().flat_map(|(node, _)| (0..dim).map(move |i| dim * node + i)).collect()
+    }
+
+    fn prescribe(&self, at: &Instant, u: &mut [f64]) {
+        let [t, theta] = Self::vectors(|slot| at.control(slot));
+        let r = rotation(&theta);
+        self.each(|arm| t + (r * arm - arm), |dof, value| u[dof] = value);
+    }
+
+    fn add_prescribed_change(&self, at: &Instant, v: &Controls, du: &mut [f64]) {
+        let [_, theta] = Self::vectors(|slot| at.control(slot));
+        let [dt, dtheta] = Self::vectors(|slot| at.slot_of(v, slot));
+        let (r, omega) = (rotation(&theta), spin(&theta) * dtheta);
+        self.each(|arm| dt + omega.cross(&(r * arm)), |dof, value| du[dof] += value);
+    }
+
+    fn prescribed_vjp(&self, at: &Instant, force: &[f64], into: &mut Sensitivities) {
+        let [_, theta] = Self::vectors(|slot| at.control(slot));
+        let r = rotation(&theta);
+        let (mut sum, mut moment) = (Vec3::zeros(), Vec3::zeros());
+        for (node, arm) in &self.arms {
+            let mut own = Vec3::zeros();
+            (0..self.dim).for_each(|i| own[i] = force[self.dim * *node as usize + i]);
+            sum += own;
+            moment += (r * arm).cross(&own);
+        }
+        let by_rotation = spin(&theta).transpose() * moment;
+        for i in 0..3 {
+            // what leaves the plane of a plane-strain body is no control
+            let (plane, axis) = (self.dim == 3 || i < 2, self.dim == 3 || i == 2);
+            into.add_control(at, i, if plane { sum[i] } else { 0.0 });
+            into.add_control(at, 3 + i, if axis { by_rotation[i] } else { 0.0 });
+        }
+    }
+
+    fn prescribes_along_a_line(&self, at: &Instant, v: &Controls) -> bool {
+        (3..6).all(|slot| at.slot_of(v, slot) == 0.0)
+    }
+
+    fn add_residual(&self, _: &Instant, _: Demand, _: &mut Sums) -> Result<(), InvertedAt> {
+        Ok(())
+    }
+
+    fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        Ok(())
+    }
+
+    fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, InvertedAt> {
+        Ok(true)
+    }
+
+    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), InvertedAt> {
+        Ok(())
+    }
+
+    fn add_control_product(&self, _: &Instant, _: &Controls, _: &mut [f64]) -> Result<(), SecondDerivativeError> {
+        Ok(())
+    }
+
+    fn second_vjp(
+        &self,
+        _: &Instant,
+        _: &[f64],
+        _: &Increment,
+        _: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        Ok(())
+    }
+}

@@ -1,0 +1,225 @@
+//! [`TendonForce`]: the contribution of a tendon.
+
+use super::guides::Guides;
+use crate::contributions::{
+    Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
+};
+use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use nastic_energy::Slot;
+use nastic_linear::SparseMatrix;
+use nastic_mesh::Polyline;
+use nastic_numeric::vector::{axpy, dot};
+
+/// What is given of a tendon.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Drive {
+    /// Its tension.
+    Tension,
+    /// By how much it is drawn in, of an elastic one.
+    Pull { stiffness: f64 },
+}
+
+impl Drive {
+    pub const TENSION: [Slot; 1] = [Slot::pulling("tension", "N")];
+    pub const PULL: [Slot; 1] = [Slot::scalar("pull", "m")];
+}
+
+/// The contribution of a [`Tendon`](super::Tendon).
+#[derive(Debug)]
+pub(crate) struct TendonForce {
+    name: String,
+    guides: Guides,
+    reference_length: f64,
+    drive: Drive,
+}
+
+/// The tension N and its derivatives.
+#[derive(Debug, Clone, Copy)]
+struct Tension {
+    value: f64,
+    by_length: f64,
+    by_control: f64,
+}
+
+impl TendonForce {
+    pub(super) fn new(name: &str, guides: Guides, drive: Drive) -> Self {
+        let reference_length = guides.reference_length();
+        TendonForce { name: name.to_owned(), guides, reference_length, drive }
+    }
+
+    /// `L - (L0 - s)`: the elongation of an elastic cable, negative where it is slack.
+    fn elongation(&self, length: f64, pull: f64) -> f64 {
+        length - self.reference_length + pull
+    }
+
+    fn tension(&self, at: &Instant) -> Tension {
+        let control = at.control(0);
+        match self.drive {
+            Drive::Tension => Tension { value: control, by_length: 0.0, by_control: 1.0 },
+            Drive::Pull { stiffness } => {
+                let elongation = self.elongation(self.guides.length(at.u), control);
+                if elongation > 0.0 {
+                    Tension { value: stiffness * elongation, by_length: stiffness, by_control: stiffness }
+                } else {
+                    Tension { value: 0.0, by_length: 0.0, by_control: 0.0 }
+                }
+            }
+        }
+    }
+
+    /// The potential, and the sum of absolute values that its rounding is measured against.
+    fn potential(&self, at: &Instant) -> (f64, f64) {
+        let (length, control) = (self.guides.length(at.u), at.control(0));
+        match self.drive {
+            Drive::Tension => (control * length, (control * length).abs()),
+            Drive::Pull { stiffness } => {
+                let elongation = self.elongation(length, control).max(0.0);
+                let value = 0.5 * stiffness * elongation * elongation;
+                (value, value + stiffness * elongation * (length + self.reference_length + control.abs()))
+            }
+        }
+    }
+}
+
+impl Contribution for TendonForce {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn couplings(&self) -> Vec<Vec<u32>> {
+        match self.drive {
+            Drive::Tension => self.guides.neighbours(),
+            Drive::Pull { .. } => vec![self.guides.nodes()],
+        }
+    }
+
+    fn slots(&self) -> &[Slot] {
+        match self.drive {
+            Drive::Tension => &Drive::TENSION,
+            Drive::Pull { .. } => &Drive::PULL,
+        }
+    }
+
+    fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
+        match (self.drive, values) {
+            (Drive::Tension, [tension]) if *tension < 0.0 => Err(FemError::Meaningless {
+                what: format!(
+                    "the tension of tendon \"{}\" is {tension}, but it only pulls: it must not be negative",
+                    self.name
+                ),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn measure(&self) -> f64 {
+        self.reference_length
+    }
+
+    fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
+        let tension = self.tension(at).value;
+        let mut out = vec![
+            ("tension", tension),
+            ("length", self.guides.length(at.u)),
+            ("reference_length", self.reference_length),
+            ("slack", f64::from(tension <= 0.0)),
+        ];
+        if let Drive::Pull { .. } = self.drive {
+            out.push(("pull", at.control(0)));
+        }
+        out
+    }
+
+    fn lines(&self, at: &Instant) -> Vec<Polyline> {
+        let quantities = vec![("tension", self.tension(at).value)];
+        vec![Polyline { name: self.name.clone(), points: self.guides.positions(at.u), quantities }]
+    }
+
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+        let tension = self.tension(at).value;
+        if tension == 0.0 {
+            return Ok(());
+        }
+        if demand.energy {
+            let (value, scale) = self.potential(at);
+            sums.energy += value;
+            sums.energy_scale += scale;
+        }
+        if demand.force {
+            for segment in self.guides.segments(at.u) {
+                segment.each_end(tension * segment.direction, |dof, force| {
+                    sums.force[dof] += force;
+                    sums.force_scale[dof] += force.abs();
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        let tension = self.tension(at);
+        if tension.value != 0.0 {
+            self.guides.add_curvature(at.u, tension.value, tangent);
+        }
+        if tension.by_length != 0.0 {
+            self.guides.add_gradient_product(at.u, tension.by_length, tangent);
+        }
+        Ok(())
+    }
+
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+        let tension = self.tension(at);
+        if tension.value != 0.0 {
+            self.guides.add_curvature_product(at.u, tension.value, v, out);
+        }
+        if tension.by_length != 0.0 {
+            axpy(tension.by_length * self.guides.slope(at.u, v), &self.guides.gradient(at.u), out);
+        }
+        Ok(true)
+    }
+
+    /// No guide passes the next one, where the direction of the tendon jumps.
+    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+        Ok(self.guides.segments(at.u).map(|segment| segment.max_step(du)).fold(1.0, f64::min))
+    }
+
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+        into.add_control(at, 0, self.tension(at).by_control * self.guides.slope(at.u, lambda));
+        Ok(())
+    }
+
+    fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
+        let change = self.tension(at).by_control * at.slot_of(v, 0);
+        if change != 0.0 {
+            axpy(change, &self.guides.gradient(at.u), out);
+        }
+        Ok(())
+    }
+
+    /// With `a = L_u lambda`, `b = L_u du`, `dN = N_L b + N_m v`: the change of `N a` derived by u,
+    /// `N L_uuu[lambda, du] + dN L_uu lambda + N_L (a L_uu du + (lambda . L_uu du) L_u)`, and by the control, `N_m lambda . L_uu du`.
+    fn second_vjp(
+        &self,
+        at: &Instant,
+        lambda: &[f64],
+        along: &Increment,
+        into: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        let (tension, guides) = (self.tension(at), &self.guides);
+        let mut of_du = vec![0.0; lambda.len()];
+        guides.add_curvature_product(at.u, 1.0, along.u, &mut of_du);
+        let mixed = dot(lambda, &of_du);
+        into.add_control(at, 0, tension.by_control * mixed);
+        let change =
+            tension.by_length * guides.slope(at.u, along.u) + tension.by_control * at.slot_of(along.controls, 0);
+        guides.add_curvature_product(at.u, change, lambda, &mut into.u);
+        if tension.value != 0.0 {
+            guides.add_third_product(at.u, tension.value, [lambda, along.u], &mut into.u);
+        }
+        if tension.by_length != 0.0 {
+            axpy(tension.by_length * guides.slope(at.u, lambda), &of_du, &mut into.u);
+            axpy(tension.by_length * mixed, &guides.gradient(at.u), &mut into.u);
+        }
+        Ok(())
+    }
+}

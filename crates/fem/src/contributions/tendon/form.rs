@@ -1,0 +1,48 @@
+//! How tendons stand in case files.
+
+use super::Tendon;
+use super::force::Drive;
+use crate::contributions::catalogue::{Form, Key, KeyKind, Values};
+use crate::error::FemError;
+use crate::solid::Solid;
+
+const POINTS: Key = Key {
+    name: "points",
+    about: "Points of the reference body that the tendon passes, in order, straight between them: positions, or names of node sets, whose mean it is.",
+    kind: KeyKind::Points,
+};
+const SPACING: Key = Key {
+    name: "spacing",
+    about: "Adds guides on the straight lines between the points, no farther apart than this.",
+    kind: KeyKind::Number { unit: "m", required: false },
+};
+const STIFFNESS: Key = Key {
+    name: "stiffness",
+    about: "Force per elongation of the whole cable.",
+    kind: KeyKind::Number { unit: "N/m", required: true },
+};
+
+/// Under a given tension.
+pub(in crate::contributions) const TENSION: Form = Form {
+    about: "A tendon through points of the body, under a given tension.",
+    keys: &[POINTS, SPACING],
+    slots: &Drive::TENSION,
+    passive: false,
+    add,
+};
+
+/// Elastic, drawn in by a given length.
+pub(in crate::contributions) const PULL: Form = Form {
+    about: "An elastic tendon through points of the body, drawn in by a given length; slack where it would have to push.",
+    keys: &[POINTS, SPACING, STIFFNESS],
+    slots: &Drive::PULL,
+    passive: true,
+    add,
+};
+
+fn add(solid: Solid, name: &str, values: &Values) -> Result<Solid, FemError> {
+    let mut tendon = Tendon::through(name, values.points.get("points").cloned().unwrap_or_default());
+    tendon.spacing = values.numbers.get("spacing").copied();
+    tendon.stiffness = values.numbers.get("stiffness").copied();
+    solid.tendon(tendon)
+}
