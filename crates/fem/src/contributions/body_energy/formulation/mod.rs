@@ -61,7 +61,7 @@ impl Formulation {
         }
     }
 
-    /// The kinds of cells that can have it: those it helps, and whose pressures it leaves determined.
+    /// The kinds of cells that can have it: those it helps.
     pub fn kinds(self) -> &'static [CellKind] {
         use CellKind::{Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6};
         match self {
