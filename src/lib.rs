@@ -71,7 +71,7 @@ pub mod prelude {
         Actuation, ConvexDensity, EnergyTerm, FiberTension, Field, Magnet, MagnetIsochoric, MagnetRotation,
         MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRivlin, Turgor,
     };
-    pub use crate::fem::{Cavity, Contribution, Discretization, Solid, SolveOptions, State};
+    pub use crate::fem::{Cavity, Contribution, Discretization, Formulation, Solid, SolveOptions, State};
     pub use crate::mesh::{CellKind, Mesh, Snapshot, box_mesh, rectangle};
     pub use crate::opt::{
         Ball, Best, Bounds, Lbfgs, Objective, Optimizer, Options, Outcome, Print, Problem, Product, ProjectedGradient,

@@ -80,16 +80,17 @@ fn the_stiffness_in_bending_is_estimated() {
 /// With the mean dilatation few cells over the thickness of a nearly incompressible body are too soft, long ones too stiff.
 #[test]
 fn the_softness_in_bending_is_estimated() {
-    let cases: [(&str, &str, &[f64], &[usize], f64); 7] = [
-        ("hex8", "hex27", &[1.0, 0.1, 0.1], &[50, 1, 1], 0.499),
-        ("hex8", "hex27", &[1.0, 0.05, 0.05], &[20, 1, 1], 0.49),
-        ("hex8", "hex27", &[1.0, 0.05, 0.05], &[10, 2, 2], 0.499),
-        ("quad4", "quad9", &[1.0, 0.1], &[50, 1], 0.499),
-        ("quad4", "quad9", &[1.0, 0.05], &[60, 1], 0.3),
-        ("quad4", "quad9", &[1.0, 0.05], &[10, 2], 0.499),
-        ("quad4", "quad9", &[1.0, 0.01], &[10, 2], 0.499),
+    let cases: [(&[f64], &[usize], f64); 7] = [
+        (&[1.0, 0.1, 0.1], &[50, 1, 1], 0.499),
+        (&[1.0, 0.05, 0.05], &[20, 1, 1], 0.49),
+        (&[1.0, 0.05, 0.05], &[10, 2, 2], 0.499),
+        (&[1.0, 0.1], &[50, 1], 0.499),
+        (&[1.0, 0.05], &[60, 1], 0.3),
+        (&[1.0, 0.05], &[10, 2], 0.499),
+        (&[1.0, 0.01], &[10, 2], 0.499),
     ];
-    for (first, second, size, cells, poisson) in cases {
+    for (size, cells, poisson) in cases {
+        let (first, second) = if size.len() == 3 { ("hex8", "hex27") } else { ("quad4", "quad9") };
         let (moved, told) = tip_by("mean_dilatation", first, size, cells, poisson);
         let fine: Vec<usize> = cells.iter().map(|n| 2 * n).collect();
         let (right, silent) = tip_by("linear_dilatation", second, size, &fine, poisson);

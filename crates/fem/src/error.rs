@@ -17,7 +17,7 @@ pub struct InvertedAt {
     pub cell: usize,
     /// Quadrature point within the cell.
     pub point: usize,
-    /// The determinant found (not a number when the displacement was not finite, or a law named a point that the cell does not have).
+    /// The determinant found, of F or of its projection onto the cell (not a number when the displacement was not finite, or a law named a point that the cell does not have).
     pub jacobian: f64,
     /// What the law says, where J > 0.
     pub outside: Option<Outside>,
