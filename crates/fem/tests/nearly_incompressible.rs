@@ -144,27 +144,26 @@ fn tables() -> Outcome {
         println!("bar, nu {poisson}: {:.4} mm", 1e3 * limit);
         for member in members(3) {
             let bars = meshes(member.0).into_iter().map(|cells| bar(member, cells, poisson));
-            print_errors(member, limit, bars)?;
+            println!("{}", errors(member, limit, bars)?);
         }
     }
     let limit = cook((CellKind::Quad9, Formulation::LinearDilatation), 64)?.moved()?;
     println!("Cook's membrane: {limit:.4} mm");
     for member in members(2).into_iter().chain(members(3)) {
         let first = if member.0.order() == 1 { 8 } else { 4 };
-        print_errors(member, limit, [1, 2, 4].into_iter().map(|k| cook(member, first * k)))?;
+        println!("{}", errors(member, limit, [1, 2, 4].into_iter().map(|k| cook(member, first * k)))?);
     }
     Ok(())
 }
 
 /// Errors of the deflection, and Newton iterations, on finer and finer meshes.
-fn print_errors(member: Member, limit: f64, problems: impl Iterator<Item = Outcome<Problem>>) -> Outcome {
+fn errors(member: Member, limit: f64, problems: impl Iterator<Item = Outcome<Problem>>) -> Outcome<String> {
     let mut line = format!("  {} {}:", member.0, member.1);
     for problem in problems {
         let (moved, state) = problem?.solve(&SolveOptions::default())?;
         line += &format!(" {:+.2} % ({})", 100.0 * (moved / limit - 1.0), state.report.newton);
     }
-    println!("{line}");
-    Ok(())
+    Ok(line)
 }
 
 #[test]
