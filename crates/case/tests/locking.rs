@@ -26,7 +26,14 @@ fn bar(element: &str, size: &[f64], cells: &[usize], poisson: f64) -> Value {
 
 /// How far the tip moves, and what is warned of elements.
 fn tip(element: &str, size: &[f64], cells: &[usize], poisson: f64) -> (f64, Option<String>) {
-    let case = bar(element, size, cells, poisson).to_string();
+    tip_by("standard", element, size, cells, poisson)
+}
+
+/// The same with a formulation.
+fn tip_by(formulation: &str, element: &str, size: &[f64], cells: &[usize], poisson: f64) -> (f64, Option<String>) {
+    let mut case = bar(element, size, cells, poisson);
+    case["materials"][0]["formulation"] = json!(formulation);
+    let case = case.to_string();
     let result = Place::new().run(Command::Solve, &case, &[]).unwrap_or_else(|error| panic!("{error}")).result;
     let warnings = result["warnings"].as_array().unwrap().iter().filter(|warning| warning["code"] == "locking");
     let locking: Vec<String> = warnings.map(|warning| warning["message"].as_str().unwrap().to_owned()).collect();
@@ -67,6 +74,32 @@ fn the_stiffness_in_bending_is_estimated() {
         println!("{first} {size:?} {cells:?} nu {poisson}: estimated {estimate:.3}, measured {measured:.3}");
         let share = (estimate - 1.0) / (measured - 1.0);
         assert!((1.0 / 1.1..1.1).contains(&share), "{estimate} estimated, {measured} measured: {message}");
+    }
+}
+
+/// With the mean dilatation few cells over the thickness of a nearly incompressible body are too soft, long ones too stiff.
+#[test]
+fn the_softness_in_bending_is_estimated() {
+    let cases: [(&[f64], &[usize], f64); 7] = [
+        (&[1.0, 0.1, 0.1], &[50, 1, 1], 0.499),
+        (&[1.0, 0.05, 0.05], &[20, 1, 1], 0.49),
+        (&[1.0, 0.05, 0.05], &[10, 2, 2], 0.499),
+        (&[1.0, 0.1], &[50, 1], 0.499),
+        (&[1.0, 0.05], &[60, 1], 0.3),
+        (&[1.0, 0.05], &[10, 2], 0.499),
+        (&[1.0, 0.01], &[10, 2], 0.499),
+    ];
+    for (size, cells, poisson) in cases {
+        let (first, second) = if size.len() == 3 { ("hex8", "hex27") } else { ("quad4", "quad9") };
+        let (moved, told) = tip_by("mean_dilatation", first, size, cells, poisson);
+        let fine: Vec<usize> = cells.iter().map(|n| 2 * n).collect();
+        let (right, silent) = tip_by("linear_dilatation", second, size, &fine, poisson);
+        assert_eq!(silent, None, "{second}");
+        let message = told.unwrap_or_else(|| panic!("{first} {cells:?} of {size:?}: {}", right / moved));
+        let stiffness = if message.contains("too soft") { 1.0 / estimated(&message) } else { estimated(&message) };
+        println!("{first} {size:?} {cells:?} nu {poisson}: estimated {stiffness:.3}, measured {:.3}", right / moved);
+        let share = (stiffness - 1.0) / (right / moved - 1.0);
+        assert!((1.0 / 1.2..1.2).contains(&share), "{stiffness} estimated, {} measured: {message}", right / moved);
     }
 }
 

@@ -54,6 +54,15 @@ fn locking_elements() {
         let case = with(&with(&soft, "quad9", element), r#""poisson": 0.3"#, &format!(r#""poisson": {poisson}"#));
         assert_eq!(warnings(&case).contains("[locking]"), locks, "{element} at {poisson}: {}", warnings(&case));
     }
+    // what helps is named, and then there is nothing to tell
+    let nearly = with(&soft, r#""poisson": 0.3"#, r#""poisson": 0.499"#);
+    for element in ["quad4", "tri6"] {
+        let case = with(&nearly, "quad9", element);
+        let told = warnings(&case);
+        assert!(told.contains("take \"formulation\": \"mean_dilatation\" in the material"), "{element}: {told}");
+        let cured = with(&case, r#""poisson": 0.499"#, r#""poisson": 0.499, "formulation": "mean_dilatation""#);
+        assert_eq!(warnings(&cured), "", "{element}");
+    }
 }
 
 /// Two unit cells side by side that do not share their nodes, the second with a corner drawn out to a point.

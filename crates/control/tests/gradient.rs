@@ -5,7 +5,7 @@ use nastic_control::{
     SmoothedHausdorff, Space, Target, Tracking,
 };
 use nastic_energy::{FiberTension, MooneyRivlin, TransverseMooneyRivlin};
-use nastic_fem::{Solid, StateError};
+use nastic_fem::{Formulation, Solid, StateError};
 use nastic_linear::{FactorError, LinearError};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Bounds, Failed, Objective, Problem, Request, Taylor, Verdict};
@@ -107,6 +107,35 @@ fn taylor_orders_of_every_space() -> Outcome {
             .cost(ControlNorm::of("tension", 1e-10)?)?
             .cost(ControlSmoothness::of("tension", 1e-11)?)?;
         assert_taylor(&problem, space.name())?;
+    }
+    Ok(())
+}
+
+/// With F projected, of a stiff volume: two meshes of every formulation under fibre tensions, second derivatives too.
+#[test]
+fn taylor_orders_of_every_formulation() -> Outcome {
+    for formulation in Formulation::ALL.into_iter().filter(|formulation| *formulation != Formulation::Standard) {
+        let kinds = formulation.kinds().iter().filter(|kind| kind.dim() == 3);
+        for (&kind, n) in kinds.flat_map(|kind| {
+            if kind.order() > 1 {
+                [(kind, [5, 1, 1]), (kind, [7, 2, 1])]
+            } else {
+                [(kind, [10, 2, 2]), (kind, [14, 3, 3])]
+            }
+        }) {
+            let solid = Solid::new(box_mesh([1.0, 0.2, 0.2], n, kind)?)?
+                .material("body", MooneyRivlin::new(1e5, 2e4, 5e7)?)?
+                .formulation("body", formulation)?
+                .actuate("body", "tension", FiberTension::along(Vec3::new(0.8, 0.0, 0.6))?)?
+                .clamp("x-")?;
+            let problem =
+                Reduced::new(solid).control("tension", Space::Cell)?.cost(Tracking::surface("x+", lifted_face()))?;
+            assert_taylor(&problem, &format!("{formulation}, {kind} {n:?}"))?;
+            let m: Vec<f64> = (0..problem.layout().len()).map(|i| -2e4 - 1e4 * ((i * 37 % 11) as f64 / 11.0)).collect();
+            let taylor = Taylor { second: true, directions: 1, ..Taylor::default() };
+            let report = taylor.test(&problem, &Bounds::new(-4e5, 1.9e5)?, &m)?;
+            assert!(matches!(report.second_verdict(), Some(Verdict::Right)), "{formulation}, {kind} {n:?}: {report}");
+        }
     }
     Ok(())
 }

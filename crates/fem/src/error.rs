@@ -1,11 +1,12 @@
 //! Errors of building a problem and of solving it.
 
+use crate::contributions::body_energy::formulation::Formulation;
 use crate::contributions::body_energy::tensions::ExcessTension;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::solution::state::State;
 use nastic_energy::{EnergyError, Outside};
 use nastic_linear::{LinearError, StructureError};
-use nastic_mesh::MeshError;
+use nastic_mesh::{CellKind, MeshError};
 use std::fmt;
 
 /// A deformation gradient at which no law is evaluated: inverted, J <= 0, or beyond the domain of a law with a limit of its own.
@@ -16,7 +17,7 @@ pub struct InvertedAt {
     pub cell: usize,
     /// Quadrature point within the cell.
     pub point: usize,
-    /// The determinant found (not a number when the displacement was not finite, or a law named a point that the cell does not have).
+    /// The determinant found, of F or of its projection onto the cell (not a number when the displacement was not finite, or a law named a point that the cell does not have).
     pub jacobian: f64,
     /// What the law says, where J > 0.
     pub outside: Option<Outside>,
@@ -109,6 +110,28 @@ pub enum FemError {
         /// Value refused.
         new: f64,
     },
+    /// A formulation that cells of a kind cannot have.
+    #[error("{}", formulation_refused(*.cell, *.kind, *.formulation))]
+    Formulation {
+        /// The first cell of that kind.
+        cell: usize,
+        /// Its kind.
+        kind: CellKind,
+        /// The formulation.
+        formulation: Formulation,
+    },
+    /// Two formulations for one cell.
+    #[error(
+        "cell {cell} is to have the formulation {later}, and has {earlier} already; choose one for all laws of a region"
+    )]
+    FormulationConflict {
+        /// The first such cell.
+        cell: usize,
+        /// What it has.
+        earlier: Formulation,
+        /// What was refused.
+        later: Formulation,
+    },
     /// A support or load that names nothing to act on, or a component the dimension lacks.
     #[error("{what}")]
     Meaningless {
@@ -135,6 +158,16 @@ pub enum FemError {
         /// Its value.
         value: f64,
     },
+}
+
+fn formulation_refused(cell: usize, kind: CellKind, formulation: Formulation) -> String {
+    let names: Vec<&str> = formulation.kinds().iter().map(|kind| kind.name()).collect();
+    let instead = match Formulation::nearly_incompressible(kind) {
+        Some(other) => format!("{} cells take {other}", kind.name()),
+        None => format!("mesh the region with {} cells", names.join(" or ")),
+    };
+    let (kind, names) = (kind.name(), names.join(", "));
+    format!("cell {cell} is a {kind}, and the formulation {formulation} is one of {names}; {instead}")
 }
 
 /// Why a residual has no second derivatives.

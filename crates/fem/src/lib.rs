@@ -16,6 +16,7 @@ mod solution;
 pub use adjoint::Adjoint;
 pub use adjoint::reverse_sweep::{StatePartials, Swept};
 pub use adjoint::second_order::{AdjointChange, SecondOrder};
+pub use contributions::body_energy::formulation::Formulation;
 pub use contributions::body_energy::point_peaks::PointPeak;
 pub use contributions::body_energy::tensions::ExcessTension;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};

@@ -2,6 +2,7 @@
 
 use crate::adjoint::Adjoint;
 use crate::contributions::Contribution;
+use crate::contributions::body_energy::formulation::Formulation;
 use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
 use crate::contributions::{Cavity, Foundation, Motion, Tendon};
@@ -69,6 +70,17 @@ impl Solid {
     ) -> Result<Self, FemError> {
         let cells = self.mesh().cells_of(&region.into())?;
         self.model.body.add_term(&cells, Arc::new(term))?;
+        Ok(self)
+    }
+
+    /// Chooses how the cells of a region, or of the union of several, represent volume changes. It holds for all laws and actuations there;
+    /// [`Formulation::Standard`] unless something is chosen.
+    ///
+    /// # Errors
+    /// The region's name is unknown, a cell is of a kind that cannot have the formulation, or has another one already.
+    pub fn formulation(mut self, region: impl Into<GroupNames>, formulation: Formulation) -> Result<Self, FemError> {
+        let cells = self.mesh().cells_of(&region.into())?;
+        self.model.body.set_formulation(&cells, formulation)?;
         Ok(self)
     }
 

@@ -1,11 +1,11 @@
 //! The sums over cells are derivatives of one another: force of energy, tangent of force, control derivative of force;
-//! for every element, law and actuation, far from the identity, on distorted meshes.
+//! for every element, law, actuation and formulation, far from the identity, on distorted meshes.
 
 mod common;
 
 use common::{Outcome, kinds, laws, nodal, noise, regular};
 use nastic_energy::catalogue;
-use nastic_fem::{Controls, Solid};
+use nastic_fem::{Controls, Formulation, Solid};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::Mat3;
@@ -60,7 +60,10 @@ fn solids(kind: CellKind) -> Outcome<Vec<(String, Solid, Controls)>> {
         for inputs in row.examples() {
             let solid = bare.clone().material("body", law.clone())?.actuate("body", "m", row.build(&inputs)?)?;
             let controls = controls(&solid, row.example.controls);
-            all.push((format!("{kind}, {} {inputs:?}", row.name), solid, controls));
+            for formulation in Formulation::ALL.into_iter().filter(|f| f.kinds().contains(&kind)) {
+                let solid = solid.clone().formulation("body", formulation)?;
+                all.push((format!("{kind}, {formulation}, {} {inputs:?}", row.name), solid, controls.clone()));
+            }
         }
     }
     Ok(all)

@@ -1,6 +1,7 @@
-//! How much too stiff first-order hexahedra and quadrilaterals are in bending.
+//! How much too stiff, or too soft, first-order hexahedra and quadrilaterals are in bending.
 
 use super::elements::Elastic;
+use nastic_fem::Formulation;
 use nastic_mesh::Column;
 
 /// A part of the body bends where it is so many times as long as thick.
@@ -32,9 +33,12 @@ impl Bending {
     /// G/E' = 1 / (2 (1 + nu)), C/E' - 1 = nu^2 / (1 - nu^2) of a bar (the width contracts freely), G/E' = (1 - nu) / 2, C/E' - 1 =
     /// nu^2 / (1 - 2 nu) in plane strain and of a sheet, whose width may hinder it from curving across. More cells over the thickness do not help against the shear, shorter ones do.
     ///
+    /// With the mean dilatation what changes over the thickness of a cell is resisted by its shape alone, which is too little: `C/E' - 1 =
+    /// 1 / (2 (1 + nu)) - 1` of a bar, `2 (1 - nu) / 3 - 1` of a sheet and `(1 - nu) / 2 - 1` in plane strain, all negative.
+    ///
     /// Source for one cell over the thickness: Cook, Malkus, Plesha, Witt, Concepts and Applications of Finite Element
     /// Analysis, 4th ed. (2002), section 3.6; MacNeal, Finite Elements: Their Design and Performance (1994), chapter 6.
-    pub fn worst(columns: &[Column], elastic: Elastic) -> Option<Self> {
+    pub fn worst(columns: &[Column], elastic: Elastic, formulation: Formulation) -> Option<Self> {
         let nu = elastic.poisson();
         let axes = 0..columns.len();
         let planes = axes.clone().flat_map(|i| axes.clone().filter(move |&j| i != j).map(move |j| (i, j)));
@@ -43,15 +47,24 @@ impl Bending {
             let (along, over) = (&columns[i], &columns[j]);
             let mut width = axes.clone().filter(|&k| k != i && k != j);
             let curves_across = width.any(|k| columns[k].length < SLENDER * over.length);
-            let (shear, contraction) = match curves_across {
-                true => (0.5 / (1.0 + nu), nu * nu / (1.0 - nu * nu)),
-                false => (0.5 * (1.0 - nu), nu * nu / (1.0 - 2.0 * nu)),
+            let shear = if curves_across { 0.5 / (1.0 + nu) } else { 0.5 * (1.0 - nu) };
+            let contraction = match (formulation, curves_across) {
+                (Formulation::MeanDilatation, true) => 0.5 / (1.0 + nu) - 1.0,
+                (Formulation::MeanDilatation, false) if columns.len() == 2 => 0.5 * (1.0 - nu) - 1.0,
+                (Formulation::MeanDilatation, false) => 2.0 * (1.0 - nu) / 3.0 - 1.0,
+                (_, true) => nu * nu / (1.0 - nu * nu),
+                (_, false) => nu * nu / (1.0 - 2.0 * nu),
             };
             let square = |extent: f64| (extent / over.length).powi(2);
             let (shear, contraction) = (shear * square(along.extent), contraction * square(over.extent));
-            let (factor, by_shear) = (1.0 + shear + contraction, shear >= contraction);
+            let (factor, by_shear) = (1.0 + shear + contraction, shear >= contraction && shear + contraction > 0.0);
             Self { factor, length: along.extent, thickness: over.length, layers: over.cells, by_shear }
         });
-        bent.max_by(|a, b| a.factor.total_cmp(&b.factor))
+        bent.max_by(|a, b| a.error().total_cmp(&b.error()))
+    }
+
+    /// How many times too stiff, or too soft.
+    pub fn error(&self) -> f64 {
+        self.factor.max(1.0 / self.factor)
     }
 }

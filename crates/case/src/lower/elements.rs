@@ -7,7 +7,7 @@ use crate::quantity::Dimension;
 use crate::schema::Case;
 use crate::warning::{CELL_SHAPE, LOCKING, UNMATCHED_INTERFACE};
 use nastic_energy::Place;
-use nastic_fem::Solid;
+use nastic_fem::{Formulation, Solid};
 use nastic_mesh::{CellKind, Column, GroupNames};
 
 /// Poisson's ratio from which fully integrated first-order quadrilaterals and hexahedra lock.
@@ -15,8 +15,8 @@ const NEARLY_INCOMPRESSIBLE: f64 = 0.4;
 /// Poisson's ratio from which second-order simplices lose 1.6 to 1.8 times what hexahedra and quadrilaterals do
 /// (docs/development/verification.md), rounding included.
 const INCOMPRESSIBLE: f64 = 0.499 - 1e-9;
-/// First-order cells that are so many times too stiff in bending are told of.
-const STIFF: f64 = 1.3;
+/// First-order cells that are so many times too stiff or too soft in bending are told of.
+const NOTABLE: f64 = 1.3;
 
 /// Small-strain moduli of all materials of a cell together, in the case's units.
 #[derive(Clone, Copy)]
@@ -54,7 +54,7 @@ pub(super) fn check(case: &Case, solid: &Solid, context: &mut Context<'_>) {
         let (locking, others): (Vec<u32>, Vec<u32>) = cells.iter().partition(|&&cell| all.lock(cell));
         let found = [
             why_locking(&all, &material.region, &locking, context),
-            stiff_in_bending(&all, &material.region, &others, &columns, context),
+            wrong_in_bending(&all, &material.region, &others, &columns, context),
         ];
         for message in found.into_iter().flatten() {
             context.warn(&LOCKING, &material.at.key("region"), message);
@@ -87,6 +87,10 @@ impl<'a> Cells<'a> {
         self.solid.mesh().cell(cell as usize).kind
     }
 
+    fn formulation(&self, cell: u32) -> Formulation {
+        self.solid.body().formulation_of(cell as usize)
+    }
+
     /// At the first quadrature point.
     fn elastic(&self, cell: u32) -> Option<Elastic> {
         Elastic::of(self.solid, cell as usize, self.points[cell as usize].0)
@@ -95,6 +99,9 @@ impl<'a> Cells<'a> {
     /// Whether a cell is of a kind that is too stiff for its material, whatever its shape.
     fn lock(&self, cell: u32) -> bool {
         let poisson = || self.elastic(cell).map(Elastic::poisson);
+        if self.formulation(cell) != Formulation::Standard {
+            return false;
+        }
         match self.kind(cell) {
             CellKind::Tet4 | CellKind::Tri3 => true,
             CellKind::Hex8 | CellKind::Quad4 => poisson().is_some_and(|nu| nu > NEARLY_INCOMPRESSIBLE),
@@ -126,11 +133,15 @@ fn why_locking(all: &Cells, region: &GroupNames, locking: &[u32], context: &Cont
     } else {
         "first-order elements cannot bend at nearly constant volume"
     };
-    Some(format!("{} {name} cells of \"{region}\"{at}: {why}", locking.len()))
+    let cure = match Formulation::nearly_incompressible(kind) {
+        Some(formulation) => format!("; take \"formulation\": \"{formulation}\" in the material"),
+        None => String::new(),
+    };
+    Some(format!("{} {name} cells of \"{region}\"{at}: {why}{cure}", locking.len()))
 }
 
-/// First-order hexahedra and quadrilaterals that are too long for the thickness of a slender body.
-fn stiff_in_bending(
+/// First-order hexahedra and quadrilaterals that are too long for the thickness of a slender body, or, with the mean dilatation, too thick.
+fn wrong_in_bending(
     all: &Cells,
     region: &GroupNames,
     cells: &[u32],
@@ -140,10 +151,11 @@ fn stiff_in_bending(
     let bent = |&cell: &u32| {
         let of_order_one = matches!(all.kind(cell), CellKind::Hex8 | CellKind::Quad4);
         let elastic = all.elastic(cell).filter(|_| of_order_one)?;
-        Some((cell, Bending::worst(&columns[cell as usize], elastic).filter(|bending| bending.factor > STIFF)?))
+        let bending = Bending::worst(&columns[cell as usize], elastic, all.formulation(cell))?;
+        (bending.error() > NOTABLE).then_some((cell, bending))
     };
-    let stiff: Vec<(u32, Bending)> = cells.iter().filter_map(bent).collect();
-    let (cell, worst) = stiff.iter().max_by(|a, b| a.1.factor.total_cmp(&b.1.factor))?;
+    let wrong: Vec<(u32, Bending)> = cells.iter().filter_map(bent).collect();
+    let (cell, worst) = wrong.iter().max_by(|a, b| a.1.error().total_cmp(&b.1.error()))?;
     let Bending { factor, length, thickness, layers, by_shear } = worst;
     let (name, unit) = (all.kind(*cell).name(), context.units.length().symbol);
     let cure = match by_shear {
@@ -151,9 +163,10 @@ fn stiff_in_bending(
         false => "more cells over the thickness help most",
     };
     let over = if *layers == 1 { "1 cell".to_owned() } else { format!("{layers} cells") };
+    let (wrongly, factor) = if *factor < 1.0 { ("soft", 1.0 / factor) } else { ("stiff", *factor) };
     Some(format!(
-        "{} {name} cells of \"{region}\" are too stiff in bending, cell {cell} about {factor:.3} times ({length:.3e} {unit} long, the \
+        "{} {name} cells of \"{region}\" are too {wrongly} in bending, cell {cell} about {factor:.3} times ({length:.3e} {unit} long, the \
          body {thickness:.3e} {unit} thick, {over} over it); {cure}",
-        stiff.len()
+        wrong.len()
     ))
 }

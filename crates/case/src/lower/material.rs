@@ -32,6 +32,11 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             );
             context.warn(&INPUT, &material.at.key("region"), message);
         }
+        if let Some(formulation) = material.formulation {
+            attempt(solid, &material.at.key("formulation"), context, |solid| {
+                solid.formulation(&material.region, formulation)
+            });
+        }
         let disc = solid.discretization().clone();
         let points = SamplePoints::of_body(case, &disc, &cells);
         let Some(inputs) = inputs(&material.parameters, &material.at, &points, context) else { continue };

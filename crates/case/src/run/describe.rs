@@ -24,6 +24,7 @@ use crate::result::summary::owner;
 use crate::schema::{Cost, Input, Metric, Parameter, Phi, Stage, Stages, VectorField};
 use nastic_control::EnsembleBlock;
 use nastic_energy::catalogue::{self, Takes};
+use nastic_fem::Formulation;
 use nastic_mesh::{CellKind, GroupNames};
 use nastic_opt::Constrained;
 use serde_json::{Map, Value, json};
@@ -112,7 +113,9 @@ pub(super) fn materials(problem: &CaseProblem) -> Vec<Line> {
     let of = |material: &crate::schema::Material| {
         let units = problem.units();
         let values = parameters(&material.parameters, &catalogue_of(material.law.forms), units);
-        line("materials", format!("{}: {} ({}); {values}", material.region, material.law.name, material.law.about))
+        let formulation = material.formulation.map(|chosen| format!("; formulation {chosen}")).unwrap_or_default();
+        let (region, law) = (&material.region, material.law);
+        line("materials", format!("{region}: {} ({}); {values}{formulation}", law.name, law.about))
     };
     problem.case.materials.iter().map(of).collect()
 }
@@ -380,7 +383,13 @@ pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
             .case
             .materials
             .iter()
-            .map(|m| law(problem, &m.region, m.law.name, &m.parameters, m.law.forms))
+            .map(|m| {
+                let mut entry = law(problem, &m.region, m.law.name, &m.parameters, m.law.forms);
+                if let Some(formulation) = m.formulation.or((!m.law.reinforcing).then(Formulation::default)) {
+                    entry["formulation"] = json!(formulation.name());
+                }
+                entry
+            })
             .collect(),
     );
     out.insert("existence".into(), existence::json(problem));

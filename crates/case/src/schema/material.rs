@@ -6,6 +6,7 @@ use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
 use crate::syntax::{At, Node};
 use nastic_energy::catalogue::MaterialRow;
+use nastic_fem::Formulation;
 use nastic_mesh::GroupNames;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
@@ -19,18 +20,21 @@ pub struct Material {
     pub region: GroupNames,
     /// The law.
     pub law: &'static MaterialRow,
+    /// How the cells represent changes of volume; where none is named, that of another law on them, or the standard one.
+    pub formulation: Option<Formulation>,
     /// Exactly the parameters of one of the law's forms, in the case's units.
     pub parameters: BTreeMap<&'static str, Input>,
 }
 
 impl PartialEq for Material {
     fn eq(&self, other: &Self) -> bool {
-        (&self.at, &self.region, self.law.name, &self.parameters)
-            == (&other.at, &other.region, other.law.name, &other.parameters)
+        (&self.at, &self.region, self.law.name, self.formulation, &self.parameters)
+            == (&other.at, &other.region, other.law.name, other.formulation, &other.parameters)
     }
 }
 
 const REGION: &str = "Region of the mesh.";
+const FORMULATION: &str = "How the cells represent changes of volume.";
 
 impl Read for Material {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
@@ -39,11 +43,16 @@ impl Read for Material {
         let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
         let name = reader.tag(node, at, "law", &names)?;
         let law = laws.iter().find(|law| law.name == name)?;
-        let known: Vec<&str> = ["region", "law"].into_iter().chain(keys(law.forms).iter().map(|p| p.name)).collect();
+        let known: Vec<&str> =
+            ["region", "law", "formulation"].into_iter().chain(keys(law.forms).iter().map(|p| p.name)).collect();
         let members = reader.members(node, at)?;
         reader.refuse_unknown(members, at, &known);
         let parameters = read_inputs(law.name, law.forms, node, at, reader);
-        Some(Self { at: at.clone(), region: region?, law, parameters: parameters? })
+        let formulation = match members.iter().find(|member| member.key == "formulation") {
+            Some(member) => Some(read_formulation(&member.node, &at.key("formulation"), reader)?),
+            None => None,
+        };
+        Some(Self { at: at.clone(), region: region?, law, formulation, parameters: parameters? })
     }
 
     fn schema(_: Want, definitions: &mut Definitions) -> Json {
@@ -55,10 +64,26 @@ impl Read for Material {
                     properties
                         .insert("region".into(), annotated(GroupNames::schema(Want::ANY, definitions), REGION, None));
                     properties.insert("law".into(), json!({ "const": law.name }));
+                    properties.insert("formulation".into(), definitions.part("Formulation", |_| formulation_schema()));
                     options.push(form_schema(law.about, properties, vec!["region", "law"], form, definitions));
                 }
             }
             json!({ "description": "A passive law on a region.", "oneOf": options })
         })
     }
+}
+
+fn read_formulation(node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Formulation> {
+    let name = reader.word(node, at, "formulation", &Formulation::ALL.map(Formulation::name))?;
+    Formulation::ALL.into_iter().find(|formulation| formulation.name() == name)
+}
+
+fn formulation_schema() -> Json {
+    let word = |formulation: Formulation| {
+        let kinds: Vec<&str> = formulation.kinds().iter().map(|kind| kind.name()).collect();
+        let about = format!("{} Elements: {}.", formulation.about(), kinds.join(", "));
+        json!({ "const": formulation.name(), "description": about })
+    };
+    let default = Formulation::default().name();
+    json!({ "description": FORMULATION, "oneOf": Formulation::ALL.map(word), "default": default })
 }

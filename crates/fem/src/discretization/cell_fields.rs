@@ -6,7 +6,8 @@ use crate::solution::state::State;
 use nastic_energy::{PointBatch, Response, Slots, Want};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
-/// Averages over the reference volume of each cell, in mesh order.
+/// Averages over the reference volume of each cell, in mesh order, of what its laws see and answer: F is that of the cell's
+/// [`Formulation`](crate::Formulation).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellFields {
     /// det F.
@@ -74,7 +75,7 @@ impl Solid {
     /// What the laws answer at the quadrature points, where all are within the domains of their laws.
     fn point_stresses(&self, state: &State) -> Result<PointStresses, InvertedAt> {
         let disc = self.discretization();
-        let kinematics = disc.points().kinematics(&state.u)?;
+        let kinematics = self.body().kinematics_of_laws(&state.u)?;
         let n = kinematics.len();
         let (mut piola, mut energy) = (vec![Mat3::zeros(); n], vec![0.0; n]);
         for (cell, (first, count)) in disc.points_of_cells().into_iter().enumerate() {

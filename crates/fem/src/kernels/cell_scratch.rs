@@ -3,6 +3,7 @@
 use crate::discretization::quadrature_points::{CellGroup, gather_rows};
 use crate::error::InvertedAt;
 use crate::kernels::cell_sweep::Cells;
+use crate::kernels::dilatation::Dilatation;
 use nastic_energy::Want;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
 
@@ -21,6 +22,8 @@ pub(crate) struct Scratch {
     pub driving: Vec<Mat3>,
     pub tangent: Vec<Tangent>,
     pub work: Vec<f64>,
+    /// Of formulations that change the dilatation.
+    pub dilatation: Dilatation,
 }
 
 impl Scratch {
@@ -38,6 +41,7 @@ impl Scratch {
             driving: Vec::new(),
             tangent: Vec::new(),
             work: Vec::new(),
+            dilatation: Dilatation::default(),
         }
     }
 

@@ -132,3 +132,24 @@ fn tile<S: Simd, const NP: usize, const R: usize, const V: usize>(
     }
     V
 }
+
+/// See [`CellKernel::add_symmetric_product`](super::CellKernel::add_symmetric_product).
+pub(super) fn add_symmetric_product<const N: usize, const NP: usize, const D: usize>(
+    a: &[f64],
+    b: &[f64],
+    matrix: &mut [f64],
+) {
+    let ((a, _), (b, _)) = (a.as_chunks::<NP>(), b.as_chunks::<NP>());
+    let (blocks, _) = matrix.as_chunks_mut::<NP>();
+    for i in 0..D {
+        for k in i..D {
+            let start = block_index(i, k, D) * N;
+            for (row, block) in blocks[start..start + N].iter_mut().enumerate() {
+                let (left, right) = (a[i][row], b[i][row]);
+                for (entry, (a, b)) in block.iter_mut().zip(a[k].iter().zip(&b[k])) {
+                    *entry += left * b + right * a;
+                }
+            }
+        }
+    }
+}

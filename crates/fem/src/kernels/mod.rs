@@ -8,6 +8,8 @@
 
 pub(crate) mod cell_scratch;
 pub(crate) mod cell_sweep;
+pub(crate) mod dilatation;
+pub(crate) mod hyper_dual;
 mod matrix;
 mod scatter;
 
@@ -35,6 +37,8 @@ pub trait CellKernel: Send + Sync {
     fn force(&self, g: &[f64], weighted_stress: &[Mat3], rows: &mut [f64]);
     /// Sets the element matrix; the tangents carry their quadrature weight. `scratch` is resized as needed.
     fn tangent(&self, g: &[f64], weighted: &[Tangent], matrix: &mut [f64], scratch: &mut Vec<f64>);
+    /// Adds `a b^T + b a^T` to the element matrix, for rows a and b.
+    fn add_symmetric_product(&self, a: &[f64], b: &[f64], matrix: &mut [f64]);
     /// Adds an element matrix to the node blocks of the global one, see
     /// [`Pattern::scatter_map`](nastic_linear::Pattern::scatter_map) for the codes.
     fn scatter(&self, map: &[u32], matrix: &[f64], values: &mut [f64]);
@@ -88,6 +92,10 @@ impl<const N: usize, const NP: usize, const D: usize> CellKernel for Sized<N, NP
 
     fn tangent(&self, g: &[f64], weighted: &[Tangent], matrix: &mut [f64], scratch: &mut Vec<f64>) {
         Arch::new().dispatch(Matrix::<N, NP, D> { g, tangents: weighted, matrix, scratch });
+    }
+
+    fn add_symmetric_product(&self, a: &[f64], b: &[f64], matrix: &mut [f64]) {
+        matrix::add_symmetric_product::<N, NP, D>(a, b, matrix);
     }
 
     fn scatter(&self, map: &[u32], matrix: &[f64], values: &mut [f64]) {

@@ -84,7 +84,9 @@ impl CellWork for Job<'_> {
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
         self.body.kinematics(self.cells, c, self.u, scratch)?;
         let Terms { energy, force, tangent } = self.demand;
-        let want = Want { energy, stress: force, tangent };
+        let formulation = self.body.arithmetic_of(id);
+        // tangents of formulations that are not affine have the stress in them
+        let want = Want { energy, stress: force || tangent && !formulation.is_affine(), tangent };
         scratch.clear(want);
         let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let mut out =
@@ -100,17 +102,20 @@ impl CellWork for Job<'_> {
         let weights = &self.body.discretization().points().weights()[first..first + points];
         result.energy = weights.iter().zip(&scratch.energy).map(|(w, e)| w * e).sum();
         result.energy_scale = weights.iter().zip(&scratch.energy).map(|(w, e)| w * e.abs()).sum();
-        result.min_j = scratch.kinematics.iter().map(Kinematics::j).fold(f64::INFINITY, f64::min);
+        let own = formulation.own(scratch).iter();
+        result.min_j = own.chain(&scratch.kinematics).map(Kinematics::j).fold(f64::INFINITY, f64::min);
         if want.stress {
             for ((stress, driving), &w) in scratch.stress.iter_mut().zip(&mut scratch.driving).zip(weights) {
                 *driving *= w;
                 *stress = *stress * w + *driving;
             }
+        }
+        if force {
             result.rows.fill(0.0);
-            self.body.formulation.add_force(self.cells, &scratch.g, &scratch.stress, &mut result.rows);
+            formulation.add_force(self.cells, scratch, &scratch.stress, &mut result.rows);
             result.scale.fill(0.0);
             if !composition.actuations.is_empty() {
-                self.body.formulation.add_force(self.cells, &scratch.g, &scratch.driving, &mut result.scale);
+                formulation.add_force(self.cells, scratch, &scratch.driving, &mut result.scale);
             }
             for (scale, total) in result.scale.iter_mut().zip(&result.rows) {
                 *scale = scale.abs() + (total - *scale).abs();
@@ -120,8 +125,7 @@ impl CellWork for Job<'_> {
             for (tangent, &w) in scratch.tangent.iter_mut().zip(weights) {
                 tangent.0.iter_mut().for_each(|c| *c *= w);
             }
-            let (tangents, work) = (&scratch.tangent, &mut scratch.work);
-            self.body.formulation.tangent(self.cells, &scratch.g, tangents, &mut result.matrix, work);
+            formulation.tangent(self.cells, scratch, &mut result.matrix);
         }
         Ok(())
     }

@@ -69,7 +69,7 @@ impl CellWork for Product<'_> {
         }
         let weights = &self.body.discretization().points().weights()[first..first + points];
         scratch.stress.iter_mut().zip(weights).for_each(|(stress, &w)| *stress *= w);
-        self.body.formulation.add_force(self.cells, &scratch.g, &scratch.stress, rows);
+        self.body.arithmetic_of(id).add_force(self.cells, scratch, &scratch.stress, rows);
         Ok(())
     }
 }

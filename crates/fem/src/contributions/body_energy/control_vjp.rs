@@ -68,7 +68,7 @@ impl CellWork for ControlVjp<'_> {
             return Ok(());
         }
         self.body.kinematics(self.cells, c, self.u, scratch)?;
-        self.body.formulation.change(self.cells, c, self.lambda, scratch);
+        self.body.arithmetic_of(id).change(self.cells, c, self.lambda, scratch);
         let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let weights = &self.body.discretization().points().weights()[first..first + points];
         for &k in &composition.actuations {

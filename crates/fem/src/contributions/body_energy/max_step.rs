@@ -1,6 +1,6 @@
 //! The longest step along which no point of a body is inverted.
 
-use crate::discretization::Discretization;
+use crate::contributions::body_energy::BodyEnergy;
 use crate::discretization::quadrature_points::gather_rows;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
@@ -16,7 +16,10 @@ const CHUNK: usize = 128;
 /// `det(F + t G) >= det F / 10` for all `t` in `[0, s]`, with `G = grad du`.
 ///
 /// The end of the step alone does not tell: a section reflected in two directions has J > 0 again.
-pub(crate) fn max_step(disc: &Discretization, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
+///
+/// The same holds of the determinant that laws see where their formulation projects it.
+pub(crate) fn max_step(body: &BodyEnergy, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
+    let disc = body.discretization();
     let dim = disc.dim();
     let mut least: f64 = 1.0;
     for part in &disc.points().parts {
@@ -26,13 +29,15 @@ pub(crate) fn max_step(disc: &Discretization, u: &[f64], du: &[f64], parallel: b
             let mut gradients = vec![Mat3::zeros(); part.table.points];
             let mut least: f64 = 1.0;
             for &c in cells {
-                scratch.move_to(Cells { part, kernel, dim }, c, u)?;
+                let formulation = body.arithmetic_of(part.cells[c] as usize);
+                formulation.kinematics(disc, Cells { part, kernel, dim }, c, u, &mut scratch)?;
                 gather_rows(du, part.nodes_of(c), dim, part.table.width, &mut scratch.rows);
                 gradients.fill(Mat3::zeros());
                 kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut gradients);
-                for (kinematics, g) in scratch.kinematics.iter().zip(&gradients) {
-                    least = least.min(volume_step(kinematics, g));
-                }
+                let volumes: Vec<[f64; 4]> =
+                    formulation.own(&scratch).iter().zip(&gradients).map(|(at, g)| volume_along(at, g)).collect();
+                let projected = projected(&volumes, |values| formulation.projected(&scratch, values));
+                least = volumes.iter().chain(&projected).fold(least, |least, volume| least.min(step_of(*volume)));
             }
             Ok(least)
         };
@@ -48,13 +53,27 @@ pub(crate) fn max_step(disc: &Discretization, u: &[f64], du: &[f64], parallel: b
     Ok(least)
 }
 
-/// The condition of [`max_step`] at one point, to a factor of two: the Bernstein coefficients of the cubic
-/// `det(F + t G) - det F / 10` on `[0, s]` are positive.
+/// The condition of [`max_step`] at one point.
 pub(crate) fn volume_step(at: &Kinematics, g: &Mat3) -> f64 {
-    let constant = 0.9 * at.j();
-    let linear = at.h().dot(g);
-    let quadratic = at.f().dot(&nastic_tensor::cofactor(g));
-    let cubic = g.determinant();
+    step_of(volume_along(at, g))
+}
+
+/// The coefficients of the cubic `det(F + t G)`.
+fn volume_along(at: &Kinematics, g: &Mat3) -> [f64; 4] {
+    [at.j(), at.h().dot(g), at.f().dot(&nastic_tensor::cofactor(g)), g.determinant()]
+}
+
+/// The coefficients of projected cubics; none where nothing is projected.
+fn projected(volumes: &[[f64; 4]], project: impl Fn(&[f64]) -> Option<Vec<f64>>) -> Vec<[f64; 4]> {
+    let coefficient = |k: usize| project(&volumes.iter().map(|volume| volume[k]).collect::<Vec<_>>());
+    let [Some(a), Some(b), Some(c), Some(d)] = std::array::from_fn(coefficient) else { return Vec::new() };
+    (0..volumes.len()).map(|q| [a[q], b[q], c[q], d[q]]).collect()
+}
+
+/// The longest `s <= 1` on which a cubic keeps a tenth of its value at zero, to a factor of two: the Bernstein coefficients of the
+/// difference on `[0, s]` are positive.
+fn step_of([volume, linear, quadratic, cubic]: [f64; 4]) -> f64 {
+    let constant = 0.9 * volume;
     let mut s = 1.0;
     for _ in 0..50 {
         let (b, c, d) = (linear * s, quadratic * s * s, cubic * s * s * s);

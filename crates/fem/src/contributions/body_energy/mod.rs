@@ -7,7 +7,7 @@ use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::Cells;
 use assembly::Terms;
-use formulation::{Formulation, Standard};
+use formulation::Formulation;
 use nastic_energy::{Actuation, EnergyTerm, Outside, PointBatch};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::GroupNames;
@@ -36,7 +36,6 @@ pub struct BodyEnergy {
     /// The distinct sets of terms, and which one each cell has.
     pub(crate) compositions: Vec<Composition>,
     pub(crate) of_cell: Vec<u32>,
-    pub(crate) formulation: &'static dyn Formulation,
 }
 
 /// An actuation by name and place.
@@ -56,19 +55,14 @@ pub struct AttachedActuation {
 pub(crate) struct Composition {
     pub terms: Vec<usize>,
     pub actuations: Vec<usize>,
+    /// None chosen: the standard one.
+    pub formulation: Option<Formulation>,
 }
 
 impl BodyEnergy {
     pub(crate) fn new(disc: Arc<Discretization>) -> Self {
         let of_cell = vec![0; disc.mesh().cells()];
-        BodyEnergy {
-            disc,
-            terms: vec![],
-            actuations: vec![],
-            compositions: vec![Composition::default()],
-            of_cell,
-            formulation: &Standard,
-        }
+        BodyEnergy { disc, terms: vec![], actuations: vec![], compositions: vec![Composition::default()], of_cell }
     }
 
     pub(crate) fn set_discretization(&mut self, disc: Arc<Discretization>) {
@@ -139,8 +133,8 @@ impl BodyEnergy {
     /// Shape gradients and kinematics of the c-th cell displaced by u, into the scratch: none that is inverted or beyond the
     /// domain of a law.
     fn kinematics(&self, cells: Cells, c: usize, u: &[f64], scratch: &mut Scratch) -> Result<(), InvertedAt> {
-        self.formulation.kinematics(cells, c, u, scratch)?;
         let (cell, first) = (cells.part.cells[c] as usize, cells.part.first_point(c));
+        self.arithmetic_of(cell).kinematics(&self.disc, cells, c, u, scratch)?;
         self.check_domain(&PointBatch { kinematics: &scratch.kinematics, cell, first })
     }
 
@@ -204,7 +198,7 @@ impl BodyEnergy {
     /// # Errors
     /// [`InvertedAt`] where J <= 0 at u itself.
     pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
-        max_step::max_step(&self.disc, u, du, parallel)
+        max_step::max_step(self, u, du, parallel)
     }
 
     /// `out = K(u, m) v`, the product with the tangent of [`evaluate_tangent`](Self::evaluate_tangent) (supports not
@@ -268,7 +262,7 @@ impl Contribution for BodyEnergy {
     }
 
     fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
-        max_step::max_step(&self.disc, at.u, du, at.parallel)
+        max_step::max_step(self, at.u, du, at.parallel)
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {

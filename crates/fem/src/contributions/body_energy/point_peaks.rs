@@ -45,7 +45,7 @@ impl BodyEnergy {
         if attached.law.point_quantity().is_none() {
             return Ok(None);
         }
-        let kinematics = self.discretization().points().kinematics(u)?;
+        let kinematics = self.kinematics_of_laws(u)?;
         let (ranges, width) = (self.discretization().points_of_cells(), controls.slots(k));
         let mut out = vec![0.0; kinematics.len()];
         for &cell in &attached.cells {

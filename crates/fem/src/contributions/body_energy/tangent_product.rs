@@ -2,14 +2,16 @@
 
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::assembly::slots;
+use crate::contributions::body_energy::formulation::StressJet;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
 use crate::kernels::kernel;
-use nastic_energy::{EnergyTerm, PointBatch, Slots};
+use nastic_energy::{EnergyTerm, PointBatch, Response, Slots, Want};
+use nastic_tensor::Mat3;
 
-/// `out += K(u, m) v`: at every point the change of stress `dP/dF : grad v`, spread like a stress.
+/// `out += K(u, m) v`: at every point the change of stress `dP/dF : F'(u) v`, spread like a stress, and what the stress has by `F''(u)`.
 pub(super) fn add(
     body: &BodyEnergy,
     at: (&[f64], &Controls),
@@ -53,7 +55,8 @@ impl CellWork for Product<'_> {
         let (part, points) = (self.cells.part, self.cells.part.table.points);
         let (id, first) = (part.cells[c] as usize, part.first_point(c));
         self.body.kinematics(self.cells, c, self.u, scratch)?;
-        self.body.formulation.change(self.cells, c, self.v, scratch);
+        let formulation = self.body.arithmetic_of(id);
+        formulation.change(self.cells, c, self.v, scratch);
         scratch.clear_stress();
         let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
         let composition = &self.body.compositions[self.body.of_cell[id] as usize];
@@ -65,11 +68,38 @@ impl CellWork for Product<'_> {
             self.body.actuations[k].law.stress_change(&at, m, &scratch.change, &mut scratch.stress);
         }
         let weights = &self.body.discretization().points().weights()[first..first + points];
-        for (stress, &w) in scratch.stress.iter_mut().zip(weights) {
-            *stress *= w;
-        }
+        weigh(&mut scratch.stress, weights);
         rows.fill(0.0);
-        self.body.formulation.add_force(self.cells, &scratch.g, &scratch.stress, rows);
+        if formulation.is_affine() {
+            formulation.add_force(self.cells, scratch, &scratch.stress, rows);
+            return Ok(());
+        }
+        let mut stress = self.body.stresses(&at, self.controls);
+        weigh(&mut stress, weights);
+        let jet = StressJet { along: [&scratch.dilatation.along, &[]], parts: [&stress, &scratch.stress, &[], &[]] };
+        formulation.add_force_derivative(self.cells, scratch, jet, 1, rows);
         Ok(())
+    }
+}
+
+/// Multiplies stresses by the weights of their points.
+pub(super) fn weigh(stress: &mut [Mat3], weights: &[f64]) {
+    stress.iter_mut().zip(weights).for_each(|(stress, &w)| *stress *= w);
+}
+
+impl BodyEnergy {
+    /// P of all terms and actuations at the points of a cell.
+    pub(super) fn stresses(&self, at: &PointBatch, controls: &Controls) -> Vec<Mat3> {
+        let mut stress = vec![Mat3::zeros(); at.len()];
+        let mut out = Response { energy: &mut [], stress: &mut stress, tangent: &mut [] };
+        let composition = &self.compositions[self.of_cell[at.cell] as usize];
+        for &t in &composition.terms {
+            self.terms[t].respond(at, Slots::none(), Want::STRESS, &mut out);
+        }
+        for &k in &composition.actuations {
+            let m = slots(controls, k, at.first, at.len());
+            self.actuations[k].law.respond(at, m, Want::STRESS, &mut out);
+        }
+        stress
     }
 }
