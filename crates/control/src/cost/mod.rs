@@ -47,14 +47,14 @@ pub struct CostContext<'a> {
 /// Partial derivatives of a cost, to be added to; also a change of what they are by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Partials {
-    /// `dj/du`, flat, supported unknowns included; of a change, that of u.
+    /// `dj/du`, flat, supported unknowns included, and behind it `dj/dp` by the multipliers of constraints; of a change, that of them.
     pub u: Vec<f64>,
     /// `dj/dm`; of a change, that of m.
     pub m: Vec<f64>,
 }
 
 impl Partials {
-    /// Zero, for so many displacements and controls.
+    /// Zero, for so many unknowns of the state and controls.
     pub fn zero(u: usize, m: usize) -> Self {
         Partials { u: vec![0.0; u], m: vec![0.0; m] }
     }

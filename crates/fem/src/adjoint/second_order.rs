@@ -133,6 +133,13 @@ impl<'a> SecondOrder<'a> {
             return Ok(rhs);
         }
         let Self { model, state, how, again, accuracy, .. } = *self;
+        if model.unknowns().scalars > 0 {
+            let system = model.saddle_point(state, how.parallel)?;
+            let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
+            let u = model.nodal(&state.u);
+            let (mut solved, _) = system.solve(&mut systems, u, &[&rhs], accuracy, &mut self.report)?;
+            return Ok(solved.pop().unwrap_or_default());
+        }
         let kept = self.workspace.take_tangent();
         let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
         if !again

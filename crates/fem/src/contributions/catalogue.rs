@@ -28,6 +28,8 @@ pub struct Form {
     pub keys: &'static [Key],
     /// Its slots: what can be controlled, or have a fixed value.
     pub slots: &'static [Slot],
+    /// Whether one of the slots drives it, and the others follow: the first unless another one is controlled or has a value.
+    pub one_of: bool,
     /// Adds one of that name to a body.
     pub add: fn(Solid, &str, &Values) -> Result<Solid, FemError>,
 }
@@ -63,6 +65,8 @@ pub struct Values {
     pub names: BTreeMap<&'static str, Vec<String>>,
     /// Flags that are true.
     pub flags: BTreeSet<&'static str>,
+    /// The slot that drives a contribution of which one does; the first if `None`.
+    pub slot: Option<&'static str>,
 }
 
 impl Values {
@@ -80,6 +84,11 @@ pub const CATALOGUE: &[Entry] = &[
         name: "cavity",
         form: Some(cavity::FORM),
         example: || block()?.cavity(Cavity::new("cavity", "inside").lid()),
+    },
+    Entry {
+        name: "cavity of a volume",
+        form: None,
+        example: || block()?.cavity(Cavity::new("cavity of a volume", "inside").lid().by_volume()),
     },
 ];
 

@@ -211,7 +211,7 @@ impl<'p> Series<'p> {
     fn value(&self, state: &State, drawn: &Drawn) -> f64 {
         match drawn.column {
             Some(column) => self.values(state)[column],
-            None => state.u.iter().fold(0.0, |most: f64, u| most.max(u.abs())),
+            None => self.member.solid().model().nodal(&state.u).iter().fold(0.0, |most: f64, u| most.max(u.abs())),
         }
     }
 
