@@ -182,7 +182,8 @@ fn wrong_types_and_missing_keys_are_clear() {
         COMPLETE,
         "\"kind\": \"smoothed_hausdorff\", ",
         "",
-        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, obstacle, control_norm, control_smoothness)",
+        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, obstacle, control_norm, control_smoothness, \
+         pump_work)",
     );
     one(
         COMPLETE,

@@ -26,7 +26,7 @@ pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, ControlNorm, ControlSmoothness, Cost, CostContext, CostExample,
     CostForm, CostPoint, CostRow, CostTarget, Figure, FigureKind, IntoCost, MakeCost, Obstacle, ObstaclePenetration,
-    Partials, SmoothedHausdorff, Target, Tracking,
+    Partials, PumpWork, SmoothedHausdorff, Target, Tracking,
 };
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,

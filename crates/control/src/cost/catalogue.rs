@@ -1,8 +1,8 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
 use super::{
-    ControlNorm, ControlSmoothness, Cost, CostForm, IntoCost, Obstacle, ObstaclePenetration, SmoothedHausdorff, Target,
-    Tracking,
+    ControlNorm, ControlSmoothness, Cost, CostForm, IntoCost, Obstacle, ObstaclePenetration, PumpWork,
+    SmoothedHausdorff, Target, Tracking, pump_work,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -69,6 +69,13 @@ pub const CATALOGUE: &[CostRow] = &[
         about: "half the squared L2 norm of a control's gradient",
         form: None,
         examples: |on| Ok(vec![Box::new(ControlSmoothness::of(on.control, 1e-10 * on.weight)?)]),
+    },
+    CostRow {
+        name: PumpWork::NAME,
+        about: pump_work::FORM.about,
+        form: Some(&pump_work::FORM),
+        // Energies of stiff bodies would drown squares of lengths.
+        examples: |on| Ok(vec![Box::new(PumpWork::new(1e-4 * on.weight)?)]),
     },
 ];
 
