@@ -26,7 +26,7 @@ pub struct Form {
     pub about: &'static str,
     /// Its keys beside `name` and `kind`.
     pub keys: &'static [Key],
-    /// Its slots: what can be controlled, or have a fixed value.
+    /// Its slots: what can be controlled, or have a fixed value. In a unit `m^d` d is the dimension of the body.
     pub slots: &'static [Slot],
     /// Whether one of the slots drives it, and the others follow: the first unless another one is controlled or has a value.
     pub one_of: bool,

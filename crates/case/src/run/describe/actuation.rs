@@ -26,7 +26,8 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
         out.push(line("actuation", format!("{}: {} on {place}", actuation.name, actuation.kind())));
         out.push(line("actuation", format!("  {}", actuation.about())));
         if let Some(volume) = volume_at_rest(problem, &actuation.name) {
-            out.push(line("actuation", format!("  volume at rest {}", quantity(volume, VOLUME, units))));
+            let dimension = if problem.mesh().dim() == 2 { AREA } else { VOLUME };
+            out.push(line("actuation", format!("  volume at rest {}", quantity(volume, dimension, units))));
         }
         if let Some(limit) = limit(problem, &actuation.name, BodyEnergy::fiber_limit) {
             let limit = quantity(limit, Dimension::PRESSURE, units);
@@ -91,6 +92,8 @@ fn number(body: &BodyEnergy, actuation: &str) -> Option<usize> {
 }
 
 const VOLUME: Dimension = Dimension::of(3, 0, 0, 0);
+/// In plane strain.
+const AREA: Dimension = Dimension::of(2, 0, 0, 0);
 
 /// The volume that a contribution of that name reports of itself at rest.
 fn volume_at_rest(problem: &CaseProblem, name: &str) -> Option<f64> {

@@ -94,7 +94,9 @@ impl<'p> Series<'p> {
         let of = |probe: &crate::lower::LocatedProbe| axes.clone().map(|c| format!("{}.{c}", probe.name)).collect();
         let mut names: Vec<String> = problem.probes.iter().flat_map(|probe| -> Vec<String> { of(probe) }).collect();
         let rest = self.member.solid().rest();
-        names.extend(self.quantities(&rest).into_iter().map(|(name, what, _)| format!("{name}.{what}")));
+        // The parameter may be the added volume, `air.volume`.
+        let column = |name: String| if name == self.parameter.0 { format!("contributions.{name}") } else { name };
+        names.extend(self.quantities(&rest).into_iter().map(|(name, what, _)| column(format!("{name}.{what}"))));
         names
     }
 

@@ -8,6 +8,7 @@ mod volume;
 
 use super::Contribution;
 use super::catalogue::{Form, Key, KeyKind};
+use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::AXES;
 use crate::error::FemError;
 use enclosed::Enclosed;
@@ -26,7 +27,8 @@ use volume::CavityVolume;
 ///
 /// over a named surface whose reference normal N points out of the solid, so into the cavity. Where the surface is open, the rim is
 /// closed by a lid of triangles from the mean of its nodes, which moves with them, so that the pressure on the lid loads the rim;
-/// planes of symmetry need no lid: o lies on them, and V is then the volume on this side of them.
+/// planes of symmetry need no lid: o lies on them, and V is then the volume on this side of them. Where the supports hold the rim, no
+/// lid is needed either ([`open`](Self::open)).
 ///
 /// By pressure (the default): potential `-p V(u)`, residual `-p dV/du`, tangent `-p d2V/du2`, symmetric. Positive pressure inflates.
 /// Control: the pressure. By volume ([`by_volume`](Self::by_volume)): the constraint `V(u) = V_0 + dV`, V_0 the volume at rest,
@@ -40,6 +42,7 @@ pub struct Cavity {
     name: String,
     surface: GroupNames,
     lid: bool,
+    open: bool,
     symmetry: Vec<String>,
     by_volume: bool,
 }
@@ -47,13 +50,28 @@ pub struct Cavity {
 impl Cavity {
     /// The room behind a named surface, or behind several that bound it together; `name` is that of the control.
     pub fn new(name: &str, surface: impl Into<GroupNames>) -> Self {
-        Cavity { name: name.to_owned(), surface: surface.into(), lid: false, symmetry: Vec::new(), by_volume: false }
+        Cavity {
+            name: name.to_owned(),
+            surface: surface.into(),
+            lid: false,
+            open: false,
+            symmetry: Vec::new(),
+            by_volume: false,
+        }
     }
 
     /// Closes every rim by a lid.
     #[must_use]
     pub fn lid(mut self) -> Self {
         self.lid = true;
+        self
+    }
+
+    /// The surface is open, and the supports hold its rim: a membrane or a plate under a follower pressure. The potential is that with a
+    /// lid, which loads held nodes alone.
+    #[must_use]
+    pub fn open(mut self) -> Self {
+        self.open = true;
         self
     }
 
@@ -79,6 +97,9 @@ impl Cavity {
     pub(crate) fn on(&self, mesh: &Arc<Mesh>) -> Result<Arc<dyn Contribution>, FemError> {
         let enclosed = Enclosed::new(mesh, self)?;
         let volume = enclosed.volume(None);
+        if self.open {
+            return self.on_open(mesh, enclosed, volume);
+        }
         if volume <= 0.0 {
             let what = format!(
                 "surface \"{}\" encloses no cavity \"{}\" (volume {volume:.3e}): name the inner surface, whose normal \
@@ -87,8 +108,30 @@ impl Cavity {
             );
             return Err(FemError::Meaningless { what });
         }
-        let room = Room { name: self.name.clone(), enclosed, reference_volume: volume };
+        let room = Room { name: self.name.clone(), enclosed, reference_volume: volume, measure: volume, held: None };
         Ok(if self.by_volume { Arc::new(CavityVolume(room)) } else { Arc::new(CavityPressure(room)) })
+    }
+
+    /// That of an open surface, which encloses no volume: its measure is the cube of a length whose square is its area (in the
+    /// plane the square of its length).
+    fn on_open(&self, mesh: &Arc<Mesh>, enclosed: Enclosed, volume: f64) -> Result<Arc<dyn Contribution>, FemError> {
+        let rim: Vec<u32> = enclosed.rims().concat();
+        let refused = match (rim.is_empty(), self.lid, self.by_volume) {
+            (true, ..) => Some("is closed: leave out \"open\""),
+            (_, true, _) => Some("has \"open\" and \"lid\", of which only one can be"),
+            (.., true) => Some("is open and encloses no volume: control its pressure, or close it by a lid"),
+            _ => None,
+        };
+        if let Some(why) = refused {
+            let what = format!("surface \"{}\" of cavity \"{}\" {why}", self.surface, self.name);
+            return Err(FemError::Meaningless { what });
+        }
+        let facets = mesh.facets_of(&self.surface)?;
+        let points = QuadraturePoints::of_facets(mesh, &facets, |kind| kind.rule().clone());
+        let dim = mesh.dim() as f64;
+        let measure = points.weights().iter().sum::<f64>().powf(dim / (dim - 1.0));
+        let (name, held) = (self.name.clone(), Some(rim));
+        Ok(Arc::new(CavityPressure(Room { name, enclosed, reference_volume: volume, measure, held })))
     }
 }
 
@@ -107,16 +150,22 @@ pub(super) const FORM: Form = Form {
             kind: KeyKind::Flag,
         },
         Key {
+            name: "open",
+            about: "Whether the surface is open and the supports hold its rim: a membrane or a plate under a follower pressure.",
+            kind: KeyKind::Flag,
+        },
+        Key {
             name: "symmetry",
             about: "Surfaces in the planes of symmetry on which the surface ends.",
             kind: KeyKind::Surfaces,
         },
     ],
-    slots: &[PRESSURE, VOLUME],
+    slots: &[PRESSURE, Slot::scalar(VOLUME.group, "m^d")],
     one_of: true,
     add: |solid, name, values| {
         let mut cavity = Cavity::new(name, values.names.get("surface").cloned().unwrap_or_default());
         cavity.lid = values.flags.contains("lid");
+        cavity.open = values.flags.contains("open");
         cavity.by_volume = values.slot == Some(VOLUME.group);
         cavity.symmetry = values.names.get("symmetry").cloned().unwrap_or_default();
         solid.cavity(cavity)
@@ -129,14 +178,29 @@ struct Room {
     name: String,
     enclosed: Enclosed,
     reference_volume: f64,
+    /// Weight of its control in the inner product.
+    measure: f64,
+    /// The rim that the supports must hold, of an open surface.
+    held: Option<Vec<u32>>,
 }
 
-/// The controls, of which a cavity has one.
+/// The controls, of which a cavity has one; in plane strain the volume is an area.
 const PRESSURE: Slot = Slot::scalar("pressure", "Pa");
 const VOLUME: Slot = Slot::scalar("volume", "m^3");
+const AREA: Slot = Slot::scalar("volume", "m^2");
 
 impl Room {
     fn check(&self, fixed: &[bool]) -> Result<(), FemError> {
+        let dim = self.enclosed.dim();
+        let free = |&node: &u32| (0..dim).find(|axis| !fixed[dim * node as usize + axis]).map(|axis| (node, axis));
+        if let Some((node, axis)) = self.held.iter().flatten().find_map(free) {
+            let what = format!(
+                "the surface of cavity \"{}\" is open, and node {node} of its rim may move along {}; hold the rim, or close the \
+                 surface by a lid, which loads the rim, or name the plane of symmetry on which it ends",
+                self.name, AXES[axis]
+            );
+            return Err(FemError::Meaningless { what });
+        }
         let Some((node, axis)) = self.enclosed.loose(fixed) else { return Ok(()) };
         let what = format!(
             "cavity \"{}\" ends on a plane of symmetry across {}, but node {node} of its surface may leave that plane; \
@@ -146,8 +210,15 @@ impl Room {
         Err(FemError::Meaningless { what })
     }
 
+    fn plane_strain(&self) -> bool {
+        self.enclosed.dim() == 2
+    }
+
     fn quantities(&self, u: &[f64], pressure: f64) -> Vec<(&'static str, f64)> {
         let volume = self.enclosed.volume(Some(u));
+        if self.held.is_some() {
+            return vec![("pressure", pressure), ("swept_volume", volume - self.reference_volume)];
+        }
         vec![("pressure", pressure), ("volume", volume), ("reference_volume", self.reference_volume)]
     }
 }

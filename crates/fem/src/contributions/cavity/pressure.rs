@@ -32,7 +32,7 @@ impl Contribution for CavityPressure {
     }
 
     fn measure(&self) -> f64 {
-        self.0.reference_volume
+        self.0.measure
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {

@@ -1,7 +1,7 @@
 //! [`CavityVolume`]: a cavity whose volume is given, and whose pressure follows.
 
 use super::enclosed::Patch;
-use super::{Room, VOLUME};
+use super::{AREA, Room, VOLUME};
 use crate::contributions::{
     Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
@@ -50,11 +50,11 @@ impl Contribution for CavityVolume {
     }
 
     fn slots(&self) -> &[Slot] {
-        &[VOLUME]
+        if self.0.plane_strain() { &[AREA] } else { &[VOLUME] }
     }
 
     fn measure(&self) -> f64 {
-        self.0.reference_volume
+        self.0.measure
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
