@@ -136,6 +136,16 @@ fn the_finger_bends_as_the_case_expects() {
     assert!(grown > 2.0, "the chamber grows {grown}-fold");
 }
 
+/// By its volume, past the pressure that the finger bears as a load.
+#[test]
+fn the_pneumatic_finger_bends_by_a_quarter_of_a_circle() {
+    let outcome = command(Command::Optimize, &shipped("pneunet.json"), "pneunet", &[]).unwrap();
+    assert_eq!((outcome.exit, outcome.missed.len()), (Exit::Done, 0), "{:?}", outcome.missed);
+    assert_eq!(outcome.result["inertia"], 0);
+    let [start, end] = [&outcome.result["start"], &outcome.result].map(|at| at["cost"]["total"].as_f64().unwrap());
+    assert!(end < 1e-2 * start, "{start} -> {end}");
+}
+
 #[test]
 fn mistakes_about_a_cavity_are_told_once() {
     let text = std::fs::read_to_string(shipped("finger.json")).unwrap();
