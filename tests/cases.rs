@@ -133,6 +133,16 @@ fn the_finger_bends_as_the_case_expects() {
     assert!(grown > 2.0, "the chamber grows {grown}-fold");
 }
 
+/// By its volume, past the pressure that the finger bears as a load.
+#[test]
+fn the_pneumatic_finger_bends_by_a_quarter_of_a_circle() {
+    let outcome = command(Command::Optimize, &shipped("pneunet.json"), "pneunet", &[]).unwrap();
+    assert_eq!((outcome.exit, outcome.missed.len()), (Exit::Done, 0), "{:?}", outcome.missed);
+    assert_eq!(outcome.result["inertia"], 0);
+    let [start, end] = [&outcome.result["start"], &outcome.result].map(|at| at["cost"]["total"].as_f64().unwrap());
+    assert!(end < 1e-2 * start, "{start} -> {end}");
+}
+
 #[test]
 fn the_dielectric_bilayer_bends_as_the_case_expects() {
     let case = shipped("dielectric_bilayer.json");

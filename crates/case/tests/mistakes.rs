@@ -181,7 +181,8 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"kind\": \"smoothed_hausdorff\", ",
         "",
         ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, orientation, curvature, \
-         largest_stretch, compliance, obstacle, control_norm, control_smoothness)",
+         largest_stretch, compliance, obstacle, control_norm, control_smoothness, \
+         pump_work)",
     );
     one(
         COMPLETE,

@@ -159,7 +159,8 @@ impl Layout {
         groups(solid).into_iter().map(|(name, ..)| name).collect()
     }
 
-    /// Adds a control field. `of` names an actuation with one group of slots, or `ACTUATION.SLOT` with the slot's name.
+    /// Adds a control field. `of` names an actuation with one group of slots, or `ACTUATION.SLOT` with the slot's name, where there
+    /// is but one as well.
     ///
     /// # Errors
     /// Unknown names, a field controlled twice, or a space that does not fit the region.
@@ -351,7 +352,11 @@ impl Layout {
 /// Actuation and slots of a control's name.
 fn resolve(solid: &Solid, of: &str) -> Result<(usize, SlotGroup), ControlError> {
     let all = groups(solid);
-    let found = all.iter().find(|(name, ..)| name == of);
+    // The only slot of an actuation may be named as well.
+    let is = |name: &str, group: &SlotGroup| {
+        name == of || of.strip_prefix(name).and_then(|rest| rest.strip_prefix('.')) == Some(group.name)
+    };
+    let found = all.iter().find(|(name, _, group)| is(name, group));
     found.map(|&(_, actuation, group)| (actuation, group)).ok_or_else(|| {
         let known = all.iter().map(|(name, ..)| name.as_str()).collect::<Vec<_>>().join(", ");
         ControlError::UnknownControl { name: of.to_owned(), known }

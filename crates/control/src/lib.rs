@@ -26,7 +26,8 @@ pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ControlNorm, ControlSmoothness, Cost, CostContext,
     CostExample, CostForm, CostPoint, CostRow, CostTarget, Curvature, Figure, FigureKind, IntoCost, LargestStretch,
-    MakeCost, MeanPosition, Obstacle, ObstaclePenetration, Orientation, Partials, SmoothedHausdorff, Target, Tracking,
+    MakeCost, MeanPosition, Obstacle, ObstaclePenetration, Orientation, Partials, PumpWork, SmoothedHausdorff, Target,
+    Tracking,
 };
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,

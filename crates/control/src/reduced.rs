@@ -368,7 +368,8 @@ impl Reduced {
     }
 
     fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {
-        CostContext { solid: &self.solid, layout: &self.layout, u: &state.u, state: Some(state), m, stage }
+        let u = self.solid.model().nodal(&state.u);
+        CostContext { solid: &self.solid, layout: &self.layout, u, state: Some(state), m, stage }
     }
 
     pub(crate) fn restage_typed(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {

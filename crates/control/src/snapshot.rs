@@ -72,10 +72,9 @@ impl Reduced {
         self.layout().check(fields.m)?;
         fields.gradient.map_or(Ok(()), |gradient| self.layout().check(gradient))?;
         let mesh = self.solid().mesh();
-        let mut shot =
-            Snapshot::new(mesh.clone()).with_points("displacement", 3, vectors(&fields.state.u, mesh.dim()))?;
+        let mut shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, self.vectors(&fields.state.u))?;
         if let Some(adjoint) = fields.adjoint {
-            shot = shot.with_points("adjoint", 3, vectors(adjoint, mesh.dim()))?;
+            shot = shot.with_points("adjoint", 3, self.vectors(adjoint))?;
         }
         for (k, block) in self.layout().blocks().iter().enumerate() {
             let name = fields.names.get(k).copied().unwrap_or(&block.name);
@@ -97,7 +96,7 @@ impl Reduced {
     /// Vectors of the wrong length.
     pub fn moved_controls(&self, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
         let mesh = self.solid().mesh();
-        let shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, vectors(&fields.state.u, mesh.dim()))?;
+        let shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, self.vectors(&fields.state.u))?;
         self.with_controls(shot, fields.m, fields.names)
     }
 
@@ -113,6 +112,12 @@ impl Reduced {
             shot = self.with_field(shot, block, name, m)?;
         }
         Ok(shot)
+    }
+
+    /// Displacements as triples, without what stands behind them.
+    fn vectors(&self, u: &[f64]) -> Vec<f64> {
+        let triple = |u: &[f64]| -> [f64; 3] { std::array::from_fn(|k| u.get(k).copied().unwrap_or(0.0)) };
+        self.solid().model().nodal(u).chunks_exact(self.solid().mesh().dim()).flat_map(triple).collect()
     }
 
     /// A field of the control space, by node or by cell; the number of a contribution as a whole is no field.
@@ -261,9 +266,4 @@ fn by_node(mesh: &Mesh, cells: &[u32], block: &ControlBlock, values: &[f64]) -> 
         out[node as usize * n..][..n].copy_from_slice(&values[k * n..][..n]);
     }
     out
-}
-
-/// Displacements as triples.
-fn vectors(u: &[f64], dim: usize) -> Vec<f64> {
-    u.chunks_exact(dim).flat_map(|u| std::array::from_fn::<f64, 3, _>(|k| u.get(k).copied().unwrap_or(0.0))).collect()
 }

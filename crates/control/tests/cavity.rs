@@ -2,10 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-use nastic_control::{ControlError, ControlNorm, Reduced, Space, Target, Tracking};
+use nastic_control::{
+    ControlError, ControlNorm, Evaluated, PumpWork, Reduced, ReducedWorkspace, Space, Target, Tracking,
+};
 use nastic_energy::FiberTension;
-use nastic_fem::Solid;
 use nastic_fem::contributions::catalogue::CATALOGUE;
+use nastic_fem::{Instant, Solid};
 use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, Problem, Taylor, Verdict};
 use nastic_tensor::Vec3;
 
@@ -70,5 +72,40 @@ fn a_pressure_is_one_number() -> Outcome {
     assert!(error.contains("cavity") && error.contains("fibre"), "{error}");
     let twice = cup()?.actuate("body", "cavity", FiberTension::along(Vec3::x())?);
     assert!(twice.is_err(), "two things of one name");
+    Ok(())
+}
+
+/// `dW/dV = p`: the work of the pump, against the pressure that holds the volume; dead loads stay in the balance.
+#[test]
+fn the_work_of_a_pump_has_the_pressure_as_its_derivative() -> Outcome {
+    let entry = CATALOGUE.iter().find(|entry| entry.name == "cavity of a volume").ok_or("no cavity of a volume")?;
+    let loaded = |solid: Solid| solid.traction("x+", Vec3::new(2e3, -1e3, 1e3));
+    let solid = loaded((entry.example)()?)?;
+    let problem = Reduced::new(solid).control(entry.name, Space::Uniform)?.cost(PumpWork::new(1.0)?)?;
+    let pressure = |at: &Evaluated| -> Outcome<f64> {
+        let model = problem.solid().model();
+        let all = model.quantities(&Instant::new(&at.state.u, &at.state.controls, 1.0))?;
+        Ok(all.iter().find(|(_, what, _)| *what == "pressure").ok_or("no pressure is reported")?.2)
+    };
+    let mut workspace = ReducedWorkspace::default();
+    let mut sum = 0.0;
+    let (from, to, steps) = (0.05, 0.25, 8);
+    let at = |k: usize| from + (to - from) * k as f64 / steps as f64;
+    for k in 0..=steps {
+        let mut point = problem.at(&[at(k)])?;
+        let (p, derivative) = (pressure(&point)?, problem.derivative(&mut point, &mut workspace)?[0]);
+        assert!((derivative / p - 1.0).abs() < 1e-8, "dW/dV = {derivative} at p = {p}");
+        // Simpson's rule for the work between two volumes
+        let weight = if k == 0 || k == steps {
+            1.0
+        } else if k % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        };
+        sum += weight / 3.0 * p * (to - from) / steps as f64;
+    }
+    let work = problem.at(&[to])?.cost() - problem.at(&[from])?.cost();
+    assert!((work / sum - 1.0).abs() < 1e-5, "{work} instead of {sum}");
     Ok(())
 }

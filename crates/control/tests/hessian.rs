@@ -168,21 +168,28 @@ fn every_law_with_a_sum_of_costs() -> Outcome {
     Ok(())
 }
 
-/// A pressure and fibres act together: mixed derivatives by both.
+/// A pressure or an added volume and fibres act together: mixed derivatives by both.
 #[test]
 fn a_cavity_with_fibres() -> Outcome {
-    let solid = (nastic_fem::contributions::catalogue::CATALOGUE.iter().find(|row| row.name == "cavity"))
+    for (name, value) in [("cavity", 2e4), ("cavity of a volume", 0.15)] {
+        cavity_with_fibres(name, value).map_err(|error| format!("{name}: {error}"))?;
+    }
+    Ok(())
+}
+
+fn cavity_with_fibres(name: &str, value: f64) -> Outcome {
+    let solid = (nastic_fem::contributions::catalogue::CATALOGUE.iter().find(|row| row.name == name))
         .map(|row| (row.example)())
         .ok_or("no cavity in the catalogue")??;
     let wider = Target::position(|x| [1.1 * x[0] + 0.1, x[1], x[2] + 0.1]);
     let problem = Reduced::new(solid)
-        .control("cavity", Space::Uniform)?
+        .control(name, Space::Uniform)?
         .control("fibre", Space::Cell)?
         .cost(Tracking::surface("x+", wider))?;
     let mut m: Vec<f64> = noise(problem.layout().len(), 0.2).iter().map(|r| -3e4 - 1e4 * r).collect();
-    m[0] = 2e4;
-    assert_third_order(&problem, &m, 0, "cavity")?;
-    assert_symmetric(&problem, &m, 0, "cavity")
+    m[0] = value;
+    assert_third_order(&problem, &m, 0, name)?;
+    assert_symmetric(&problem, &m, 0, name)
 }
 
 fn scenario(mu: f64, lift: f64) -> Outcome<Reduced> {

@@ -138,6 +138,16 @@ pub enum FemError {
         /// What is wrong and what to try.
         what: String,
     },
+    /// What does not go with equality constraints.
+    #[error("{what} cannot be had with the constraint of \"{name}\": {instead}")]
+    Constrained {
+        /// What was asked for.
+        what: &'static str,
+        /// Name of the contribution with the constraint.
+        name: String,
+        /// What to use instead.
+        instead: &'static str,
+    },
     /// An array of the wrong length or with a value that is not finite.
     #[error("{what} has {found} values where {expected} are needed")]
     Length {

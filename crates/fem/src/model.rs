@@ -10,6 +10,7 @@ use crate::contributions::{Contribution, Demand, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::solution::saddle_point::BorderedTangent;
 use nastic_energy::Slot;
 use nastic_linear::{Solver, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
@@ -48,7 +49,8 @@ pub struct Unknowns {
     pub dim: usize,
     /// Nodes.
     pub nodes: usize,
-    /// Scalar unknowns behind the nodal ones, which border the tangent; no contribution has any yet.
+    /// Scalar unknowns behind the nodal ones, which border the tangent: the multipliers of constraints, in the order of the
+    /// contributions.
     pub scalars: usize,
 }
 
@@ -101,7 +103,8 @@ impl Model {
     /// The unknowns.
     pub fn unknowns(&self) -> Unknowns {
         let disc = self.discretization();
-        Unknowns { dim: disc.dim(), nodes: disc.mesh().points().len(), scalars: 0 }
+        let scalars = self.others.iter().map(|c| c.constraints()).sum();
+        Unknowns { dim: disc.dim(), nodes: disc.mesh().points().len(), scalars }
     }
 
     /// Everything that can be controlled, in the order of the blocks of [`Controls`].
@@ -173,6 +176,16 @@ impl Model {
     /// [`InvertedAt`] where J <= 0.
     pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
         self.each(at, |contribution, at| contribution.add_tangent(at, tangent))
+    }
+
+    /// The tangent with the border of the constraints, supports not eliminated.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub(crate) fn bordered_tangent(&self, at: &Instant) -> Result<BorderedTangent, InvertedAt> {
+        let mut tangent = BorderedTangent::zero(self);
+        self.each(at, |contribution, at| tangent.add(contribution, at))?;
+        Ok(tangent)
     }
 
     /// Residual and tangent with strains of their own at the quadrature points of the body.
@@ -296,10 +309,7 @@ impl Model {
         if self.others.iter().all(|contribution| contribution.held().is_empty()) {
             return Ok(());
         }
-        let mut tangent = self.matrix();
-        self.add_tangent(at, &mut tangent)?;
-        let mut force = vec![0.0; by_u.len()];
-        tangent.multiply_transposed(lambda, &mut force, at.parallel);
+        let mut force = self.bordered_tangent(at)?.multiply_transposed(lambda, at.parallel);
         force.iter_mut().zip(by_u).for_each(|(f, j)| *f += j);
         self.each_held(at, |contribution, at| contribution.prescribed_vjp(at, &force, into));
         Ok(())
@@ -333,18 +343,38 @@ impl Model {
             .try_for_each(|(contribution, block)| contribution.check_controls(controls.values(block)))
     }
 
-    /// A contribution by name, and the index of its block of controls.
-    pub(crate) fn contribution(&self, name: &str) -> Option<(&dyn Contribution, usize)> {
-        let mut found: Option<(&dyn Contribution, usize)> = None;
-        let mut block = self.body.actuations().len();
+    /// The displacement among all unknowns.
+    pub fn nodal<'u>(&self, u: &'u [f64]) -> &'u [f64] {
+        &u[..u.len().min(self.discretization().dofs())]
+    }
+
+    /// Refuses what does not go with constraints.
+    pub(crate) fn refuse_constraints(&self, what: &'static str, instead: &'static str) -> Result<(), FemError> {
+        match self.others.iter().find(|contribution| contribution.constraints() > 0) {
+            None => Ok(()),
+            Some(constraint) => Err(FemError::Constrained { what, name: constraint.name().to_owned(), instead }),
+        }
+    }
+
+    /// Whether all constraints can be fulfilled under these controls.
+    pub(crate) fn check_constraints(&self, controls: &Controls) -> Result<(), FemError> {
+        let rest = vec![0.0; self.unknowns().len()];
+        self.each_other(&Instant::new(&rest, controls, 1.0), |contribution, at| contribution.check_constraints(at))
+    }
+
+    /// A contribution by name, the index of its block of controls, and that of its first multiplier.
+    pub(crate) fn contribution(&self, name: &str) -> Option<(&dyn Contribution, usize, usize)> {
+        let mut found: Option<(&dyn Contribution, usize, usize)> = None;
+        let (mut block, mut scalar) = (self.body.actuations().len(), self.discretization().dofs());
         for contribution in [&self.body as &dyn Contribution, &self.dead_load].into_iter().filter(|c| c.name() == name)
         {
-            found = Some((contribution, 0));
+            found = Some((contribution, 0, scalar));
         }
         for contribution in &self.others {
             if contribution.name() == name {
-                found = Some((contribution.as_ref(), block));
+                found = Some((contribution.as_ref(), block, scalar));
             }
+            scalar += contribution.constraints();
             block += usize::from(!contribution.slots().is_empty());
         }
         found
@@ -395,8 +425,10 @@ impl Model {
         at: &Instant,
         mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,
     ) -> Result<(), E> {
-        call(&self.body, at)?;
-        call(&self.dead_load, at)?;
+        // These know of no multipliers.
+        let nodal = Instant { u: self.nodal(at.u), ..*at };
+        call(&self.body, &nodal)?;
+        call(&self.dead_load, &nodal)?;
         self.each_other(at, call)
     }
 
@@ -405,9 +437,10 @@ impl Model {
         at: &Instant,
         mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut block = self.body.actuations().len();
+        let (mut block, mut scalar) = (self.body.actuations().len(), self.discretization().dofs());
         for contribution in &self.others {
-            call(contribution.as_ref(), &Instant { block, ..*at })?;
+            call(contribution.as_ref(), &Instant { block, scalar, ..*at })?;
+            scalar += contribution.constraints();
             block += usize::from(!contribution.slots().is_empty());
         }
         Ok(())
@@ -421,6 +454,10 @@ impl Model {
         self.body.check_complete()?;
         let springs = self.others.iter().flat_map(|contribution| contribution.holds());
         self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>())?;
+        if !self.has_potential() {
+            let instead = "Newton's method under constraints needs a potential; drive it by a force or a pressure";
+            self.refuse_constraints("a contribution without a potential", instead)?;
+        }
         self.others.iter().try_for_each(|contribution| contribution.check(self.supports.fixed()))
     }
 }

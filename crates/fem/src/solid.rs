@@ -258,13 +258,13 @@ impl Solid {
         self.model.controls()
     }
 
-    /// Adds a cavity under pressure.
+    /// Adds a cavity under pressure, or of a volume.
     ///
     /// # Errors
     /// As [`Cavity`] says; a name that is taken.
     pub fn cavity(mut self, cavity: Cavity) -> Result<Self, FemError> {
         let contribution = cavity.on(self.mesh())?;
-        self.model.add(Arc::new(contribution))?;
+        self.model.add(contribution)?;
         Ok(self)
     }
 

@@ -8,7 +8,7 @@ use common::block::STRICT;
 use common::shells::{Drive, INNER, OUTER, deformed_radius, radii, ring, shell};
 use common::{Outcome, largest, noise, regular};
 use nastic_energy::{EnergyTerm, MooneyRivlin, NeoHooke};
-use nastic_fem::{Cavity, Instant, Solid, SolveOptions};
+use nastic_fem::{Cavity, Controls, Demand, Instant, Solid, SolveOptions, check_contribution};
 use nastic_mesh::{CellKind, Mesh, RawMesh};
 use nastic_tensor::{Mat3, Vec3};
 use std::f64::consts::PI;
@@ -272,5 +272,59 @@ fn rooms_that_are_none_are_refused() -> Outcome {
     assert!(both.err().is_some_and(|error| error.to_string().contains("two parallel planes")));
     let twice = solid.cavity(Cavity::new("air", "inside").lid())?.cavity(Cavity::new("air", "inside").lid());
     assert!(twice.is_err(), "two cavities of one name");
+    Ok(())
+}
+
+/// A plate that is held at its edge, under a follower pressure from below: at rest the load is that of a traction; the tangent is
+/// symmetric (the contract), and a rim that is not held is refused.
+#[test]
+fn an_open_surface_with_a_held_rim_is_a_plate_under_pressure() -> Outcome {
+    for kind in [CellKind::Hex20, CellKind::Quad8] {
+        let low = if kind.dim() == 2 { "y-" } else { "z-" };
+        let plate = || -> Outcome<Solid> {
+            let mesh = regular(
+                kind,
+                [1.0, if kind.dim() == 2 { 0.1 } else { 1.0 }, 0.1],
+                [4, if kind.dim() == 2 { 1 } else { 4 }, 1],
+            )?;
+            let mut solid = Solid::new(mesh)?.material("body", MooneyRivlin::new(1e5, 2e4, 2e5)?)?;
+            for side in if kind.dim() == 2 { &["x-", "x+"][..] } else { &["x-", "x+", "y-", "y+"] } {
+                solid = solid.clamp(*side)?;
+            }
+            Ok(solid)
+        };
+        let p = 2e3;
+        let solid = plate()?.cavity(Cavity::new("air", low).open())?;
+        check_contribution(solid.model(), "air", 3)?;
+        let mut controls = solid.controls();
+        controls.values_mut(0)[0] = p;
+        let forces = |solid: &Solid, controls: &Controls| -> Outcome<Vec<f64>> {
+            let at = Instant::new(&solid.rest().u, controls, 1.0).u.to_vec();
+            let demand = Demand { energy: false, force: true };
+            let mut force = solid.model().evaluate(&Instant::new(&at, controls, 1.0), demand)?.force;
+            solid.supports().clear(&mut force);
+            Ok(force)
+        };
+        let up = if kind.dim() == 2 { Vec3::new(0.0, p, 0.0) } else { Vec3::new(0.0, 0.0, p) };
+        let pulled = plate()?.traction(low, up)?;
+        let (found, expected) = (forces(&solid, &controls)?, forces(&pulled, &pulled.controls())?);
+        let apart = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-12 * p && largest(&expected) > 1e-3 * p, "{kind}: {apart:e}");
+        let state = solid.solve(&controls, &STRICT)?;
+        let swept = solid.model().quantities(&Instant::new(&state.u, &controls, 1.0))?;
+        assert!(swept.iter().any(|(_, what, value)| *what == "swept_volume" && *value > 1e-3), "{swept:?}");
+        let loose = Solid::new(regular(
+            kind,
+            [1.0, 1.0, if kind.dim() == 2 { 0.0 } else { 1.0 }],
+            [2, 2, if kind.dim() == 2 { 1 } else { 2 }],
+        )?)?
+        .material("body", MooneyRivlin::new(1e5, 2e4, 2e5)?)?
+        .clamp("x-")?
+        .cavity(Cavity::new("air", low).open())?;
+        let error = loose.check().err().ok_or("a rim that moves is taken")?.to_string();
+        assert!(error.contains("of its rim may move along") && error.contains("lid"), "{error}");
+        assert!(plate()?.cavity(Cavity::new("air", low).open().by_volume()).is_err());
+        assert!(plate()?.cavity(Cavity::new("air", low).open().lid()).is_err());
+    }
     Ok(())
 }

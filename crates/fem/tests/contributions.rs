@@ -23,7 +23,7 @@ fn every_contribution_keeps_its_contract() -> Outcome {
     for entry in CATALOGUE {
         let solid = (entry.example)()?;
         (0..3).try_for_each(|seed| check_contribution(solid.model(), entry.name, seed))?;
-        let (model, u) = (solid.model(), vec![0.0; solid.discretization().dofs()]);
+        let (model, u) = (solid.model(), solid.rest().u);
         let controls = model.controls();
         let second = model.second_vjp(&Instant::new(&u, &controls, 1.0), &u, &Increment { u: &u, controls: &controls });
         assert!(second.is_ok(), "{}: {second:?}", entry.name);

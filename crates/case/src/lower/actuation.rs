@@ -6,7 +6,8 @@ use super::material::inputs;
 use super::named::{attempt, complain_of_law};
 use super::place;
 use super::tension::beyond_limit;
-use crate::schema::{Actuation, Case, Fixed, Input, Means};
+use crate::expression::dimension_of;
+use crate::schema::{Actuation, Case, Fixed, Input, Means, Parameter as Number};
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::Reduced;
 use nastic_energy::catalogue::{ActuationRow, Parameter};
@@ -22,10 +23,29 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
                 add_law(case, actuation, (row, region, parameters), solid, context)
             }
             Means::Contribution { form, values, .. } => {
-                attempt(solid, &actuation.at, context, |solid| (form.add)(solid, &actuation.name, values));
+                let mut values = values.clone();
+                if form.one_of {
+                    let Some(slot) = driver(case, actuation, context) else { continue };
+                    values.slot = slot;
+                }
+                attempt(solid, &actuation.at, context, |solid| (form.add)(solid, &actuation.name, &values));
             }
         }
     }
+}
+
+/// The slot that drives an actuation of which one does; none where nothing says so, and no answer after a complaint.
+fn driver(case: &Case, actuation: &Actuation, context: &mut Context<'_>) -> Option<Option<&'static str>> {
+    let controlled = |name: &str| case.controls.iter().any(|control| control.of == name);
+    let slots = actuation.slots().into_iter();
+    let drives = slots.filter(|(name, slot)| actuation.fixed.contains_key(slot.key) || controlled(name));
+    let keys: Vec<&'static str> = drives.map(|(_, slot)| slot.key).collect();
+    if let [first, second, ..] = keys[..] {
+        let message = format!("\"{}\" is driven by its {first} and by its {second}: keep one of them", actuation.name);
+        context.complain(&actuation.at, message);
+        return None;
+    }
+    Some(keys.first().copied())
 }
 
 fn add_law(
@@ -176,6 +196,13 @@ fn fix_number(
         context.complain(&at, format!("\"{}\" has one {key}: give {what}, not a field", actuation.name));
         return None;
     };
+    let unit = reduced.solid().model().controllable()[index].slots[slot].unit;
+    if let Fixed::Scalar(Number::Formula(formula)) = value
+        && let Some(Err(why)) = dimension_of(unit).map(|dimension| formula.check(dimension))
+    {
+        context.complain(&at, why);
+        return None;
+    }
     if only_pulls && constants.iter().any(|constant| *constant < 0.0) {
         context.complain(&at, must_pull(key));
         return None;

@@ -242,7 +242,29 @@ impl Lowering<'_> {
         }
     }
 
+    /// Whether start and bounds are of the dimension of what they control, where the mesh decides it (a volume is an area in
+    /// the plane).
+    fn check_dimension(&self, context: &mut Context<'_>) -> Option<()> {
+        let dimension = crate::expression::dimension_of(self.block.unit)?;
+        let start = match &self.control.start {
+            Some(Start::Scalar(formula)) => Some(formula),
+            _ => None,
+        };
+        let bounds = [("lower", &self.control.lower), ("upper", &self.control.upper)].map(|(key, bound)| match bound {
+            Some(Parameter::Formula(formula)) => (key, Some(formula)),
+            _ => (key, None),
+        });
+        for (key, formula) in bounds.into_iter().chain([("start", start)]) {
+            if let Some(Err(why)) = formula.map(|formula| formula.check(dimension)) {
+                context.complain(&self.control.at.key(key), why);
+                return None;
+            }
+        }
+        Some(())
+    }
+
     fn bounds(&self, context: &mut Context<'_>) -> Option<Allowed> {
+        self.check_dimension(context)?;
         let lower = self.bound("lower", &self.control.lower, context);
         let upper = self.bound("upper", &self.control.upper, context);
         let (mut lower, mut upper) = (lower?, upper?);

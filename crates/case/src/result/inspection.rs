@@ -165,7 +165,8 @@ fn positions(points: &[[f64; 3]], u: &[f64], dim: usize) -> Vec<[f64; 3]> {
 /// Displacements and compressions that no law was measured for.
 fn extremes(member: CaseMember<'_>, state: &State) -> Vec<String> {
     let (mesh, min_j) = (member.mesh(), state.report.min_j);
-    let farthest = state.u.chunks_exact(mesh.dim()).map(norm).fold(0.0, f64::max);
+    let u = member.solid().model().nodal(&state.u);
+    let farthest = u.chunks_exact(mesh.dim()).map(norm).fold(0.0, f64::max);
     let sizes = farthest / mesh.diagonal();
     let mut out = Vec::new();
     if sizes > FAR {

@@ -99,15 +99,24 @@ impl Actuation {
         matches!(&self.means, Means::Contribution { form, .. } if form.passive)
     }
 
-    /// How a control names each slot, and the slot: "NAME" if there is one, otherwise "NAME.field", ...
+    /// How a control names each slot, and the slot: "NAME" if there is one, or it is the first of those of which one drives; otherwise
+    /// "NAME.field", ...
     pub(crate) fn slots(&self) -> Vec<(String, SlotName)> {
         let slots = match &self.means {
             Means::Law { row, .. } => slots(row),
             Means::Contribution { form, .. } => slot_names(form.slots),
         };
-        let several = slots.len() > 1;
-        let name = |slot: &SlotName| if several { format!("{}.{}", self.name, slot.key) } else { self.name.clone() };
-        slots.iter().map(|slot| (name(slot), *slot)).collect()
+        let alone = |k: usize| slots.len() == 1 || (self.has_one_driver() && k == 0);
+        let name = |k: usize, slot: &SlotName| match alone(k) {
+            true => self.name.clone(),
+            false => format!("{}.{}", self.name, slot.key),
+        };
+        slots.iter().enumerate().map(|(k, slot)| (name(k, slot), *slot)).collect()
+    }
+
+    /// Whether one of its slots drives it, and the others follow.
+    pub(crate) fn has_one_driver(&self) -> bool {
+        matches!(&self.means, Means::Contribution { form, .. } if form.one_of)
     }
 
     /// True if a slot has a fixed value other than zero.

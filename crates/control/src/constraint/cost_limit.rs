@@ -67,7 +67,11 @@ impl Constraint for BoundLimit {
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
         let cost = self.cost.at(&CostContext { stage: self.cost.stages().saturating_sub(1), ..*at })?;
-        Ok(Arc::new(Point { values: [cost.value() - self.bound], cost, sizes: [at.u.len(), at.m.len()] }))
+        Ok(Arc::new(Point {
+            values: [cost.value() - self.bound],
+            cost,
+            sizes: [at.solid.model().unknowns().len(), at.m.len()],
+        }))
     }
 }
 

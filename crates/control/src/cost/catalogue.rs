@@ -2,7 +2,7 @@
 
 use super::{
     Compliance, ControlNorm, ControlSmoothness, Cost, CostForm, Curvature, IntoCost, LargestStretch, MeanPosition,
-    Obstacle, ObstaclePenetration, Orientation, SmoothedHausdorff, Target, Tracking,
+    Obstacle, ObstaclePenetration, Orientation, PumpWork, SmoothedHausdorff, Target, Tracking, pump_work,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -114,6 +114,14 @@ pub const CATALOGUE: &[CostRow] = &[
         form: None,
         second: true,
         examples: |on| Ok(vec![Box::new(ControlSmoothness::of(on.control, 1e-10 * on.weight)?)]),
+    },
+    CostRow {
+        name: PumpWork::NAME,
+        about: pump_work::FORM.about,
+        form: Some(&pump_work::FORM),
+        second: true,
+        // Energies of stiff bodies would drown squares of lengths.
+        examples: |on| Ok(vec![Box::new(PumpWork::new(1e-4 * on.weight)?)]),
     },
 ];
 

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// equilibrium, loads and controls held. The inverse of the stiffness against a probe.
 ///
 /// Derivatives: `dc/du = -(v . K v)_u`, `dc/dm = -(v . K v)_m`, the second derivatives of `v . r` along v: third derivatives of the
-/// energy. There are no second partials, which would take fourth ones. Where cavities hold a volume it is refused.
+/// energy. There are no second partials, which would take fourth ones. Cavities of given volume keep it: K is then the bordered tangent.
 /// Units: length over force, in plane strain per unit of depth. Source: docs/model.md section 5.
 #[derive(Clone, Debug)]
 pub struct Compliance {
@@ -46,9 +46,6 @@ impl IntoCost for Compliance {
         }
         if dim == 2 && self.direction[2] != 0.0 {
             return refuse("a plane body gives way in its plane: the direction of a compliance has no z".into());
-        }
-        if solid.model().unknowns().scalars > 0 {
-            return refuse("a compliance is not there yet for bodies with cavities of given volume".into());
         }
         let facets = mesh.facets_of(&self.surface)?;
         let points = QuadraturePoints::of_facets(mesh, &facets, |k| k.rule_of_points(k.order() + 2));
@@ -104,6 +101,11 @@ impl Bound {
     fn compliance(&self, model: &Model, at: &Instant, v: &[f64]) -> Result<f64, ControlError> {
         let mut product = vec![0.0; v.len()];
         if !model.tangent_product(at, v, &mut product)? {
+            if model.unknowns().scalars > 0 {
+                let what =
+                    "a compliance beside a cavity of given volume needs contributions that give `add_tangent_product`";
+                return Err(ControlError::Cost { what: what.to_owned() });
+            }
             let mut matrix = model.matrix();
             model.add_tangent(at, &mut matrix)?;
             matrix.multiply(v, &mut product);

@@ -12,6 +12,7 @@ mod figure;
 pub(crate) mod obstacle;
 mod orientation;
 mod position;
+mod pump_work;
 mod regularization;
 mod smoothed_hausdorff;
 mod stretch;
@@ -27,6 +28,7 @@ pub use figure::{Figure, FigureKind};
 pub use obstacle::{Obstacle, ObstaclePenetration};
 pub use orientation::Orientation;
 pub use position::MeanPosition;
+pub use pump_work::PumpWork;
 pub use regularization::{ControlNorm, ControlSmoothness};
 pub use smoothed_hausdorff::SmoothedHausdorff;
 pub use stretch::LargestStretch;
@@ -60,14 +62,14 @@ pub struct CostContext<'a> {
 /// Partial derivatives of a cost, to be added to; also a change of what they are by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Partials {
-    /// `dj/du`, flat, supported unknowns included; of a change, that of u.
+    /// `dj/du`, flat, supported unknowns included, and behind it `dj/dp` by the multipliers of constraints; of a change, that of them.
     pub u: Vec<f64>,
     /// `dj/dm`; of a change, that of m.
     pub m: Vec<f64>,
 }
 
 impl Partials {
-    /// Zero, for so many displacements and controls.
+    /// Zero, for so many unknowns of the state and controls.
     pub fn zero(u: usize, m: usize) -> Self {
         Partials { u: vec![0.0; u], m: vec![0.0; m] }
     }

@@ -29,7 +29,8 @@ impl Ensemble {
             }
         }
         let p = |member: &Member| self.probabilities[member.scenario];
-        let mut mean = vec![0.0; at.state.u.len()];
+        let mut mean = first.problem.solid().model().nodal(&at.state.u).to_vec();
+        mean.fill(0.0);
         for (member, at) in &members {
             mean.iter_mut().zip(at.state.u.iter()).for_each(|(mean, u)| *mean += p(member) * u);
         }

@@ -90,7 +90,7 @@ impl Objective for Reduced {
     /// Solves nothing.
     fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, Evaluated>) -> Result<Evaluated, Failed> {
         let controls = self.layout().to_points(m)?;
-        let (terms, dofs) = (self.costs().len(), self.solid().discretization().dofs());
+        let (terms, dofs) = (self.costs().len(), self.solid().model().unknowns().len());
         let constraints = Constrained::constraints(self).iter().map(|group| group.len).sum();
         let expected = Expected { stage: how.stage, terms, constraints, dofs };
         Evaluated::from_bytes(bytes, m, controls, expected).map_err(Failed::new)

@@ -7,6 +7,7 @@ use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::StateError;
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
+use crate::solution::saddle_point::SaddlePoint;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent_systems::{EXACT, TangentSystems};
 use crate::solution::workspace::Workspace;
@@ -17,7 +18,7 @@ use nastic_mesh::CellKind;
 /// Adjoint displacements, and what they took.
 #[derive(Debug, Clone)]
 pub struct Adjoint {
-    /// One solution per right-hand side, flat, zero on the supports.
+    /// One solution per right-hand side, flat, zero on the supports; behind the displacement the adjoint multipliers of constraints.
     pub lambda: Vec<Vec<f64>>,
     /// Work done.
     pub report: SolveReport,
@@ -68,6 +69,11 @@ impl Model {
         let mut report = SolveReport::default();
         let solver = self.linear_solver(how, workspace);
         let mut systems = TangentSystems::new(self, how.parallel, solver);
+        if self.unknowns().scalars > 0 {
+            let system = self.saddle_point(state, how.parallel)?;
+            let (lambda, _) = system.solve(&mut systems, self.nodal(&state.u), &columns, EXACT, &mut report)?;
+            return Ok(Adjoint { lambda, report });
+        }
         if let [b] = columns[..]
             && let Some(lambda) = self.solve_by_products(state, b, how, (EXACT, &mut systems), &mut report)
         {
@@ -110,6 +116,10 @@ impl Model {
 
     /// Number of negative eigenvalues of the tangent at a state: 0 for a stable equilibrium.
     ///
+    /// Under constraints `g(u) = 0` that of the tangent on the null space of `dg/du`: the negative eigenvalues of `[K B; B^T 0]` less
+    /// one for each constraint. 0 then means stable while the constraints hold, though the body may be unstable under the
+    /// multipliers (pressures) as given loads.
+    ///
     /// On a body that is solved by multigrid, 0 means that conjugate gradients with a right-hand side of fixed random
     /// numbers converged to 1e-8 and met no negative curvature; only where they did meet it is a factor made to count.
     ///
@@ -134,9 +144,22 @@ impl Model {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<usize, StateError> {
+        if self.unknowns().scalars > 0 {
+            let system = self.saddle_point(state, how.parallel)?;
+            let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
+            return Ok(system.negative(&mut systems, self.nodal(&state.u), &mut SolveReport::default())?);
+        }
         let matrix = self.tangent(state, how.parallel)?;
         let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
         Ok(systems.negative_pivots(matrix, &state.u)?)
+    }
+
+    /// The bordered tangent at a state.
+    pub(crate) fn saddle_point(&self, state: &State, parallel: bool) -> Result<SaddlePoint, StateError> {
+        let tangent = self.bordered_tangent(&self.instant(state, None, parallel));
+        let last = || Box::new(state.clone());
+        let tangent = tangent.map_err(|at| StateError::Inverted { at, load: state.load, cuts: 0, last: last() })?;
+        Ok(SaddlePoint::new(self, tangent))
     }
 
     /// The tangent K(u, m) at a state, supports not eliminated.

@@ -80,9 +80,8 @@ impl<'a> SecondOrder<'a> {
             return self.solve(rhs, Transposition::No);
         };
         // K_FF du_F = -(r_m v)_F - K_FD du_D
-        let mut moved = vec![0.0; held.len()];
-        self.model.tangent(self.state, self.how.parallel)?.multiply_on(&held, &mut moved, self.how.parallel);
-        axpy(-1.0, &moved, &mut rhs);
+        let tangent = self.model.bordered_tangent(&self.instant()).map_err(|at| self.failed(at.into()))?;
+        axpy(-1.0, &tangent.multiply(&held, self.how.parallel), &mut rhs);
         let mut du = self.solve(rhs, Transposition::No)?;
         axpy(1.0, &held, &mut du);
         Ok(du)
@@ -155,6 +154,13 @@ impl<'a> SecondOrder<'a> {
             return Ok(rhs);
         }
         let Self { model, state, how, again, accuracy, .. } = *self;
+        if model.unknowns().scalars > 0 {
+            let system = model.saddle_point(state, how.parallel)?;
+            let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
+            let u = model.nodal(&state.u);
+            let (mut solved, _) = system.solve(&mut systems, u, &[&rhs], accuracy, &mut self.report)?;
+            return Ok(solved.pop().unwrap_or_default());
+        }
         let kept = self.workspace.take_tangent();
         let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
         if !again

@@ -31,10 +31,12 @@ pub struct Form {
     pub about: &'static str,
     /// Its keys beside `name` and `kind`.
     pub keys: &'static [Key],
-    /// Its slots: what can be controlled, or have a fixed value.
+    /// Its slots: what can be controlled, or have a fixed value. In a unit `m^d` d is the dimension of the body.
     pub slots: &'static [Slot],
     /// Whether it acts where all its slots are zero: an elastic tendon resists to being stretched.
     pub passive: bool,
+    /// Whether one of the slots drives it, and the others follow: the first unless another one is controlled or has a value.
+    pub one_of: bool,
     /// Adds one of that name to a body.
     pub add: fn(Solid, &str, &Values) -> Result<Solid, FemError>,
 }
@@ -98,6 +100,8 @@ pub struct Values {
     pub places: BTreeMap<&'static str, [f64; 3]>,
     /// Numbers that were given, by key.
     pub numbers: BTreeMap<&'static str, f64>,
+    /// The slot that drives a contribution of which one does; the first if `None`.
+    pub slot: Option<&'static str>,
 }
 
 impl Values {
@@ -135,6 +139,11 @@ pub const CATALOGUE: &[Entry] = &[
         name: "motion",
         form: Some(motion::FORM),
         example: || block()?.motion(Motion::of("motion", "x+").about([2.8, 1.0, 0.5])),
+    },
+    Entry {
+        name: "cavity of a volume",
+        form: None,
+        example: || block()?.cavity(Cavity::new("cavity of a volume", "inside").lid().by_volume()),
     },
 ];
 

@@ -5,12 +5,15 @@ use crate::contributions::controls::Controls;
 use crate::contributions::instant::TimeStep;
 use crate::error::{InvertedAt, SecondDerivativeError};
 use crate::model::Model;
-use nastic_linear::{SparseMatrix, Symmetry};
+use crate::solution::saddle_point::BorderedTangent;
+use nastic_linear::Symmetry;
 use nastic_numeric::Random;
 use nastic_numeric::vector::{axpy, dot, max_abs, norm, sub};
 
 /// Relative size of the displacements, as a share of the body's diagonal, at which a contribution is looked at.
 const AMPLITUDE: f64 = 0.02;
+/// Size of the controls and multipliers at which it is looked at.
+const CONTROL: f64 = 1e3;
 /// Relative error of the sixth-order differences that counts as agreement.
 const TOLERANCE: f64 = 1e-7;
 
@@ -23,24 +26,28 @@ const TOLERANCE: f64 = 1e-7;
 /// # Errors
 /// What is violated, where, by how much; an unknown name.
 pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), String> {
-    let (contribution, block) =
+    let (contribution, block, scalar) =
         model.contribution(name).ok_or_else(|| format!("there is no contribution \"{name}\""))?;
     let mut random = Random::new(seed);
     let n = model.unknowns().len();
     let size = AMPLITUDE * model.discretization().mesh().diagonal() / (model.unknowns().nodes as f64).cbrt();
-    let mut draw = |scale: f64| -> Vec<f64> { (0..n).map(|_| scale * random.symmetric()).collect() };
-    let (u, direction, lambda) = (draw(size), draw(size), draw(1.0));
+    let dofs = model.discretization().dofs();
+    let mut draw = |scale: f64, of_multipliers: f64| -> Vec<f64> {
+        let scale = |i: usize| if i < dofs { scale } else { of_multipliers };
+        (0..n).map(|i| scale(i) * random.symmetric()).collect()
+    };
+    let (u, direction, lambda) = (draw(size, CONTROL), draw(size, CONTROL), draw(1.0, 1.0));
     let mut before = model.rest();
-    before.u = draw(size).into();
-    before.velocity = Some(draw(size).into());
+    before.u = draw(size, CONTROL).into();
+    before.velocity = Some(draw(size, CONTROL).into());
     let mut controls = model.controls();
     for k in 0..controls.len() {
-        let scale = if k == block { 1e3 } else { 0.0 };
+        let scale = if k == block { CONTROL } else { 0.0 };
         controls.values_mut(k).iter_mut().for_each(|m| *m = scale * random.symmetric());
     }
     let step = TimeStep::backward_euler(&before, 0.3);
     for step in [None, Some(&step)] {
-        let at = Instant { step, block, ..Instant::new(&u, &controls, 0.7) };
+        let at = Instant { step, block, scalar, ..Instant::new(&u, &controls, 0.7) };
         let subject = Subject { contribution, model, at };
         subject.check(&direction, &lambda).map_err(|why| {
             let when = if step.is_some() { "in a time step" } else { "static" };
@@ -78,9 +85,8 @@ impl Subject<'_> {
             )?;
         }
         self.check_adds(&sums, lambda).map_err(told)??;
-        let mut tangent = self.model.matrix();
-        self.contribution.add_tangent(&self.at, &mut tangent).map_err(told)?;
-        let product = multiply(&tangent, direction);
+        let tangent = self.tangent(self.at).map_err(told)?;
+        let product = tangent.multiply(direction, false);
         let expected = difference(|s| Ok(self.sums(self.moved(&self.along(direction, s)))?.force))?;
         agree(
             "tangent times a direction",
@@ -90,7 +96,7 @@ impl Subject<'_> {
             norm(&sums.force_scale),
         )?;
         if self.contribution.symmetry() == Symmetry::Symmetric {
-            let (left, right) = (dot(lambda, &product), dot(direction, &multiply(&tangent, lambda)));
+            let (left, right) = (dot(lambda, &product), dot(direction, &tangent.multiply(lambda, false)));
             agree("a . K b", &[left], "b . K a", &[right], norm(lambda) * norm(&product))?;
         }
         let mut out = lambda.to_vec();
@@ -148,10 +154,7 @@ impl Subject<'_> {
         let first = |s: f64| -> Result<(Vec<f64>, Controls), InvertedAt> {
             let (u, m) = (self.along(direction, s), self.controls_along(&controls, s));
             let at = Instant { controls: &m, ..self.moved(&u) };
-            let mut tangent = self.model.matrix();
-            self.contribution.add_tangent(&at, &mut tangent)?;
-            let mut by_u = vec![0.0; u.len()];
-            tangent.multiply_transposed(lambda, &mut by_u, false);
+            let by_u = self.tangent(at)?.multiply_transposed(lambda, false);
             let mut by_m = Sensitivities::zero(self.model.controls(), &at);
             self.contribution.vjp(&at, lambda, &mut by_m)?;
             Ok((by_u, by_m.controls))
@@ -187,7 +190,7 @@ impl Subject<'_> {
     /// Other values of its own controls.
     fn draw(&self, controls: &mut Controls, random: &mut Random) {
         if self.at.block < controls.len() {
-            controls.values_mut(self.at.block).iter_mut().for_each(|m| *m = 1e3 * random.symmetric());
+            controls.values_mut(self.at.block).iter_mut().for_each(|m| *m = CONTROL * random.symmetric());
         }
     }
 
@@ -263,6 +266,12 @@ impl Subject<'_> {
         agree("the derivative by the acceleration", &slope, "differences", &by_acceleration, norm(&found.acceleration))
     }
 
+    fn tangent(&self, at: Instant) -> Result<BorderedTangent, InvertedAt> {
+        let mut tangent = BorderedTangent::zero(self.model);
+        tangent.add(self.contribution, &at)?;
+        Ok(tangent)
+    }
+
     fn sums(&self, at: Instant) -> Result<Sums, InvertedAt> {
         let mut sums = Sums::zero(self.model.unknowns().len());
         self.contribution.add_residual(&at, Demand { energy: true, force: true }, &mut sums)?;
@@ -276,12 +285,6 @@ impl Subject<'_> {
     fn moved<'u>(&'u self, u: &'u [f64]) -> Instant<'u> {
         Instant { u, ..self.at }
     }
-}
-
-fn multiply(tangent: &SparseMatrix, v: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; v.len()];
-    tangent.multiply(v, &mut out);
-    out
 }
 
 /// The derivative at 0 by central differences of sixth order.

@@ -6,7 +6,7 @@ use crate::solution::state::State;
 /// The unknowns and everything prescribed, at one instant.
 #[derive(Clone, Copy)]
 pub struct Instant<'a> {
-    /// Displacement, flat.
+    /// Displacement, flat; behind it the multipliers of all constraints.
     pub u: &'a [f64],
     /// The controls of all contributions.
     pub controls: &'a Controls,
@@ -18,17 +18,29 @@ pub struct Instant<'a> {
     pub parallel: bool,
     /// Index of the contribution's own block of controls.
     pub(crate) block: usize,
+    /// Index in u of the contribution's own first multiplier.
+    pub(crate) scalar: usize,
 }
 
 impl<'a> Instant<'a> {
     /// A static instant.
     pub fn new(u: &'a [f64], controls: &'a Controls, load: f64) -> Self {
-        Instant { u, controls, load, step: None, parallel: false, block: 0 }
+        Instant { u, controls, load, step: None, parallel: false, block: 0, scalar: u.len() }
     }
 
     /// The value of a slot of the contribution that is asked.
     pub fn control(&self, slot: usize) -> f64 {
         self.controls.values(self.block)[slot]
+    }
+
+    /// Place of a multiplier of the contribution that is asked, in u and in all vectors of its length.
+    pub fn place(&self, multiplier: usize) -> usize {
+        self.scalar + multiplier
+    }
+
+    /// A multiplier of the contribution that is asked; not a number where u is that of a model without it.
+    pub fn multiplier(&self, multiplier: usize) -> f64 {
+        self.u.get(self.place(multiplier)).copied().unwrap_or(f64::NAN)
     }
 
     /// The value of a slot of the contribution that is asked, in other controls of the same model.

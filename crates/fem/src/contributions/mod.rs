@@ -34,7 +34,11 @@ pub use tendon::Tendon;
 /// is one, the tangent is the derivative of `r` (by `u`, with `v` and `a` as the time step gives them), `vjp` that of
 /// `lambda . r` by everything else, `second_vjp`, where it is there, that of both; the same input gives the same bits (for any number of threads, which is not checked there).
 ///
-/// Vectors are flat, `dim * node + component`, supported unknowns included.
+/// Vectors are flat, `dim * node + component`, supported unknowns included; behind them the multipliers of all constraints.
+///
+/// A contribution may hold the body to equality constraints `g_k(u; controls) = 0`. Its potential is then `-sum_k p_k g_k`, with
+/// a multiplier `p_k` each, which is an unknown ([`Instant::multiplier`]): the residual by it is `-g_k`, and the tangent gets a border
+/// ([`add_border`](Self::add_border)). Equilibria are saddle points of the whole potential.
 pub trait Contribution: Debug + Send + Sync {
     /// What it is called in messages and results.
     fn name(&self) -> &str;
@@ -115,13 +119,34 @@ pub trait Contribution: Debug + Send + Sync {
         true
     }
 
+    /// Number of its constraints, each with a multiplier.
+    fn constraints(&self) -> usize {
+        0
+    }
+
+    /// Whether its constraints can be fulfilled under these controls.
+    ///
+    /// # Errors
+    /// Which cannot, and what can.
+    fn check_constraints(&self, _at: &Instant) -> Result<(), FemError> {
+        Ok(())
+    }
+
+    /// Adds `dr/dp_k = -dg_k/du` for each of its multipliers to a column over the displacement.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    fn add_border(&self, _at: &Instant, _columns: &mut [Vec<f64>]) -> Result<(), InvertedAt> {
+        Ok(())
+    }
+
     /// Adds potential (in a time step the incremental one) and residual, as wanted, and what their rounding is measured against.
     ///
     /// # Errors
     /// [`InvertedAt`] where J <= 0.
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt>;
 
-    /// Adds the tangent, supports not eliminated.
+    /// Adds the tangent by the displacement, supports not eliminated.
     ///
     /// # Errors
     /// [`InvertedAt`] where J <= 0.

@@ -53,20 +53,24 @@ impl Model {
     /// and the answer is [`Connected`](Connection::Connected), unless its [report](State::report) tells of a shifted tangent or
     /// a restart, or it took five Newton iterations or more and the tangent has negative pivots at one of three states between the
     /// two. One that is not trusted is made again in parts of the way: where all of them are trusted and lead to the same state,
-    /// the two are connected. Otherwise the [`path`](Self::path) from one to the other is followed by arc length.
+    /// the two are connected. Otherwise the [`path`](Self::path) from one to the other is followed by arc length; under constraints,
+    /// where there is none, the answer is then [`Unknown`](Connection::Unknown).
     ///
     /// # Errors
     /// As [`path`](Self::path); a cancelled solve, a lack of memory.
     pub fn connection(&self, from: &State, to: &State, how: &SolveOptions) -> Result<Connection, StateError> {
         self.check_state(from)?;
         self.check_state(to)?;
-        let change = norm(&sub(&to.u, &from.u));
+        let change = norm(&sub(self.nodal(&to.u), self.nodal(&from.u)));
         let (mut workspace, fit) = (Workspace::default(), OnceCell::new());
-        if change <= SMALL * norm(&to.u)
+        if change <= SMALL * norm(self.nodal(&to.u))
             || !self.may_have_jumped(from, to, how, (&mut workspace, &fit))?
             || self.is_reached_in_parts(from, to, how, (&mut workspace, &fit))?
         {
             return Ok(Connection::Connected);
+        }
+        if self.unknowns().scalars > 0 {
+            return Ok(Connection::Unknown(0.0));
         }
         let options = PathOptions { step: STEP, points: POINTS, range: [BEHIND, 1.0], to_limit: true };
         let target = (&*to.controls, to.load);
@@ -138,8 +142,8 @@ impl Model {
                 Ok(_) | Err(_) => (part, refused) = (0.5 * (next - share), refused + 1),
             }
             if share == 1.0 {
-                let change = norm(&sub(&to.u, &from.u));
-                return Ok(norm(&sub(&here.u, &to.u)) <= SAME * change);
+                let apart = |a: &State, b: &State| norm(&sub(self.nodal(&a.u), self.nodal(&b.u)));
+                return Ok(apart(&here, to) <= SAME * apart(to, from));
             }
         }
         Ok(false)
@@ -151,7 +155,8 @@ impl Model {
         let (mut u, du) = (from.u.to_vec(), sub(&to.u, &from.u));
         axpy(share, &du, &mut u);
         if let Some(fit) = fit {
-            axpy(1.0, &fit.correction_between(self, &from.u, &du, share, parallel), &mut u);
+            let bent = fit.correction_between(self, self.nodal(&from.u), self.nodal(&du), share, parallel);
+            u.iter_mut().zip(&bent).for_each(|(u, bent)| *u += bent);
         }
         let controls = Arc::new(from.controls.blend(&to.controls, share));
         State { u: Arc::new(u), controls, load: (1.0 - share) * from.load + share * to.load, ..to.clone() }

@@ -70,6 +70,7 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.check_controls(controls)?;
+        self.check_constraints(controls)?;
         let rest = self.rest();
         let mut spent = SolveReport::default();
         if let Some(guess) = how.guess.filter(|guess| guess.len() != rest.u.len()) {
@@ -138,7 +139,8 @@ impl Model {
             Err(slow @ Stop::Slow { .. }) => slow,
             Err(other) => return Err(other),
         };
-        if first || hopeless || !self.has_potential() || newton.jump(&u).is_some() {
+        let constrained = self.unknowns().scalars > 0;
+        if first || hopeless || constrained || !self.has_potential() || newton.jump(&u).is_some() {
             return Err(slow);
         }
         workspace.forget();
@@ -173,7 +175,7 @@ impl Model {
         }
     }
 
-    /// The undeformed state without loads: where every way begins unless told otherwise.
+    /// The undeformed state without loads, all multipliers zero: where every way begins unless told otherwise.
     pub fn rest(&self) -> State {
         let report = SolveReport { min_j: 1.0, ..SolveReport::default() };
         State::equilibrium(vec![0.0; self.unknowns().len()], self.controls(), 0.0, report)
@@ -240,7 +242,7 @@ impl Model {
             match self.attempt(&newton, &here.u, (&mut helped, hopeless), workspace, report) {
                 Ok(u) => {
                     report.load_steps += 1;
-                    steps.succeeded(path, norm(&sub(&u, &here.u)));
+                    steps.succeeded(path, norm(&sub(self.nodal(&u), self.nodal(&here.u))));
                     here = State::equilibrium(u, controls, load, *report);
                 }
                 Err(Stop::Cancelled) => return Err(StateError::Cancelled),

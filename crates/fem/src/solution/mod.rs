@@ -2,6 +2,7 @@
 
 mod arc_length;
 pub(crate) mod connection;
+mod constrained_newton;
 mod continuation;
 pub(crate) mod deflation;
 pub(crate) mod descent;
@@ -16,6 +17,7 @@ mod path_events;
 mod point_strain_newton;
 pub(crate) mod ramp;
 pub(crate) mod rotation_corrected_step;
+pub(crate) mod saddle_point;
 pub(crate) mod state;
 pub(crate) mod tangent_systems;
 pub(crate) mod trajectory;

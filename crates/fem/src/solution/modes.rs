@@ -36,6 +36,9 @@ impl Model {
     /// factor that would be too large; [`StateError::Problem`] for a state of another body.
     pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
         self.check_state(state)?;
+        let instead =
+            "the number of negative pivots is counted; for modes, hold the multipliers found (pressures) as controls";
+        self.refuse_constraints("modes", instead)?;
         let mut matrix = self.tangent_at(&self.instant(state, None, how.parallel), state)?;
         eliminate(self, &mut matrix);
         let disc = self.discretization();

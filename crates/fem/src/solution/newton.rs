@@ -78,16 +78,16 @@ struct Iterate<'a> {
 type Next = (Vec<f64>, Sums);
 
 /// Steps that leave less than this share of the smallest J are too long.
-const COLLAPSE: f64 = 0.09;
+pub(super) const COLLAPSE: f64 = 0.09;
 /// Sufficient decrease wanted of a step, as a share of what the slope promises.
-const ARMIJO: f64 = 1e-4;
+pub(super) const ARMIJO: f64 = 1e-4;
 /// Below this relative residual a step that does not halve it has met the limit of double precision.
-const ROUNDING: f64 = 1e-10;
+pub(super) const ROUNDING: f64 = 1e-10;
 /// Iterations after which an attempt is given up that had to shift the tangent so many times: it goes downhill far from any
 /// equilibrium, which shorter load steps do not. Attempts that converge shift it once or twice.
-const LOST: (usize, usize) = (30, 3);
+pub(super) const LOST: (usize, usize) = (30, 3);
 /// A full step shorter than this share of the body's size is below what double precision resolves.
-const RESOLUTION: f64 = 1e-12;
+pub(super) const RESOLUTION: f64 = 1e-12;
 
 /// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
 /// measure it by. The largest; steps shorter than that share of the body are solved as exactly as they are short, since what they leave may
@@ -95,7 +95,7 @@ const RESOLUTION: f64 = 1e-12;
 const JUMP: f64 = 1e-2;
 
 impl Newton<'_> {
-    /// From u to equilibrium, and what the last tangent was (positive where none was needed); where it stops short, u is the
+    /// From u (with the multipliers of constraints behind it, see `constrained_newton`) to equilibrium, and what the last tangent was (positive where none was needed); where it stops short, u is the
     /// last iterate.
     pub fn solve(
         &self,
@@ -103,6 +103,9 @@ impl Newton<'_> {
         solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
     ) -> Result<Curvature, Stop> {
+        if self.model.unknowns().scalars > 0 {
+            return self.solve_constrained(u, solver, report);
+        }
         let mut systems = TangentSystems::new(self.model, self.options.parallel, solver);
         let mut matrix = None;
         let mut now = self.evaluate(u)?;
@@ -189,17 +192,25 @@ impl Newton<'_> {
         jump.iter().any(|&d| d != 0.0).then_some(jump)
     }
 
-    /// Free residual, and its norm relative to the norm of the sums of absolute forces.
+    /// Free residual, and its norm relative to the norm of the sums of absolute forces; of constraints each relative to its own scale.
     pub(super) fn residual(&self, now: &Sums) -> (Vec<f64>, f64) {
         let mut residual = now.force.clone();
         self.model.supports.clear(&mut residual);
-        let size = norm(&residual);
-        (residual, if size == 0.0 { 0.0 } else { size / norm(&now.force_scale) })
+        let share = |r: &[f64], scale: &[f64]| {
+            let size = norm(r);
+            if size == 0.0 { 0.0 } else { size / norm(scale) }
+        };
+        let dofs = self.model.discretization().dofs();
+        let of_forces = share(self.model.nodal(&residual), self.model.nodal(&now.force_scale));
+        let of_constraint = |r: (&f64, &f64)| share(&[*r.0], &[*r.1]);
+        let constraints = residual.iter().zip(&now.force_scale).skip(dofs).map(of_constraint);
+        let relative = constraints.fold(of_forces, f64::max);
+        (residual, relative)
     }
 
     /// Energies are small differences of large terms, the smaller the nearer to rest: W vanishes there, while what it is
     /// the difference of is of the size of `F : dP/dF : F`, or `x . K x` with the current positions x.
-    fn energy_scale(&self, matrix: &SparseMatrix, u: &[f64], now: &Sums) -> f64 {
+    pub(super) fn energy_scale(&self, matrix: &SparseMatrix, u: &[f64], now: &Sums) -> f64 {
         let disc = self.model.discretization();
         let dim = disc.dim();
         let reference = disc.mesh().points().iter().flat_map(|x| &x[..dim]);
@@ -221,7 +232,7 @@ impl Newton<'_> {
         rhs
     }
 
-    fn prescribe(&self, step: &mut [f64], jump: &[f64]) {
+    pub(super) fn prescribe(&self, step: &mut [f64], jump: &[f64]) {
         for ((s, &d), &fixed) in step.iter_mut().zip(jump).zip(self.model.supports.fixed()) {
             if fixed {
                 *s = d;

@@ -142,6 +142,8 @@ impl Model {
         watch: &mut dyn FnMut(&PathPoint),
     ) -> Result<EquilibriumPath, StateError> {
         self.check()?;
+        let instead = "a ramp along the prescribed quantity (a volume) passes limit points of its multiplier (the pressure) by itself";
+        self.refuse_constraints("a path by arc length", instead)?;
         self.check_state(from)?;
         self.check_controls(to.0)?;
         options.check()?;

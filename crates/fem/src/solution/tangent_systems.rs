@@ -3,8 +3,10 @@
 use crate::model::Model;
 use crate::solution::nodal_rotations::nodal_rotations;
 use crate::solution::state::SolveReport;
-use nastic_linear::solver::{Accuracy, Border, Configuration, Curvature, Shift, System, solve_bordered};
-use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, SparseMatrix};
+use nastic_linear::solver::{
+    Accuracy, BlockElimination, Border, Configuration, Curvature, Shift, System, solve_bordered,
+};
+use nastic_linear::{Corners, Factor, LinearError, LinearSolver, LinearWork, Operator, Rotations, SparseMatrix};
 use std::sync::{Arc, OnceLock};
 
 /// Of a solution that counts as exact: strains, and with them a gradient, are known to `1e-8`, with a margin of ten.
@@ -17,7 +19,7 @@ pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
 pub(crate) const SYMMETRIC: Accuracy = Accuracy { error: 1e-13, residual: 1e-11 };
 
 /// Of full steps of Newton's method with an indefinite or bordered tangent.
-const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
+pub(super) const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
 /// Which step is wanted where the tangent turns out to be indefinite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -163,6 +165,52 @@ impl<'a> TangentSystems<'a> {
         let found = solve_bordered(self.solver, &system, border, rhs, false, FULL_STEP, &mut work);
         report.add_linear(&work);
         found
+    }
+
+    /// The same for several right-hand sides, and the number of negative eigenvalues of the whole, `None` where rounding decides the
+    /// sign of one. K is counted by the factor that solves; multigrid solves positive definite matrices alone.
+    #[allow(clippy::type_complexity)] // pairs of vectors, in and out
+    pub fn eliminate_border(
+        &mut self,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        border: &Border,
+        rhs: &[(Vec<f64>, Vec<f64>)],
+        accuracy: Accuracy,
+        report: &mut SolveReport,
+    ) -> Result<(Vec<(Vec<f64>, Vec<f64>)>, Option<usize>), LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let system = configuration.system(matrix);
+        let mut work = LinearWork::default();
+        let mut solve = || {
+            self.solver.prepare(&system, &mut work)?;
+            let elimination = BlockElimination::new(self.solver, &system, border, false, accuracy, &mut work)?;
+            let mut solve = |(f, g): &(Vec<f64>, Vec<f64>)| elimination.solve(self.solver, &system, (f, g), &mut work);
+            let solved = rhs.iter().map(&mut solve).collect::<Result<Vec<_>, _>>()?;
+            let of_matrix = self.solver.factor().map_or(0, Factor::negative_pivots);
+            Ok((solved, elimination.negative().map(|of_border| of_matrix + of_border)))
+        };
+        let solved = solve();
+        report.add_linear(&work);
+        solved
+    }
+
+    /// Negative eigenvalues of `[K B; B^T D]`, K a tangent at u whose supports are eliminated.
+    pub fn bordered_inertia(
+        &mut self,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        border: &Border,
+        report: &mut SolveReport,
+    ) -> Result<usize, LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let system = configuration.system(matrix);
+        let of_matrix = self.solver.inertia(&system)?.negative;
+        let mut work = LinearWork::default();
+        let elimination = BlockElimination::new(self.solver, &system, border, false, FULL_STEP, &mut work);
+        report.add_linear(&work);
+        let scalars = border.columns.len();
+        Ok(of_matrix + elimination?.negative().ok_or(LinearError::Border { scalars })?)
     }
 
     /// `K x = b` with the symmetric tangent at u as a product, zero on the supports, and what is kept as preconditioner, if

@@ -86,6 +86,7 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<(), StateError> {
         self.check()?;
+        self.refuse_constraints("a step in time", "drive it by a force or a pressure")?;
         for to in steps {
             if !(to.dt.is_finite() && to.dt > 0.0) {
                 let what = format!("a time step of {} is not positive", to.dt);

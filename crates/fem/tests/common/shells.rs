@@ -80,6 +80,16 @@ pub fn radii(drive: Drive, hoops: i32) -> [f64; 3] {
     [low, middle, outer]
 }
 
+/// The pressure inside that holds a passive shell at an inner radius.
+pub fn pressure(mu: [f64; 3], inner: f64, hoops: i32) -> f64 {
+    let (mut low, mut high) = (0.0, 10.0 * mu[0]);
+    for _ in 0..50 {
+        let p = 0.5 * (low + high);
+        if shoot(inner, Drive { mu, p, follower: true, m: 0.0 }, hoops)[2] > 0.0 { low = p } else { high = p }
+    }
+    low
+}
+
 /// A quarter of a ring; "inner" is its side x-.
 pub fn ring(kind: CellKind, cells: usize) -> Outcome<Mesh> {
     Ok(regular(kind, [1.0; 3], [cells, 2 * cells, 1])?.mapped(|[x, y, _]| {

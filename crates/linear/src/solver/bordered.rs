@@ -1,7 +1,7 @@
-//! [`solve_bordered`]: a few scalar unknowns beside the nodal ones.
+//! [`BlockElimination`], [`solve_bordered`]: a few scalar unknowns beside the nodal ones.
 
 use super::{Accuracy, LinearError, LinearSolver, LinearWork, System};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, FullPivLU};
 use nastic_numeric::vector::{axpy, dot, norm};
 
 /// The border of `[A B; C^T D]`: for every scalar unknown a column of B and a row of `C^T`, and the corner D.
@@ -29,71 +29,152 @@ const SETTLED: f64 = 1e-7;
 /// Corrections of the solution by its residual: elimination loses digits where A is nearly singular.
 const CORRECTIONS: usize = 3;
 
+/// Eigenvalues of a Schur complement below this share of the largest one have no certain sign.
+const UNCERTAIN: f64 = 1e-12;
+
 /// Solves `A x + B y = f`, `C^T x + D y = g` by block elimination,
 ///
 /// ```text
-/// Z = A^-1 B,   (D - C^T Z) y = g - C^T A^-1 f,   x = A^-1 f - Z y
+/// Z = A^-1 B,   S = D - C^T Z,   S y = g - C^T A^-1 f,   x = A^-1 f - Z y
 /// ```
 ///
 /// corrected by its own residual. With `transposed`, the system is `[A^T C; B^T D^T]`, that of an adjoint. A itself must be
 /// regular; it may be close to singular, as near a limit point. Govaerts, "Stable solvers and block elimination for bordered
 /// systems", SIAM J. Matrix Anal. 12 (1991).
+#[derive(Clone, Debug)]
+pub struct BlockElimination<'b> {
+    border: &'b Border,
+    transposed: bool,
+    accuracy: Accuracy,
+    /// Z, column by column.
+    z: Vec<Vec<f64>>,
+    schur: DMatrix<f64>,
+    factor: FullPivLU<f64, Dyn, Dyn>,
+}
+
+impl<'b> BlockElimination<'b> {
+    /// Solves for Z to an accuracy that holds for solutions as well.
+    ///
+    /// # Errors
+    /// What the solver says of A; lengths that do not fit.
+    pub fn new(
+        solver: &mut dyn LinearSolver,
+        system: &System,
+        border: &'b Border,
+        transposed: bool,
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Self, LinearError> {
+        border.check(system.fixed.len(), border.corner.nrows())?;
+        let (columns, rows) =
+            if transposed { (&border.rows, &border.columns) } else { (&border.columns, &border.rows) };
+        let corner = if transposed { border.corner.transpose() } else { border.corner.clone() };
+        let inverse = |b: &Vec<f64>| inverse(solver, system, b, (transposed, accuracy), work);
+        let z = columns.iter().map(inverse).collect::<Result<Vec<_>, _>>()?;
+        let scalars = columns.len();
+        let schur = DMatrix::from_fn(scalars, scalars, |i, j| corner[(i, j)] - dot(&rows[i], &z[j]));
+        let factor = schur.clone().full_piv_lu();
+        Ok(BlockElimination { border, transposed, accuracy, z, schur, factor })
+    }
+
+    /// Negative eigenvalues of S in a symmetric system, which with those of A are those of the whole system (Haynsworth's
+    /// inertia additivity); `None` where rounding decides the sign of one.
+    pub fn negative(&self) -> Option<usize> {
+        let n = self.schur.nrows();
+        // Congruence with a diagonal matrix keeps the signs, and takes the units of the scalar unknowns away.
+        let size = |i: usize| self.schur.row(i).iter().fold(0.0, |most: f64, s| most.max(s.abs())).sqrt();
+        let scaled = DMatrix::from_fn(n, n, |i, j| {
+            0.5 * (self.schur[(i, j)] + self.schur[(j, i)]) / (size(i) * size(j)).max(f64::MIN_POSITIVE)
+        });
+        if scaled.iter().any(|entry| !entry.is_finite()) {
+            return None;
+        }
+        let values = scaled.symmetric_eigenvalues();
+        let largest = values.amax();
+        let certain = values.iter().all(|value| value.abs() > UNCERTAIN * largest);
+        certain.then(|| values.iter().filter(|value| **value < 0.0).count())
+    }
+
+    /// The solution for a right-hand side.
+    ///
+    /// # Errors
+    /// What the solver says of A; [`LinearError::Border`] where S is singular; lengths that do not fit; a residual that stays
+    /// above `accuracy.residual` while corrections still change x by more than 1e-7 of it.
+    pub fn solve(
+        &self,
+        solver: &mut dyn LinearSolver,
+        system: &System,
+        (f, g): (&[f64], &[f64]),
+        work: &mut LinearWork,
+    ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        let Self { border, transposed, accuracy, .. } = *self;
+        border.check(f.len(), g.len())?;
+        let (columns, rows) =
+            if transposed { (&border.rows, &border.columns) } else { (&border.columns, &border.rows) };
+        let scalars = columns.len();
+        let corner = |i: usize, j: usize| if transposed { border.corner[(j, i)] } else { border.corner[(i, j)] };
+        let (mut x, mut y) = (vec![0.0; f.len()], vec![0.0; scalars]);
+        let (mut residual_f, mut residual_g) = (f.to_vec(), g.to_vec());
+        let wanted = accuracy.residual * norm(f).hypot(norm(g));
+        for _ in 0..=CORRECTIONS {
+            let inner = inverse(solver, system, &residual_f, (transposed, accuracy), work)?;
+            let rhs = DVector::from_fn(scalars, |i, _| residual_g[i] - dot(&rows[i], &inner));
+            let dy = self.factor.solve(&rhs).filter(|dy| dy.iter().all(|y| y.is_finite()));
+            let dy = dy.ok_or(LinearError::Border { scalars })?;
+            let mut dx = inner;
+            for (k, z) in self.z.iter().enumerate() {
+                axpy(-dy[k], z, &mut dx);
+                y[k] += dy[k];
+            }
+            let settled = norm(&dx) <= SETTLED * norm(&x);
+            axpy(1.0, &dx, &mut x);
+            match transposed {
+                true => system.matrix.multiply_transposed(&x, &mut residual_f, system.parallel),
+                false => system.matrix.multiply_on(&x, &mut residual_f, system.parallel),
+            }
+            residual_f.iter_mut().zip(f).for_each(|(r, f)| *r = f - *r);
+            for (k, b) in columns.iter().enumerate() {
+                axpy(-y[k], b, &mut residual_f);
+            }
+            for i in 0..scalars {
+                let corner: f64 = (0..scalars).map(|j| corner(i, j) * y[j]).sum();
+                residual_g[i] = g[i] - dot(&rows[i], &x) - corner;
+            }
+            if settled || norm(&residual_f).hypot(norm(&residual_g)) <= wanted {
+                return Ok((x, y));
+            }
+        }
+        let residual = norm(&residual_f).hypot(norm(&residual_g)) / norm(f).hypot(norm(g));
+        Err(LinearError::Singular { residual, wanted: accuracy.residual })
+    }
+}
+
+fn inverse(
+    solver: &mut dyn LinearSolver,
+    system: &System,
+    b: &[f64],
+    (transposed, accuracy): (bool, Accuracy),
+    work: &mut LinearWork,
+) -> Result<Vec<f64>, LinearError> {
+    match transposed {
+        true => solver.solve_transposed(system, b, accuracy, work),
+        false => solver.solve(system, b, accuracy, work),
+    }
+}
+
+/// The solution of one system by [`BlockElimination`].
 ///
 /// # Errors
-/// What the solver says of A; [`LinearError::Border`] where the Schur complement is singular; lengths that do not fit; a residual
-/// that stays above `accuracy.residual` while corrections still change x by more than 1e-7 of it.
+/// As there.
 pub fn solve_bordered(
     solver: &mut dyn LinearSolver,
     system: &System,
     border: &Border,
-    (f, g): (&[f64], &[f64]),
+    rhs: (&[f64], &[f64]),
     transposed: bool,
     accuracy: Accuracy,
     work: &mut LinearWork,
 ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
-    border.check(f.len(), g.len())?;
-    let (columns, rows) = if transposed { (&border.rows, &border.columns) } else { (&border.columns, &border.rows) };
-    let corner = if transposed { border.corner.transpose() } else { border.corner.clone() };
-    let mut inverse = |b: &[f64]| match transposed {
-        true => solver.solve_transposed(system, b, accuracy, work),
-        false => solver.solve(system, b, accuracy, work),
-    };
-    let z = columns.iter().map(|b| inverse(b)).collect::<Result<Vec<_>, _>>()?;
-    let scalars = columns.len();
-    let schur = DMatrix::from_fn(scalars, scalars, |i, j| corner[(i, j)] - dot(&rows[i], &z[j]));
-    let schur = schur.full_piv_lu();
-    let (mut x, mut y) = (vec![0.0; f.len()], vec![0.0; scalars]);
-    let (mut residual_f, mut residual_g) = (f.to_vec(), g.to_vec());
-    let wanted = accuracy.residual * norm(f).hypot(norm(g));
-    for _ in 0..=CORRECTIONS {
-        let inner = inverse(&residual_f)?;
-        let rhs = DVector::from_fn(scalars, |i, _| residual_g[i] - dot(&rows[i], &inner));
-        let dy = schur.solve(&rhs).filter(|dy| dy.iter().all(|y| y.is_finite()));
-        let dy = dy.ok_or(LinearError::Border { scalars })?;
-        let mut dx = inner;
-        for (k, z) in z.iter().enumerate() {
-            axpy(-dy[k], z, &mut dx);
-            y[k] += dy[k];
-        }
-        let settled = norm(&dx) <= SETTLED * norm(&x);
-        axpy(1.0, &dx, &mut x);
-        let apply = |v: &[f64], out: &mut [f64]| match transposed {
-            true => system.matrix.multiply_transposed(v, out, system.parallel),
-            false => system.matrix.multiply_on(v, out, system.parallel),
-        };
-        apply(&x, &mut residual_f);
-        residual_f.iter_mut().zip(f).for_each(|(r, f)| *r = f - *r);
-        for (k, b) in columns.iter().enumerate() {
-            axpy(-y[k], b, &mut residual_f);
-        }
-        for i in 0..scalars {
-            let corner: f64 = (0..scalars).map(|j| corner[(i, j)] * y[j]).sum();
-            residual_g[i] = g[i] - dot(&rows[i], &x) - corner;
-        }
-        if settled || norm(&residual_f).hypot(norm(&residual_g)) <= wanted {
-            return Ok((x, y));
-        }
-    }
-    let residual = norm(&residual_f).hypot(norm(&residual_g)) / norm(f).hypot(norm(g));
-    Err(LinearError::Singular { residual, wanted: accuracy.residual })
+    border.check(rhs.0.len(), rhs.1.len())?;
+    BlockElimination::new(solver, system, border, transposed, accuracy, work)?.solve(solver, system, rhs, work)
 }

@@ -10,7 +10,7 @@ mod general;
 mod multigrid;
 mod shift;
 
-pub use bordered::{Border, solve_bordered};
+pub use bordered::{BlockElimination, Border, solve_bordered};
 pub use choice::Solver;
 pub(super) use choice::fits;
 pub use direct::Direct;

@@ -38,7 +38,8 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
         out.push(line("actuation", format!("{}: {} on {place}", actuation.name, actuation.kind())));
         out.push(line("actuation", format!("  {}", actuation.about())));
         if let Some(volume) = at_rest(problem, &actuation.name, "volume") {
-            out.push(line("actuation", format!("  volume at rest {}", quantity(volume, VOLUME, units))));
+            let dimension = if problem.mesh().dim() == 2 { AREA } else { VOLUME };
+            out.push(line("actuation", format!("  volume at rest {}", quantity(volume, dimension, units))));
         }
         if let Some(length) = at_rest(problem, &actuation.name, "length") {
             out.push(line("actuation", format!("  length at rest {}", quantity(length, Dimension::LENGTH, units))));
@@ -119,6 +120,8 @@ fn number(body: &BodyEnergy, actuation: &str) -> Option<usize> {
 }
 
 const VOLUME: Dimension = Dimension::of(3, 0, 0, 0);
+/// In plane strain.
+const AREA: Dimension = Dimension::of(2, 0, 0, 0);
 
 /// A number that a contribution of that name reports of itself at rest.
 fn at_rest(problem: &CaseProblem, name: &str, quantity: &str) -> Option<f64> {

@@ -132,9 +132,12 @@ fn cold(session: &Session<'_>, run: &FinishedRun) -> Option<Warning> {
         Ok(again) => again,
         Err(failed) => return Some(Warning::new(&NOT_VERIFIED, format!("from rest it could not be solved: {failed}"))),
     };
-    let u = |at: &Evaluated| at.state.u.clone();
-    let apart = |(a, b): (&Evaluated, &Evaluated)| norm(&sub(&u(a), &u(b))) / norm(&u(a)).max(f64::MIN_POSITIVE);
-    let most = best.point.members.iter().zip(&again.members).map(apart).fold(0.0, f64::max);
+    let apart = |(k, (a, b)): (usize, (&Evaluated, &Evaluated))| {
+        let model = session.problem.member(k).solid().model();
+        let (a, b) = (model.nodal(&a.state.u), model.nodal(&b.state.u));
+        norm(&sub(a, b)) / norm(a).max(f64::MIN_POSITIVE)
+    };
+    let most = best.point.members.iter().zip(&again.members).enumerate().map(apart).fold(0.0, f64::max);
     (most > SAME).then(|| {
         let (cost, other) = (scientific(best.point.risk, 6), scientific(again.risk, 6));
         let message =

@@ -94,7 +94,9 @@ impl<'p> Series<'p> {
         let of = |probe: &crate::lower::LocatedProbe| axes.clone().map(|c| format!("{}.{c}", probe.name)).collect();
         let mut names: Vec<String> = problem.probes.iter().flat_map(|probe| -> Vec<String> { of(probe) }).collect();
         let rest = self.member.solid().rest();
-        names.extend(self.quantities(&rest).into_iter().map(|(name, what, _)| format!("{name}.{what}")));
+        // The parameter may be the added volume, `air.volume`.
+        let column = |name: String| if name == self.parameter.0 { format!("contributions.{name}") } else { name };
+        names.extend(self.quantities(&rest).into_iter().map(|(name, what, _)| column(format!("{name}.{what}"))));
         names
     }
 
@@ -211,7 +213,7 @@ impl<'p> Series<'p> {
     fn value(&self, state: &State, drawn: &Drawn) -> f64 {
         match drawn.column {
             Some(column) => self.values(state)[column],
-            None => state.u.iter().fold(0.0, |most: f64, u| most.max(u.abs())),
+            None => self.member.solid().model().nodal(&state.u).iter().fold(0.0, |most: f64, u| most.max(u.abs())),
         }
     }
 

@@ -149,7 +149,17 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
         return;
     }
     for actuation in blocks.actuation.iter().filter(|actuation| !actuation.is_passive()) {
-        for (name, slot) in actuation.slots() {
+        let slots = actuation.slots();
+        let drives = |(name, slot): &(String, SlotName)| {
+            // A volume that stays as it is does something, a pressure of zero does not.
+            let held = slot.key != slots[0].1.key && actuation.fixed.contains_key(slot.key);
+            let at = actuation.at.key(slot.key);
+            held || actuation.fixes(slot.key) || controlled.contains(&name.as_str()) || varies(blocks, &at)
+        };
+        if actuation.has_one_driver() && slots.iter().any(drives) {
+            continue;
+        }
+        for (name, slot) in slots.clone() {
             let at = actuation.at.key(slot.key);
             if actuation.fixes(slot.key) || controlled.contains(&name.as_str()) || varies(blocks, &at) {
                 continue;
@@ -159,6 +169,9 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
                 actuation.name, slot.key, slot.key
             );
             reader.complain_at(&actuation.at, message);
+            if actuation.has_one_driver() {
+                break;
+            }
         }
     }
 }

@@ -52,10 +52,10 @@ impl Enclosed {
             return Err(FemError::Meaningless { what });
         }
         let open = open_edges(mesh, &surface, &planes);
-        if !open.is_empty() && !cavity.lid {
+        if !open.is_empty() && !cavity.lid && !cavity.open {
             let what = format!(
                 "surface \"{}\" of cavity \"{}\" is open at {} edges; close it by a lid, or name the planes of symmetry on \
-                 which it ends",
+                 which it ends, or, where the supports hold its rim, say that it is \"open\"",
                 cavity.surface,
                 cavity.name,
                 open.len()
@@ -76,6 +76,10 @@ impl Enclosed {
         let mut origin = Vec3::zeros();
         planes.iter().for_each(|plane| origin[plane.axis] = plane.at);
         Ok(Enclosed { mesh: mesh.clone(), origin, facets, lids, planes })
+    }
+
+    pub fn dim(&self) -> usize {
+        self.mesh.dim()
     }
 
     /// A node of the surface on a plane of symmetry that may leave it, with the axis across which it moves.

@@ -1,51 +1,77 @@
-//! [`Cavity`]: a closed room in a body, under pressure.
+//! [`Cavity`]: a closed room in a body, under a pressure or of a volume.
 
 mod enclosed;
+mod pressure;
 mod rim;
 mod triple_product;
+mod volume;
 
+use super::Contribution;
 use super::catalogue::{Form, Key, KeyKind};
-use super::{Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::AXES;
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
-use enclosed::{Enclosed, Patch};
+use crate::error::FemError;
+use enclosed::Enclosed;
 use nastic_energy::Slot;
-use nastic_linear::SparseMatrix;
 use nastic_mesh::{GroupNames, Mesh};
-use nastic_numeric::vector::{axpy, dot};
+use pressure::CavityPressure;
 use std::sync::Arc;
+use volume::CavityVolume;
 
-/// A cavity under a pressure p that follows the surface: potential `-p V(u)`, with the enclosed volume
+/// A cavity: a gas under a pressure p that follows the surface, or a liquid of a given volume, whose pressure follows. The enclosed
+/// volume is
 ///
 /// ```text
 /// V = -(1/3) int (x - o) . cof(F) N dA      (plane strain, per unit of thickness: -(1/2) int (x - o) . cof(F) N ds)
 /// ```
 ///
-/// over a named surface whose reference normal N points out of the solid, so into the cavity. The residual is `-p dV/du`,
-/// the tangent `-p d2V/du2`, symmetric. Positive pressure inflates. Where the surface is open, the rim is closed by a lid of
-/// triangles from the mean of its nodes, which moves with them, so that the pressure on the lid loads the rim; planes of
-/// symmetry need no lid: o lies on them, and V is then the volume on this side of them.
+/// over a named surface whose reference normal N points out of the solid, so into the cavity. Where the surface is open, the rim is
+/// closed by a lid of triangles from the mean of its nodes, which moves with them, so that the pressure on the lid loads the rim;
+/// planes of symmetry need no lid: o lies on them, and V is then the volume on this side of them. Where the supports hold the rim, no
+/// lid is needed either ([`open`](Self::open)).
 ///
-/// Control: one pressure. Units: Pa, m^3 (m^2 in plane strain). Source: docs/model.md section 4; Rumpel & Schweizerhof, Int. J.
+/// By pressure (the default): potential `-p V(u)`, residual `-p dV/du`, tangent `-p d2V/du2`, symmetric. Positive pressure inflates.
+/// Control: the pressure. By volume ([`by_volume`](Self::by_volume)): the constraint `V(u) = V_0 + dV`, V_0 the volume at rest,
+/// with the pressure as its multiplier, potential `-p (V - V_0 - dV)`. Control: the added volume dV; like every control it grows
+/// with the load steps of a solve, and dead loads and prescribed displacements do not scale it.
+///
+/// Units: Pa, m^3 (m^2 in plane strain). Source: docs/model.md section 4; Rumpel & Schweizerhof, Int. J.
 /// Numer. Methods Eng. 59 (2004), who show that the tangent is symmetric where the boundary is closed or held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cavity {
     name: String,
     surface: GroupNames,
     lid: bool,
+    open: bool,
     symmetry: Vec<String>,
+    by_volume: bool,
 }
 
 impl Cavity {
     /// The room behind a named surface, or behind several that bound it together; `name` is that of the control.
     pub fn new(name: &str, surface: impl Into<GroupNames>) -> Self {
-        Cavity { name: name.to_owned(), surface: surface.into(), lid: false, symmetry: Vec::new() }
+        Cavity {
+            name: name.to_owned(),
+            surface: surface.into(),
+            lid: false,
+            open: false,
+            symmetry: Vec::new(),
+            by_volume: false,
+        }
     }
 
     /// Closes every rim by a lid.
     #[must_use]
     pub fn lid(mut self) -> Self {
         self.lid = true;
+        self
+    }
+
+    /// The surface is open, and the supports hold its rim: a membrane or a plate under a follower pressure. The potential is that with a
+    /// lid, which loads held nodes alone.
+    #[must_use]
+    pub fn open(mut self) -> Self {
+        self.open = true;
         self
     }
 
@@ -57,13 +83,23 @@ impl Cavity {
         self
     }
 
+    /// The added volume is the control, and the pressure follows.
+    #[must_use]
+    pub fn by_volume(mut self) -> Self {
+        self.by_volume = true;
+        self
+    }
+
     /// The contribution on a mesh.
     ///
     /// # Errors
     /// Unknown names; a surface that is open where neither a lid nor a plane of symmetry closes it; one that encloses nothing.
-    pub(crate) fn on(&self, mesh: &Arc<Mesh>) -> Result<CavityPressure, FemError> {
+    pub(crate) fn on(&self, mesh: &Arc<Mesh>) -> Result<Arc<dyn Contribution>, FemError> {
         let enclosed = Enclosed::new(mesh, self)?;
         let volume = enclosed.volume(None);
+        if self.open {
+            return self.on_open(mesh, enclosed, volume);
+        }
         if volume <= 0.0 {
             let what = format!(
                 "surface \"{}\" encloses no cavity \"{}\" (volume {volume:.3e}): name the inner surface, whose normal \
@@ -72,13 +108,36 @@ impl Cavity {
             );
             return Err(FemError::Meaningless { what });
         }
-        Ok(CavityPressure { name: self.name.clone(), enclosed, reference_volume: volume })
+        let room = Room { name: self.name.clone(), enclosed, reference_volume: volume, measure: volume, held: None };
+        Ok(if self.by_volume { Arc::new(CavityVolume(room)) } else { Arc::new(CavityPressure(room)) })
+    }
+
+    /// That of an open surface, which encloses no volume: its measure is the cube of a length whose square is its area (in the
+    /// plane the square of its length).
+    fn on_open(&self, mesh: &Arc<Mesh>, enclosed: Enclosed, volume: f64) -> Result<Arc<dyn Contribution>, FemError> {
+        let rim: Vec<u32> = enclosed.rims().concat();
+        let refused = match (rim.is_empty(), self.lid, self.by_volume) {
+            (true, ..) => Some("is closed: leave out \"open\""),
+            (_, true, _) => Some("has \"open\" and \"lid\", of which only one can be"),
+            (.., true) => Some("is open and encloses no volume: control its pressure, or close it by a lid"),
+            _ => None,
+        };
+        if let Some(why) = refused {
+            let what = format!("surface \"{}\" of cavity \"{}\" {why}", self.surface, self.name);
+            return Err(FemError::Meaningless { what });
+        }
+        let facets = mesh.facets_of(&self.surface)?;
+        let points = QuadraturePoints::of_facets(mesh, &facets, |kind| kind.rule().clone());
+        let dim = mesh.dim() as f64;
+        let measure = points.weights().iter().sum::<f64>().powf(dim / (dim - 1.0));
+        let (name, held) = (self.name.clone(), Some(rim));
+        Ok(Arc::new(CavityPressure(Room { name, enclosed, reference_volume: volume, measure, held })))
     }
 }
 
 /// How it stands in case files.
 pub(super) const FORM: Form = Form {
-    about: "A cavity under pressure, behind a closed surface of the body.",
+    about: "A cavity behind a closed surface of the body, under a pressure or with an added volume.",
     keys: &[
         Key {
             name: "surface",
@@ -91,42 +150,58 @@ pub(super) const FORM: Form = Form {
             kind: KeyKind::Flag,
         },
         Key {
+            name: "open",
+            about: "Whether the surface is open and the supports hold its rim: a membrane or a plate under a follower pressure.",
+            kind: KeyKind::Flag,
+        },
+        Key {
             name: "symmetry",
             about: "Surfaces in the planes of symmetry on which the surface ends.",
             kind: KeyKind::Surfaces,
         },
     ],
-    slots: &SLOTS,
     passive: false,
+    slots: &[PRESSURE, Slot::scalar(VOLUME.group, "m^d")],
+    one_of: true,
     add: |solid, name, values| {
         let mut cavity = Cavity::new(name, values.names.get("surface").cloned().unwrap_or_default());
         cavity.lid = values.flags.contains("lid");
+        cavity.open = values.flags.contains("open");
+        cavity.by_volume = values.slot == Some(VOLUME.group);
         cavity.symmetry = values.names.get("symmetry").cloned().unwrap_or_default();
         solid.cavity(cavity)
     },
 };
 
-/// The contribution of a [`Cavity`].
+/// What both kinds of control act on.
 #[derive(Debug)]
-pub(crate) struct CavityPressure {
+struct Room {
     name: String,
     enclosed: Enclosed,
     reference_volume: f64,
+    /// Weight of its control in the inner product.
+    measure: f64,
+    /// The rim that the supports must hold, of an open surface.
+    held: Option<Vec<u32>>,
 }
 
-/// The control.
-const SLOTS: [Slot; 1] = [Slot::scalar("pressure", "Pa")];
+/// The controls, of which a cavity has one; in plane strain the volume is an area.
+const PRESSURE: Slot = Slot::scalar("pressure", "Pa");
+const VOLUME: Slot = Slot::scalar("volume", "m^3");
+const AREA: Slot = Slot::scalar("volume", "m^2");
 
-impl Contribution for CavityPressure {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn couplings(&self) -> Vec<Vec<u32>> {
-        self.enclosed.rims()
-    }
-
+impl Room {
     fn check(&self, fixed: &[bool]) -> Result<(), FemError> {
+        let dim = self.enclosed.dim();
+        let free = |&node: &u32| (0..dim).find(|axis| !fixed[dim * node as usize + axis]).map(|axis| (node, axis));
+        if let Some((node, axis)) = self.held.iter().flatten().find_map(free) {
+            let what = format!(
+                "the surface of cavity \"{}\" is open, and node {node} of its rim may move along {}; hold the rim, or close the \
+                 surface by a lid, which loads the rim, or name the plane of symmetry on which it ends",
+                self.name, AXES[axis]
+            );
+            return Err(FemError::Meaningless { what });
+        }
         let Some((node, axis)) = self.enclosed.loose(fixed) else { return Ok(()) };
         let what = format!(
             "cavity \"{}\" ends on a plane of symmetry across {}, but node {node} of its surface may leave that plane; \
@@ -136,88 +211,15 @@ impl Contribution for CavityPressure {
         Err(FemError::Meaningless { what })
     }
 
-    fn slots(&self) -> &[Slot] {
-        &SLOTS
+    fn plane_strain(&self) -> bool {
+        self.enclosed.dim() == 2
     }
 
-    fn measure(&self) -> f64 {
-        self.reference_volume
-    }
-
-    fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        let volume = self.enclosed.volume(Some(at.u));
-        vec![("pressure", at.control(0)), ("volume", volume), ("reference_volume", self.reference_volume)]
-    }
-
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
-        let pressure = at.control(0);
-        if pressure == 0.0 {
-            return Ok(());
+    fn quantities(&self, u: &[f64], pressure: f64) -> Vec<(&'static str, f64)> {
+        let volume = self.enclosed.volume(Some(u));
+        if self.held.is_some() {
+            return vec![("pressure", pressure), ("swept_volume", volume - self.reference_volume)];
         }
-        self.enclosed.each(Some(at.u), false, |patch: &Patch| {
-            if demand.energy {
-                sums.energy -= pressure * patch.volume.value;
-                sums.energy_scale += pressure.abs() * patch.volume.scale;
-            }
-            if demand.force {
-                patch.each_component(|dof, gradient| {
-                    sums.force[dof] -= pressure * gradient;
-                    sums.force_scale[dof] += (pressure * gradient).abs();
-                });
-            }
-        });
-        Ok(())
-    }
-
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
-        let pressure = at.control(0);
-        if pressure != 0.0 {
-            self.enclosed.each(Some(at.u), true, |patch| patch.add_hessian(-pressure, tangent));
-        }
-        Ok(())
-    }
-
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
-        let pressure = at.control(0);
-        if pressure != 0.0 {
-            self.enclosed.each(Some(at.u), true, |patch| patch.add_hessian_product(-pressure, v, out));
-        }
-        Ok(true)
-    }
-
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
-        let mut work = 0.0;
-        self.enclosed.each(Some(at.u), false, |patch| {
-            patch.each_component(|dof, gradient| work -= lambda[dof] * gradient);
-        });
-        into.add_control(at, 0, work);
-        Ok(())
-    }
-
-    fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
-        let change = at.slot_of(v, 0);
-        self.enclosed.each(Some(at.u), false, |patch| {
-            patch.each_component(|dof, gradient| out[dof] -= change * gradient);
-        });
-        Ok(())
-    }
-
-    /// `-p V_uuu[lambda, du] - v V_uu lambda` and `-lambda . V_uu du`.
-    fn second_vjp(
-        &self,
-        at: &Instant,
-        lambda: &[f64],
-        along: &Increment,
-        into: &mut SecondSensitivities,
-    ) -> Result<(), SecondDerivativeError> {
-        let (pressure, change) = (at.control(0), at.slot_of(along.controls, 0));
-        let mut of_lambda = vec![0.0; lambda.len()];
-        self.enclosed.each(Some(at.u), true, |patch| patch.add_hessian_product(-1.0, lambda, &mut of_lambda));
-        into.add_control(at, 0, dot(&of_lambda, along.u));
-        axpy(change, &of_lambda, &mut into.u);
-        if pressure != 0.0 {
-            self.enclosed.each_change(lambda, |patch| patch.add_hessian_product(-pressure, along.u, &mut into.u));
-        }
-        Ok(())
+        vec![("pressure", pressure), ("volume", volume), ("reference_volume", self.reference_volume)]
     }
 }

@@ -77,6 +77,7 @@ pub(super) const FORM: Form = Form {
     ],
     slots: &SLOTS,
     passive: true,
+    one_of: false,
     add: |solid, name, values| {
         let mut motion = Motion::of(name, values.names.get("surface").cloned().unwrap_or_default());
         motion.centre = values.places.get("centre").copied();

@@ -28,6 +28,7 @@ pub(in crate::contributions) const TENSION: Form = Form {
     keys: &[POINTS, SPACING],
     slots: &Drive::TENSION,
     passive: false,
+    one_of: false,
     add,
 };
 
@@ -37,6 +38,7 @@ pub(in crate::contributions) const PULL: Form = Form {
     keys: &[POINTS, SPACING, STIFFNESS],
     slots: &Drive::PULL,
     passive: true,
+    one_of: false,
     add,
 };
 

@@ -1,0 +1,89 @@
+//! [`PumpWork`]: the work it takes to bring a body from rest to its state.
+
+use super::{Cost, CostContext, CostForm, CostPoint, Partials, check_weight};
+use crate::error::ControlError;
+use nastic_fem::Solid;
+use nastic_numeric::vector::{axpy, dot};
+use std::sync::Arc;
+
+/// Work of the pumps, and of whatever else drives the body, on a slow way from rest:
+///
+/// ```text
+/// j(u) = weight W(u),    W = int Psi(F) dX - f . u
+/// ```
+///
+/// with the energy Psi that the passive materials store and the dead loads f. On a way of equilibria whose cavities alone change,
+/// `dW = sum_k p_k dV_k` (the potential is stationary under the volumes as constraints), so W is the work `sum_k int p_k dV_k` of the
+/// pumps, on every such way; `p (V - V_0)` is not: of a linear body it is twice the work. Other actuations and moved supports add
+/// theirs. What flows back on the way is counted as regained. Units: N m (N in plane strain: per thickness).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PumpWork {
+    weight: f64,
+}
+
+impl PumpWork {
+    /// Its name.
+    pub const NAME: &'static str = "pump_work";
+
+    /// With a weight.
+    ///
+    /// # Errors
+    /// A weight that is not a positive number.
+    pub fn new(weight: f64) -> Result<Self, ControlError> {
+        Ok(PumpWork { weight: check_weight(Self::NAME, weight)? })
+    }
+}
+
+impl Cost for PumpWork {
+    fn name(&self) -> &str {
+        Self::NAME
+    }
+
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        let body = at.solid.body();
+        // Without their controls actuations store nothing.
+        let mut sums = body.evaluate(at.u, &body.controls(), true, false)?;
+        let lifted = dot(at.solid.dead_load(), at.u);
+        axpy(-1.0, at.solid.dead_load(), &mut sums.force);
+        let value = self.weight * (sums.energy - lifted);
+        Ok(Arc::new(Point { weight: self.weight, solid: at.solid.clone(), u: at.u.to_vec(), value, force: sums.force }))
+    }
+}
+
+/// How it stands in case files.
+pub(super) const FORM: CostForm = CostForm {
+    name: PumpWork::NAME,
+    about: "work of the pumps of cavities, and of whatever else drives the body, from rest",
+    forms: &[&[]],
+    make: |_, _, weight| Ok(Box::new(PumpWork { weight })),
+};
+
+#[derive(Debug)]
+struct Point {
+    weight: f64,
+    solid: Solid,
+    u: Vec<f64>,
+    value: f64,
+    /// `dW/du`.
+    force: Vec<f64>,
+}
+
+impl CostPoint for Point {
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
+        axpy(self.weight, &self.force, &mut out.u);
+        Ok(())
+    }
+
+    fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
+        let body = self.solid.body();
+        let mut change = vec![0.0; self.u.len()];
+        let along = self.solid.model().nodal(&along.u);
+        body.tangent_product(&self.u, &body.controls(), along, &mut change, false)?;
+        axpy(self.weight, &change, &mut out.u);
+        Ok(())
+    }
+}

@@ -1,0 +1,158 @@
+//! [`SaddlePoint`]: the linear systems of a model with constraints.
+
+use crate::contributions::Contribution;
+use crate::contributions::instant::Instant;
+use crate::error::InvertedAt;
+use crate::model::Model;
+use crate::solution::state::SolveReport;
+use crate::solution::tangent_systems::{TangentSystems, eliminate};
+use nalgebra::DMatrix;
+use nastic_linear::solver::{Accuracy, Border};
+use nastic_linear::{LinearError, SparseMatrix};
+use nastic_numeric::vector::{dot, norm};
+
+/// The second derivatives `[K B; B^T 0]` of a potential under constraints: K by the displacement, `B = -dg/du`.
+#[derive(Debug, Clone)]
+pub(crate) struct BorderedTangent {
+    pub matrix: SparseMatrix,
+    /// Columns of B.
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl BorderedTangent {
+    pub fn zero(model: &Model) -> Self {
+        let dofs = model.discretization().dofs();
+        BorderedTangent { matrix: model.matrix(), columns: vec![vec![0.0; dofs]; model.unknowns().scalars] }
+    }
+
+    /// Adds that of a contribution.
+    pub fn add(&mut self, contribution: &dyn Contribution, at: &Instant) -> Result<(), InvertedAt> {
+        contribution.add_tangent(at, &mut self.matrix)?;
+        let count = contribution.constraints();
+        if count == 0 {
+            return Ok(());
+        }
+        let dofs = self.columns.first().map_or(0, Vec::len);
+        let first = at.place(0).saturating_sub(dofs);
+        contribution.add_border(at, self.columns.get_mut(first..first + count).unwrap_or_default())
+    }
+
+    /// Its product with a vector of all unknowns.
+    pub fn multiply(&self, v: &[f64], parallel: bool) -> Vec<f64> {
+        self.product(v, false, parallel)
+    }
+
+    /// The product of its transpose.
+    pub fn multiply_transposed(&self, v: &[f64], parallel: bool) -> Vec<f64> {
+        self.product(v, true, parallel)
+    }
+
+    fn product(&self, v: &[f64], transposed: bool, parallel: bool) -> Vec<f64> {
+        let dofs = v.len() - self.columns.len();
+        let (nodal, multipliers) = v.split_at(dofs);
+        let mut out = vec![0.0; dofs];
+        match transposed {
+            true => self.matrix.multiply_transposed(nodal, &mut out, parallel),
+            false => self.matrix.multiply_on(nodal, &mut out, parallel),
+        }
+        for (column, p) in self.columns.iter().zip(multipliers) {
+            out.iter_mut().zip(column).for_each(|(out, b)| *out += p * b);
+        }
+        out.extend(self.columns.iter().map(|column| dot(column, nodal)));
+        out
+    }
+}
+
+/// The system `[K B; B^T 0] [x; p] = [f; g]` with the supports eliminated, ready for block elimination.
+///
+/// K is singular where the multiplier has an extremum along a path of equilibria (the pressure of a balloon), though the
+/// whole is regular. So for every constraint a spring holds the component j that its column has most of: with `k = K_jj > 0` and
+/// `q = x_j` the same system is
+///
+/// ```text
+/// (K + k e_j e_j^T) x + B p - k e_j q = f,    B^T x = g,    -k x_j + k q = 0
+/// ```
+///
+/// whose first block is regular there. The spring adds one positive eigenvalue to the inertia. Columns are scaled to the
+/// size of those of K, so that constraints count like forces in the residual of the whole.
+#[derive(Debug)]
+pub(crate) struct SaddlePoint {
+    matrix: SparseMatrix,
+    border: Border,
+    /// Factor of every column.
+    scales: Vec<f64>,
+}
+
+impl SaddlePoint {
+    pub fn new(model: &Model, tangent: BorderedTangent) -> Self {
+        let BorderedTangent { mut matrix, columns: mut border } = tangent;
+        border.iter_mut().for_each(|column| model.supports.clear(column));
+        eliminate(model, &mut matrix);
+        let diagonal = matrix.diagonal();
+        let size = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len().max(1) as f64;
+        let scale = |column: &Vec<f64>| Some(size / norm(column)).filter(|scale| scale.is_finite()).unwrap_or(1.0);
+        let scales: Vec<f64> = border.iter().map(scale).collect();
+        let scalars = scales.len();
+        let mut springs = vec![0.0; diagonal.len()];
+        let mut corner = DMatrix::zeros(2 * scalars, 2 * scalars);
+        let mut held = Vec::with_capacity(scalars);
+        for (k, (column, scale)) in border.iter_mut().zip(&scales).enumerate() {
+            column.iter_mut().for_each(|b| *b *= scale);
+            let larger = |at: usize, j: usize| if column[j].abs() > column[at].abs() { j } else { at };
+            let at = (0..column.len()).fold(0, larger);
+            let stiffness = diagonal[at].abs();
+            springs[at] += stiffness;
+            let mut row = vec![0.0; column.len()];
+            row[at] = -stiffness;
+            held.push(row);
+            corner[(scalars + k, scalars + k)] = stiffness;
+        }
+        border.extend(held);
+        matrix.add_diagonal(&springs);
+        SaddlePoint { matrix, border: Border { rows: border.clone(), columns: border, corner }, scales }
+    }
+
+    /// Adds `shift` times the mean diagonal of K to its diagonal.
+    pub fn shift(&mut self, shift: f64) {
+        let diagonal = self.matrix.diagonal();
+        let mean = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len().max(1) as f64;
+        self.matrix.add_to_diagonal(shift * mean);
+    }
+
+    /// The solutions for right-hand sides over all unknowns, zero on supports, and the number of negative eigenvalues beyond one
+    /// for each constraint, as the factor at hand tells it: 0 where K is positive definite on the null space of `B^T`.
+    pub fn solve(
+        &self,
+        systems: &mut TangentSystems,
+        u: &[f64],
+        rhs: &[&[f64]],
+        accuracy: Accuracy,
+        report: &mut SolveReport,
+    ) -> Result<(Vec<Vec<f64>>, Option<usize>), LinearError> {
+        let scalars = self.scales.len();
+        let split = |b: &&[f64]| {
+            let (f, g) = b.split_at(b.len() - scalars);
+            let g = g.iter().zip(&self.scales).map(|(g, scale)| g * scale).chain(vec![0.0; scalars]).collect();
+            (f.to_vec(), g)
+        };
+        let rhs: Vec<(Vec<f64>, Vec<f64>)> = rhs.iter().map(split).collect();
+        let (solved, negative) = systems.eliminate_border(&self.matrix, u, &self.border, &rhs, accuracy, report)?;
+        let whole = |(mut x, y): (Vec<f64>, Vec<f64>)| {
+            x.extend(y.iter().zip(&self.scales).map(|(y, scale)| y * scale));
+            x
+        };
+        Ok((solved.into_iter().map(whole).collect(), negative.map(|negative| negative.saturating_sub(scalars))))
+    }
+
+    /// Negative eigenvalues beyond one for each constraint, K counted by a factor in double precision: the directions within the
+    /// constraints in which the potential falls.
+    pub fn negative(
+        &self,
+        systems: &mut TangentSystems,
+        u: &[f64],
+        report: &mut SolveReport,
+    ) -> Result<usize, LinearError> {
+        let negative = systems.bordered_inertia(&self.matrix, u, &self.border, report)?;
+        Ok(negative.saturating_sub(self.scales.len()))
+    }
+}
