@@ -148,7 +148,7 @@ fn position(on: &CostExample) -> Bound {
     let centre = mesh.cell_centre(mesh.cells() - 1);
     [
         MeanPosition::surface(&surface, [Some(0.3 * size), None, None]),
-        MeanPosition::region(&region, [None, Some(0.7 * size), None]),
+        MeanPosition::region(&region, [Some(0.7 * size), Some(0.4 * size), None]),
         MeanPosition::nodes(&surface, [Some(-0.2 * size), Some(0.3 * size), None]),
         MeanPosition::point(centre, [Some(0.1 * size), Some(-0.6 * size), None]),
     ]
