@@ -148,7 +148,7 @@ fn position(on: &CostExample) -> Bound {
     let centre = mesh.cell_centre(mesh.cells() - 1);
     [
         MeanPosition::surface(&surface, [Some(0.3 * size), None, None]),
-        MeanPosition::region(&region, [Some(0.7 * size), Some(0.4 * size), None]),
+        MeanPosition::region(&region, [Some(0.5 * size), Some(0.13 * size), Some(0.12 * size)]),
         MeanPosition::nodes(&surface, [Some(-0.2 * size), Some(0.3 * size), None]),
         MeanPosition::point(centre, [Some(0.1 * size), Some(-0.6 * size), None]),
     ]
@@ -164,7 +164,11 @@ fn orientation(on: &CostExample) -> Bound {
 
 fn curvature(on: &CostExample) -> Bound {
     let (low, high) = on.solid.mesh().bounds();
-    let along = |share: f64| [0, 1, 2].map(|i| low[i] + (high[i] - low[i]) * if i == 0 { share } else { 0.45 });
+    // Not straight, so that a change of size alone bends it.
+    let along = |share: f64| {
+        let place = [share, 0.9 - 0.8 * share * share, 0.45];
+        [0, 1, 2].map(|i| low[i] + (high[i] - low[i]) * place[i])
+    };
     let line: Vec<[f64; 3]> = [0.05, 0.3, 0.5, 0.8, 0.95].map(along).into();
     let wanted = 0.7 / on.solid.mesh().diagonal();
     Ok(vec![Curvature::of_line(line, [0.0, 0.0, 1.0], wanted).weight(on.weight).bind(on.solid)?])
