@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_control::{
-    ControlError, ControlNorm, Evaluated, PumpWork, Reduced, ReducedWorkspace, Space, Target, Tracking,
+    Compliance, ControlError, ControlNorm, Evaluated, PumpWork, Reduced, ReducedWorkspace, Space, Target, Tracking,
 };
 use nastic_energy::FiberTension;
 use nastic_fem::contributions::catalogue::CATALOGUE;
@@ -107,5 +107,33 @@ fn the_work_of_a_pump_has_the_pressure_as_its_derivative() -> Outcome {
     }
     let work = problem.at(&[to])?.cost() - problem.at(&[from])?.cost();
     assert!((work / sum - 1.0).abs() < 1e-5, "{work} instead of {sum}");
+    Ok(())
+}
+
+/// The compliance of a body whose cavity keeps its volume: the bordered tangent, less than under the pressure that is there.
+#[test]
+fn a_compliance_keeps_the_volume() -> Outcome {
+    let mut found = Vec::new();
+    for (name, value) in [("cavity of a volume", 0.1), ("cavity", 0.0)] {
+        let entry = CATALOGUE.iter().find(|entry| entry.name == name).ok_or("no such cavity")?;
+        let problem = Reduced::new((entry.example)()?)
+            .control(name, Space::Uniform)?
+            .control("fibre", Space::Cell)?
+            .cost(Compliance::surface("x+", [1.0, 0.2, 0.1]))?;
+        let mut m = vec![-2e3; problem.layout().len()];
+        m[0] = value;
+        if value == 0.0 {
+            m[0] = found.pop().ok_or("no pressure")?;
+        }
+        let point = problem.at(&m)?;
+        let near = |sign: f64| m.iter().map(|m| m + 0.5 * sign * m.abs()).collect::<Vec<_>>();
+        let report = Taylor::default().test(&problem, &Bounds::new(near(-1.0), near(1.0))?, &m)?;
+        assert_eq!(report.verdict(), Verdict::Right, "{name}: {report}");
+        assert!(report.directions.iter().all(|direction| direction.order1 > 1.95), "{name}: {report}");
+        found.push(point.cost());
+        found.push(point.state.u.last().copied().ok_or("no pressure")?);
+    }
+    let [by_volume, by_pressure] = [found[0], found[1]];
+    assert!(by_volume < by_pressure, "{by_volume} at a fixed volume, {by_pressure} at a fixed pressure");
     Ok(())
 }
