@@ -22,7 +22,7 @@ pub use contributions::body_energy::tensions::ExcessTension;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BodyPoint, Cavity, Contribution, Controls, Demand, Foundation, Increment, Instant, Motion, SecondSensitivities,
-    Sensitivities, Sums, Tendon, TimeStep, check_contribution,
+    Sensitivities, Spring, Sums, Tendon, TimeStep, check_contribution,
 };
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;

@@ -5,7 +5,7 @@ use crate::contributions::Contribution;
 use crate::contributions::body_energy::formulation::Formulation;
 use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
-use crate::contributions::{Cavity, Foundation, Motion, Tendon};
+use crate::contributions::{Cavity, Foundation, Motion, Spring, Tendon};
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
@@ -283,6 +283,15 @@ impl Solid {
     /// An unknown surface, a stiffness that is not positive; a second foundation on it.
     pub fn foundation(self, foundation: Foundation) -> Result<Self, FemError> {
         let contribution = foundation.of(self.mesh())?;
+        self.contribution(contribution)
+    }
+
+    /// Adds a spring between two points of the body, or from one to a fixed point of space.
+    ///
+    /// # Errors
+    /// As [`Spring`] says; a name that is taken.
+    pub fn spring(self, spring: Spring) -> Result<Self, FemError> {
+        let contribution = spring.on(self.mesh())?;
         self.contribution(contribution)
     }
 

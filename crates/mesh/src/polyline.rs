@@ -1,6 +1,6 @@
 //! [`Polyline`]: what is shown beside the cells of a body.
 
-/// A line through points of space, in the displaced body: a tendon, say.
+/// A line through points of space, in the displaced body: a tendon or a spring, say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyline {
     /// What it is called.

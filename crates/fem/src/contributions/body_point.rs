@@ -28,7 +28,7 @@ impl From<&str> for BodyPoint {
 /// Weights below this are rounding errors of shape functions, which would couple nodes that have nothing to do with the point.
 const LEAST_WEIGHT: f64 = 1e-12;
 
-/// The nodes of a point, each with its weight, and where it is in the reference body.
+/// The nodes of a point, each with its weight, and where it is in the reference body. A fixed point of space has no nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AttachedPoint {
     pub weights: Vec<(u32, f64)>,
@@ -53,6 +53,11 @@ impl AttachedPoint {
         let position = |&(node, w): &(u32, f64)| w * Vec3::from(mesh.points()[node as usize]);
         let reference = weights.iter().map(position).sum();
         Ok(AttachedPoint { weights, reference })
+    }
+
+    /// A point of space that does not move.
+    pub fn fixed(place: [f64; 3]) -> Self {
+        AttachedPoint { weights: Vec::new(), reference: Vec3::from(place) }
     }
 
     /// The value there of a flat nodal field of `dim` components.

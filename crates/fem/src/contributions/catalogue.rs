@@ -4,6 +4,7 @@ use crate::contributions::body_point::BodyPoint;
 use crate::contributions::cavity::{self, Cavity};
 use crate::contributions::foundation::Foundation;
 use crate::contributions::motion::{self, Motion};
+use crate::contributions::spring::Spring;
 use crate::contributions::tendon::{Tendon, form as tendon};
 use crate::error::FemError;
 use crate::solid::Solid;
@@ -134,6 +135,19 @@ pub const CATALOGUE: &[Entry] = &[
         name: "tendon",
         form: Some(tendon::PULL),
         example: || block()?.tendon(Tendon::through("tendon", TENDON).spacing(0.8).stiffness(50.0)),
+    },
+    Entry {
+        name: "spring",
+        form: None,
+        example: || block()?.spring(Spring::between("spring", TENDON[0], TENDON[2], 40.0).rest_length(2.5)),
+    },
+    Entry {
+        name: "spring of rest length 0",
+        form: None,
+        example: || {
+            let ground = [3.3, -0.4, 0.9];
+            block()?.spring(Spring::to_ground("spring of rest length 0", TENDON[1], ground, 40.0).rest_length(0.0))
+        },
     },
     Entry {
         name: "motion",

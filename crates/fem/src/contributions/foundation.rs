@@ -1,6 +1,6 @@
 //! [`Foundation`]: a surface on an elastic bed.
 
-use super::tendon::guides::add_element;
+use super::guides::add_element;
 use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use nastic_linear::SparseMatrix;

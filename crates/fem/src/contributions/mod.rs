@@ -8,9 +8,11 @@ mod check;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
 mod foundation;
+pub(crate) mod guides;
 pub(crate) mod instant;
 mod motion;
 pub(crate) mod sensitivities;
+mod spring;
 mod tendon;
 
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
@@ -25,6 +27,7 @@ use nastic_energy::Slot;
 use nastic_linear::{SparseMatrix, Symmetry};
 use nastic_mesh::Polyline;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
+pub use spring::Spring;
 use std::fmt::Debug;
 pub use tendon::Tendon;
 
@@ -82,7 +85,7 @@ pub trait Contribution: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// What of it is to be drawn beside the body: tendons, say.
+    /// What of it is to be drawn beside the body: tendons and springs, say.
     fn lines(&self, _at: &Instant) -> Vec<Polyline> {
         Vec::new()
     }

@@ -1,6 +1,6 @@
 //! [`TendonForce`]: the contribution of a tendon.
 
-use super::guides::Guides;
+use crate::contributions::guides::Guides;
 use crate::contributions::{
     Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
@@ -180,7 +180,7 @@ impl Contribution for TendonForce {
 
     /// No guide passes the next one, where the direction of the tendon jumps.
     fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
-        Ok(self.guides.segments(at.u).map(|segment| segment.max_step(du)).fold(1.0, f64::min))
+        Ok(self.guides.max_step(at.u, du))
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {

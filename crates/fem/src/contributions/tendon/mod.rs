@@ -2,12 +2,11 @@
 
 mod force;
 pub(super) mod form;
-pub(crate) mod guides;
 
 use super::body_point::{AttachedPoint, BodyPoint};
+use super::guides::{COINCIDE, Guides};
 use crate::error::FemError;
 use force::{Drive, TendonForce};
-use guides::Guides;
 use nastic_mesh::Mesh;
 
 /// A tendon: a polyline through guides, points of the body that move with it, without friction and without resistance to
@@ -31,8 +30,6 @@ pub struct Tendon {
     stiffness: Option<f64>,
 }
 
-/// Guides nearer to each other than this share of the body's diagonal coincide.
-const COINCIDE: f64 = 1e-9;
 /// Most guides of a tendon.
 const MOST: usize = 10_000;
 

@@ -1,10 +1,13 @@
-//! [`Guides`]: the length of a polyline through points of the body, and its derivatives.
+//! [`Guides`]: the length of a polyline through points of the body or of space, and its derivatives: of tendons and springs.
 
 use crate::contributions::body_point::AttachedPoint;
 use nastic_linear::SparseMatrix;
 use nastic_tensor::{Mat3, Vec3};
 
-/// Points x_i of the body, in the order in which the tendon passes them: `L = sum_j l_j`, `l_j = |d_j|`, `d_j = x_(j+1) - x_j`.
+/// Points nearer to each other than this share of the body's diagonal coincide.
+pub(crate) const COINCIDE: f64 = 1e-9;
+
+/// Points x_i of the body or of space, in the order in which the line passes them: `L = sum_j l_j`, `l_j = |d_j|`, `d_j = x_(j+1) - x_j`.
 ///
 /// With the unit vectors `n_j = d_j / l_j` and `P_j = 1 - n_j (x) n_j`, along changes a, b, c of d_j:
 ///
@@ -19,7 +22,7 @@ pub(crate) struct Guides {
     points: Vec<AttachedPoint>,
 }
 
-/// A straight piece of the tendon.
+/// A straight piece of the line.
 pub(crate) struct Segment<'a> {
     dim: usize,
     ends: [&'a AttachedPoint; 2],
@@ -55,6 +58,11 @@ impl Guides {
             let direction = if length > 0.0 { along / length } else { Vec3::zeros() };
             Segment { dim: self.dim, ends: [&pair[0], &pair[1]], length, direction }
         })
+    }
+
+    /// The longest step along v that lets no point pass the next one, where the direction jumps.
+    pub fn max_step(&self, u: &[f64], v: &[f64]) -> f64 {
+        self.segments(u).map(|segment| segment.max_step(v)).fold(1.0, f64::min)
     }
 
     /// The nodes of all points, ascending, each once.
@@ -101,10 +109,7 @@ impl Guides {
     pub fn add_curvature(&self, u: &[f64], factor: f64, tangent: &mut SparseMatrix) {
         for segment in self.segments(u).filter(|segment| segment.length > 0.0) {
             let n = segment.direction;
-            let block = factor / segment.length * (Mat3::identity() - n * n.transpose());
-            let nodes = union(segment.ends.into_iter());
-            let weights = signed_weights(&nodes, segment.ends);
-            add_element(&nodes, self.dim, tangent, |a, i, b, j| weights[a] * weights[b] * block[(i, j)]);
+            segment.add_block(&(factor / segment.length * (Mat3::identity() - n * n.transpose())), tangent);
         }
     }
 
@@ -127,6 +132,13 @@ impl Segment<'_> {
         if self.length > 0.0 { (a - self.direction * self.direction.dot(a)) / self.length } else { Vec3::zeros() }
     }
 
+    /// Adds a second derivative by d.
+    pub fn add_block(&self, block: &Mat3, tangent: &mut SparseMatrix) {
+        let nodes = union(self.ends.into_iter());
+        let weights = signed_weights(&nodes, self.ends);
+        add_element(&nodes, self.dim, tangent, |a, i, b, j| weights[a] * weights[b] * block[(i, j)]);
+    }
+
     /// Calls with every unknown of both ends and its share of `d -> by_change . d`.
     pub fn each_end(&self, by_change: Vec3, mut call: impl FnMut(usize, f64)) {
         self.ends[0].each(self.dim, |dof, w, i| call(dof, -w * by_change[i]));
@@ -134,7 +146,7 @@ impl Segment<'_> {
     }
 
     /// The longest step along v that keeps its ends apart by a tenth of their distance.
-    pub fn max_step(&self, v: &[f64]) -> f64 {
+    fn max_step(&self, v: &[f64]) -> f64 {
         const NEAREST: f64 = 0.1;
         let (along, change) = (self.length * self.direction, self.change(v));
         let squared = change.norm_squared();
