@@ -20,8 +20,8 @@ pub use contributions::body_energy::point_peaks::PointPeak;
 pub use contributions::body_energy::tensions::ExcessTension;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
-    Cavity, Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums, TimeStep,
-    check_contribution,
+    Cavity, Contribution, Controls, Demand, Increment, Inertia, Instant, SecondSensitivities, Sensitivities, Sums,
+    TimeStep, check_contribution,
 };
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;

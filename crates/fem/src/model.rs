@@ -171,6 +171,13 @@ impl Model {
         self.each(at, |contribution, at| contribution.add_tangent(at, tangent))
     }
 
+    /// The mass matrix of all contributions, supports not eliminated; zero of a body without inertia.
+    pub fn mass(&self) -> SparseMatrix {
+        let mut mass = self.discretization().matrix();
+        self.others.iter().for_each(|contribution| contribution.add_mass(&mut mass));
+        mass
+    }
+
     /// Residual and tangent with strains of their own at the quadrature points of the body.
     ///
     /// # Errors
@@ -335,8 +342,13 @@ impl Model {
     /// # Errors
     /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
     pub fn check(&self) -> Result<(), FemError> {
-        self.body.check_complete()?;
         self.supports.check(self.discretization().mesh())?;
+        self.check_in_motion()
+    }
+
+    /// Checks that the problem is complete for motion, in which a body may be free.
+    pub(crate) fn check_in_motion(&self) -> Result<(), FemError> {
+        self.body.check_complete()?;
         self.others.iter().try_for_each(|contribution| contribution.check(self.supports.fixed()))
     }
 }

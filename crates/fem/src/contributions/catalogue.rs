@@ -1,6 +1,8 @@
 //! The catalogue of contributions: a row each, with an example that the contract test holds to [`check_contribution`](crate::check_contribution).
 
 use crate::contributions::cavity::{self, Cavity};
+use crate::contributions::inertia::{BodyInertia, Inertia};
+use crate::contributions::rayleigh_damping::RayleighDamping;
 use crate::error::FemError;
 use crate::solid::Solid;
 use nastic_energy::{FiberTension, NeoHooke, Slot};
@@ -80,6 +82,12 @@ pub const CATALOGUE: &[Entry] = &[
         name: "cavity",
         form: Some(cavity::FORM),
         example: || block()?.cavity(Cavity::new("cavity", "inside").lid()),
+    },
+    Entry { name: BodyInertia::NAME, form: None, example: || block()?.inertia(Inertia::new("body", 1e3)) },
+    Entry {
+        name: RayleighDamping::NAME,
+        form: None,
+        example: || block()?.inertia(Inertia::new("body", 1e3))?.rayleigh_damping(0.3, 0.02),
     },
 ];
 

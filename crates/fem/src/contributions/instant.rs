@@ -26,6 +26,12 @@ impl<'a> Instant<'a> {
         Instant { u, controls, load, step: None, parallel: false, block: 0 }
     }
 
+    /// The same in a time step.
+    #[must_use]
+    pub fn in_step(self, step: &'a TimeStep) -> Self {
+        Instant { step: Some(step), ..self }
+    }
+
     /// The value of a slot of the contribution that is asked.
     pub fn control(&self, slot: usize) -> f64 {
         self.controls.values(self.block)[slot]

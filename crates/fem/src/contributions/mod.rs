@@ -6,13 +6,16 @@ mod cavity;
 mod check;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
+pub(crate) mod inertia;
 pub(crate) mod instant;
+pub(crate) mod rayleigh_damping;
 pub(crate) mod sensitivities;
 
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::Controls;
+pub use inertia::Inertia;
 pub use instant::{Instant, TimeStep};
 use nastic_energy::Slot;
 use nastic_linear::{SparseMatrix, Symmetry};
@@ -88,6 +91,9 @@ pub trait Contribution: Debug + Send + Sync {
     fn add_tangent_product(&self, _at: &Instant, _v: &[f64], _out: &mut [f64]) -> Result<bool, InvertedAt> {
         Ok(false)
     }
+
+    /// Adds its mass matrix `dr/da`, which is symmetric and does not change: what accelerations follow from where a motion begins.
+    fn add_mass(&self, _mass: &mut SparseMatrix) {}
 
     /// The longest step `s <= 1` along du that it bears.
     ///
