@@ -11,9 +11,9 @@ use common::{Outcome, largest, noise, regular};
 use nastic_energy::{NeoHooke, Slot};
 use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_fem::{
-    Contribution, Controls, Demand, Increment, Instant, InvertedAt, PathEnd, PathOptions, SecondDerivativeError,
-    SecondSensitivities, Sensitivities, Solid, SolveOptions, StateError, StatePartials, StepTo, Sums, Trajectory,
-    Workspace, check_contribution,
+    Contribution, Controls, Demand, Increment, Instant, InvertedAt, PathEnd, PathOptions, Scheme,
+    SecondDerivativeError, SecondSensitivities, Sensitivities, Solid, SolveOptions, StateError, StatePartials, StepTo,
+    Sums, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::{LinearError, SparseMatrix};
 use nastic_mesh::CellKind;
@@ -191,7 +191,7 @@ fn pushed(solid: &Solid, pushes: &[f64], begin: &Trajectory) -> Outcome<Trajecto
             StepTo { dt: 0.1 + 0.02 * n as f64, controls }
         })
         .collect();
-    solid.model().advance(&mut trajectory, &steps, &STRICT, &mut Workspace::default())?;
+    solid.model().advance(&mut trajectory, &Scheme::backward_euler(), &steps, &STRICT, &mut Workspace::default())?;
     Ok(trajectory)
 }
 
@@ -207,7 +207,7 @@ fn steps_are_those_of_backward_euler() -> Outcome {
     let mut controls = solid.controls();
     controls.values_mut(0)[0] = 0.01;
     let steps = vec![StepTo { dt: 0.1, controls }; 5];
-    solid.model().advance(&mut trajectory, &steps, &STRICT, &mut Workspace::default())?;
+    solid.model().advance(&mut trajectory, &Scheme::backward_euler(), &steps, &STRICT, &mut Workspace::default())?;
     let (mut u, mut v, h) = (0.0, 0.0, 0.1);
     let free = solid.supports().fixed().iter().position(|fixed| !fixed).ok_or("nothing is free")?;
     for state in &trajectory.states()[1..] {

@@ -81,4 +81,9 @@ impl TimeStep {
     pub fn velocity_at(&self, u: &[f64]) -> Vec<f64> {
         u.iter().zip(&self.velocity.1).map(|(u, b)| self.velocity.0 * u + b).collect()
     }
+
+    /// The acceleration at a displacement.
+    pub fn acceleration_at(&self, u: &[f64]) -> Vec<f64> {
+        u.iter().zip(&self.acceleration.1).map(|(u, b)| self.acceleration.0 * u + b).collect()
+    }
 }

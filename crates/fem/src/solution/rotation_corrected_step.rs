@@ -52,6 +52,10 @@ impl GradientFit {
         let mut factors = Vec::with_capacity(dim);
         for c in 0..dim {
             let fixed: Vec<bool> = model.supports.fixed().iter().skip(c).step_by(dim).copied().collect();
+            // a body in motion may be free: then gradients do not determine the component
+            if !fixed.contains(&true) {
+                return None;
+            }
             let factor = match known.iter().find(|(other, _)| *other == fixed) {
                 Some((_, factor)) => factor.clone(),
                 None => {
