@@ -96,7 +96,7 @@ impl Model {
     ///
     /// one transposed solve per stage; then the combinations transposed. An acceleration `M a = -r(u, v, 0; m)` at the
     /// beginning and an equilibrium there take a solve each. A static problem is a trajectory of one instant, and this its adjoint.
-    /// Source: docs/model.md, "Motion".
+    /// Source: docs/model.md section 12.
     ///
     /// # Errors
     /// A tangent that is singular, partial derivatives of the wrong length, states of another body or with internal variables.

@@ -21,7 +21,7 @@ impl Model {
     /// not used. A body may be free. A state that does not carry the acceleration that a scheme begins with gets it from
     /// `M a = -r(u, v, 0)`.
     ///
-    /// Source: docs/model.md, "Motion".
+    /// Source: docs/model.md section 12.
     ///
     /// # Errors
     /// A step that is not positive; a [`StateError`] at the first step that has no solution, with the steps before it in the trajectory.
