@@ -4,6 +4,7 @@ mod common;
 
 use common::block::STRICT;
 use common::motion::schemes;
+use common::own_contributions::swirling;
 use common::{Outcome, noise};
 use nastic_energy::{FiberTension, Magnet, NeoHooke, Turgor};
 use nastic_fem::{Cavity, Controls, Inertia, Scheme, Solid, State, StatePartials, StepTo, Trajectory, Workspace};
@@ -209,6 +210,35 @@ fn every_instant_has_its_derivative() -> Outcome {
             let scheme = mixture[0].name();
             let error = (slope - expected).abs();
             assert!(error < 1e-6 * expected.abs() + 1e-9, "{scheme}, {start:?}, instant {n}: {slope:e}, {expected:e}");
+        }
+    }
+    Ok(())
+}
+
+/// A force that turns with its point, whose tangent is not symmetric.
+#[test]
+fn forces_without_a_potential_have_an_adjoint_in_motion() -> Outcome {
+    let solid = swirling()?.inertia(Inertia::new("body", 50.0).lumped())?.rayleigh_damping(0.1, 0.01)?;
+    let block = solid.controls().len() - 1;
+    for (scheme, _) in schemes()? {
+        let run = |changed: usize, change: f64| -> Outcome<Trajectory> {
+            let of = |n: usize| {
+                let mut controls = solid.controls();
+                controls.values_mut(0).fill(-100.0);
+                controls.values_mut(block)[0] = 6.0 + n as f64 + if n == changed { change } else { 0.0 };
+                controls
+            };
+            let mut trajectory = Trajectory::from_given(State { controls: Arc::new(of(0)), ..solid.rest() });
+            let steps: Vec<StepTo> = (1..=4).map(|n| StepTo { dt: 0.2, controls: of(n) }).collect();
+            solid.model().advance(&mut trajectory, &scheme, &steps, &STRICT, &mut Workspace::default())?;
+            Ok(trajectory)
+        };
+        let swept = sweep(&solid, &run(0, 0.0)?)?;
+        for (n, by) in swept.iter().enumerate() {
+            let difference = |t: f64| -> Outcome<f64> { Ok(functional(&run(n, t)?) - functional(&run(n, -t)?)) };
+            let expected = (8.0 * difference(0.2)? - difference(0.4)?) / 2.4;
+            let error = (by.values(block)[0] - expected).abs();
+            assert!(error < 1e-6 * expected.abs() + 1e-10, "{}, instant {n}: {error:e} of {expected:e}", scheme.name());
         }
     }
     Ok(())

@@ -8,7 +8,7 @@ use common::{Outcome, distance, largest, nodal, noise, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::time::catalogue::SCHEMES;
 use nastic_fem::{
-    Inertia, Scheme, Solid, SolveOptions, State, StateError, StepTo, Trajectory, Workspace, check_contribution,
+    Inertia, Scheme, Solid, SolveOptions, Solver, State, StateError, StepTo, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::{Eigenproblem, smallest_eigenpairs};
 use nastic_mesh::CellKind;
@@ -227,24 +227,70 @@ fn long_steps_from_rest_are_equilibria() -> Outcome {
     Ok(())
 }
 
-/// A trajectory that goes on in another call has the same bits as one of one call, for any number of threads.
+/// A trajectory that goes on in another call is that of one call; the bits are the same for any number of threads.
 #[test]
 fn a_motion_may_be_interrupted() -> Outcome {
     let solid = Solid::new(regular(CellKind::Quad4, [1.0, 0.5, 0.0], [4, 2, 1])?)?
         .material("body", NeoHooke::new(1.0, 2.0)?)?
         .clamp("x-")?
         .inertia(Inertia::new("body", 1.0))?;
-    let thrown = nodal(solid.mesh(), |x| 0.5 * Vec3::new(0.0, x.x, 0.0));
+    let begin = moving(&solid, nodal(solid.mesh(), |x| 0.5 * Vec3::new(0.0, x.x, 0.0)));
+    let serial = SolveOptions { parallel: false, ..STRICT };
     for (scheme, _) in schemes()? {
-        let whole = motion(&solid, &scheme, moving(&solid, thrown.clone()), 6, 0.1)?;
-        let serial = SolveOptions { parallel: false, ..STRICT };
-        let mut parts = motion_by(&solid, &scheme, moving(&solid, thrown.clone()), 3, 0.1, &serial)?;
-        let mut workspace = Workspace::default();
-        let rest = steps(3, 0.1, |_| solid.controls());
-        solid.model().advance(&mut parts, &scheme, &rest, &serial, &mut workspace)?;
-        assert!(distance(&whole.end().u, &parts.end().u) < 1e-11, "{}", scheme.name());
-        let again = motion(&solid, &scheme, moving(&solid, thrown.clone()), 6, 0.1)?;
+        let whole = motion(&solid, &scheme, begin.clone(), 6, 0.1)?;
+        let again = motion_by(&solid, &scheme, begin.clone(), 6, 0.1, &serial)?;
         assert_eq!(whole.end().u, again.end().u, "{}", scheme.name());
+        let mut parts = motion(&solid, &scheme, begin.clone(), 3, 0.1)?;
+        let rest = steps(3, 0.1, |_| solid.controls());
+        solid.model().advance(&mut parts, &scheme, &rest, &STRICT, &mut Workspace::default())?;
+        let gap = distance(&whole.end().u, &parts.end().u);
+        assert!(gap < 1e-11, "{}: {gap:e}", scheme.name());
+    }
+    Ok(())
+}
+
+/// Multigrid in the place of a factor, held and free.
+#[test]
+fn multigrid_moves_bodies_too() -> Outcome {
+    let free = Solid::new(regular(CellKind::Hex8, [1.0, 0.4, 0.4], [6, 3, 3])?)?
+        .material("body", NeoHooke::new(1.0, 2.0)?)?
+        .inertia(Inertia::new("body", 1.0))?;
+    let thrown = nodal(free.mesh(), |x| Vec3::new(-x.x * x.z, 0.0, x.x));
+    let held = free.clone().clamp("x-")?;
+    for solid in [free, held] {
+        let of = |solver: Solver| -> Outcome<Vec<f64>> {
+            let how = SolveOptions { solver: Some(solver), ..SolveOptions::default() };
+            let run = motion_by(&solid, &Scheme::tr_bdf2(), moving(&solid, thrown.clone()), 8, 0.2, &how)?;
+            assert_eq!(run.end().report.solver, solver);
+            Ok(run.end().u.to_vec())
+        };
+        let (direct, multigrid) = (of(Solver::Direct)?, of(Solver::Multigrid)?);
+        assert!(largest(&direct) > 0.2);
+        assert!(distance(&direct, &multigrid) < 1e-7 * largest(&direct), "{:e}", distance(&direct, &multigrid));
+    }
+    Ok(())
+}
+
+/// A free bar that turns by 0.7 rad in a step: Newton's steps turn with it (straight ones take up to three times as many).
+#[test]
+fn a_free_body_turns_in_long_steps() -> Outcome {
+    let solid = Solid::new(regular(CellKind::Hex8, [1.0, 0.1, 0.1], [10, 1, 1])?)?
+        .material("body", NeoHooke::new(100.0, 200.0)?)?
+        .inertia(Inertia::new("body", 1.0))?;
+    let turning = nodal(solid.mesh(), |x| Vec3::new(0.05 - x.y, x.x - 0.5, 0.0));
+    for (scheme, _) in schemes()?.iter().filter(|(_, order)| *order > 0) {
+        let how = SolveOptions::default();
+        let run = motion_by(&solid, scheme, moving(&solid, turning.clone()), 20, 0.7, &how)?;
+        let [newton, restarts, cuts] = run.states()[1..]
+            .iter()
+            .fold([0; 3], |[n, r, c], s| [n + s.report.newton, r + s.report.restarts, c + s.report.cuts]);
+        let min_j = run.states()[1..].iter().map(|s| s.report.min_j).fold(f64::INFINITY, f64::min);
+        let most = if scheme.extrapolates() { 300 } else { 200 * scheme.stages() };
+        assert!(newton <= most && restarts == 0 && cuts == 0, "{}: {newton} iterations", scheme.name());
+        println!(
+            "{:<18} {newton} Newton iterations, {restarts} restarts, {cuts} cuts, min J {min_j:.3}",
+            scheme.name()
+        );
     }
     Ok(())
 }
