@@ -226,9 +226,20 @@ pub enum StateError {
         /// The last equilibrium found on the way.
         last: Box<State>,
     },
+    /// A time step has no solution.
+    #[error("in the time step of {dt:.3e} from t = {time:.6e}: {source}; shorter steps may help")]
+    InStep {
+        /// When the step begins.
+        time: f64,
+        /// Its length.
+        dt: f64,
+        /// Why: [`Inverted`](Self::Inverted) or [`NoConvergence`](Self::NoConvergence).
+        source: Box<StateError>,
+    },
     /// The end of a time step is inverted, although the instant between at which its forces balance is not.
     #[error(
-        "the end of the time step of {dt:.3e} from t = {time:.6e} is inverted ({at}), though not its middle; take shorter steps, or a scheme whose forces balance at the end of a step"
+        "the end of the time step of {dt:.3e} from t = {time:.6e} is inverted ({at}), though not its middle; take shorter \
+         steps, or a scheme whose forces balance at the end of a step"
     )]
     EndOfStep {
         /// Where.
@@ -297,6 +308,7 @@ impl StateError {
             StateError::Inverted { at, .. } if at.outside.is_some() => "outside_domain",
             StateError::Inverted { .. } | StateError::EndOfStep { .. } => "inverted",
             StateError::NoConvergence { .. } => "no_convergence",
+            StateError::InStep { source, .. } => source.code(),
             StateError::Linear(_) => "linear",
             StateError::Cancelled => "cancelled",
             StateError::SecondDerivatives(_) => "second_derivatives",

@@ -9,7 +9,8 @@ use nastic_fem::{Scheme, Solid};
 
 type C = Complex<f64>;
 
-/// Displacement, velocity and acceleration of one free unknown after so many unit steps, from a small multiple of a state.
+/// Displacement, velocity and acceleration of one free unknown after so many unit steps, from a small multiple of a
+/// state.
 fn after(solid: &Solid, scheme: &Scheme, [u, v, a]: [f64; 3], count: usize) -> Outcome<Vec<[f64; 3]>> {
     const SIZE: f64 = 1e-2;
     let begin = uniform(solid, SIZE * u, SIZE * v, Some(SIZE * a));
@@ -19,8 +20,8 @@ fn after(solid: &Solid, scheme: &Scheme, [u, v, a]: [f64; 3], count: usize) -> O
     Ok(trajectory.states().iter().map(|s| [s.u[free] / SIZE, entry(&s.velocity), entry(&s.acceleration)]).collect())
 }
 
-/// `|R|` from the eigenvalues of the amplification matrix of (u, v, a), column by column from unit states: the largest of a
-/// conjugate pair, if there is one.
+/// `|R|` from the eigenvalues of the amplification matrix of (u, v, a), column by column from unit states: the
+/// largest of a conjugate pair, if there is one.
 fn of_matrix(solid: &Solid, scheme: &Scheme) -> Outcome<f64> {
     let mut matrix = DMatrix::zeros(3, 3);
     for k in 0..3 {
@@ -104,7 +105,8 @@ fn every_scheme_damps_as_its_closed_form_says() -> Outcome {
     Ok(())
 }
 
-/// With a physical damping of d/w = 0.2 the trapezoidal rule loses it at large steps. Four digits, from the closed forms with a complex frequency.
+/// With a physical damping of d/w = 0.2 the trapezoidal rule loses it at large steps. Four digits, from the closed
+/// forms with a complex frequency.
 #[test]
 fn physical_damping_is_changed_by_the_scheme() -> Outcome {
     let table = [
@@ -122,8 +124,8 @@ fn physical_damping_is_changed_by_the_scheme() -> Outcome {
     Ok(())
 }
 
-/// Newmark's scheme with 1/4 and 1/2 and generalised alpha with rho = 1 are the trapezoidal and the midpoint rule on linear problems;
-/// with rho = 0 nothing is left of a mode of infinite frequency.
+/// Newmark's scheme with 1/4 and 1/2 and generalised alpha with rho = 1 are the trapezoidal and the midpoint rule on
+/// linear problems; with rho = 0 nothing is left of a mode of infinite frequency.
 #[test]
 fn special_parameters_are_special_schemes() -> Outcome {
     for t in [0.1, 1.0, 10.0] {

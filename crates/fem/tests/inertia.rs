@@ -36,7 +36,8 @@ fn a_rotation_has_its_kinetic_energy() -> Outcome {
     Ok(())
 }
 
-/// The mass is that of the body, quadratic cells have no negative nodal masses, and where row sums are positive they are taken.
+/// The mass is that of the body, quadratic cells have no negative nodal masses, and where row sums are positive they
+/// are taken.
 #[test]
 fn lumped_masses_are_positive_and_sum_to_the_mass() -> Outcome {
     for kind in kinds() {

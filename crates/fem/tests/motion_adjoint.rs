@@ -54,7 +54,8 @@ fn driven(damped: bool) -> Outcome<Solid> {
     Ok(if damped { solid.rayleigh_damping(0.02, 0.05)? } else { solid })
 }
 
-/// Controls at an instant of one motion, plus a multiple of a direction in one of the blocks: random from instant to instant.
+/// Controls at an instant of one motion, plus a multiple of a direction in one of the blocks: random from instant to
+/// instant.
 fn controls(solid: &Solid, n: usize, (block, along): (usize, f64)) -> Controls {
     let mut controls = solid.controls();
     let time = H * n as f64;
@@ -176,8 +177,9 @@ fn the_adjoint_of_every_scheme_is_exact_over_long_motions() -> Outcome {
     Ok(())
 }
 
-/// The derivative by the controls of each instant by itself, the first included, from an equilibrium or from a given state, over a
-/// change of the step's length and of the scheme (after the midpoint rule an acceleration has to be found).
+/// The derivative by the controls of each instant by itself, the first included, from an equilibrium or from a given
+/// state, over a change of the step's length and of the scheme (after the midpoint rule an acceleration has to be
+/// found).
 #[test]
 fn every_instant_has_its_derivative() -> Outcome {
     let solid = driven(true)?;

@@ -1,4 +1,5 @@
-//! A bar hinged along one edge, let go where it is horizontal: every step of every scheme converges, and what energy is lost.
+//! A bar hinged along one edge, let go where it is horizontal: every step of every scheme converges, and what energy
+//! is lost.
 
 mod common;
 

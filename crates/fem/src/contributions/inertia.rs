@@ -13,8 +13,8 @@ use nastic_numeric::vector::{axpy, dot};
 ///
 /// **Potential.** In a time step with `a = c u + b`: `a . M a / (2 c)`, the incremental one; its tangent is `c M`.
 ///
-/// **Lumped.** `m_a = rho V int N_a^2 dX / sum_b int N_b^2 dX` of every cell (Hinton, Rock, Zienkiewicz 1976): the row sum on linear
-/// simplices and parallelepipeds, and positive on quadratic cells, where row sums are not.
+/// **Lumped.** `m_a = rho V int N_a^2 dX / sum_b int N_b^2 dX` of every cell (Hinton, Rock, Zienkiewicz 1976): the
+/// row sum on linear simplices and parallelepipeds, and positive on quadratic cells, where row sums are not.
 ///
 /// ```
 /// # use nastic_fem::{Inertia, Solid};
@@ -179,8 +179,8 @@ impl Contribution for BodyInertia {
     }
 }
 
-/// Adds the force `A y` with `y = c u + b` and a constant symmetric A, and its incremental potential `y . A y / (2 c)`, which is
-/// `u . A y` where y does not depend on u.
+/// Adds the force `A y` with `y = c u + b` and a constant symmetric A, and its incremental potential `y . A y / (2
+/// c)`, which is `u . A y` where y does not depend on u.
 pub(super) fn add_linear(c: f64, (u, y, force): (&[f64], &[f64], &[f64]), demand: Demand, sums: &mut Sums) {
     if demand.energy {
         let (along, factor) = if c == 0.0 { (u, 1.0) } else { (y, 0.5 / c) };

@@ -7,12 +7,12 @@ use crate::model::Model;
 use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::axpy;
 
-/// **Residual.** `r = C v`, `C = a0 M + a1 K(0)`, M the mass of all contributions (a0 in 1/s) and K(0) the tangent of the body at rest
-/// without controls (a1 in s).
+/// **Residual.** `r = C v`, `C = a0 M + a1 K(0)`, M the mass of all contributions (a0 in 1/s) and K(0) the tangent of
+/// the body at rest without controls (a1 in s).
 ///
-/// K of the present state may be indefinite and would then feed energy to the motion. The price: a rigid rotation is damped by
-/// a1, any rigid motion by a0. The damping is not objective. A mode of small vibrations with frequency w has the damping ratio
-/// `(a0/w + a1 w)/2`.
+/// K of the present state may be indefinite and would then feed energy to the motion. The price: a rigid rotation is
+/// damped by a1, any rigid motion by a0. The damping is not objective. A mode of small vibrations with frequency w
+/// has the damping ratio `(a0/w + a1 w)/2`.
 ///
 /// **Potential.** In a time step with `v = c u + b`: `v . C v / (2 c)`, the incremental one; its tangent is `c C`.
 #[derive(Debug)]

@@ -9,8 +9,8 @@ impl Discretization {
     /// The consistent mass matrix `M_ab = int rho N_a N_b dX`, the same for every displacement component, in kg where
     /// densities (by cell) are in kg/m^3; in plane strain per unit of thickness.
     ///
-    /// By the rule that is exact for `N_a N_b` on an affine cell; the default rule of linear simplices has one point, with which M
-    /// would be singular.
+    /// By the rule that is exact for `N_a N_b` on an affine cell; the default rule of linear simplices has one point,
+    /// with which M would be singular.
     ///
     /// # Errors
     /// [`FemError::InvertedReference`] at a point of that rule.
@@ -42,9 +42,9 @@ impl Discretization {
         Ok(mass)
     }
 
-    /// The lumped mass of every unknown: [`nodal_volumes`](Self::nodal_volumes) with densities by cell, by diagonal scaling
-    /// (HRZ), which is positive on all kinds of cells. On linear simplices and parallelepipeds it is the row sum of the
-    /// consistent mass.
+    /// The lumped mass of every unknown: [`nodal_volumes`](Self::nodal_volumes) with densities by cell, by diagonal
+    /// scaling (HRZ), which is positive on all kinds of cells. On linear simplices and parallelepipeds it is the row
+    /// sum of the consistent mass.
     pub fn lumped_mass(&self, density: &[f64]) -> Vec<f64> {
         let nodal = self.nodal_integrals(|cell| density[cell]);
         nodal.into_iter().flat_map(|mass| std::iter::repeat_n(mass, self.dim())).collect()

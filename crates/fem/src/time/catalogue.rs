@@ -32,7 +32,7 @@ pub const SCHEMES: &[Entry] = &[
     },
     Entry {
         name: "tr_bdf2",
-        about: "The trapezoidal rule over half a step, then BDF2: second order, two solves, damps little that a step resolves.",
+        about: "The trapezoidal rule over half a step, then BDF2: second order, two solves, damps what is not resolved.",
         order: 2,
         build: || Ok(Scheme::tr_bdf2()),
     },
@@ -50,7 +50,7 @@ pub const SCHEMES: &[Entry] = &[
     },
     Entry {
         name: "newmark",
-        about: "Newmark's scheme, here with beta = 0.3025, gamma = 0.6: first order, damps; with 1/4, 1/2 the trapezoidal rule.",
+        about: "Newmark's scheme, here with beta = 0.3025, gamma = 0.6: first order, damps; 1/4, 1/2: trapezoidal.",
         order: 1,
         build: || Scheme::newmark(0.3025, 0.6),
     },
@@ -81,8 +81,8 @@ impl Scheme {
         Self::one_stage("backward_euler", Stage { time: 1.0, velocity, acceleration }, End::stage(0))
     }
 
-    /// `v = (3 u - 4 u_n + u_{n-1})/(2h)` and a likewise, for steps of equal length; the first step, and the first after a change of
-    /// the length, is one of [`tr_bdf2`](Self::tr_bdf2).
+    /// `v = (3 u - 4 u_n + u_{n-1})/(2h)` and a likewise, for steps of equal length; the first step, and the first
+    /// after a change of the length, is one of [`tr_bdf2`](Self::tr_bdf2).
     pub fn bdf2() -> Self {
         let velocity = vec![u(1.5, FIRST), u(-2.0, NOW), u(0.5, BEFORE)];
         let acceleration = vec![v(1.5, FIRST), v(-2.0, NOW), v(0.5, BEFORE)];
@@ -90,9 +90,9 @@ impl Scheme {
         Scheme { start: Some(Box::new(Self::tr_bdf2())), ..Self::one_stage("bdf2", stage, End::stage(0)) }
     }
 
-    /// The trapezoidal rule over `h/2` to `u*`, then BDF2 on the two halves: `u* = u_n + h/4 (v_n + v*)`,
-    /// `u = u* + (u* - u_n + h v)/3`, velocities likewise. The variant with gamma = 1/2 of Bank et al., IEEE Trans. Electron Devices
-    /// 32 (1985).
+    /// The trapezoidal rule over `h/2` to `u*`, then BDF2 on the two halves: `u* = u_n + h/4 (v_n + v*)`, `u = u* +
+    /// (u* - u_n + h v)/3`, velocities likewise. The variant with gamma = 1/2 of Bank et al., IEEE Trans. Electron
+    /// Devices 32 (1985).
     pub fn tr_bdf2() -> Self {
         let half = Stage {
             time: 0.5,
@@ -142,10 +142,10 @@ impl Scheme {
         Ok(Self::one_stage("newmark", stage, End::stage(0)))
     }
 
-    /// Newmark's formulas, with the residual at `(1 - alpha_f) (u, v) + alpha_f (u_n, v_n)` and `(1 - alpha_m) a + alpha_m a_n`:
-    /// `alpha_m = (2 rho - 1)/(rho + 1)`, `alpha_f = rho/(rho + 1)`, `gamma = 1/2 - alpha_m + alpha_f`,
-    /// `beta = (1 - alpha_m + alpha_f)^2 / 4`, so that amplitudes of infinite frequency fall by rho in a step.
-    /// Chung, Hulbert, J. Appl. Mech. 60 (1993).
+    /// Newmark's formulas, with the residual at `(1 - alpha_f) (u, v) + alpha_f (u_n, v_n)` and `(1 - alpha_m) a +
+    /// alpha_m a_n`: `alpha_m = (2 rho - 1)/(rho + 1)`, `alpha_f = rho/(rho + 1)`, `gamma = 1/2 - alpha_m + alpha_f`,
+    /// `beta = (1 - alpha_m + alpha_f)^2 / 4`, so that amplitudes of infinite frequency fall by rho in a step. Chung,
+    /// Hulbert, J. Appl. Mech. 60 (1993).
     ///
     /// # Errors
     /// A rho beyond `[0, 1]`.
@@ -184,8 +184,8 @@ impl Scheme {
         Ok(Self::one_stage("generalized_alpha", stage, end))
     }
 
-    /// Backward Euler from rest: `a = (u - u_n)/h^2`, `v = (u - u_n)/h`. Minimises `|u - u_n|_M^2 / (2 h^2) + Pi(u)`; the static problem
-    /// for h to infinity.
+    /// Backward Euler from rest: `a = (u - u_n)/h^2`, `v = (u - u_n)/h`. Minimises `|u - u_n|_M^2 / (2 h^2) + Pi(u)`;
+    /// the static problem for h to infinity.
     pub fn quasi_dynamic() -> Self {
         let velocity = vec![u(1.0, FIRST), u(-1.0, NOW)];
         let stage = Stage { time: 1.0, acceleration: velocity.clone(), velocity };

@@ -7,8 +7,8 @@ use crate::model::Model;
 use crate::solution::state::State;
 use nastic_linear::{CgEnd, Preconditioner, conjugate_gradient};
 
-/// Where conjugate gradients end, and how many may be needed: with the diagonal as preconditioner the condition number of a mass matrix
-/// depends on the kind of cells alone (Wathen, IMA J. Numer. Anal. 7, 1987).
+/// Where conjugate gradients end, and how many may be needed: with the diagonal as preconditioner the condition
+/// number of a mass matrix depends on the kind of cells alone (Wathen, IMA J. Numer. Anal. 7, 1987).
 const RESIDUAL: f64 = 1e-15;
 const ITERATIONS: usize = 1000;
 
@@ -38,8 +38,8 @@ impl Model {
         if let Some(dof) = diagonal.iter().position(|m| !(m.is_finite() && *m > 0.0)) {
             let node = dof / self.discretization().dim();
             let what = format!(
-                "this time scheme begins with an acceleration, but node {node} has no mass; add an inertia, or begin with \
-                 backward Euler"
+                "this time scheme begins with an acceleration, but node {node} has no mass; add an inertia, or begin \
+                 with backward Euler"
             );
             return Err(FemError::Meaningless { what }.into());
         }

@@ -34,8 +34,8 @@ impl StatePartials {
 /// What a reverse sweep finds.
 #[derive(Debug, Clone)]
 pub struct Swept {
-    /// Adjoint displacement of every instant (of the last stage of the step that leads there), flat, zero on the supports; empty where
-    /// the state was given.
+    /// Adjoint displacement of every instant (of the last stage of the step that leads there), flat, zero on the
+    /// supports; empty where the state was given.
     pub lambda: Vec<Vec<f64>>,
     /// Derivative of the functional by the controls of every instant, through the states.
     pub controls: Vec<Controls>,
@@ -85,21 +85,22 @@ struct Sweep<'a, 'w> {
 }
 
 impl Model {
-    /// The derivative of `j(y_0, .., y_N)` by the controls of every instant, given its partial derivatives: every step is a
-    /// chain of linear combinations and of solves `r(w, v, a; m) = 0` (see [`Scheme`](crate::Scheme)), which the sweep passes
-    /// backwards. With `v = c_v w + b_v`, `a = c_a w + b_a` and K the tangent of the stage,
+    /// The derivative of `j(y_0, .., y_N)` by the controls of every instant, given its partial derivatives: every
+    /// step is a chain of linear combinations and of solves `r(w, v, a; m) = 0` (see [`Scheme`](crate::Scheme)),
+    /// which the sweep passes backwards. With `v = c_v w + b_v`, `a = c_a w + b_a` and K the tangent of the stage,
     ///
     /// ```text
     /// K^T l = -(dj/dw + c_v dj/dv + c_a dj/da)
     /// dj/db_v = dj/dv + l . dr/dv,    dj/db_a = dj/da + l . dr/da,    dj/dm = l . dr/dm
     /// ```
     ///
-    /// one transposed solve per stage; then the combinations transposed. An acceleration `M a = -r(u, v, 0; m)` at the
-    /// beginning and an equilibrium there take a solve each. A static problem is a trajectory of one instant, and this its adjoint.
-    /// Source: docs/model.md section 12.
+    /// one transposed solve per stage; then the combinations transposed. An acceleration `M a = -r(u, v, 0; m)` at
+    /// the beginning and an equilibrium there take a solve each. A static problem is a trajectory of one instant, and
+    /// this its adjoint. Source: docs/model.md section 12.
     ///
     /// # Errors
-    /// A tangent that is singular, partial derivatives of the wrong length, states of another body or with internal variables.
+    /// A tangent that is singular, partial derivatives of the wrong length, states of another body or with internal
+    /// variables.
     pub fn reverse_sweep(
         &self,
         trajectory: &Trajectory,

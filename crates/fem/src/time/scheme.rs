@@ -1,14 +1,16 @@
 //! [`Scheme`]: a time scheme as a table of linear combinations.
 
-/// A table from the state at `t_n` (and the one before) to that at `t_n + h`: in every stage an unknown displacement w with
+/// A table from the state at `t_n` (and the one before) to that at `t_n + h`: in every stage an unknown displacement
+/// w with
 ///
 /// ```text
 /// v = (c_v w + sum f_i y_i) / h,    a = (c_a w + sum g_i y_i) / h^2,    r(w, v, a; m(t_n + time h)) = 0
 /// ```
 ///
-/// where the y are displacements u, velocities `h v` and accelerations `h^2 a` of the states before and of earlier stages; then u,
-/// v and a at the end as such combinations too. A stage is found by minimising its incremental potential. What steps and
-/// what differentiates them read the same table. The catalogue: [`catalogue::SCHEMES`](crate::time::catalogue::SCHEMES).
+/// where the y are displacements u, velocities `h v` and accelerations `h^2 a` of the states before and of earlier
+/// stages; then u, v and a at the end as such combinations too. A stage is found by minimising its incremental
+/// potential. What steps and what differentiates them read the same table. The catalogue:
+/// [`catalogue::SCHEMES`](crate::time::catalogue::SCHEMES).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scheme {
     pub(super) name: &'static str,
@@ -137,7 +139,8 @@ impl Scheme {
         self.stages.len()
     }
 
-    /// The scheme of its first step, and of the first one after a change of the step's length, where it needs two states.
+    /// The scheme of its first step, and of the first one after a change of the step's length, where it needs two
+    /// states.
     pub fn start(&self) -> Option<&Scheme> {
         self.start.as_deref()
     }

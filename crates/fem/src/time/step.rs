@@ -16,15 +16,16 @@ use std::sync::Arc;
 const EQUAL: f64 = 1e-12;
 
 impl Model {
-    /// Goes on from the end of a trajectory by steps of a scheme, at full dead loads. Each stage is an equilibrium of inertia and forces
-    /// that minimises an incremental potential, found like a static one from the stage before: `near` and `guess` of the options are
-    /// not used. A body may be free. A state that does not carry the acceleration that a scheme begins with gets it from
-    /// `M a = -r(u, v, 0)`.
+    /// Goes on from the end of a trajectory by steps of a scheme, at full dead loads. Each stage is an equilibrium of
+    /// inertia and forces that minimises an incremental potential, found like a static one from the stage before:
+    /// `near` and `guess` of the options are not used. A body may be free. A state that does not carry the
+    /// acceleration that a scheme begins with gets it from `M a = -r(u, v, 0)`.
     ///
     /// Source: docs/model.md section 12.
     ///
     /// # Errors
-    /// A step that is not positive; a [`StateError`] at the first step that has no solution, with the steps before it in the trajectory.
+    /// A step that is not positive; a [`StateError`] at the first step that has no solution, with the steps before it
+    /// in the trajectory.
     pub fn advance(
         &self,
         trajectory: &mut Trajectory,
@@ -72,7 +73,8 @@ impl Model {
             let time_step = points.next();
             let controls = begin.controls.blend(&to.controls, stage.time);
             let options = SolveOptions { near: Some(&here), guess: None, ..how.clone() };
-            let mut found = self.find(&controls, &options, Some(&time_step), workspace)?;
+            let found = self.find(&controls, &options, Some(&time_step), workspace);
+            let mut found = found.map_err(|error| in_step(error, begin.time, h))?;
             found.report.add_work(&work);
             work = found.report;
             let at = self.instant(&found, Some(&time_step), how.parallel);
@@ -105,5 +107,15 @@ impl Model {
             }
             Err(at) => Err(StateError::EndOfStep { at, time: begin.time, dt, last: Box::new(begin.clone()) }),
         }
+    }
+}
+
+/// What shorter steps may mend.
+fn in_step(error: StateError, time: f64, dt: f64) -> StateError {
+    match error {
+        StateError::Inverted { .. } | StateError::NoConvergence { .. } => {
+            StateError::InStep { time, dt, source: Box::new(error) }
+        }
+        other => other,
     }
 }

@@ -50,8 +50,8 @@ impl From<State> for Trajectory {
 }
 
 impl Trajectory {
-    /// One that begins at a state that is given: its displacement and velocity, and its acceleration, where it has one, depend on
-    /// nothing.
+    /// One that begins at a state that is given: its displacement and velocity, and its acceleration, where it has
+    /// one, depend on nothing.
     pub fn from_given(state: State) -> Self {
         Trajectory { begin: Begin::Given, states: vec![state], steps: Vec::new() }
     }

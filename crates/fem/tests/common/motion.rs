@@ -39,7 +39,8 @@ pub fn motion_by(
     Ok(trajectory)
 }
 
-/// Point masses of 1 on linear springs to the ground with `k = w^2` and dampers, one per unknown, in a body without stiffness.
+/// Point masses of 1 on linear springs to the ground with `k = w^2` and dampers, one per unknown, in a body without
+/// stiffness.
 pub fn oscillator(w: f64, damping: f64) -> Outcome<Solid> {
     Ok(Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
         .material("body", NeoHooke::new(1e-30, 0.0)?)?
