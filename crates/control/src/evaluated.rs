@@ -122,16 +122,18 @@ pub(crate) struct Expected {
     pub dofs: usize,
 }
 
-const MAGIC: &str = "nastic-point-3";
+const MAGIC: &str = "nastic-point-4";
 
 /// All but the controls, which follow from the control vector.
 fn write_state(state: &State, out: &mut Writer) {
-    let State { u, controls: _, load, time, velocity, internal, report } = state;
+    let State { u, controls: _, load, time, velocity, acceleration, internal, report } = state;
     out.floats(u);
     out.float(*load);
     out.float(*time);
-    out.count(usize::from(velocity.is_some()));
-    velocity.iter().for_each(|velocity| out.floats(velocity));
+    for rate in [velocity, acceleration] {
+        out.count(usize::from(rate.is_some()));
+        rate.iter().for_each(|rate| out.floats(rate));
+    }
     out.floats(internal);
     write_report(report, out);
 }
@@ -143,6 +145,7 @@ fn read_state(input: &mut Reader<'_>, controls: Controls) -> Result<State, Saved
         load: input.float()?,
         time: input.float()?,
         velocity: if input.flag()? { Some(Arc::new(input.floats()?)) } else { None },
+        acceleration: if input.flag()? { Some(Arc::new(input.floats()?)) } else { None },
         internal: Arc::new(input.floats()?),
         report: read_report(input)?,
     })

@@ -277,6 +277,31 @@ pub enum StateError {
         /// The last equilibrium found on the way.
         last: Box<State>,
     },
+    /// A time step has no solution.
+    #[error("in the time step of {dt:.3e} from t = {time:.6e}: {source}; shorter steps may help")]
+    InStep {
+        /// When the step begins.
+        time: f64,
+        /// Its length.
+        dt: f64,
+        /// Why: [`Inverted`](Self::Inverted) or [`NoConvergence`](Self::NoConvergence).
+        source: Box<StateError>,
+    },
+    /// The end of a time step is inverted, although the instant between at which its forces balance is not.
+    #[error(
+        "the end of the time step of {dt:.3e} from t = {time:.6e} is inverted ({at}), though not its middle; take shorter \
+         steps, or a scheme whose forces balance at the end of a step"
+    )]
+    EndOfStep {
+        /// Where.
+        at: InvertedAt,
+        /// When the step begins.
+        time: f64,
+        /// Its length.
+        dt: f64,
+        /// The state that it begins at.
+        last: Box<State>,
+    },
     /// Newton's method did not converge at this load, however small the step.
     #[error(
         "no equilibrium found at load {load:.4} of the way, the last one at {reached:.4}, after {cuts} cuts of the load step and \
@@ -332,8 +357,9 @@ impl StateError {
     pub fn code(&self) -> &'static str {
         match self {
             StateError::Inverted { at, .. } if at.outside.is_some() => "outside_domain",
-            StateError::Inverted { .. } => "inverted",
+            StateError::Inverted { .. } | StateError::EndOfStep { .. } => "inverted",
             StateError::NoConvergence { .. } => "no_convergence",
+            StateError::InStep { source, .. } => source.code(),
             StateError::Linear(_) => "linear",
             StateError::Cancelled => "cancelled",
             StateError::SecondDerivatives(_) => "second_derivatives",

@@ -12,17 +12,17 @@ mod kernels;
 mod model;
 mod solid;
 mod solution;
+pub mod time;
 
 pub use adjoint::Adjoint;
-pub use adjoint::reverse_sweep::{StatePartials, Swept};
 pub use adjoint::second_order::{AdjointChange, SecondOrder};
 pub use contributions::body_energy::formulation::Formulation;
 pub use contributions::body_energy::point_peaks::PointPeak;
 pub use contributions::body_energy::tensions::ExcessTension;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
-    BodyPoint, Cavity, Contribution, Controls, Demand, Foundation, Increment, Instant, Motion, SecondSensitivities,
-    Sensitivities, Spring, Sums, Tendon, TimeStep, check_contribution,
+    BodyPoint, Cavity, Contribution, Controls, Demand, Foundation, Increment, Inertia, Instant, Motion,
+    SecondSensitivities, Sensitivities, Spring, Sums, Tendon, TimeStep, check_contribution,
 };
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
@@ -43,5 +43,7 @@ pub use solution::options::{Progress, SolveOptions};
 pub use solution::path::{EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint};
 pub use solution::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use solution::state::{SolveReport, State};
-pub use solution::trajectory::{Begin, StepTo, Trajectory};
 pub use solution::workspace::Workspace;
+pub use time::reverse_sweep::{StatePartials, Swept};
+pub use time::scheme::Scheme;
+pub use time::trajectory::{Begin, StepTo, Trajectory};

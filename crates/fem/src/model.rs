@@ -137,6 +137,11 @@ impl Model {
         self.others.iter().map(|c| c.symmetry()).max().unwrap_or(Symmetry::Symmetric)
     }
 
+    /// The name of a contribution beside the body that stores energy where its controls are zero, if there is one.
+    pub fn storing(&self) -> Option<&str> {
+        self.others.iter().find(|contribution| contribution.stores_energy()).map(|contribution| contribution.name())
+    }
+
     /// Whether all contributions have a potential.
     pub fn has_potential(&self) -> bool {
         self.others.iter().all(|c| c.has_potential())
@@ -186,6 +191,13 @@ impl Model {
         let mut tangent = BorderedTangent::zero(self);
         self.each(at, |contribution, at| tangent.add(contribution, at))?;
         Ok(tangent)
+    }
+
+    /// The mass matrix of all contributions, supports not eliminated; zero of a body without inertia.
+    pub fn mass(&self) -> SparseMatrix {
+        let mut mass = self.discretization().matrix();
+        self.others.iter().for_each(|contribution| contribution.add_mass(&mut mass));
+        mass
     }
 
     /// Residual and tangent with strains of their own at the quadrature points of the body.
@@ -298,8 +310,30 @@ impl Model {
         any.then_some(du)
     }
 
-    /// Adds `(by_u + K^T lambda)_D . du_D/dm`, what a functional with the adjoint lambda owes to the held unknowns that controls move.
-    pub(crate) fn add_held_sensitivity(
+    /// What a functional with the partial derivative `by_u` and the adjoint lambda owes to the controls: `lambda . dr/dm`, and by those that
+    /// move held unknowns D, `(by_u + K^T lambda)_D . du_D/dm`.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub fn sensitivities(&self, at: &Instant, by_u: &[f64], lambda: &[f64]) -> Result<Sensitivities, InvertedAt> {
+        let mut found = self.vjp(at, lambda)?;
+        self.add_held_sensitivity(at, by_u, lambda, &mut found)?;
+        Ok(found)
+    }
+
+    /// Refuses surfaces that controls move, whose accelerations steps in time do not know.
+    pub(crate) fn refuse_motions(&self) -> Result<(), FemError> {
+        let Some(moves) = self.others.iter().find(|contribution| !contribution.held().is_empty()) else {
+            return Ok(());
+        };
+        let what = format!(
+            "the motion \"{}\" is not there yet in steps in time; hold its surface by supports, or take springs to ground",
+            moves.name()
+        );
+        Err(FemError::Meaningless { what })
+    }
+
+    fn add_held_sensitivity(
         &self,
         at: &Instant,
         by_u: &[f64],
@@ -451,13 +485,20 @@ impl Model {
     /// # Errors
     /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
     pub fn check(&self) -> Result<(), FemError> {
+        // A body without materials has no use for advice on supports.
         self.body.check_complete()?;
         let springs = self.others.iter().flat_map(|contribution| contribution.holds());
         self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>())?;
+        self.check_in_motion()
+    }
+
+    /// Checks that the problem is complete for motion, in which a body may be free.
+    pub(crate) fn check_in_motion(&self) -> Result<(), FemError> {
+        self.body.check_complete()?;
         if !self.has_potential() {
             let instead = "Newton's method under constraints needs a potential; drive it by a force or a pressure";
             self.refuse_constraints("a contribution without a potential", instead)?;
         }
-        self.others.iter().try_for_each(|contribution| contribution.check(self.supports.fixed()))
+        self.others.iter().try_for_each(|contribution| contribution.check(&self.supports))
     }
 }

@@ -5,7 +5,9 @@ use crate::contributions::Contribution;
 use crate::contributions::body_energy::formulation::Formulation;
 use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
-use crate::contributions::{Cavity, Foundation, Motion, Spring, Tendon};
+use crate::contributions::inertia::BodyInertia;
+use crate::contributions::rayleigh_damping::RayleighDamping;
+use crate::contributions::{Cavity, Foundation, Inertia, Motion, Spring, Tendon};
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
@@ -68,6 +70,7 @@ impl Solid {
         region: impl Into<GroupNames>,
         term: impl EnergyTerm + 'static,
     ) -> Result<Self, FemError> {
+        self.before_damping("material")?;
         let cells = self.mesh().cells_of(&region.into())?;
         self.model.body.add_term(&cells, Arc::new(term))?;
         Ok(self)
@@ -303,6 +306,39 @@ impl Solid {
         let nodes = self.nodes_of(motion.surface())?;
         let contribution = motion.on(self.mesh(), nodes)?;
         self.contribution(contribution)
+    }
+
+    /// Gives the body a mass, which acts in motion alone.
+    ///
+    /// # Errors
+    /// A region's name is unknown, a density is not positive, cells without density, a body that has an inertia already.
+    pub fn inertia(mut self, inertia: Inertia) -> Result<Self, FemError> {
+        self.before_damping("mass")?;
+        let contribution: BodyInertia = inertia.on(self.discretization())?;
+        self.model.add(Arc::new(contribution))?;
+        Ok(self)
+    }
+
+    /// Rayleigh damping `(a0 M + a1 K(0)) v`, M the mass and K(0) the tangent at rest without controls; a0 in 1/s, a1 in s.
+    ///
+    /// It is not objective: K(0) v does not vanish for a finite rotation, and a0 damps every rigid motion. A mode of small
+    /// vibrations with angular frequency w has the damping ratio `(a0/w + a1 w)/2`.
+    ///
+    /// # Errors
+    /// A coefficient that is negative or not finite; cells without material, or no mass for a0, yet.
+    pub fn rayleigh_damping(mut self, a0: f64, a1: f64) -> Result<Self, FemError> {
+        let contribution = RayleighDamping::new(&self.model, a0, a1)?;
+        self.model.add(Arc::new(contribution))?;
+        Ok(self)
+    }
+
+    /// Refuses what Rayleigh damping that is there already would not know of.
+    fn before_damping(&self, what: &str) -> Result<(), FemError> {
+        if self.model.contribution(RayleighDamping::NAME).is_none() {
+            return Ok(());
+        }
+        let what = format!("{what} after the Rayleigh damping, which would not know of it; add the damping last");
+        Err(FemError::Meaningless { what })
     }
 
     /// Adds a contribution of your own to the residual.

@@ -10,7 +10,8 @@ use common::shells::{INNER, deformed_radius, pressure, shell};
 use common::{Outcome, largest, noise, regular};
 use nastic_energy::MooneyRivlin;
 use nastic_fem::{
-    Cavity, FemError, Instant, PathOptions, Solid, SolveOptions, State, StateError, StepTo, Trajectory, Workspace,
+    Cavity, FemError, Instant, PathOptions, Scheme, Solid, SolveOptions, State, StateError, StepTo, Trajectory,
+    Workspace,
 };
 use nastic_mesh::{CellKind, Mesh, RawMesh};
 use nastic_numeric::vector::{norm, sub};
@@ -240,7 +241,13 @@ fn what_does_not_go_with_a_volume_is_refused() -> Outcome {
     let to = (&*state.controls, 1.0);
     constrained(solid.model().path(&state, to, &PathOptions::default(), &how, &mut workspace, &mut |_| ()).err());
     let steps = [StepTo { dt: 0.1, controls: solid.controls() }];
-    let advanced = solid.model().advance(&mut Trajectory::from_given(state), &steps, &how, &mut workspace);
+    let advanced = solid.model().advance(
+        &mut Trajectory::from_given(state),
+        &Scheme::backward_euler(),
+        &steps,
+        &how,
+        &mut workspace,
+    );
     constrained(advanced.err());
     let error = solve(&solid, &[-1.0], None).err().ok_or("a negative volume is taken")?.to_string();
     assert!(error.contains("leaves none of its reference volume"), "{error}");

@@ -257,6 +257,21 @@ impl SparseMatrix {
         diagonal
     }
 
+    /// `A += factor B` for a symmetric B all of whose couplings this pattern has. Fast where both share one pattern.
+    pub fn add_scaled(&mut self, factor: f64, other: &SparseMatrix) {
+        if Arc::ptr_eq(&self.pattern, &other.pattern) {
+            self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
+            return;
+        }
+        other.for_each_entry(|row, column, value| {
+            let at = self.pattern.value_index(row, column);
+            debug_assert!(at.is_some() || value == 0.0, "the pattern lacks a coupling of the matrix that is added");
+            if let Some(at) = at {
+                self.values[at] += factor * value;
+            }
+        });
+    }
+
     /// Adds `shift` times the identity.
     pub fn add_to_diagonal(&mut self, shift: f64) {
         let dim = self.pattern.dim();

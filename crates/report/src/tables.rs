@@ -130,6 +130,7 @@ pub(crate) fn states(result: &Value) -> String {
         (0..3).map(|k| value[k].as_f64().map_or_else(|| "–".to_owned(), short)).collect()
     };
     let (mut probes, mut reactions) = (Vec::new(), Vec::new());
+    let mut others: Vec<Vec<String>> = Vec::new();
     let (mut cavities, mut tendons, mut springs) = (Vec::new(), Vec::new(), Vec::new());
     for (name, own) in entries(result) {
         for (probe, entry) in own["probes"].as_object().into_iter().flatten() {
@@ -145,7 +146,7 @@ pub(crate) fn states(result: &Value) -> String {
         }
         for (contribution, entry) in own["contributions"].as_object().into_iter().flatten() {
             let of = |key: &str, unit: &str| number(&entry[key], unit);
-            if entry.get("force_x").is_some() {
+            if entry.get("force_x").is_some() && entry.get("pressure").is_none() {
                 let mut row = vec![format!("{name}{contribution}")];
                 row.extend(["force_x", "force_y", "force_z"].map(|key| number(&entry[key], "")));
                 reactions.push(row);
@@ -162,6 +163,12 @@ pub(crate) fn states(result: &Value) -> String {
                 let mut row = vec![format!("{name}{contribution}"), of("force", unit("force"))];
                 row.extend(["length", "rest_length"].map(|key| of(key, unit("length"))));
                 springs.push(row);
+                continue;
+            }
+            if entry.get("volume").is_none() {
+                for (quantity, value) in entry.as_object().into_iter().flatten() {
+                    others.push(vec![format!("{name}{contribution}"), quantity.replace('_', " "), number(value, "")]);
+                }
                 continue;
             }
             let volume = format!("{}^3", unit("length"));
@@ -181,6 +188,7 @@ pub(crate) fn states(result: &Value) -> String {
     let content = table(&head, &probes)
         + &table(&force_head, &reactions)
         + &table(&["cavity", "pressure", "volume", "volume at rest"], &cavities)
+        + &table(&["contribution", "", ""], &others)
         + &table(&["tendon", "", "tension", "length", "length at rest"], &tendons)
         + &table(&["spring", "force", "length", "rest length"], &springs);
     section("states", "Probes, reactions, cavities, tendons, springs", &content)

@@ -246,13 +246,9 @@ impl Lowering<'_> {
     /// the plane).
     fn check_dimension(&self, context: &mut Context<'_>) -> Option<()> {
         let dimension = crate::expression::dimension_of(self.block.unit)?;
-        let start = match &self.control.start {
-            Some(Start::Scalar(formula)) => Some(formula),
-            _ => None,
-        };
-        let bounds = [("lower", &self.control.lower), ("upper", &self.control.upper)].map(|(key, bound)| match bound {
-            Some(Parameter::Formula(formula)) => (key, Some(formula)),
-            _ => (key, None),
+        let start = if let Some(Start::Scalar(formula)) = &self.control.start { Some(formula) } else { None };
+        let bounds = [("lower", &self.control.lower), ("upper", &self.control.upper)].map(|(key, bound)| {
+            (key, if let Some(Parameter::Formula(formula)) = bound { Some(formula) } else { None })
         });
         for (key, formula) in bounds.into_iter().chain([("start", start)]) {
             if let Some(Err(why)) = formula.map(|formula| formula.check(dimension)) {

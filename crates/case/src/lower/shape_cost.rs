@@ -34,6 +34,11 @@ impl Lowering<'_> {
 
     pub(super) fn compliance(&self, block: &schema::Compliance, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
         let solid = self.reduced.solid();
+        if ["gauss_newton", "newton_cg"].contains(&self.case.optimizer.method.name()) {
+            let message = "a compliance has no second derivatives, which the method of this case needs: take \"lbfgs\"";
+            context.complain(&block.at, message);
+            return None;
+        }
         place::facets(solid.mesh(), &block.surface, &block.at.key("surface"), context)?;
         let cost = Compliance::surface(&block.surface, block.direction.xyz()).weight(block.weight);
         context.take(&block.at, cost.bind(solid))

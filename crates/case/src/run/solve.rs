@@ -11,10 +11,11 @@ mod series;
 
 use super::analysis::Analysis;
 use super::error::{Exit, RunError};
-use super::number::{scientific, short, vector};
+use super::number::{quantity, scientific, short, vector};
 use super::session::Session;
 use super::states::Shown;
 use crate::lower::{CaseMember, CaseProblem, TargetShape, file_name};
+use crate::quantity::Dimension;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
@@ -252,9 +253,12 @@ pub(super) fn say_probes(session: &Session<'_>, result: &Value) {
             if let (Some(volume), Some(rest)) = (number("volume"), number("reference_volume")) {
                 let size = format!("{} {unit}^{}", short(volume), session.problem.mesh().dim());
                 let times = short(volume / rest);
-                session
-                    .console
-                    .say(format!("volume      {name} {size}, {times} times that at rest{}", inside(&member)));
+                let units = session.problem.units();
+                let pressure = quantity(number("pressure").unwrap_or(f64::NAN), Dimension::PRESSURE, units);
+                session.console.say(format!(
+                    "volume      {name} {size}, {times} times that at rest, at {pressure}{}",
+                    inside(&member)
+                ));
             }
         }
         for (name, probe) in entry.get("probes").and_then(Value::as_object).into_iter().flatten() {

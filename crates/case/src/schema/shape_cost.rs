@@ -75,7 +75,7 @@ object! {
         /// Region of the mesh; the body if left out.
         pub region: Option<GroupNames>,
         /// p, from 1 to 32.
-        pub exponent: usize as POSITIVE = 8,
+        pub exponent: usize as POSITIVE = 24,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
     }
@@ -105,6 +105,6 @@ impl Coordinates {
 
 fn check_target(block: &Position, reader: &mut Reader<'_>) {
     if block.target.entries().iter().all(Option::is_none) {
-        reader.complain_at(&block.target.at, "at least one coordinate is wanted: { \"x\": ..., \"z\": ... }");
+        reader.complain_at(&block.at.key("target"), "at least one coordinate is wanted: { \"x\": ..., \"z\": ... }");
     }
 }

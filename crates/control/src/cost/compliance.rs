@@ -3,13 +3,15 @@
 use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
 use crate::error::ControlError;
 use nastic_fem::{Increment, Instant, Model, QuadraturePoints, Solid, SolveOptions, StateError};
+use nastic_linear::Symmetry;
 use nastic_mesh::GroupNames;
 use nastic_numeric::vector::{dot, norm};
 use std::sync::Arc;
 
 /// `j = weight c` with the compliance `c = f . v`, `K(u, m) v = f`: the mean displacement along a unit vector d of a named surface, for each
 /// unit of a force along d spread evenly over it, `f_a = (1/A) int N_a d dA` over the reference surface; K is the tangent stiffness of the
-/// equilibrium, loads and controls held. The inverse of the stiffness against a probe.
+/// equilibrium, loads and controls held. The inverse of the stiffness against a probe. It is negative only where the equilibrium is unstable, which is refused; a positive one
+/// proves no stability.
 ///
 /// Derivatives: `dc/du = -(v . K v)_u`, `dc/dm = -(v . K v)_m`, the second derivatives of `v . r` along v: third derivatives of the
 /// energy. There are no second partials, which would take fourth ones. Cavities of given volume keep it: K is then the bordered tangent.
@@ -46,6 +48,9 @@ impl IntoCost for Compliance {
         }
         if dim == 2 && self.direction[2] != 0.0 {
             return refuse("a plane body gives way in its plane: the direction of a compliance has no z".into());
+        }
+        if solid.model().symmetry() != Symmetry::Symmetric {
+            return refuse("a compliance needs contributions with symmetric tangents".into());
         }
         let facets = mesh.facets_of(&self.surface)?;
         let points = QuadraturePoints::of_facets(mesh, &facets, |k| k.rule_of_points(k.order() + 2));
@@ -85,6 +90,11 @@ impl Cost for Bound {
         let v = solved.lambda.into_iter().next().unwrap_or_default();
         let instant = Instant::new(&state.u, &state.controls, state.load);
         let compliance = self.compliance(model, &instant, &v)?;
+        if compliance <= 0.0 {
+            let what =
+                format!("the compliance is {compliance:.3e}, so the equilibrium is unstable: it gives way by itself");
+            return Err(ControlError::Cost { what });
+        }
         let zero = model.controls();
         let along = Increment { u: &v, controls: &zero };
         let second = model.second_vjp(&instant, &v, &along);

@@ -80,6 +80,14 @@ impl Reduced {
         of: Lagrangian<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
+        let partials = self.lagrangian_partials(point, of)?;
+        let (derivative, adjoint) = self.sensitivity_of(point, partials, workspace)?;
+        let multipliers = if of.y.iter().any(|y| *y != 0.0) { of.y.to_vec() } else { vec![] };
+        Ok((derivative, adjoint.map(|adjoint| AdjointState { multipliers, ..adjoint })))
+    }
+
+    /// Partial derivatives of costs and constraints, as `of` weighs them.
+    pub(super) fn lagrangian_partials(&self, point: &Evaluated, of: Lagrangian<'_>) -> Result<Partials, ControlError> {
         let mut partials = match of.costs {
             true => self.partials(point, None)?,
             false => Partials::zero(point.state.u.len(), point.m.len()),
@@ -90,9 +98,7 @@ impl Reduced {
                 constraint.add_partials(y, &mut partials)?;
             }
         }
-        let (derivative, adjoint) = self.sensitivity_of(point, partials, workspace)?;
-        let multipliers = if of.y.iter().any(|y| *y != 0.0) { of.y.to_vec() } else { vec![] };
-        Ok((derivative, adjoint.map(|adjoint| AdjointState { multipliers, ..adjoint })))
+        Ok(partials)
     }
 }
 

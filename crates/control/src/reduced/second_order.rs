@@ -22,6 +22,9 @@ pub(crate) struct SecondDerivative {
 /// The partial derivative by the controls, for those who want it.
 type ByControls<'a> = &'a dyn Fn() -> Result<Vec<f64>, ControlError>;
 
+/// The adjoint of a functional, and its partial derivative by the state for those who want it.
+type OfState<'a> = (Option<&'a [f64]>, &'a dyn Fn() -> Result<Vec<f64>, ControlError>);
+
 impl Reduced {
     /// `d2jhat/dm2 v` at an evaluated point: one linear solve for the change `du` of the state, one for that of the adjoint, with
     /// the factor that the workspace keeps; a third one where the point has no adjoint yet (its derivative was not taken).
@@ -96,7 +99,8 @@ impl Reduced {
         };
         let by_m = || Ok(self.partials(point, term)?.m);
         let first: Option<ByControls<'_>> = if first { Some(&by_m) } else { None };
-        self.second_derivative_by(point, lambda.as_deref(), add, (v, which, first), workspace)
+        let by_u = || Ok(self.partials(point, term)?.u);
+        self.second_derivative_by(point, (lambda.as_deref(), &by_u), add, (v, which, first), workspace)
     }
 
     /// `(d2j + sum_k y_k d2c_k + sum_k w_k dc_k dc_k^T) v` of costs and constraints by the controls, as `of` weighs them.
@@ -126,7 +130,9 @@ impl Reduced {
             }
             Ok(())
         };
-        Ok(self.second_derivative_by(point, lambda.as_deref(), add, (v, which, None), workspace)?.product)
+        let by_u = || Ok(self.lagrangian_partials(point, of)?.u);
+        let of_state: OfState<'_> = (lambda.as_deref(), &by_u);
+        Ok(self.second_derivative_by(point, of_state, add, (v, which, None), workspace)?.product)
     }
 
     /// The second derivative of what has the adjoint `lambda` (the exact one needs it) and whose second partials `add` adds; the
@@ -134,7 +140,7 @@ impl Reduced {
     fn second_derivative_by(
         &self,
         point: &Evaluated,
-        lambda: Option<&[f64]>,
+        (lambda, by_u): OfState<'_>,
         add: impl Fn(&Partials, &mut Partials) -> Result<(), ControlError>,
         (v, which, first): (&[f64], Hessian, Option<ByControls<'_>>),
         workspace: &mut ReducedWorkspace,
@@ -162,7 +168,7 @@ impl Reduced {
         let mut derivative = Vec::new();
         let fixed_lengths = exact && self.layout.blocks().iter().any(|block| block.length.is_some());
         if let Some(lambda) = lambda.filter(|_| first.is_some() || fixed_lengths) {
-            let by_point = self.by_point(point, lambda)?;
+            let by_point = self.by_point(point, &by_u()?, lambda)?;
             if exact {
                 axpy(1.0, &self.layout.second_vjp(&point.m, v, &by_point), &mut product);
             }
@@ -193,12 +199,12 @@ impl Reduced {
         Cow::Owned(adjoint.map_or_else(none, |adjoint| adjoint.lambda))
     }
 
-    /// `lambda . dr/dm` by values at the points.
-    fn by_point(&self, point: &Evaluated, lambda: &[f64]) -> Result<Controls, ControlError> {
+    /// What a functional with these partials by the state and this adjoint owes to the values at the points.
+    fn by_point(&self, point: &Evaluated, by_u: &[f64], lambda: &[f64]) -> Result<Controls, ControlError> {
         let state = &point.state;
         let mut at = Instant::new(&state.u, &state.controls, state.load);
         at.parallel = self.parallel;
-        Ok(self.solid.model().vjp(&at, lambda)?.controls)
+        Ok(self.solid.model().sensitivities(&at, by_u, lambda)?.controls)
     }
 }
 

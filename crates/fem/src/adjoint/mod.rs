@@ -1,6 +1,5 @@
 //! The adjoint of the state equation, and the inertia of an equilibrium.
 
-pub(crate) mod reverse_sweep;
 pub(crate) mod second_order;
 
 use crate::contributions::instant::{Instant, TimeStep};

@@ -131,12 +131,7 @@ impl<'a> SecondOrder<'a> {
 
     /// `lambda . dr/dm`, and what `by_u` and lambda owe to held unknowns that controls move.
     fn sensitivities(&self, by_u: &[f64], lambda: &[f64]) -> Result<Sensitivities, StateError> {
-        let at = self.instant();
-        let found = self.model.vjp(&at, lambda).and_then(|mut found| {
-            self.model.add_held_sensitivity(&at, by_u, lambda, &mut found)?;
-            Ok(found)
-        });
-        found.map_err(|error| self.failed(error.into()))
+        self.model.sensitivities(&self.instant(), by_u, lambda).map_err(|error| self.failed(error.into()))
     }
 
     /// Work done so far.

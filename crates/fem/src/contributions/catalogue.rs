@@ -3,7 +3,9 @@
 use crate::contributions::body_point::BodyPoint;
 use crate::contributions::cavity::{self, Cavity};
 use crate::contributions::foundation::Foundation;
+use crate::contributions::inertia::{BodyInertia, Inertia};
 use crate::contributions::motion::{self, Motion};
+use crate::contributions::rayleigh_damping::RayleighDamping;
 use crate::contributions::spring::Spring;
 use crate::contributions::tendon::{Tendon, form as tendon};
 use crate::error::FemError;
@@ -158,6 +160,12 @@ pub const CATALOGUE: &[Entry] = &[
         name: "cavity of a volume",
         form: None,
         example: || block()?.cavity(Cavity::new("cavity of a volume", "inside").lid().by_volume()),
+    },
+    Entry { name: BodyInertia::NAME, form: None, example: || block()?.inertia(Inertia::new("body", 1e3)) },
+    Entry {
+        name: RayleighDamping::NAME,
+        form: None,
+        example: || block()?.inertia(Inertia::new("body", 1e3))?.rayleigh_damping(0.3, 0.02),
     },
 ];
 

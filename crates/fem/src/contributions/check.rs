@@ -20,7 +20,7 @@ const TOLERANCE: f64 = 1e-7;
 /// Holds a contribution of a model to its contract at displacements, controls and directions drawn at random from a seed:
 /// the residual is the derivative of the potential (where there is one), the tangent that of the residual, static and in a
 /// time step; the tangent is symmetric if said so; products with it are its products; `vjp` is the derivative of
-/// `lambda . r` by controls, velocity and acceleration; second derivatives, where there are some, are those of the first ones and
+/// `lambda . r` by controls, velocity and acceleration, the latter with the mass that is given; second derivatives, where there are some, are those of the first ones and
 /// symmetric; the same question has the same answer to the bit.
 ///
 /// # Errors
@@ -263,7 +263,14 @@ impl Subject<'_> {
         agree("the derivative by the velocity", &slope, "differences", &by_velocity, norm(&found.velocity))?;
         let by_acceleration = difference(|s| work(Instant { step: Some(&with(0.0, s)), ..self.at }))?;
         let slope = [dot(&found.acceleration, lambda)];
-        agree("the derivative by the acceleration", &slope, "differences", &by_acceleration, norm(&found.acceleration))
+        let size = norm(&found.acceleration);
+        agree("the derivative by the acceleration", &slope, "differences", &by_acceleration, size)?;
+        let mut mass = self.model.matrix();
+        self.contribution.add_mass(&mut mass);
+        let mut product = vec![0.0; lambda.len()];
+        let dofs = self.model.discretization().dofs();
+        mass.multiply(&lambda[..dofs], &mut product[..dofs]);
+        agree("the mass times a vector", &product, "the derivative by the acceleration", &found.acceleration, size)
     }
 
     fn tangent(&self, at: Instant) -> Result<BorderedTangent, InvertedAt> {

@@ -115,6 +115,10 @@ impl Contribution for Springs {
         &self.name
     }
 
+    fn stores_energy(&self) -> bool {
+        true
+    }
+
     fn holds(&self) -> &[Vec<(u32, f64)>] {
         &self.holds
     }

@@ -28,6 +28,12 @@ impl<'a> Instant<'a> {
         Instant { u, controls, load, step: None, parallel: false, block: 0, scalar: u.len() }
     }
 
+    /// The same in a time step.
+    #[must_use]
+    pub fn in_step(self, step: &'a TimeStep) -> Self {
+        Instant { step: Some(step), ..self }
+    }
+
     /// The value of a slot of the contribution that is asked.
     pub fn control(&self, slot: usize) -> f64 {
         self.controls.values(self.block)[slot]
@@ -86,5 +92,10 @@ impl TimeStep {
     /// The velocity at a displacement.
     pub fn velocity_at(&self, u: &[f64]) -> Vec<f64> {
         u.iter().zip(&self.velocity.1).map(|(u, b)| self.velocity.0 * u + b).collect()
+    }
+
+    /// The acceleration at a displacement.
+    pub fn acceleration_at(&self, u: &[f64]) -> Vec<f64> {
+        u.iter().zip(&self.acceleration.1).map(|(u, b)| self.acceleration.0 * u + b).collect()
     }
 }

@@ -9,18 +9,22 @@ pub(crate) mod controls;
 pub(crate) mod dead_load;
 mod foundation;
 pub(crate) mod guides;
+pub(crate) mod inertia;
 pub(crate) mod instant;
 mod motion;
+pub(crate) mod rayleigh_damping;
 pub(crate) mod sensitivities;
 mod spring;
 mod tendon;
 
+use crate::discretization::supports::Supports;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::Controls;
 pub use foundation::Foundation;
+pub use inertia::Inertia;
 pub use instant::{Instant, TimeStep};
 pub use motion::Motion;
 use nastic_energy::Slot;
@@ -62,17 +66,22 @@ pub trait Contribution: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Whether the supports hold what it needs held; by unknown, whether it is held.
+    /// Whether the supports hold what it needs held.
     ///
     /// # Errors
     /// What has to be held.
-    fn check(&self, _fixed: &[bool]) -> Result<(), FemError> {
+    fn check(&self, _supports: &Supports) -> Result<(), FemError> {
         Ok(())
     }
 
     /// Displacements that it resists to at rest, each a sum of weighted unknowns: they hold a body still as supports do.
     fn holds(&self) -> &[Vec<(u32, f64)>] {
         &[]
+    }
+
+    /// Whether it stores energy where its controls are zero: a spring, a foundation, an elastic tendon.
+    fn stores_energy(&self) -> bool {
+        false
     }
 
     /// Its controls: numbers for the whole contribution, one per slot (see [`Instant::control`]).
@@ -162,6 +171,9 @@ pub trait Contribution: Debug + Send + Sync {
     fn add_tangent_product(&self, _at: &Instant, _v: &[f64], _out: &mut [f64]) -> Result<bool, InvertedAt> {
         Ok(false)
     }
+
+    /// Adds its mass matrix `dr/da`, which is symmetric and does not change: what accelerations follow from where a motion begins.
+    fn add_mass(&self, _mass: &mut SparseMatrix) {}
 
     /// The longest step `s <= 1` along du that it bears.
     ///

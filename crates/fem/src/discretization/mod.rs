@@ -1,6 +1,7 @@
 //! [`Discretization`]: everything about a mesh that materials, loads and supports do not change.
 
 pub(crate) mod cell_fields;
+mod mass;
 mod nodal_fields;
 mod nodal_volumes;
 pub(crate) mod quadrature_points;

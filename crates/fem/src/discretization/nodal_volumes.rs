@@ -11,6 +11,11 @@ impl Discretization {
     /// Hinton, Rock, Zienkiewicz, "A note on mass lumping and related processes in the finite element method",
     /// Earthquake Eng. Struct. Dyn. 4 (1976).
     pub fn nodal_volumes(&self) -> Vec<f64> {
+        self.nodal_integrals(|_| 1.0)
+    }
+
+    /// [`nodal_volumes`](Self::nodal_volumes) with a density that is constant in every cell.
+    pub(crate) fn nodal_integrals(&self, density: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut volumes = vec![0.0; self.mesh().points().len()];
         for part in &self.points().parts {
             for c in 0..part.cells.len() {
@@ -20,7 +25,8 @@ impl Discretization {
                 for (q, w) in weights.iter().enumerate() {
                     squares.iter_mut().zip(part.table.shapes_at(q)).for_each(|(sum, n)| *sum += w * n * n);
                 }
-                let share = weights.iter().sum::<f64>() / squares.iter().sum::<f64>();
+                let volume = density(part.cells[c] as usize) * weights.iter().sum::<f64>();
+                let share = volume / squares.iter().sum::<f64>();
                 for (&node, square) in part.nodes_of(c).iter().zip(&squares) {
                     volumes[node as usize] += share * square;
                 }

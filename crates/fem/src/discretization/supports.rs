@@ -75,6 +75,12 @@ impl Supports {
 
     /// Holds unknowns at values that are functions of controls.
     pub(crate) fn drive(&mut self, name: &str, dofs: &[u32]) -> Result<(), FemError> {
+        if self.groups.iter().any(|(known, _)| known == name) {
+            let what = format!(
+                "a motion and a support are both named \"{name}\", by which reactions are told; rename the motion"
+            );
+            return Err(FemError::Meaningless { what });
+        }
         for &dof in dofs {
             let node = dof as usize / self.dim;
             if self.fixed[dof as usize] {
@@ -94,6 +100,11 @@ impl Supports {
     /// Whether each unknown is prescribed.
     pub fn fixed(&self) -> &[bool] {
         &self.fixed
+    }
+
+    /// Whether an unknown is held at zero, and by no control.
+    pub fn holds_at_rest(&self, dof: usize) -> bool {
+        self.fixed[dof] && self.value[dof] == 0.0 && !self.driven.contains_key(&(dof as u32))
     }
 
     /// The prescribed value of each unknown at load 1 (0 where free, and where controls decide).

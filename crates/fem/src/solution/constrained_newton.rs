@@ -95,9 +95,11 @@ impl Newton<'_> {
             }
             let scale = self.energy_scale(&tangent.matrix, u, &now);
             let mut system = SaddlePoint::new(self.model, tangent);
-            let failed = |error: LinearError| match error.is_lack_of_memory() {
-                true => Stop::Linear(error),
-                false => Stop::Slow { residual: relative },
+            let failed = |error: LinearError| match error {
+                // Constraints that depend on each other are so at any control.
+                LinearError::Border { .. } => Stop::Linear(error),
+                _ if error.is_lack_of_memory() => Stop::Linear(error),
+                _ => Stop::Slow { residual: relative },
             };
             let (mut step, negative) = self.step(&system, &mut systems, u, &rhs, report).map_err(failed)?;
             report.newton += 1;
@@ -236,7 +238,8 @@ impl Newton<'_> {
         let slope = dot(&force, self.model.nodal(step));
         let relative: Vec<f64> = violations(here.now, dofs).map(|(g, scale)| g / scale).collect();
         let size = norm(&relative).powi(2);
-        let weight = if slope < 0.0 { slope.abs() } else { 3.0 * slope.abs() } / size;
+        let bent = if slope < 0.0 { slope.abs() } else { 3.0 * slope.abs() };
+        let weight = bent / size;
         let weight = if weight.is_finite() { weight } else { 0.0 };
         let weights: Vec<f64> = violations(here.now, dofs).map(|(_, scale)| weight / (scale * scale)).collect();
         let noise = 64.0 * f64::EPSILON * here.scale;

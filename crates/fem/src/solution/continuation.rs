@@ -51,7 +51,7 @@ impl Model {
     }
 
     /// The equilibrium, of a time step if there is one.
-    pub(super) fn find(
+    pub(crate) fn find(
         &self,
         controls: &Controls,
         how: &SolveOptions,

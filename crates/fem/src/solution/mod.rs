@@ -1,4 +1,4 @@
-//! From controls to an equilibrium: load steps, Newton's method, tangent systems, time steps.
+//! From controls to an equilibrium: load steps, Newton's method, tangent systems.
 
 mod arc_length;
 pub(crate) mod connection;
@@ -20,5 +20,4 @@ pub(crate) mod rotation_corrected_step;
 pub(crate) mod saddle_point;
 pub(crate) mod state;
 pub(crate) mod tangent_systems;
-pub(crate) mod trajectory;
 pub(crate) mod workspace;

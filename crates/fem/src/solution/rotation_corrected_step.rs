@@ -25,6 +25,7 @@ use crate::kernels::cell_sweep::Cells;
 use crate::kernels::kernel;
 use crate::model::Model;
 use nastic_linear::{Factor, SparseMatrix};
+use nastic_numeric::vector::dot;
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, polar_rotation};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -38,6 +39,8 @@ const CHUNK: usize = 64;
 pub(crate) struct GradientFit {
     /// By displacement component; components with the same supports share one.
     factors: Vec<Arc<Factor>>,
+    /// The components that no support holds anywhere: there the first node is held, and the correction moves no centre.
+    free: Vec<bool>,
 }
 
 impl GradientFit {
@@ -49,9 +52,12 @@ impl GradientFit {
         let laplacian = laplacian(disc, SparseMatrix::zeros(symbolic.pattern().clone()));
         let diagonal = laplacian.diagonal().into_iter().fold(0.0, f64::max);
         let mut known: Vec<(Vec<bool>, Arc<Factor>)> = Vec::new();
-        let mut factors = Vec::with_capacity(dim);
+        let (mut factors, mut free) = (Vec::with_capacity(dim), Vec::with_capacity(dim));
         for c in 0..dim {
-            let fixed: Vec<bool> = model.supports.fixed().iter().skip(c).step_by(dim).copied().collect();
+            let mut fixed: Vec<bool> = model.supports.fixed().iter().skip(c).step_by(dim).copied().collect();
+            // a body in motion may be free: gradients determine the component up to a constant
+            free.push(!fixed.contains(&true));
+            fixed[0] |= free[c];
             let factor = match known.iter().find(|(other, _)| *other == fixed) {
                 Some((_, factor)) => factor.clone(),
                 None => {
@@ -64,7 +70,7 @@ impl GradientFit {
             };
             factors.push(factor);
         }
-        Some(Self { factors })
+        Some(Self { factors, free })
     }
 
     /// `u(s) - u - s du`, zero where supported.
@@ -83,7 +89,15 @@ impl GradientFit {
         model.supports.clear(&mut rhs);
         for (c, factor) in self.factors.iter().enumerate() {
             let mut component: Vec<f64> = rhs.iter().skip(c).step_by(dim).copied().collect();
+            if self.free[c] {
+                component[0] = 0.0;
+            }
             factor.solve(&mut component, 1);
+            if self.free[c] {
+                let volumes = model.discretization().nodal_volumes();
+                let mean = dot(&volumes, &component) / volumes.iter().sum::<f64>();
+                component.iter_mut().for_each(|x| *x -= mean);
+            }
             rhs.iter_mut().skip(c).step_by(dim).zip(component).for_each(|(r, x)| *r = x);
         }
         rhs

@@ -17,6 +17,8 @@ pub struct State {
     pub time: f64,
     /// Velocity, flat, in a problem with time.
     pub velocity: Option<Arc<Vec<f64>>>,
+    /// Acceleration, flat, where a time scheme carries one.
+    pub acceleration: Option<Arc<Vec<f64>>>,
     /// Internal variables of the contributions, in their order.
     pub internal: Arc<Vec<f64>>,
     /// How it was found.
@@ -27,7 +29,7 @@ impl State {
     /// A state of a static problem.
     pub fn equilibrium(u: Vec<f64>, controls: Controls, load: f64, report: SolveReport) -> Self {
         let (u, controls, internal) = (Arc::new(u), Arc::new(controls), Arc::default());
-        State { u, controls, load, time: 0.0, velocity: None, internal, report }
+        State { u, controls, load, time: 0.0, velocity: None, acceleration: None, internal, report }
     }
 }
 

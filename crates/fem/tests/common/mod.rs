@@ -4,6 +4,7 @@
 
 pub mod block;
 pub mod homogeneous;
+pub mod motion;
 pub mod own_contributions;
 pub mod rubber;
 pub mod shells;

@@ -56,6 +56,10 @@ impl Contribution for Oscillators {
         Ok(())
     }
 
+    fn add_mass(&self, mass: &mut SparseMatrix) {
+        mass.add_to_diagonal(self.mass);
+    }
+
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
         into.add_control(at, 0, -lambda.iter().sum::<f64>());
         into.velocity.iter_mut().zip(lambda).for_each(|(v, l)| *v += self.damping * l);

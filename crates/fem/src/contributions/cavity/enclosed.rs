@@ -3,6 +3,7 @@
 use super::Cavity;
 use super::rim::{ON_PLANE, Plane, RimEdge, open_edges, rims};
 use super::triple_product::{Term, Volume};
+use crate::discretization::supports::Supports;
 use crate::error::FemError;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, Mesh, Rule};
@@ -82,14 +83,15 @@ impl Enclosed {
         self.mesh.dim()
     }
 
-    /// A node of the surface on a plane of symmetry that may leave it, with the axis across which it moves.
-    pub fn loose(&self, fixed: &[bool]) -> Option<(u32, usize)> {
+    /// A node of the surface on a plane of symmetry that may leave it or is moved out of it, with the axis across which it moves: the
+    /// volume is measured from the plane where it is at rest.
+    pub fn loose(&self, supports: &Supports) -> Option<(u32, usize)> {
         let dim = self.mesh.dim();
         let nodes = self.facets.iter().flat_map(|(_, facets)| facets.iter().flatten());
         let on_planes = nodes.flat_map(|&node| self.planes.iter().map(move |plane| (node, plane)));
         on_planes
             .filter(|(node, plane)| plane.has(&self.mesh, *node))
-            .find(|(node, plane)| !fixed[dim * *node as usize + plane.axis])
+            .find(|(node, plane)| !supports.holds_at_rest(dim * *node as usize + plane.axis))
             .map(|(node, plane)| (node, plane.axis))
     }
 
@@ -105,7 +107,23 @@ impl Enclosed {
         sum
     }
 
-    /// Calls with every share of the volume, in a fixed order; with second derivatives if asked.
+    /// `int cof(F) N dA` over the surface itself, lids left out: d times the sum of the derivatives of its share of the volume, with the sign
+    /// of N.
+    pub fn area_vector(&self, u: &[f64]) -> Vec3 {
+        let dim = self.mesh.dim();
+        let mut sum = Vec3::zeros();
+        let facets: usize = self.facets.iter().map(|(_, facets)| facets.len()).sum();
+        let mut left = facets;
+        self.each(Some(u), false, |patch| {
+            if left > 0 {
+                left -= 1;
+                patch.each_component(|dof, gradient| sum[dof % dim] -= dim as f64 * gradient);
+            }
+        });
+        sum
+    }
+
+    /// Calls with every share of the volume, in a fixed order, the surface's before those of lids; with second derivatives if asked.
     pub fn each(&self, u: Option<&[f64]>, second: bool, call: impl FnMut(&Patch)) {
         self.each_patch(u, 1.0, second, call);
     }

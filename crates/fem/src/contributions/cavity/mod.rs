@@ -9,7 +9,7 @@ mod volume;
 use super::Contribution;
 use super::catalogue::{Form, Key, KeyKind};
 use crate::discretization::quadrature_points::QuadraturePoints;
-use crate::discretization::supports::AXES;
+use crate::discretization::supports::{AXES, Supports};
 use crate::error::FemError;
 use enclosed::Enclosed;
 use nastic_energy::Slot;
@@ -191,8 +191,8 @@ const VOLUME: Slot = Slot::scalar("volume", "m^3");
 const AREA: Slot = Slot::scalar("volume", "m^2");
 
 impl Room {
-    fn check(&self, fixed: &[bool]) -> Result<(), FemError> {
-        let dim = self.enclosed.dim();
+    fn check(&self, supports: &Supports) -> Result<(), FemError> {
+        let (dim, fixed) = (self.enclosed.dim(), supports.fixed());
         let free = |&node: &u32| (0..dim).find(|axis| !fixed[dim * node as usize + axis]).map(|axis| (node, axis));
         if let Some((node, axis)) = self.held.iter().flatten().find_map(free) {
             let what = format!(
@@ -202,10 +202,10 @@ impl Room {
             );
             return Err(FemError::Meaningless { what });
         }
-        let Some((node, axis)) = self.enclosed.loose(fixed) else { return Ok(()) };
+        let Some((node, axis)) = self.enclosed.loose(supports) else { return Ok(()) };
         let what = format!(
-            "cavity \"{}\" ends on a plane of symmetry across {}, but node {node} of its surface may leave that plane; \
-             hold the surface of that plane there",
+            "cavity \"{}\" ends on a plane of symmetry across {}, but node {node} of its surface may leave that plane, or is \
+             moved out of it; hold the surface of that plane there at zero",
             self.name, AXES[axis]
         );
         Err(FemError::Meaningless { what })
@@ -218,7 +218,11 @@ impl Room {
     fn quantities(&self, u: &[f64], pressure: f64) -> Vec<(&'static str, f64)> {
         let volume = self.enclosed.volume(Some(u));
         if self.held.is_some() {
-            return vec![("pressure", pressure), ("swept_volume", volume - self.reference_volume)];
+            // Reactions of the rim contain the force on the lid, which is the opposite of that on the surface.
+            let force = self.enclosed.area_vector(u) * -pressure;
+            let swept = vec![("pressure", pressure), ("swept_volume", volume - self.reference_volume)];
+            let forces = ["force_x", "force_y", "force_z"].into_iter().zip(force.iter().copied());
+            return swept.into_iter().chain(forces.take(self.enclosed.dim())).collect();
         }
         vec![("pressure", pressure), ("volume", volume), ("reference_volume", self.reference_volume)]
     }

@@ -5,6 +5,7 @@ use super::{PRESSURE, Room};
 use crate::contributions::{
     Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
+use crate::discretization::supports::Supports;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
@@ -23,8 +24,8 @@ impl Contribution for CavityPressure {
         self.0.enclosed.rims()
     }
 
-    fn check(&self, fixed: &[bool]) -> Result<(), FemError> {
-        self.0.check(fixed)
+    fn check(&self, supports: &Supports) -> Result<(), FemError> {
+        self.0.check(supports)
     }
 
     fn slots(&self) -> &[Slot] {

@@ -5,6 +5,7 @@ use super::{AREA, Room, VOLUME};
 use crate::contributions::{
     Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
+use crate::discretization::supports::Supports;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
@@ -34,8 +35,9 @@ impl Contribution for CavityVolume {
         self.0.enclosed.rims()
     }
 
-    fn check(&self, fixed: &[bool]) -> Result<(), FemError> {
-        self.0.check(fixed)?;
+    fn check(&self, supports: &Supports) -> Result<(), FemError> {
+        let fixed = supports.fixed();
+        self.0.check(supports)?;
         let mut moves = false;
         self.0.enclosed.each(None, false, |patch| patch.each_component(|dof, g| moves |= !fixed[dof] && g != 0.0));
         if moves {

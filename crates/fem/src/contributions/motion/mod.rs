@@ -12,6 +12,9 @@ use nastic_tensor::Vec3;
 use rotation::{rotation, spin};
 use std::sync::Arc;
 
+/// The largest angle of a rotation vector: once around.
+const TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
+
 /// A surface that is held and moves as a rigid body: `u = t + (R(theta) - 1) (X - c)` at its nodes, with the translation t (m), the
 /// rotation vector theta (radians: about its direction, by its length) and the centre c in the reference body.
 ///
@@ -122,6 +125,14 @@ impl Contribution for RigidSurface {
     }
 
     fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
+        let angle = values.iter().skip(3).map(|r| r * r).sum::<f64>().sqrt();
+        if angle > TURN {
+            let what = format!(
+                "motion \"{}\" turns by {angle:.4} rad, more than once around; rotations are in radians, 90 degrees are pi / 2",
+                self.name
+            );
+            return Err(FemError::Meaningless { what });
+        }
         let out_of_plane = [2, 3, 4].into_iter().any(|slot| values.get(slot).is_some_and(|value| *value != 0.0));
         if self.dim == 3 || !out_of_plane {
             return Ok(());

@@ -38,6 +38,10 @@ impl Contribution for SpringForce {
         &self.name
     }
 
+    fn stores_energy(&self) -> bool {
+        true
+    }
+
     fn couplings(&self) -> Vec<Vec<u32>> {
         vec![self.ends.nodes()]
     }

@@ -58,7 +58,7 @@ impl TendonForce {
             Drive::Tension => Tension { value: control, by_length: 0.0, by_control: 1.0 },
             Drive::Pull { stiffness } => {
                 let elongation = self.elongation(self.guides.length(at.u), control);
-                if elongation > 0.0 {
+                if elongation >= 0.0 {
                     Tension { value: stiffness * elongation, by_length: stiffness, by_control: stiffness }
                 } else {
                     Tension { value: 0.0, by_length: 0.0, by_control: 0.0 }
@@ -84,6 +84,10 @@ impl TendonForce {
 impl Contribution for TendonForce {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn stores_energy(&self) -> bool {
+        matches!(self.drive, Drive::Pull { .. })
     }
 
     fn couplings(&self) -> Vec<Vec<u32>> {

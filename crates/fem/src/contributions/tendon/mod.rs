@@ -15,7 +15,7 @@ use nastic_mesh::Mesh;
 /// * without a stiffness the `tension` T >= 0 (N), potential `T L(u)`: a cable pulled by a given force;
 /// * with a stiffness k (N/m) the `pull` s (m), by how much the cable is drawn in: potential `(k/2) max(0, L(u) - (L0 - s))^2`,
 ///   tension `k max(0, L - L0 + s)`. Where the cable is slack (L <= L0 - s) it carries no force. The potential is continuously
-///   differentiable; at the very onset of slackness the second derivatives jump, and those given there are those of the slack cable.
+///   differentiable; at the very onset of slackness the second derivatives jump, and those given there are those of the taut cable.
 ///
 /// Residual `N dL/du`, tangent `N d2L/du2 + dN/dL dL/du (x) dL/du`, symmetric, with the tension N. The second term couples the nodes of all
 /// guides with each other: many guides with a pull make the tangent's factor denser.

@@ -1,0 +1,101 @@
+//! [`RayleighDamping`]: forces in proportion to mass and stiffness at rest.
+
+use super::inertia::add_linear;
+use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::model::Model;
+use nastic_linear::SparseMatrix;
+use nastic_numeric::vector::axpy;
+
+/// **Residual.** `r = C v`, `C = a0 M + a1 K(0)`, M the mass of all contributions (a0 in 1/s) and K(0) the tangent of
+/// the body at rest without controls (a1 in s).
+///
+/// K of the present state may be indefinite and would then feed energy to the motion. The price: a rigid rotation is
+/// damped by a1, any rigid motion by a0. The damping is not objective. A mode of small vibrations with frequency w
+/// has the damping ratio `(a0/w + a1 w)/2`.
+///
+/// **Potential.** In a time step with `v = c u + b`: `v . C v / (2 c)`, the incremental one; its tangent is `c C`.
+#[derive(Debug)]
+pub(crate) struct RayleighDamping {
+    matrix: SparseMatrix,
+}
+
+impl RayleighDamping {
+    pub const NAME: &str = "rayleigh damping";
+
+    /// Of a model whose materials and masses are complete.
+    ///
+    /// # Errors
+    /// A coefficient that is negative or not finite; no mass where a0 needs one; cells without material.
+    pub fn new(model: &Model, a0: f64, a1: f64) -> Result<Self, FemError> {
+        if [a0, a1].iter().any(|a| !(a.is_finite() && *a >= 0.0)) {
+            let what = format!("Rayleigh damping with a0 = {a0}, a1 = {a1}; both must be finite and at least zero");
+            return Err(FemError::Meaningless { what });
+        }
+        model.body.check_complete()?;
+        let mass = model.mass();
+        if a0 > 0.0 && mass.values.iter().all(|&m| m == 0.0) {
+            let what = "Rayleigh damping with a0 > 0 needs a mass: add the inertia before it".to_owned();
+            return Err(FemError::Meaningless { what });
+        }
+        let rest = model.rest();
+        let mut stiffness = model.discretization().matrix();
+        let inverted = |at: InvertedAt| FemError::Meaningless { what: format!("no stiffness at rest: {at}") };
+        model.body.add_tangent(&rest.u, &rest.controls, &mut stiffness, true).map_err(inverted)?;
+        let mut matrix = model.discretization().matrix();
+        matrix.add_scaled(a0, &mass);
+        matrix.add_scaled(a1, &stiffness);
+        Ok(RayleighDamping { matrix })
+    }
+
+    fn times(&self, v: &[f64], parallel: bool) -> Vec<f64> {
+        let mut out = vec![0.0; v.len()];
+        self.matrix.multiply_on(v, &mut out, parallel);
+        out
+    }
+}
+
+impl Contribution for RayleighDamping {
+    fn name(&self) -> &str {
+        Self::NAME
+    }
+
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+        let Some(step) = at.step else { return Ok(()) };
+        let velocity: Vec<f64> = (0..at.u.len()).map(|dof| at.velocity(dof)).collect();
+        let force = self.times(&velocity, at.parallel);
+        add_linear(step.velocity.0, (at.u, &velocity, &force), demand, sums);
+        Ok(())
+    }
+
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        if let Some(step) = at.step {
+            tangent.add_scaled(step.velocity.0, &self.matrix);
+        }
+        Ok(())
+    }
+
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+        if let Some(step) = at.step {
+            axpy(step.velocity.0, &self.times(v, at.parallel), out);
+        }
+        Ok(true)
+    }
+
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+        if at.step.is_some() {
+            axpy(1.0, &self.times(lambda, at.parallel), &mut into.velocity);
+        }
+        Ok(())
+    }
+
+    fn second_vjp(
+        &self,
+        _: &Instant,
+        _: &[f64],
+        _: &Increment,
+        _: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        Ok(()) // linear
+    }
+}

@@ -1,0 +1,73 @@
+//! The acceleration of a state that does not carry one, and its adjoint.
+
+use crate::contributions::Demand;
+use crate::contributions::instant::{Instant, TimeStep};
+use crate::error::{FemError, InvertedAt, StateError};
+use crate::model::Model;
+use crate::solution::state::State;
+use nastic_linear::{CgEnd, Preconditioner, conjugate_gradient};
+
+/// Where conjugate gradients end, and how many may be needed: with the diagonal as preconditioner the condition
+/// number of a mass matrix depends on the kind of cells alone (Wathen, IMA J. Numer. Anal. 7, 1987).
+const RESIDUAL: f64 = 1e-15;
+const ITERATIONS: usize = 1000;
+
+struct Diagonal(Vec<f64>);
+
+impl Preconditioner for Diagonal {
+    fn apply(&self, vector: &mut [f64]) {
+        vector.iter_mut().zip(&self.0).for_each(|(v, d)| *v /= d);
+    }
+}
+
+impl Model {
+    /// `M a = -r(u, v, 0)` at full dead loads, a = 0 on the supports.
+    pub(super) fn initial_acceleration(&self, state: &State, parallel: bool) -> Result<Vec<f64>, StateError> {
+        let step = without_acceleration(state);
+        let at = self.beginning(state, &step, parallel);
+        let last = |at: InvertedAt| StateError::Inverted { at, load: 1.0, cuts: 0, last: Box::new(state.clone()) };
+        let sums = self.evaluate(&at, Demand { energy: false, force: true }).map_err(last)?;
+        self.divide_by_mass(sums.force.iter().map(|f| -f).collect(), parallel)
+    }
+
+    /// `M^-1 b` on the free unknowns.
+    pub(super) fn divide_by_mass(&self, mut b: Vec<f64>, parallel: bool) -> Result<Vec<f64>, StateError> {
+        let mass = self.mass();
+        let mut diagonal = mass.diagonal();
+        self.supports.fixed().iter().zip(&mut diagonal).filter(|(fixed, _)| **fixed).for_each(|(_, m)| *m = 1.0);
+        if let Some(dof) = diagonal.iter().position(|m| !(m.is_finite() && *m > 0.0)) {
+            let node = dof / self.discretization().dim();
+            let what = format!(
+                "this time scheme begins with an acceleration, but node {node} has no mass; add an inertia, or begin \
+                 with backward Euler"
+            );
+            return Err(FemError::Meaningless { what }.into());
+        }
+        self.supports.clear(&mut b);
+        let product = |v: &[f64], out: &mut [f64]| {
+            mass.multiply_on(v, out, parallel);
+            self.supports.clear(out);
+        };
+        let mut x = vec![0.0; b.len()];
+        let report = conjugate_gradient(&product, &Diagonal(diagonal), &b, &mut x, RESIDUAL, ITERATIONS);
+        match report.end {
+            CgEnd::Converged | CgEnd::Stagnated => Ok(x),
+            end => {
+                let what = format!("the mass matrix is not positive definite (conjugate gradients: {end:?})");
+                Err(FemError::Meaningless { what }.into())
+            }
+        }
+    }
+
+    /// Where a motion begins: at full dead loads.
+    pub(super) fn beginning<'a>(&self, state: &'a State, step: &'a TimeStep, parallel: bool) -> Instant<'a> {
+        Instant { load: 1.0, ..self.instant(state, Some(step), parallel) }
+    }
+}
+
+/// The velocity of a state, which does not depend on its displacement, and no acceleration.
+pub(super) fn without_acceleration(state: &State) -> TimeStep {
+    let zero = vec![0.0; state.u.len()];
+    let velocity = state.velocity.as_deref().unwrap_or(&zero).clone();
+    TimeStep { dt: 0.0, velocity: (0.0, velocity), acceleration: (0.0, zero), before: state.clone() }
+}

@@ -1,0 +1,9 @@
+//! Motion: time schemes as tables, their steps, and the discrete adjoint that follows from the same tables.
+
+pub mod catalogue;
+pub(crate) mod initial_acceleration;
+pub(crate) mod points;
+pub(crate) mod reverse_sweep;
+pub(crate) mod scheme;
+pub(crate) mod step;
+pub(crate) mod trajectory;

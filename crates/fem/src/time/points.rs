@@ -1,0 +1,104 @@
+//! [`Points`]: what is known at the instants that a step combines.
+
+use crate::contributions::instant::TimeStep;
+use crate::solution::state::State;
+use crate::time::scheme::{Point, Quantity, Scheme, Term};
+use nastic_numeric::vector::axpy;
+use std::sync::Arc;
+
+/// u, v and a at one instant; what is missing is zero.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Values {
+    pub u: Option<Arc<Vec<f64>>>,
+    pub velocity: Option<Arc<Vec<f64>>>,
+    pub acceleration: Option<Arc<Vec<f64>>>,
+}
+
+impl Values {
+    fn of(state: &State) -> Self {
+        let State { u, velocity, acceleration, .. } = state;
+        Values { u: Some(u.clone()), velocity: velocity.clone(), acceleration: acceleration.clone() }
+    }
+
+    fn get(&self, of: Quantity) -> Option<&Arc<Vec<f64>>> {
+        match of {
+            Quantity::Displacement => self.u.as_ref(),
+            Quantity::Velocity => self.velocity.as_ref(),
+            Quantity::Acceleration => self.acceleration.as_ref(),
+        }
+    }
+}
+
+/// The states that a step begins at, and its stages so far.
+pub(super) struct Points<'a> {
+    scheme: &'a Scheme,
+    h: f64,
+    begin: &'a State,
+    now: Values,
+    before: Values,
+    stages: Vec<Values>,
+}
+
+impl<'a> Points<'a> {
+    /// Of a step of length h; `started` is the acceleration at its beginning where the state does not carry it.
+    pub fn new(
+        scheme: &'a Scheme,
+        h: f64,
+        (begin, before): (&'a State, Option<&State>),
+        started: Option<&Arc<Vec<f64>>>,
+    ) -> Self {
+        let mut now = Values::of(begin);
+        now.acceleration = started.cloned().or(now.acceleration);
+        let before = before.map(Values::of).unwrap_or_default();
+        Points { scheme, h, begin, now, before, stages: Vec::new() }
+    }
+
+    /// Velocity and acceleration of the next stage as functions of its displacement.
+    pub fn next(&self) -> TimeStep {
+        let k = self.stages.len();
+        let stage = &self.scheme.stages[k];
+        let (c_v, c_a) = stage.own(k, self.h);
+        let own = |term: &&Term| term.at != Point::Stage(k);
+        let b_v = self.combine(Quantity::Velocity, stage.velocity.iter().filter(own));
+        let mut b_a = self.combine(Quantity::Acceleration, stage.acceleration.iter().filter(own));
+        for term in stage.acceleration.iter().filter(|term| term.is(Quantity::Velocity, k)) {
+            axpy(term.scaled(Quantity::Acceleration, self.h), &b_v, &mut b_a);
+        }
+        TimeStep { dt: self.h, velocity: (c_v, b_v), acceleration: (c_a, b_a), before: self.begin.clone() }
+    }
+
+    /// The next stage was found there.
+    pub fn found(&mut self, u: Arc<Vec<f64>>, step: &TimeStep) {
+        let velocity = Some(Arc::new(step.velocity_at(&u)));
+        let acceleration = Some(Arc::new(step.acceleration_at(&u)));
+        self.stages.push(Values { u: Some(u), velocity, acceleration });
+    }
+
+    /// u, v and a at the end of the step, all stages found; of an acceleration that is not known there `None`.
+    pub fn end(&self) -> Values {
+        let [u, velocity, acceleration] = self.scheme.end.combinations().map(|(of, terms)| match terms {
+            [] => None,
+            // shared, not copied
+            [Term { factor: 1.0, of: source, at: Point::Stage(k) }] if *source == of => {
+                self.stages[*k].get(of).cloned()
+            }
+            terms => Some(Arc::new(self.combine(of, terms.iter()))),
+        });
+        Values { u, velocity, acceleration }
+    }
+
+    fn combine<'t>(&self, of: Quantity, terms: impl Iterator<Item = &'t Term>) -> Vec<f64> {
+        let mut sum = vec![0.0; self.begin.u.len()];
+        for term in terms {
+            let values = match term.at {
+                Point::Now => &self.now,
+                Point::Before => &self.before,
+                Point::Stage(k) => &self.stages[k],
+            };
+            if let Some(values) = values.get(term.of) {
+                axpy(term.scaled(of, self.h), values, &mut sum);
+            }
+        }
+        sum
+    }
+}

@@ -1,0 +1,163 @@
+//! [`Scheme`]: a time scheme as a table of linear combinations.
+
+/// A table from the state at `t_n` (and the one before) to that at `t_n + h`: in every stage an unknown displacement
+/// w with
+///
+/// ```text
+/// v = (c_v w + sum f_i y_i) / h,    a = (c_a w + sum g_i y_i) / h^2,    r(w, v, a; m(t_n + time h)) = 0
+/// ```
+///
+/// where the y are displacements u, velocities `h v` and accelerations `h^2 a` of the states before and of earlier
+/// stages; then u, v and a at the end as such combinations too. A stage is found by minimising its incremental
+/// potential. What steps and what differentiates them read the same table. The catalogue:
+/// [`catalogue::SCHEMES`](crate::time::catalogue::SCHEMES).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scheme {
+    pub(super) name: &'static str,
+    pub(super) stages: Vec<Stage>,
+    pub(super) end: End,
+    /// What makes the first step of a scheme that needs two states.
+    pub(super) start: Option<Box<Scheme>>,
+}
+
+/// A solve for an unknown displacement.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Stage {
+    /// Where the residual is evaluated, as a share of the step: controls are interpolated linearly to there.
+    pub time: f64,
+    /// `h v`; of its own stage by the displacement alone.
+    pub velocity: Vec<Term>,
+    /// `h^2 a`; of its own stage by displacement and velocity.
+    pub acceleration: Vec<Term>,
+}
+
+/// The state at the end of a step: u, `h v`, `h^2 a`. An empty acceleration is not known there.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct End {
+    pub displacement: Vec<Term>,
+    pub velocity: Vec<Term>,
+    pub acceleration: Vec<Term>,
+}
+
+/// A factor times u, `h v` or `h^2 a` at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Term {
+    pub factor: f64,
+    pub of: Quantity,
+    pub at: Point,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quantity {
+    Displacement,
+    Velocity,
+    Acceleration,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Point {
+    /// `t_n`
+    Now,
+    /// `t_n - h`
+    Before,
+    /// A stage of this step.
+    Stage(usize),
+}
+
+pub(super) fn u(factor: f64, at: Point) -> Term {
+    Term { factor, of: Quantity::Displacement, at }
+}
+
+pub(super) fn v(factor: f64, at: Point) -> Term {
+    Term { factor, of: Quantity::Velocity, at }
+}
+
+pub(super) fn a(factor: f64, at: Point) -> Term {
+    Term { factor, of: Quantity::Acceleration, at }
+}
+
+impl Quantity {
+    fn power(self) -> i32 {
+        match self {
+            Quantity::Displacement => 0,
+            Quantity::Velocity => 1,
+            Quantity::Acceleration => 2,
+        }
+    }
+}
+
+impl Term {
+    /// The factor of u, v or a itself in a combination for u, v or a itself.
+    pub fn scaled(&self, of: Quantity, h: f64) -> f64 {
+        self.factor * h.powi(self.of.power() - of.power())
+    }
+
+    /// Whether it is one of the quantities of a stage.
+    pub fn is(&self, of: Quantity, stage: usize) -> bool {
+        self.of == of && self.at == Point::Stage(stage)
+    }
+}
+
+impl Stage {
+    /// `c_v / h` and `c_a / h^2` of the k-th stage, which this is.
+    pub fn own(&self, k: usize, h: f64) -> (f64, f64) {
+        let sum = |terms: &[Term], target: Quantity, of: Quantity| -> f64 {
+            terms.iter().filter(|term| term.is(of, k)).map(|term| term.scaled(target, h)).sum()
+        };
+        let c_v = sum(&self.velocity, Quantity::Velocity, Quantity::Displacement);
+        let by_u = sum(&self.acceleration, Quantity::Acceleration, Quantity::Displacement);
+        let by_v = sum(&self.acceleration, Quantity::Acceleration, Quantity::Velocity);
+        (c_v, by_u + by_v * c_v)
+    }
+}
+
+impl End {
+    /// The end is a stage.
+    pub fn stage(k: usize) -> Self {
+        let at = Point::Stage(k);
+        End { displacement: vec![u(1.0, at)], velocity: vec![v(1.0, at)], acceleration: vec![a(1.0, at)] }
+    }
+
+    /// Each quantity with its terms.
+    pub fn combinations(&self) -> [(Quantity, &[Term]); 3] {
+        [
+            (Quantity::Displacement, &self.displacement),
+            (Quantity::Velocity, &self.velocity),
+            (Quantity::Acceleration, &self.acceleration),
+        ]
+    }
+}
+
+impl Scheme {
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// How many displacements a step solves for.
+    pub fn stages(&self) -> usize {
+        self.stages.len()
+    }
+
+    /// The scheme of its first step, and of the first one after a change of the step's length, where it needs two
+    /// states.
+    pub fn start(&self) -> Option<&Scheme> {
+        self.start.as_deref()
+    }
+
+    /// Whether it asks for the acceleration of the state that a step begins at.
+    pub fn needs_acceleration(&self) -> bool {
+        self.terms().any(|term| term.of == Quantity::Acceleration && term.at == Point::Now)
+    }
+
+    /// Whether the state at the end of a step is not one of its stages: it has an equilibrium nowhere.
+    pub fn extrapolates(&self) -> bool {
+        self.stages.iter().enumerate().all(|(k, _)| self.end.displacement != [u(1.0, Point::Stage(k))])
+    }
+
+    fn terms(&self) -> impl Iterator<Item = &Term> {
+        let of_stages = self.stages.iter().flat_map(|stage| stage.velocity.iter().chain(&stage.acceleration));
+        let End { displacement, velocity, acceleration } = &self.end;
+        of_stages.chain(displacement).chain(velocity).chain(acceleration)
+    }
+}

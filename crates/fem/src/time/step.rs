@@ -1,0 +1,123 @@
+//! [`Model::advance`]: one stepper for all schemes.
+
+use crate::contributions::Demand;
+use crate::contributions::instant::Instant;
+use crate::error::{FemError, StateError};
+use crate::model::Model;
+use crate::solution::options::SolveOptions;
+use crate::solution::state::{SolveReport, State};
+use crate::solution::workspace::Workspace;
+use crate::time::points::Points;
+use crate::time::scheme::Scheme;
+use crate::time::trajectory::{Step, StepTo, Trajectory};
+use std::sync::Arc;
+
+/// Lengths of steps that differ by less, relatively, are equal.
+const EQUAL: f64 = 1e-12;
+
+impl Model {
+    /// Goes on from the end of a trajectory by steps of a scheme, at full dead loads. Each stage is an equilibrium of
+    /// inertia and forces that minimises an incremental potential, found like a static one from the stage before:
+    /// `near` and `guess` of the options are not used. A body may be free. A state that does not carry the
+    /// acceleration that a scheme begins with gets it from `M a = -r(u, v, 0)`.
+    ///
+    /// Source: docs/model.md section 12.
+    ///
+    /// # Errors
+    /// A step that is not positive; a [`StateError`] at the first step that has no solution, with the steps before it
+    /// in the trajectory.
+    pub fn advance(
+        &self,
+        trajectory: &mut Trajectory,
+        scheme: &Scheme,
+        steps: &[StepTo],
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<(), StateError> {
+        self.check_in_motion()?;
+        self.refuse_constraints("a step in time", "drive it by a force or a pressure")?;
+        self.refuse_motions()?;
+        self.check_state(trajectory.end())?;
+        let scheme = Arc::new(scheme.clone());
+        let start = scheme.start().cloned().map(Arc::new);
+        for to in steps {
+            if !(to.dt.is_finite() && to.dt > 0.0) {
+                let what = format!("a time step of {} is not positive", to.dt);
+                return Err(FemError::Meaningless { what }.into());
+            }
+            self.check_controls(&to.controls)?;
+            let equal = trajectory.steps().last().is_some_and(|last| (last.dt - to.dt).abs() <= EQUAL * to.dt);
+            let used = start.as_ref().filter(|_| !equal).unwrap_or(&scheme).clone();
+            let (step, state) = self.step(trajectory, used, to, how, workspace)?;
+            trajectory.push(step, state);
+        }
+        Ok(())
+    }
+
+    fn step(
+        &self,
+        trajectory: &Trajectory,
+        scheme: Arc<Scheme>,
+        to: &StepTo,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<(Step, State), StateError> {
+        let (begin, h) = (trajectory.end(), to.dt);
+        let before = trajectory.states().len().checked_sub(2).map(|n| &trajectory.states()[n]);
+        let started = match scheme.needs_acceleration() && begin.acceleration.is_none() {
+            true => Some(Arc::new(self.initial_acceleration(begin, how.parallel)?)),
+            false => None,
+        };
+        let mut points = Points::new(&scheme, h, (begin, before), started.as_ref());
+        let (mut stages, mut work) = (Vec::new(), SolveReport::default());
+        let mut here = begin.clone();
+        for stage in &scheme.stages {
+            let time_step = points.next();
+            let controls = begin.controls.blend(&to.controls, stage.time);
+            let options = SolveOptions { near: Some(&here), guess: None, ..how.clone() };
+            let found = self.find(&controls, &options, Some(&time_step), workspace);
+            let mut found = found.map_err(|error| in_step(error, begin.time, h))?;
+            found.report.add_work(&work);
+            work = found.report;
+            let at = self.instant(&found, Some(&time_step), how.parallel);
+            let last = || Box::new(begin.clone());
+            let internal =
+                self.commit(&at).map_err(|at| StateError::Inverted { at, load: 1.0, cuts: 0, last: last() })?;
+            found.internal = Arc::new(internal);
+            points.found(found.u.clone(), &time_step);
+            stages.push(found.u.clone());
+            here = found;
+        }
+        let end = points.end();
+        let mut state = here;
+        state.u = end.u.unwrap_or(state.u);
+        (state.velocity, state.acceleration) = (end.velocity, end.acceleration);
+        (state.controls, state.time) = (Arc::new(to.controls.clone()), begin.time + h);
+        if scheme.extrapolates() {
+            self.check_extrapolated(&mut state, begin, h, how.parallel)?;
+        }
+        Ok((Step { dt: h, scheme, stages, started }, state))
+    }
+
+    /// An end that is no equilibrium was not seen by any solve.
+    fn check_extrapolated(&self, state: &mut State, begin: &State, dt: f64, parallel: bool) -> Result<(), StateError> {
+        let at = Instant { parallel, ..Instant::new(&state.u, &state.controls, 1.0) };
+        match self.evaluate(&at, Demand { energy: true, force: false }) {
+            Ok(sums) => {
+                state.report.min_j = state.report.min_j.min(sums.min_j);
+                Ok(())
+            }
+            Err(at) => Err(StateError::EndOfStep { at, time: begin.time, dt, last: Box::new(begin.clone()) }),
+        }
+    }
+}
+
+/// What shorter steps may mend.
+fn in_step(error: StateError, time: f64, dt: f64) -> StateError {
+    match error {
+        StateError::Inverted { .. } | StateError::NoConvergence { .. } => {
+            StateError::InStep { time, dt, source: Box::new(error) }
+        }
+        other => other,
+    }
+}

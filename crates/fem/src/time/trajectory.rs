@@ -1,0 +1,87 @@
+//! [`Trajectory`]: the states of a problem in time, one after the other; of a static problem, one.
+
+use crate::contributions::controls::Controls;
+use crate::solution::state::State;
+use crate::time::scheme::Scheme;
+use std::sync::Arc;
+
+/// States one after the other, at least one, and what led from each to the next.
+#[derive(Debug, Clone)]
+pub struct Trajectory {
+    begin: Begin,
+    states: Vec<State>,
+    steps: Vec<Step>,
+}
+
+/// What the first state is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Begin {
+    /// The equilibrium under its controls: it depends on them.
+    Equilibrium,
+    /// Given: it depends on nothing.
+    Given,
+}
+
+/// A step that was made: what its adjoint needs beside the states at its ends.
+#[derive(Debug, Clone)]
+pub(super) struct Step {
+    pub dt: f64,
+    pub scheme: Arc<Scheme>,
+    /// The displacements of its stages.
+    pub stages: Vec<Arc<Vec<f64>>>,
+    /// The acceleration at its beginning, where the state there did not carry the one that was needed.
+    pub started: Option<Arc<Vec<f64>>>,
+}
+
+/// A step to another instant.
+#[derive(Debug, Clone)]
+pub struct StepTo {
+    /// Length of the step.
+    pub dt: f64,
+    /// Controls at its end; in the step they are interpolated linearly.
+    pub controls: Controls,
+}
+
+impl From<State> for Trajectory {
+    /// A static problem: its equilibrium.
+    fn from(state: State) -> Self {
+        Trajectory { begin: Begin::Equilibrium, states: vec![state], steps: Vec::new() }
+    }
+}
+
+impl Trajectory {
+    /// One that begins at a state that is given: its displacement and velocity, and its acceleration, where it has
+    /// one, depend on nothing.
+    pub fn from_given(state: State) -> Self {
+        Trajectory { begin: Begin::Given, states: vec![state], steps: Vec::new() }
+    }
+
+    /// What the first state is.
+    pub fn begin(&self) -> Begin {
+        self.begin
+    }
+
+    /// The states, the first one included.
+    pub fn states(&self) -> &[State] {
+        &self.states
+    }
+
+    /// The last state: the answer of a static problem.
+    pub fn end(&self) -> &State {
+        &self.states[self.states.len() - 1]
+    }
+
+    /// The scheme that led to the n-th state; `None` for the first, and where there is no such state.
+    pub fn scheme(&self, n: usize) -> Option<&Scheme> {
+        Some(&self.steps.get(n.checked_sub(1)?)?.scheme)
+    }
+
+    pub(super) fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    pub(super) fn push(&mut self, step: Step, state: State) {
+        self.steps.push(step);
+        self.states.push(state);
+    }
+}

@@ -1,0 +1,57 @@
+//! Motions that several tests make.
+
+use super::{Outcome, regular};
+use nastic_energy::NeoHooke;
+use nastic_fem::time::catalogue::SCHEMES;
+use nastic_fem::{Scheme, Solid, SolveOptions, State, StepTo, Trajectory, Workspace};
+use nastic_mesh::CellKind;
+use std::sync::Arc;
+
+use super::block::STRICT;
+use super::own_contributions::Oscillators;
+
+/// Every scheme of the catalogue, with its order.
+pub fn schemes() -> Outcome<Vec<(Scheme, usize)>> {
+    SCHEMES.iter().map(|row| Ok(((row.build)()?, row.order))).collect()
+}
+
+/// Steps of one length under controls that are a function of time.
+pub fn steps(count: usize, h: f64, controls: impl Fn(f64) -> nastic_fem::Controls) -> Vec<StepTo> {
+    (1..=count).map(|n| StepTo { dt: h, controls: controls(n as f64 * h) }).collect()
+}
+
+/// A motion without controls from given displacement and velocity.
+pub fn motion(solid: &Solid, scheme: &Scheme, begin: State, count: usize, h: f64) -> Outcome<Trajectory> {
+    motion_by(solid, scheme, begin, count, h, &STRICT)
+}
+
+pub fn motion_by(
+    solid: &Solid,
+    scheme: &Scheme,
+    begin: State,
+    count: usize,
+    h: f64,
+    how: &SolveOptions,
+) -> Outcome<Trajectory> {
+    let mut trajectory = Trajectory::from_given(begin);
+    let steps = steps(count, h, |_| solid.controls());
+    solid.model().advance(&mut trajectory, scheme, &steps, how, &mut Workspace::default())?;
+    Ok(trajectory)
+}
+
+/// Point masses of 1 on linear springs to the ground with `k = w^2` and dampers, one per unknown, in a body without
+/// stiffness.
+pub fn oscillator(w: f64, damping: f64) -> Outcome<Solid> {
+    Ok(Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
+        .material("body", NeoHooke::new(1e-30, 0.0)?)?
+        .clamp("x-")?
+        .contribution(Oscillators { mass: 1.0, damping, stiffness: w * w })?)
+}
+
+/// A state with the free unknowns all at the same displacement, velocity and, if given, acceleration.
+pub fn uniform(solid: &Solid, u: f64, v: f64, a: Option<f64>) -> State {
+    let free = |value: f64| -> Arc<Vec<f64>> {
+        Arc::new(solid.supports().fixed().iter().map(|&fixed| if fixed { 0.0 } else { value }).collect())
+    };
+    State { u: free(u), velocity: Some(free(v)), acceleration: a.map(free), ..solid.rest() }
+}

@@ -1,0 +1,147 @@
+//! The numerical damping of every scheme, seen on a point mass on a linear spring that the stepper itself moves.
+
+mod common;
+
+use common::Outcome;
+use common::motion::{motion, oscillator, schemes, uniform};
+use nalgebra::{Complex, DMatrix};
+use nastic_fem::{Scheme, Solid};
+
+type C = Complex<f64>;
+
+/// Displacement, velocity and acceleration of one free unknown after so many unit steps, from a small multiple of a
+/// state.
+fn after(solid: &Solid, scheme: &Scheme, [u, v, a]: [f64; 3], count: usize) -> Outcome<Vec<[f64; 3]>> {
+    const SIZE: f64 = 1e-2;
+    let begin = uniform(solid, SIZE * u, SIZE * v, Some(SIZE * a));
+    let free = solid.supports().fixed().iter().position(|fixed| !fixed).ok_or("nothing is free")?;
+    let trajectory = motion(solid, scheme, begin, count, 1.0)?;
+    let entry = |values: &Option<std::sync::Arc<Vec<f64>>>| values.as_ref().map_or(0.0, |v| v[free] / SIZE);
+    Ok(trajectory.states().iter().map(|s| [s.u[free] / SIZE, entry(&s.velocity), entry(&s.acceleration)]).collect())
+}
+
+/// `|R|` from the eigenvalues of the amplification matrix of (u, v, a), column by column from unit states: the
+/// largest of a conjugate pair, if there is one.
+fn of_matrix(solid: &Solid, scheme: &Scheme) -> Outcome<f64> {
+    let mut matrix = DMatrix::zeros(3, 3);
+    for k in 0..3 {
+        let mut unit = [0.0; 3];
+        unit[k] = 1.0;
+        let end = after(solid, scheme, unit, 1)?[1];
+        (0..3).for_each(|i| matrix[(i, k)] = end[i]);
+    }
+    let eigenvalues = matrix.complex_eigenvalues();
+    let paired: Vec<f64> = eigenvalues.iter().filter(|e| e.im != 0.0).map(|e| e.norm()).collect();
+    let all = if paired.is_empty() { eigenvalues.iter().map(|e| e.norm()).collect() } else { paired };
+    Ok(all.into_iter().fold(0.0, f64::max))
+}
+
+/// `|R|` of a scheme over two steps: with `mu^2 + c mu + w^2 = 0`, `z = v - conj(mu) u` follows `z' = mu z` and so
+/// `z_{n+1} = p z_n + q z_{n-1}`, `R^2 = p R + q`, p and q from the steps
+/// after the first.
+fn of_recurrence(solid: &Solid, scheme: &Scheme, (w, c): (f64, f64)) -> Outcome<f64> {
+    let mu = C::new(-0.5 * c, (w * w - 0.25 * c * c).sqrt());
+    let z: Vec<C> =
+        after(solid, scheme, [1.0, 0.3, 0.0], 4)?[1..].iter().map(|[u, v, _]| C::from(*v) - mu.conj() * *u).collect();
+    let determinant = z[1] * z[1] - z[2] * z[0];
+    let (p, q) = ((z[2] * z[1] - z[3] * z[0]) / determinant, (z[1] * z[3] - z[2] * z[2]) / determinant);
+    let root = (p * p + q * 4.0).sqrt();
+    Ok(((p + root) / 2.0).norm().max(((p - root) / 2.0).norm()))
+}
+
+/// `d/w = -(2/t) ln |R|` with `t = h w`.
+fn damping(scheme: &Scheme, t: f64, physical: f64) -> Outcome<f64> {
+    let solid = oscillator(t, physical * t)?;
+    let r = if scheme.start().is_some() {
+        of_recurrence(&solid, scheme, (t, physical * t))?
+    } else {
+        of_matrix(&solid, scheme)?
+    };
+    Ok(-2.0 / t * r.ln())
+}
+
+/// Closed forms; `None` of the schemes without one, which the published matrix below gives.
+fn closed_form(name: &str, t: f64) -> Option<f64> {
+    let t2 = t * t;
+    match name {
+        "backward_euler" => Some((1.0 + t2).ln() / t),
+        "bdf2" => {
+            let s = (1.0 + 4.0 * t2).sqrt();
+            Some(((9.0 + 4.0 * t2) / (4.0 + s + 2.0 * (2.0 * (1.0 + s)).sqrt())).ln() / t)
+        }
+        "tr_bdf2" => Some((1.0 + t2 * t2 / (144.0 + 25.0 * t2)).ln() / t),
+        "trapezoidal" | "implicit_midpoint" => Some(0.0),
+        // every step from rest: u' = u / (1 + t^2)
+        "quasi_dynamic" => Some(2.0 * (1.0 + t2).ln() / t),
+        // det of the amplification matrix, |R|^2: Hughes, The Finite Element Method (1987), section 9.1
+        "newmark" => {
+            let (beta, gamma) = (0.3025, 0.6);
+            Some(-(1.0 - (gamma - 0.5) * t2 / (1.0 + beta * t2)).ln() / t)
+        }
+        _ => None,
+    }
+}
+
+/// `|R|` of generalised alpha from its equations, written once more: `A_1 y = A_0 y_n`, `y = (u, h v, h^2 a)`.
+fn generalized_alpha(rho: f64, t: f64) -> f64 {
+    let (m, f) = ((2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0));
+    let (gamma, beta) = (0.5 - m + f, 0.25 * (1.0 - m + f) * (1.0 - m + f));
+    let new = DMatrix::from_row_slice(3, 3, &[(1.0 - f) * t * t, 0.0, 1.0 - m, 1.0, 0.0, -beta, 0.0, 1.0, -gamma]);
+    let old = DMatrix::from_row_slice(3, 3, &[-f * t * t, 0.0, -m, 1.0, 1.0, 0.5 - beta, 0.0, 1.0, 1.0 - gamma]);
+    let Some(inverse) = new.try_inverse() else { return f64::NAN };
+    (inverse * old).complex_eigenvalues().iter().filter(|e| e.im != 0.0).map(|e| e.norm()).fold(0.0, f64::max)
+}
+
+#[test]
+fn every_scheme_damps_as_its_closed_form_says() -> Outcome {
+    for (scheme, _) in schemes()? {
+        for t in [0.1, 1.0, 10.0] {
+            let expected = closed_form(scheme.name(), t).unwrap_or_else(|| -2.0 / t * generalized_alpha(0.8, t).ln());
+            let found = damping(&scheme, t, 0.0)?;
+            println!("{:<18} h w = {t:4}: d/w = {found:.6e}, closed form {expected:.6e}", scheme.name());
+            assert!((found - expected).abs() < 1e-10, "{} at {t}: {found:e}, not {expected:e}", scheme.name());
+        }
+    }
+    Ok(())
+}
+
+/// With a physical damping of d/w = 0.2 the trapezoidal rule loses it at large steps. Four digits, from the closed
+/// forms with a complex frequency.
+#[test]
+fn physical_damping_is_changed_by_the_scheme() -> Outcome {
+    let table = [
+        (Scheme::backward_euler(), [0.2956, 0.7885, 0.4635]),
+        (Scheme::bdf2(), [0.1985, 0.2555, 0.2453]),
+        (Scheme::tr_bdf2(), [0.1998, 0.1838, 0.1732]),
+        (Scheme::trapezoidal(), [0.1995, 0.1603, 0.0077]),
+    ];
+    for (scheme, expected) in &table {
+        for (t, expected) in [0.1, 1.0, 10.0].into_iter().zip(expected) {
+            let found = damping(scheme, t, 0.2)?;
+            assert!((found - expected).abs() < 6e-5, "{} at {t}: {found}, not {expected}", scheme.name());
+        }
+    }
+    Ok(())
+}
+
+/// Newmark's scheme with 1/4 and 1/2 and generalised alpha with rho = 1 are the trapezoidal and the midpoint rule on
+/// linear problems; with rho = 0 nothing is left of a mode of infinite frequency.
+#[test]
+fn special_parameters_are_special_schemes() -> Outcome {
+    for t in [0.1, 1.0, 10.0] {
+        let solid = oscillator(t, 0.1)?;
+        let end =
+            |scheme: &Scheme| -> Outcome<[f64; 3]> { Ok(after(&solid, scheme, [1.0, 0.4, -t * t - 0.04], 3)?[3]) };
+        let trapezoidal = end(&Scheme::trapezoidal())?;
+        for other in [Scheme::newmark(0.25, 0.5)?, Scheme::generalized_alpha(1.0)?] {
+            let found = end(&other)?;
+            for k in 0..2 {
+                assert!((found[k] - trapezoidal[k]).abs() < 1e-11 * (1.0 + t), "{}: {found:?}", other.name());
+            }
+        }
+    }
+    let stiff = oscillator(1e4, 0.0)?;
+    let gone = after(&stiff, &Scheme::generalized_alpha(0.0)?, [1.0, 0.0, -1e8], 3)?[3][0];
+    assert!(gone.abs() < 1e-6, "{gone:e}");
+    Ok(())
+}
