@@ -27,6 +27,7 @@ mod random;
 mod scenario;
 mod shape_cost;
 mod sizes;
+mod spring;
 mod start;
 mod support;
 mod survey;

@@ -35,6 +35,7 @@ mod read;
 mod scenario;
 mod settings;
 mod shape_cost;
+mod spring;
 mod support;
 mod units;
 mod value;
@@ -66,6 +67,7 @@ pub use scenario::{
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
 };
 pub use shape_cost::{Compliance, Coordinates, Curvature, LargestStretch, Orientation, Position};
+pub use spring::{Ground, Spring, SpringEnd};
 pub use support::{Along, Axis, Displacement, Fix, Support};
 pub use value::Vector;
 

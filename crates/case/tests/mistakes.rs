@@ -35,7 +35,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"optimizer\"",
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
-         mesh, materials, supports, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, optimizer, \
+         mesh, materials, supports, springs, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, optimizer, \
          probes, expect, output, $schema)",
     );
     one(

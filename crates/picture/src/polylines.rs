@@ -1,4 +1,4 @@
-//! Lines of bodies in the picture: tendons, say.
+//! Lines of bodies in the picture: tendons and springs, say.
 
 use super::Picture;
 use super::frame::{Mark, paper};

@@ -84,7 +84,7 @@ impl Scene {
         let drawn = |body: &Body, node: usize| body.part.as_ref().is_none_or(|marked| marked[node]);
         let of = |body: &'_ Body| -> Vec<V3> {
             let own = body.positions.iter().enumerate().filter(|(node, _)| drawn(body, *node));
-            own.map(|(_, at)| *at).collect()
+            own.map(|(_, at)| *at).chain(body.polylines.iter().flat_map(|(_, points)| points.iter().copied())).collect()
         };
         let all: Vec<V3> = picture.bodies.iter().flat_map(of).collect();
         let plane = picture.bodies.iter().all(|body| body.mesh.dim() == 2) && all.iter().all(|p| p[2] == 0.0);

@@ -122,14 +122,15 @@ pub(crate) fn events(result: &Value) -> String {
     section("events", "Critical points", &table(&["kind", "value", "negative pivots"], &rows))
 }
 
-/// Probes, reactions, cavities and tendons of the result's state, or of every load case.
+/// Probes, reactions, cavities, tendons and springs of the result's state, or of every load case.
 pub(crate) fn states(result: &Value) -> String {
     let units = &result["units"];
     let unit = |key: &str| units[key].as_str().unwrap_or_default();
     let vector = |value: &Value| -> Vec<String> {
         (0..3).map(|k| value[k].as_f64().map_or_else(|| "–".to_owned(), short)).collect()
     };
-    let (mut probes, mut reactions, mut cavities, mut tendons) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut probes, mut reactions) = (Vec::new(), Vec::new());
+    let (mut cavities, mut tendons, mut springs) = (Vec::new(), Vec::new(), Vec::new());
     for (name, own) in entries(result) {
         for (probe, entry) in own["probes"].as_object().into_iter().flatten() {
             let mut row = vec![format!("{name}{probe}")];
@@ -157,6 +158,12 @@ pub(crate) fn states(result: &Value) -> String {
                 tendons.push(row);
                 continue;
             }
+            if entry.get("rest_length").is_some() {
+                let mut row = vec![format!("{name}{contribution}"), of("force", unit("force"))];
+                row.extend(["length", "rest_length"].map(|key| of(key, unit("length"))));
+                springs.push(row);
+                continue;
+            }
             let volume = format!("{}^3", unit("length"));
             cavities.push(vec![
                 format!("{name}{contribution}"),
@@ -174,8 +181,9 @@ pub(crate) fn states(result: &Value) -> String {
     let content = table(&head, &probes)
         + &table(&force_head, &reactions)
         + &table(&["cavity", "pressure", "volume", "volume at rest"], &cavities)
-        + &table(&["tendon", "", "tension", "length", "length at rest"], &tendons);
-    section("states", "Probes, reactions, cavities, tendons", &content)
+        + &table(&["tendon", "", "tension", "length", "length at rest"], &tendons)
+        + &table(&["spring", "force", "length", "rest length"], &springs);
+    section("states", "Probes, reactions, cavities, tendons, springs", &content)
 }
 
 /// The result's own entries, or those of its load cases with their names.

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::variant::Variant;
-use super::{actuation, control, load, material, optimizer, support};
+use super::{actuation, control, load, material, optimizer, spring, support};
 use crate::syntax::At;
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid};
@@ -15,6 +15,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     material::add(case, &mut solid, context);
     actuation::add(case, &mut solid, context);
     support::add(case, &mut solid, context);
+    spring::add(case, &mut solid, context);
     load::add(case, &mut solid, context);
     if context.is_sound() {
         check_complete(&solid, context);

@@ -2,7 +2,7 @@
 //! lacks, parameters out of range, probes outside the body.
 
 use super::context::Context;
-use super::{actuation, cost, load, material, mesh, place, probe, support};
+use super::{actuation, cost, load, material, mesh, place, probe, spring, support};
 use crate::quantity::Want;
 use crate::schema::{Case, GroupNames, Read, Reader};
 use crate::syntax::{At, Document, Node, Value};
@@ -26,6 +26,7 @@ pub(super) fn look(case: &Case, document: &Document, context: &mut Context<'_>) 
     material::add(case, &mut solid, context);
     actuation::add(case, &mut solid, context);
     support::add(case, &mut solid, context);
+    spring::add(case, &mut solid, context);
     load::add(case, &mut solid, context);
 }
 

@@ -25,6 +25,8 @@ impl Dimension {
     pub const FIELD: Self = Self::of(0, 0, 0, 1);
     /// Pa = N/m^2
     pub const PRESSURE: Self = Self::of(-2, 1, 0, 0);
+    /// N/m
+    pub const STIFFNESS: Self = Self::of(-1, 1, 0, 0);
     /// kg = N s^2/m
     pub const MASS: Self = Self::of(-1, 1, 2, 0);
     /// N/m^3

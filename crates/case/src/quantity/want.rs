@@ -39,6 +39,8 @@ impl Want {
     pub const LENGTH: Self = Self::a(Dimension::LENGTH);
     /// A length > 0.
     pub const POSITIVE_LENGTH: Self = Self::LENGTH.positive();
+    /// A length >= 0.
+    pub const NOT_NEGATIVE_LENGTH: Self = Self { dimension: Some(Dimension::LENGTH), sign: Sign::NotNegative };
     /// A curvature, 1 over a length.
     pub const CURVATURE: Self = Self::a(Dimension::of(-1, 0, 0, 0));
     /// A force.
@@ -57,6 +59,8 @@ impl Want {
     pub const BODY_FORCE: Self = Self::a(Dimension::BODY_FORCE);
     /// A force per length and area > 0.
     pub const STIFFNESS_PER_AREA: Self = Self::a(Dimension::BODY_FORCE).positive();
+    /// A force per length > 0.
+    pub const STIFFNESS: Self = Self::a(Dimension::STIFFNESS).positive();
     /// A magnetic permeability > 0.
     pub const PERMEABILITY: Self = Self::a(Dimension::PERMEABILITY).positive();
 

@@ -131,7 +131,7 @@ fn controlled(block: &ControlBlock, field: &ControlField, body: &Snapshot) -> Op
     Some(Field::at_cells(&name, &field.unit, values))
 }
 
-/// Magnetisation (black, as the body carries it) and applied field (orange), where there are any; tendons, orange where they pull.
+/// Magnetisation (black, as the body carries it) and applied field (orange), where there are any; tendons, orange where they pull; springs, green.
 fn with_arrows(member: CaseMember<'_>, mut drawn: Body, body: &Snapshot) -> Body {
     let positions = body.positions();
     for (name, colour) in [("B_r", Colour::INK), ("B_a", Colour::ORANGE)] {
@@ -145,24 +145,35 @@ fn with_arrows(member: CaseMember<'_>, mut drawn: Body, body: &Snapshot) -> Body
         drawn = drawn.arrows(colour, vectors.collect());
     }
     for line in &body.lines {
-        let colour = if is_taut(line) { Colour::ORANGE } else { Colour::GREY };
+        let colour = match tension(line) {
+            None => Colour::GREEN,
+            Some(tension) if tension > 0.0 => Colour::ORANGE,
+            Some(_) => Colour::GREY,
+        };
         drawn = drawn.polyline(colour, line.points.clone());
     }
     drawn
 }
 
-fn is_taut(line: &Polyline) -> bool {
-    line.quantities.iter().any(|(name, value)| *name == "tension" && *value > 0.0)
+/// The tension of a tendon; `None` of a spring.
+fn tension(line: &Polyline) -> Option<f64> {
+    line.quantities.iter().find(|(name, _)| *name == "tension").map(|(_, value)| *value)
 }
 
 /// What the arrows and lines of a picture are, for its subtitle; empty without any.
 pub(crate) fn legend(body: &Snapshot) -> String {
-    let lines = match (body.lines.is_empty(), body.lines.iter().all(is_taut)) {
+    let tensions: Vec<f64> = body.lines.iter().filter_map(tension).collect();
+    let tendons = match (tensions.is_empty(), tensions.iter().all(|tension| *tension > 0.0)) {
         (true, _) => "",
         (false, true) => "; lines: tendons",
         (false, false) => "; lines: tendons, grey where slack",
     };
-    arrows(body).to_owned() + lines
+    let springs = match (tensions.len() < body.lines.len(), tensions.is_empty()) {
+        (false, _) => "",
+        (true, true) => "; lines: springs",
+        (true, false) => "; springs green",
+    };
+    arrows(body).to_owned() + tendons + springs
 }
 
 fn arrows(body: &Snapshot) -> &'static str {

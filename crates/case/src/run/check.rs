@@ -17,6 +17,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::actuation(problem),
         describe::controls(problem),
         describe::supports(problem),
+        describe::springs(problem),
         describe::costs(problem),
         describe::load_cases(problem),
         describe::scenarios(problem),

@@ -7,6 +7,7 @@ mod existence;
 mod members;
 mod memory;
 mod shape_cost;
+mod spring;
 
 pub(super) use actuation::actuation;
 pub(super) use conventions::conventions;
@@ -15,6 +16,7 @@ pub(super) use existence::{conditions, existence};
 pub(super) use members::{load_cases, scenarios};
 pub(super) use memory::memory;
 use shape_cost::shape_cost;
+pub(super) use spring::springs;
 
 use super::number::{count, grouped, quantity, short, vector};
 use crate::expression::dimension_of;
@@ -394,6 +396,9 @@ pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
     );
     out.insert("existence".into(), existence::json(problem));
     out.insert("actuation".into(), actuation::json(problem));
+    if !problem.case.springs.is_empty() {
+        out.insert("springs".into(), spring::json(problem));
+    }
     out.insert("controls".into(), crate::result::summary::controls(problem, &problem.start));
     for (field, block) in problem.controls.iter().zip(problem.ensemble.blocks()) {
         if let Some(entry) = out.get_mut("controls").and_then(|controls| controls.get_mut(&field.name)) {

@@ -19,19 +19,24 @@ impl Read for BodyPoints {
         };
         let entries = entries.iter().enumerate();
         let points: Vec<Option<BodyPoint>> =
-            entries.map(|(i, entry)| point(entry, &at.index(i), want, reader)).collect();
+            entries.map(|(i, entry)| BodyPoint::read(entry, &at.index(i), want, reader)).collect();
         points.into_iter().collect::<Option<_>>().map(Self)
     }
 
     fn schema(want: Want, definitions: &mut Definitions) -> Json {
-        let point = any_of(vec![Vector::schema(want, definitions), String::schema(Want::ANY, definitions)]);
-        json!({ "type": "array", "items": point })
+        json!({ "type": "array", "items": BodyPoint::schema(want, definitions) })
     }
 }
 
-fn point(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<BodyPoint> {
-    match &node.value {
-        Value::Text(_) => String::read(node, at, Want::ANY, reader).map(BodyPoint::Nodes),
-        _ => Vector::read(node, at, want, reader).map(|place| BodyPoint::At(place.xyz())),
+impl Read for BodyPoint {
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        match &node.value {
+            Value::Text(_) => String::read(node, at, Want::ANY, reader).map(Self::Nodes),
+            _ => Vector::read(node, at, want, reader).map(|place| Self::At(place.xyz())),
+        }
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        any_of(vec![Vector::schema(want, definitions), String::schema(Want::ANY, definitions)])
     }
 }

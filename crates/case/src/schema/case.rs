@@ -14,6 +14,7 @@ use crate::schema::mesh::MeshSource;
 use crate::schema::optimizer::Optimizer;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
+use crate::schema::spring::Spring;
 use crate::schema::support::Support;
 use crate::schema::value::Vector;
 use crate::syntax::{At, Diagnostic, Diagnostics, Document};
@@ -34,6 +35,8 @@ object! {
         pub materials: Vec<Material>,
         /// What holds the body.
         pub supports: Vec<Support> = Vec::new(),
+        /// Springs between points of the body, and from it to the ground.
+        pub springs: Vec<Spring> = Vec::new(),
         /// Dead loads.
         pub loads: Vec<Load> = Vec::new(),
         /// What moves the body from within.

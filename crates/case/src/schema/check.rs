@@ -12,6 +12,7 @@ use crate::schema::load_case::LoadCase;
 use crate::schema::material::Material;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
+use crate::schema::spring::Spring;
 use crate::syntax::{At, Value, quoted};
 use std::collections::BTreeMap;
 
@@ -26,6 +27,7 @@ pub(crate) struct Blocks {
     pub(crate) costs: Vec<Cost>,
     pub(crate) load_cases: Vec<LoadCase>,
     pub(crate) probes: Vec<Probe>,
+    pub(crate) springs: Vec<Spring>,
     pub(crate) scenarios: Option<Scenarios>,
     pub(crate) risk: Option<Risk>,
     /// Blocks with problems: what is missing from them may be there, misspelt.
@@ -51,6 +53,7 @@ impl Blocks {
             costs: list(reader, "costs"),
             load_cases: list(reader, "load_cases"),
             probes: list(reader, "probes"),
+            springs: list(reader, "springs"),
             scenarios: block(reader, "scenarios"),
             risk: block(reader, "risk"),
             troubled: reader.problems.iter().filter_map(|p| p.path.split('/').next().map(str::to_string)).collect(),
@@ -73,6 +76,7 @@ pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
         mesh: block(reader, "mesh")?,
         materials: list(reader, "materials"),
         supports: list(reader, "supports"),
+        springs: list(reader, "springs"),
         loads: list(reader, "loads"),
         actuation: list(reader, "actuation"),
         controls: list(reader, "controls"),
@@ -122,6 +126,9 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     unique(blocks.load_cases.iter().map(|c| (c.name.as_str(), c.at.key("name"))), "a load case", reader);
     for actuation in &blocks.actuation {
         plain(&actuation.name, &actuation.at.key("name"), &['.', '/'], reader);
+    }
+    for spring in &blocks.springs {
+        plain(&spring.name(), &spring.at.key("name"), &['/'], reader);
     }
     for probe in &blocks.probes {
         plain(&probe.name, &probe.at.key("name"), &['/'], reader);

@@ -30,6 +30,8 @@ const MUSCLE: &str = "a muscle is an actuation of the \"kind\": \"muscle\" with 
 const CHAMBER: &str = "an air chamber is an actuation of the \"kind\": \"cavity\", with the \"surface\" of its walls";
 const TENDON: &str = "a cable is an actuation of the \"kind\": \"tendon\" with the \"points\" that it passes; its control is the \"tension\", \
     with a \"stiffness\" the \"pull\"";
+const SPRING: &str = "a spring stands in \"springs\": [ { \"from\": [0, 0, 5], \"to\": { \"ground\": [0, 0, 9] }, \
+    \"stiffness\": \"2 N/mm\" } ]; an elastic bed of a surface is a \"foundation\" in \"supports\"";
 const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with the vectors \"remanence\" (mu0 \
     times the magnetisation, in T) and \
                       \"field\" (in T)";
@@ -60,6 +62,7 @@ const HINTS: &[Hint] = &[
     hint("", &["muscle", "muscles", "fiber", "fibre", "tension"], MUSCLE),
     hint("", &["chamber", "chambers", "air_chamber", "cavity", "pneumatics"], CHAMBER),
     hint("", &["tendon", "tendons", "cable", "cables"], TENDON),
+    hint("", &["spring", "elastic", "rubber_band"], SPRING),
     hint("", &["magnet", "magnets", "magnetization", "magnetisation", "field"], MAGNET),
     hint("", &["time", "dynamics", "damping", "dt", "steps"], TIME),
     hint(
@@ -102,6 +105,14 @@ const HINTS: &[Hint] = &[
         "write \"fix\": \"all\", or a list of \"x\", \"y\" and \"z\"",
     ),
     hint("supports", &["u", "ux", "uy", "uz", "value", "disp"], "write \"displacement\": { \"x\": \"1 mm\" }"),
+    hint("supports", &["spring", "springs", "elastic", "stiffness", "k"], SPRING),
+    hint("springs", &["k", "constant", "rate", "spring_constant"], "force per elongation stands under \"stiffness\""),
+    hint("springs", &["rest_length", "rest", "l0", "natural_length"], "the rest length stands under \"length\""),
+    hint(
+        "springs",
+        &["ground", "points", "ends", "point", "between", "nodes", "surface"],
+        "a spring goes \"from\" a point of the body \"to\" another one, or \"to\" a fixed one, { \"ground\": [0, 0, 9] }",
+    ),
     hint("loads", &["pressure", "air"], AIR),
     hint("loads", &["gravity", "weight", "density", "acceleration"], WEIGHT),
     hint("loads", &["force", "forces", "total_force", "point_force", "value", "magnitude"], FORCE),
@@ -117,6 +128,7 @@ const HINTS: &[Hint] = &[
         "a pressure inside the material itself is of the \"kind\": \"turgor\"",
     ),
     hint("actuation", &["cable", "wire", "string", "rope", "tendons"], TENDON),
+    hint("actuation", &["spring", "elastic_band"], SPRING),
     hint("actuation", &["magnetic", "magnetization", "magnetisation", "b", "b_r", "m"], MAGNET),
     hint("actuation", &["electric", "voltage", "electrode", "electrodes", "dea", "eps"], ELECTRIC),
     hint("actuation", &["thermal", "temperature", "shape_memory", "lce", "light"], NO_FIELD),

@@ -124,7 +124,7 @@ const VOLUME: Dimension = Dimension::of(3, 0, 0, 0);
 const AREA: Dimension = Dimension::of(2, 0, 0, 0);
 
 /// A number that a contribution of that name reports of itself at rest.
-fn at_rest(problem: &CaseProblem, name: &str, quantity: &str) -> Option<f64> {
+pub(super) fn at_rest(problem: &CaseProblem, name: &str, quantity: &str) -> Option<f64> {
     let solid = problem.solid();
     let rest = solid.rest();
     let at = nastic_fem::Instant::new(&rest.u, &rest.controls, 0.0);
@@ -132,7 +132,7 @@ fn at_rest(problem: &CaseProblem, name: &str, quantity: &str) -> Option<f64> {
     all.into_iter().find(|(of, what, _)| of == name && *what == quantity).map(|(.., value)| value)
 }
 
-fn point(point: &BodyPoint) -> String {
+pub(super) fn point(point: &BodyPoint) -> String {
     match point {
         BodyPoint::At([x, y, z]) => format!("({x}, {y}, {z})"),
         BodyPoint::Nodes(name) => format!("\"{name}\""),
