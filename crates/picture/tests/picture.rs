@@ -186,6 +186,24 @@ fn the_same_picture_gives_the_same_bytes() {
     }
 }
 
+/// A spring to the ground leads out of the body: both its ends are in the picture.
+#[test]
+fn lines_outside_the_body_have_room() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("a.svg");
+    let mesh = rectangle([1.0, 1.0], [2, 2], CellKind::Quad4).unwrap();
+    let body = Body::new("body", mesh).polyline(Colour::GREEN, vec![[1.0, 0.5, 0.0], [6.0, 0.5, 0.0]]);
+    Picture::new("").size(640, 400).body(body).write(&file).unwrap();
+    let svg = std::fs::read_to_string(&file).unwrap();
+    let [r, g, b] = Colour::GREEN.0;
+    let look = format!("stroke=\"#{r:02x}{g:02x}{b:02x}\"");
+    let line = svg.lines().find(|line| line.contains("d=\"M") && line.contains(&look)).unwrap();
+    let ends: Vec<f64> =
+        line.split('"').nth(1).unwrap().split(['M', 'L', ' ']).filter_map(|x| x.parse().ok()).collect();
+    assert!(ends.len() == 4 && ends[2] - ends[0] > 200.0, "{line}");
+    assert!(ends[0] > 0.0 && ends[2] < 640.0 && ends[1].min(ends[3]) > 0.0 && ends[1].max(ends[3]) < 400.0, "{line}");
+}
+
 #[test]
 fn what_cannot_be_drawn_is_refused() {
     let mesh = cube(CellKind::Hex8);
