@@ -7,7 +7,7 @@ use nastic_control::{
 };
 use nastic_energy::FiberTension;
 use nastic_fem::contributions::catalogue::CATALOGUE;
-use nastic_fem::{Instant, Solid};
+use nastic_fem::{Foundation, Instant, Solid};
 use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, Problem, Taylor, Verdict};
 use nastic_tensor::Vec3;
 
@@ -107,6 +107,17 @@ fn the_work_of_a_pump_has_the_pressure_as_its_derivative() -> Outcome {
     }
     let work = problem.at(&[to])?.cost() - problem.at(&[from])?.cost();
     assert!((work / sum - 1.0).abs() < 1e-5, "{work} instead of {sum}");
+    Ok(())
+}
+
+/// What a foundation stores is not in the work of the body: refused rather than wrong.
+#[test]
+fn the_work_of_a_pump_beside_a_foundation_is_refused() -> Outcome {
+    let entry = CATALOGUE.iter().find(|entry| entry.name == "cavity of a volume").ok_or("no cavity of a volume")?;
+    let bedded = (entry.example)()?.foundation(Foundation::on("x+", 1e5))?;
+    let problem = Reduced::new(bedded).control(entry.name, Space::Uniform)?.cost(PumpWork::new(1.0)?)?;
+    let refused = problem.at(&[0.1]).err().ok_or("the work beside a foundation is told")?.to_string();
+    assert!(refused.contains("is not counted"), "{refused}");
     Ok(())
 }
 

@@ -1,17 +1,23 @@
 //! The motion of a rigid surface as a control: derivatives by translation and rotation.
 
-use nastic_control::{Reduced, Space, Target, Tracking};
+use nastic_control::{Ensemble, Reduced, Space, Target, Tracking};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{Motion, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Bounds, Lbfgs, Optimizer, Taylor, Verdict};
 use nastic_tensor::Vec3;
+use nastic_uncertainty::risk::CATALOGUE as RISKS;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
 fn bar(kind: CellKind, cells: [usize; 3]) -> Outcome<Solid> {
+    bar_of(kind, cells, 1.0)
+}
+
+/// One that is so many times as stiff.
+fn bar_of(kind: CellKind, cells: [usize; 3], stiffer: f64) -> Outcome<Solid> {
     Ok(Solid::new(box_mesh([2.0, 0.25, 0.25], cells, kind)?)?
-        .material("body", NeoHooke::new(4e4, 6e4)?)?
+        .material("body", NeoHooke::new(4e4 * stiffer, 6e4 * stiffer)?)?
         .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
         .clamp("x-")?
         .motion(Motion::of("grip", "x+").about([2.1, 0.0, 0.1]))?)
@@ -19,9 +25,13 @@ fn bar(kind: CellKind, cells: [usize; 3]) -> Outcome<Solid> {
 
 /// Tracked are the whole body, so that the cost depends on the held nodes too, and the upper face.
 fn problem(kind: CellKind, cells: [usize; 3], rotation: bool) -> Outcome<Reduced> {
+    problem_of(bar(kind, cells)?, rotation)
+}
+
+fn problem_of(solid: Solid, rotation: bool) -> Outcome<Reduced> {
     let wanted = Target::position(|x| [0.95 * x[0], x[1] + 0.1 * x[0], x[2] + 0.1 * x[0] * x[0]]);
     let flat = Target::position(|x| [x[0], x[1], x[2] + 0.05]);
-    let problem = Reduced::new(bar(kind, cells)?)
+    let problem = Reduced::new(solid)
         .control("grip.translation", Space::Uniform)?
         .control("fibre", Space::Region)?
         .cost(Tracking::region("body", wanted))?
@@ -66,6 +76,25 @@ fn second_derivatives_by_a_translation_are_exact() -> Outcome {
     let refused = Taylor { second: true, ..Taylor::default() }.test(&turned, &around(&M)?, &M);
     let told = refused.err().ok_or("second derivatives by a rotation")?.to_string();
     assert!(told.contains("grip") && told.contains("rotation"), "{told}");
+    Ok(())
+}
+
+/// What a bent risk and a fixed length take of the first derivatives at the values of the controls is there for held surfaces too.
+#[test]
+fn second_derivatives_by_a_translation_under_every_risk_and_of_a_length() -> Outcome {
+    let m = &M[..4];
+    for row in RISKS {
+        let mut ensemble = Ensemble::new((row.make)());
+        for (name, p, stiffer) in [("soft", 0.3, 0.8), ("stiff", 0.5, 1.3), ("middle", 0.2, 1.0)] {
+            ensemble = ensemble.scenario(name, p, problem_of(bar_of(CellKind::Hex8, [6, 1, 1], stiffer)?, false)?);
+        }
+        let report = Taylor { second: true, directions: 2, ..Taylor::default() };
+        let report = report.test(&ensemble.build()?, &around(m)?, m)?;
+        assert_eq!(report.second_verdict(), Some(Verdict::Right), "{}: {report}", row.name);
+    }
+    let fixed = problem(CellKind::Hex8, [6, 1, 1], false)?.of_length("grip.translation", 0.2)?;
+    let report = Taylor { second: true, directions: 2, ..Taylor::default() }.test(&fixed, &around(m)?, m)?;
+    assert_eq!(report.second_verdict(), Some(Verdict::Right), "of a length: {report}");
     Ok(())
 }
 

@@ -272,6 +272,17 @@ fn rooms_that_are_none_are_refused() -> Outcome {
     assert!(both.err().is_some_and(|error| error.to_string().contains("two parallel planes")));
     let twice = solid.cavity(Cavity::new("air", "inside").lid())?.cavity(Cavity::new("air", "inside").lid());
     assert!(twice.is_err(), "two cavities of one name");
+    let shell = |x: f64| -> Outcome<Solid> {
+        Ok(Solid::new(shell(CellKind::Hex8, 2)?)?
+            .material("body", NeoHooke::new(1e5, 2e5)?)?
+            .displace("x-", [Some(x), None, None])?
+            .displace("y-", [None, Some(0.0), None])?
+            .displace("z-", [None, None, Some(0.0)])?
+            .cavity(Cavity::new("air", "inner").symmetry("x-").symmetry("y-").symmetry("z-"))?)
+    };
+    shell(0.0)?.check()?;
+    let moved = shell(0.3)?.check().err().ok_or("a plane of symmetry that moves is taken")?.to_string();
+    assert!(moved.contains("is moved out of it"), "{moved}");
     Ok(())
 }
 
@@ -313,6 +324,10 @@ fn an_open_surface_with_a_held_rim_is_a_plate_under_pressure() -> Outcome {
         let state = solid.solve(&controls, &STRICT)?;
         let swept = solid.model().quantities(&Instant::new(&state.u, &controls, 1.0))?;
         assert!(swept.iter().any(|(_, what, value)| *what == "swept_volume" && *value > 1e-3), "{swept:?}");
+        // The area vector of a surface is that of its rim, whatever it does between: 1 upwards.
+        let axis = if kind.dim() == 2 { "force_y" } else { "force_z" };
+        let force = swept.iter().find(|(_, what, _)| *what == axis).ok_or("no force is reported")?.2;
+        assert!((force / p - 1.0).abs() < 1e-12, "{kind}: the pressure pushes with {force}");
         let loose = Solid::new(regular(
             kind,
             [1.0, 1.0, if kind.dim() == 2 { 0.0 } else { 1.0 }],
