@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // clippy.toml frees test functions, not their helpers
 
 use std::collections::BTreeSet;
+use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use nastic_io::{parse_gmsh, read_gmsh, read_gmsh_scaled, read_mesh};
@@ -208,6 +209,8 @@ fn the_committed_meshes_are_what_their_scripts_say() {
         ("first_finger.msh", CellKind::Tet10, 80.0 * 12.0 * 12.0),
         ("jointed_finger.msh", CellKind::Tet10, 80.0 * 12.0 * 12.0),
         ("bent_finger.msh", CellKind::Tet10, (40.0 + 38.0) * 12.0 * 12.0),
+        ("bilayer.msh", CellKind::Hex27, 32.0 * 8.0 * 0.6),
+        ("manipulator.msh", CellKind::Tet10, PI * 1e-9 * (81.0 * 40.0 - 3.0 * 2.2 * 2.2 * 32.0)),
     ];
     let committed =
         std::fs::read_dir(meshes("")).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -217,8 +220,9 @@ fn the_committed_meshes_are_what_their_scripts_say() {
         let mesh = read_mesh(meshes(file), 1.0).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(mesh.blocks().len(), 1, "{file}");
         assert_eq!(mesh.blocks()[0].kind, kind, "{file}");
-        // Quadratic sides meet the arc to fourth order in the size of an element.
-        assert!((measure(&mesh) / volume - 1.0).abs() < 1e-6, "{file}: {}", measure(&mesh));
+        // Quadratic sides meet the arc to fourth order in the size of an element; the sides of the manipulator are straight.
+        let tolerance = if file == "manipulator.msh" { 0.015 } else { 1e-6 };
+        assert!((measure(&mesh) / volume - 1.0).abs() < tolerance, "{file}: {}", measure(&mesh));
         assert!(mesh.notes().is_empty(), "{file}: {:?}", mesh.notes());
         assert!(mesh.regions().len() > 1 || mesh.region("body").is_ok(), "{file}");
     }
