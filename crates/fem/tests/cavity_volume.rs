@@ -251,6 +251,8 @@ fn what_does_not_go_with_a_volume_is_refused() -> Outcome {
     constrained(advanced.err());
     let error = solve(&solid, &[-1.0], None).err().ok_or("a negative volume is taken")?.to_string();
     assert!(error.contains("leaves none of its reference volume"), "{error}");
+    let error = solve(&solid, &[1e6], None).err().ok_or("a volume of another unit is taken")?.to_string();
+    assert!(error.contains("in another unit"), "{error}");
     let held = solid.displace("inner", [Some(0.0); 3])?;
     let error = held.check().err().ok_or("a volume that cannot change is taken")?.to_string();
     assert!(error.contains("control its pressure"), "{error}");

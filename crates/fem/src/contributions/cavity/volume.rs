@@ -11,6 +11,9 @@ use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::{axpy, dot};
 
+/// Times the volume at rest beyond which a volume is a mistake: a stretch of more than 20 everywhere.
+const LARGEST: f64 = 1e4;
+
 /// The constraint `g(u) = V(u) - V_0 - dV = 0` of a [`Cavity`](super::Cavity) with the pressure p as its multiplier:
 ///
 /// ```text
@@ -68,6 +71,17 @@ impl Contribution for CavityVolume {
     }
 
     fn check_constraints(&self, at: &Instant) -> Result<(), FemError> {
+        let rest = self.0.reference_volume;
+        if self.wanted(at) > LARGEST * rest {
+            let what = format!(
+                "the added volume {:.4e} of cavity \"{}\" is {:.1e} times its reference volume {rest:.4e}, beyond any material; is it \
+                 in another unit?",
+                at.control(0),
+                self.0.name,
+                at.control(0) / rest
+            );
+            return Err(FemError::Meaningless { what });
+        }
         if self.wanted(at) > 0.0 {
             return Ok(());
         }
