@@ -2,27 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-use nastic_case::schema::Case;
-use nastic_case::syntax::Document;
+mod common;
 
-const COMPLETE: &str = include_str!("cases/complete.json");
+use common::{COMPLETE, one};
+
 const MAGNETS: &str = include_str!("cases/magnets.json");
 const SCENARIOS: &str = include_str!("cases/scenarios.json");
-
-/// All problems of `text` after replacing `from` by `to`, which must occur.
-fn problems(text: &str, from: &str, to: &str) -> String {
-    assert!(text.contains(from), "nothing to replace: {from}");
-    let broken = text.replacen(from, to, 1);
-    let read = Document::parse("case.json", &broken).and_then(|document| Case::read(&document));
-    read.map_or_else(|problems| problems.to_string(), |_| String::new())
-}
-
-/// Expects one problem, ending so; its place is checked where it matters.
-fn one(text: &str, from: &str, to: &str, ending: &str) {
-    let found = problems(text, from, to);
-    assert_eq!(found.lines().count(), 1, "{from} -> {to}:\n{found}");
-    assert!(found.ends_with(ending), "{from} -> {to}:\n{found}\nwanted: {ending}");
-}
 
 #[test]
 fn contradictions_inside_a_block_are_found() {

@@ -2,25 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
+mod common;
+
+use common::{COMPLETE, one, problems_with};
 use nastic_case::schema::Case;
 use nastic_case::syntax::Document;
-
-const COMPLETE: &str = include_str!("cases/complete.json");
-
-/// All problems of `text` after replacing `from` by `to`, which must occur.
-fn problems(text: &str, from: &str, to: &str) -> String {
-    assert!(text.contains(from), "nothing to replace: {from}");
-    let broken = text.replacen(from, to, 1);
-    let read = Document::parse("case.json", &broken).and_then(|document| Case::read(&document));
-    read.map_or_else(|problems| problems.to_string(), |_| String::new())
-}
-
-/// Expects one problem, ending so; its place is checked where it matters.
-fn one(text: &str, from: &str, to: &str, ending: &str) {
-    let found = problems(text, from, to);
-    assert_eq!(found.lines().count(), 1, "{from} -> {to}:\n{found}");
-    assert!(found.ends_with(ending), "{from} -> {to}:\n{found}\nwanted: {ending}");
-}
 
 #[test]
 fn unknown_keys_name_the_nearest_and_the_list() {
@@ -84,7 +70,7 @@ fn words_people_try_are_answered_with_what_to_write() {
         (kind, "\"magnetization\": 1, \"kind\": \"fiber_tension\"", ["actuation/0/magnetization", "\"remanence\""]),
         ("\"max_iterations\"", "\"maxiter\"", ["optimizer/maxiter", "\"max_iterations\": 100"]),
     ] {
-        let found = problems(COMPLETE, from, to);
+        let found = problems_with(COMPLETE, from, to);
         let told = |line: &&str| parts.iter().all(|part| line.contains(part)) && line.contains("(one of: ");
         assert!(found.lines().filter(told).count() == 1, "{from} -> {to}:\n{found}\nwanted: {parts:?}");
     }
@@ -92,7 +78,7 @@ fn words_people_try_are_answered_with_what_to_write() {
 
 #[test]
 fn problems_carry_path_line_and_column() {
-    let found = problems(COMPLETE, "\"100 kPa\"", "\"100 mm\"");
+    let found = problems_with(COMPLETE, "\"100 kPa\"", "\"100 mm\"");
     let place = "case.json:9:27: materials/0/mu1: ";
     assert_eq!(
         found,
@@ -254,7 +240,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"field\": \"Tesla\"",
         ": units/field: unknown unit \"Tesla\": did you mean \"T\"? (one of: T, mT, uT)",
     );
-    let found = problems("[1]", "1", "2");
+    let found = problems_with("[1]", "1", "2");
     assert_eq!(found, "case.json:1:1: an object { ... } was expected, found a list");
-    assert_eq!(problems("{}", "{}", "{ }").lines().count(), 3, "nastic, mesh and materials are required");
+    assert_eq!(problems_with("{}", "{}", "{ }").lines().count(), 3, "nastic, mesh and materials are required");
 }

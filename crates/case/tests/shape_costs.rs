@@ -79,6 +79,16 @@ fn mistakes_are_told_where_they_are() {
         ("\"1 / 60 mm\"", "\"60 mm\"", ["costs/2/curvature", "a curvature (1 over a length) is wanted"]),
         ("\"largest_stretch\"", "\"largest_stretch\", \"exponent\": 99", ["constraints/0/cost/exponent", "1 to 32"]),
     ];
+    let compliance = "\"compliance\", \"surface\": \"x+\", \"direction\": [0, 1]";
+    let newton = CASE.replace("\"max_iterations\"", "\"method\": \"gauss_newton\", \"max_iterations\"");
+    let path = write("second", &newton.replacen("\"largest_stretch\"", compliance, 1));
+    let refused = run(Command::Check, &path, &Options::default(), &Console::silent()).err().unwrap().to_string();
+    assert!(refused.contains("constraints/0/cost") && refused.contains("no second derivatives"), "{refused}");
+    let bed = "\"supports\": [ { \"surface\": \"y-\", \"foundation\": \"1 kPa / 1 mm\" }, ";
+    let bedded = CASE.replacen("\"supports\": [ ", bed, 1);
+    let path = write("bed", &bedded.replacen("\"largest_stretch\"", "\"pump_work\"", 1));
+    let refused = run(Command::Check, &path, &Options::default(), &Console::silent()).err().unwrap().to_string();
+    assert!(refused.contains("foundation on y-") && refused.contains("is not counted"), "{refused}");
     for (k, (from, to, wanted)) in mistakes.iter().enumerate() {
         assert!(CASE.contains(from), "{from}");
         let path = write(&format!("mistake_{k}"), &CASE.replacen(from, to, 1));

@@ -1,6 +1,6 @@
 //! The motion of a rigid surface as a control: derivatives by translation and rotation.
 
-use nastic_control::{Ensemble, Reduced, Space, Target, Tracking};
+use nastic_control::{Compliance, Ensemble, Reduced, Space, Target, Tracking};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{Motion, Solid};
 use nastic_mesh::{CellKind, box_mesh};
@@ -95,6 +95,31 @@ fn second_derivatives_by_a_translation_under_every_risk_and_of_a_length() -> Out
     let fixed = problem(CellKind::Hex8, [6, 1, 1], false)?.of_length("grip.translation", 0.2)?;
     let report = Taylor { second: true, directions: 2, ..Taylor::default() }.test(&fixed, &around(m)?, m)?;
     assert_eq!(report.second_verdict(), Some(Verdict::Right), "of a length: {report}");
+    Ok(())
+}
+
+/// Pushed far enough, a straight column is an equilibrium that gives way by itself: no compliance, rather than a negative one.
+#[test]
+fn a_column_behind_its_buckling_load_has_no_compliance() -> Outcome {
+    let column = Solid::new(box_mesh([2.0, 0.1, 0.1], [20, 1, 1], CellKind::Hex20)?)?
+        .material("body", NeoHooke::new(4e4, 6e4)?)?
+        .clamp("x-")?
+        .motion(Motion::of("grip", "x+"))?;
+    let problem = Reduced::new(column)
+        .control("grip.translation", Space::Uniform)?
+        .cost(Compliance::surface("z+", [0.0, 0.0, 1.0]))?;
+    assert!(problem.at(&[-0.01, 0.0, 0.0])?.cost() > problem.at(&[0.0; 3])?.cost(), "it softens");
+    let refused = problem.at(&[-0.03, 0.0, 0.0]).err().ok_or("a compliance of an unstable column")?.to_string();
+    assert!(refused.contains("unstable"), "{refused}");
+    Ok(())
+}
+
+/// A turn by 90 is one in degrees.
+#[test]
+fn more_than_a_turn_is_refused() -> Outcome {
+    let turned = problem(CellKind::Hex8, [3, 1, 1], true)?.at(&[0.0, 0.0, 0.0, 0.0, 0.0, 90.0, 0.0]);
+    let refused = turned.err().ok_or("90 rad are taken")?.to_string();
+    assert!(refused.contains("radians"), "{refused}");
     Ok(())
 }
 

@@ -1,10 +1,10 @@
 //! Tension and pull of tendons as controls: Taylor tests of first and second derivatives, and a bound that is met.
 
-use nastic_control::{Reduced, Space, Target, Tracking};
+use nastic_control::{Reduced, ReducedWorkspace, Space, Target, Tracking};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{Solid, Tendon};
 use nastic_mesh::{CellKind, box_mesh};
-use nastic_opt::{Bounds, Lbfgs, Optimizer, Taylor, Verdict};
+use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, Taylor, Verdict};
 use nastic_tensor::Vec3;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
@@ -53,6 +53,16 @@ fn derivatives_by_tension_and_pull_are_exact() -> Outcome {
             assert!(orders.clone().all(|order| order > 2.9), "{:?}", orders.collect::<Vec<_>>());
         }
     }
+    Ok(())
+}
+
+/// An elastic tendon at rest is about to pull: the derivative by its pull is there, so that an optimiser may begin at zero.
+#[test]
+fn a_tendon_at_rest_can_be_drawn_in() -> Outcome {
+    let problem = problem(bar(CellKind::Hex8, [3, 1, 1], Some(2e3))?)?;
+    let mut point = problem.at(&[0.0; 3])?;
+    let derivative = problem.derivative(&mut point, &mut ReducedWorkspace::default())?;
+    assert!(derivative[0] < 0.0 && derivative[1] != 0.0, "{derivative:?}");
     Ok(())
 }
 

@@ -106,6 +106,7 @@ fn what_cannot_move_is_refused() -> Outcome {
     told(bar(CellKind::Hex8)?.motion(grip())?.clamp("x+"), ["grip", "x+"]);
     told(bar(CellKind::Hex8)?.motion(grip())?.motion(Motion::of("other", "y-")), ["grip", "other"]);
     told(bar(CellKind::Hex8)?.motion(Motion::of("grip", "x*")), ["x*", "not found"]);
+    told(bar(CellKind::Hex8)?.clamp("x-")?.motion(Motion::of("x-", "x+")), ["x-", "rename the motion"]);
     told(bar(CellKind::Hex8)?.motion(grip().about([f64::NAN, 0.0, 0.0])), ["grip", "finite"]);
     let plane = bar(CellKind::Quad4)?.clamp("x-")?.motion(grip())?;
     let why = solve(&plane, [0.0, 0.0, 0.0, 0.1, 0.0, 0.0]).err().ok_or("a turn out of the plane")?.to_string();

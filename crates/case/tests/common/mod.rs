@@ -5,7 +5,7 @@
 use nastic_case::console::Console;
 use nastic_case::lower::CaseProblem;
 use nastic_case::run::{Options, Outcome, RunError, run};
-use nastic_case::schema::Command;
+use nastic_case::schema::{Case, Command};
 use nastic_case::syntax::{Diagnostics, Document};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -13,6 +13,9 @@ use std::sync::{Arc, Mutex};
 
 /// A bar of four hexahedra with a fibre along it, tracked at its end.
 pub const BAR: &str = include_str!("../cases/bar.json");
+
+/// A case with a block of nearly every kind.
+pub const COMPLETE: &str = include_str!("../cases/complete.json");
 
 /// Point arrays of the optimum of [`BAR`].
 pub const OPTIMUM_POINTS: [&str; 8] = [
@@ -136,4 +139,19 @@ pub fn warnings(text: &str) -> String {
 fn strip(text: &str) -> String {
     let directory = format!("{}/tests/cases/", env!("CARGO_MANIFEST_DIR"));
     text.replace(&directory, "")
+}
+
+/// All problems of `text` after replacing `from` by `to`, which must occur.
+pub fn problems_with(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "nothing to replace: {from}");
+    let broken = text.replacen(from, to, 1);
+    let read = Document::parse("case.json", &broken).and_then(|document| Case::read(&document));
+    read.map_or_else(|problems| problems.to_string(), |_| String::new())
+}
+
+/// Expects one problem, ending so; its place is checked where it matters.
+pub fn one(text: &str, from: &str, to: &str, ending: &str) {
+    let found = problems_with(text, from, to);
+    assert_eq!(found.lines().count(), 1, "{from} -> {to}:\n{found}");
+    assert!(found.ends_with(ending), "{from} -> {to}:\n{found}\nwanted: {ending}");
 }

@@ -41,12 +41,7 @@ impl Cost for PumpWork {
     }
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
-        if let Some(name) = at.solid.model().storing() {
-            let what = format!(
-                "the work of pumps is that of the body alone: what \"{name}\" stores is not counted; leave one of them out"
-            );
-            return Err(ControlError::Cost { what });
-        }
+        check_stored(at.solid)?;
         let body = at.solid.body();
         // Without their controls actuations store nothing.
         let mut sums = body.evaluate(at.u, &body.controls(), true, false)?;
@@ -57,12 +52,24 @@ impl Cost for PumpWork {
     }
 }
 
+/// Refuses what stores energy beside the body, which the work would leave out.
+fn check_stored(solid: &Solid) -> Result<(), ControlError> {
+    let Some(name) = solid.model().storing() else { return Ok(()) };
+    let what = format!(
+        "the work of pumps is that of the body alone: what \"{name}\" stores is not counted; leave one of them out"
+    );
+    Err(ControlError::Cost { what })
+}
+
 /// How it stands in case files.
 pub(super) const FORM: CostForm = CostForm {
     name: PumpWork::NAME,
     about: "work of the pumps of cavities, and of whatever else drives the body, from rest",
     forms: &[&[]],
-    make: |_, _, weight| Ok(Box::new(PumpWork { weight })),
+    make: |solid, _, weight| {
+        check_stored(solid)?;
+        Ok(Box::new(PumpWork { weight }))
+    },
 };
 
 #[derive(Debug)]

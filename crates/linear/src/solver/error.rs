@@ -77,7 +77,10 @@ pub enum LinearError {
         scalars: usize,
     },
     /// The border makes the system singular.
-    #[error("the bordered system is singular: its Schur complement of {scalars} scalar unknowns has no inverse")]
+    #[error(
+        "the bordered system is singular: its Schur complement of {scalars} scalar unknowns has no inverse; constraints that depend on each \
+         other, as two volumes of one room do, cannot be told apart: leave one out"
+    )]
     Border {
         /// Number of scalar unknowns.
         scalars: usize,
