@@ -33,7 +33,7 @@ impl fmt::Display for ControlEntity<'_> {
 }
 
 /// The values of one control field: pairs of an entity and its value, by ascending number of the entity. The value has one entry per
-/// component: one of a scalar field, three of a vector.
+/// component: one of a scalar field, three of a vector. Of a field in time all pairs of the first knot, then those of the next.
 #[derive(Debug, Clone, Copy)]
 pub struct ControlValues<'a> {
     block: &'a ControlBlock,
@@ -52,13 +52,19 @@ impl<'a> ControlValues<'a> {
         self.block.unit
     }
 
+    /// The instants that the values of a field in time belong to: its knots, or the middles of the intervals between them.
+    #[must_use]
+    pub fn instants(&self) -> Option<Vec<f64>> {
+        self.block.knots.as_ref().map(|knots| knots.instants())
+    }
+
     /// All pairs.
     #[must_use]
     pub fn iter(&self) -> Pairs<'a> {
         Pairs { block: self.block, unknown: 0, values: self.values.chunks_exact(self.block.components) }
     }
 
-    /// The value of an entity; `None` where the field does not reach it.
+    /// The value of an entity, of a field in time that of its first knot; `None` where the field does not reach it.
     #[must_use]
     pub fn get(&self, entity: ControlEntity<'_>) -> Option<&'a [f64]> {
         self.iter().find(|(other, _)| *other == entity).map(|(_, value)| value)
@@ -96,7 +102,7 @@ impl<'a> Iterator for Pairs<'a> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let value = self.values.next()?;
-        let entity = self.block.map.entity(self.unknown);
+        let entity = self.block.map.entity(self.unknown % self.block.map.len());
         self.unknown += 1;
         Some((entity, value))
     }

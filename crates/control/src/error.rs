@@ -115,6 +115,14 @@ pub enum ControlError {
         /// Type of the evaluated cost.
         cost: &'static str,
     },
+    /// What a problem in time does not have.
+    #[error(
+        "{what} of a problem in time are not there: take an optimiser of first derivatives (L-BFGS, projected gradient)"
+    )]
+    InTime {
+        /// What was asked for.
+        what: &'static str,
+    },
     /// A cost that makes no sense as given.
     #[error("{what}")]
     Cost {
@@ -131,7 +139,12 @@ impl ControlError {
 
     /// Whether a law, a contribution or a cost has no second derivatives: nothing is said of the control.
     pub fn lacks_second_derivatives(&self) -> bool {
-        matches!(self, ControlError::NoSecondPartials { .. } | ControlError::State(StateError::SecondDerivatives(_)))
+        matches!(
+            self,
+            ControlError::NoSecondPartials { .. }
+                | ControlError::InTime { .. }
+                | ControlError::State(StateError::SecondDerivatives(_))
+        )
     }
 
     /// Newton iterations of the state solve that failed, where that is known.

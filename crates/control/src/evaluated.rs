@@ -2,7 +2,7 @@
 
 use crate::constraint::ConstraintPoint;
 use crate::cost::CostPoint;
-use nastic_fem::{Controls, SolveReport, Solver, State};
+use nastic_fem::{Controls, SolveReport, Solver, State, Trajectory};
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use std::sync::Arc;
@@ -12,8 +12,10 @@ use std::sync::Arc;
 pub struct Evaluated {
     /// The control vector.
     pub m: Vec<f64>,
-    /// The equilibrium.
+    /// The equilibrium; of a problem in time the state at the end.
     pub state: State,
+    /// Of a problem in time: how it came there.
+    pub motion: Option<MotionRun>,
     /// Value of every cost term, weights included, in the order they were added.
     pub terms: Vec<f64>,
     /// Value of every constraint, in the order they were added.
@@ -28,6 +30,15 @@ pub struct Evaluated {
     pub(crate) costs: Vec<Arc<dyn CostPoint>>,
     /// The evaluated constraints, likewise.
     pub(crate) constraint_points: Vec<Arc<dyn ConstraintPoint>>,
+}
+
+/// A motion, as it was evaluated.
+#[derive(Debug, Clone)]
+pub struct MotionRun {
+    /// The states, one for each instant.
+    pub trajectory: Arc<Trajectory>,
+    /// The relative accuracy that was asked of them.
+    pub accuracy: f64,
 }
 
 /// The adjoint displacement `K(u*) lambda = -d(j + y . c)/du` and the work of its solve.
@@ -45,6 +56,16 @@ impl Evaluated {
     /// Sum of the terms.
     pub fn cost(&self) -> f64 {
         self.terms.iter().sum()
+    }
+
+    /// The states: of a problem in time one for each instant, else the equilibrium alone.
+    pub fn states(&self) -> &[State] {
+        self.motion.as_ref().map_or(std::slice::from_ref(&self.state), |run| run.trajectory.states())
+    }
+
+    /// The smallest J at a quadrature point, over all states.
+    pub fn min_j(&self) -> f64 {
+        self.states().iter().map(|state| state.report.min_j).fold(f64::INFINITY, f64::min)
     }
 
     /// The adjoint displacement, once the derivative was taken.
@@ -67,6 +88,7 @@ impl Evaluated {
         out.count(self.stage);
         out.floats(&self.terms);
         out.floats(&self.constraints);
+        out.float(self.motion.as_ref().map_or(0.0, |run| run.accuracy));
         write_state(&self.state, &mut out);
         write_report(&self.work, &mut out);
         out.count(usize::from(self.adjoint.is_some()));
@@ -78,17 +100,19 @@ impl Evaluated {
         out.finish()
     }
 
-    /// The point that [`to_bytes`](Self::to_bytes) wrote; `controls` are those that `m` has at the points.
+    /// The point that [`to_bytes`](Self::to_bytes) wrote, of a motion without its states, and the accuracy they were found to;
+    /// `controls` are those that `m` has at the points.
     pub(crate) fn from_bytes(
         bytes: &[u8],
         m: &[f64],
         controls: Controls,
         expected: Expected,
-    ) -> Result<Self, SavedRunError> {
+    ) -> Result<(Self, f64), SavedRunError> {
         let mut input = Reader::new(bytes, MAGIC)?;
         let stage = input.number()?;
         let terms = input.floats()?;
         let constraints = input.floats()?;
+        let accuracy = input.float()?;
         let state = read_state(&mut input, controls)?;
         if (stage, terms.len(), state.u.len()) != (expected.stage, expected.terms, expected.dofs) {
             return Err(input.damaged("a point of another stage, with other cost terms or on another mesh"));
@@ -109,7 +133,9 @@ impl Evaluated {
         }
         input.finish()?;
         let (m, costs, constraint_points) = (m.to_vec(), vec![], vec![]);
-        Ok(Evaluated { m, state, terms, constraints, stage, work, adjoint, costs, constraint_points })
+        let point =
+            Evaluated { m, state, motion: None, terms, constraints, stage, work, adjoint, costs, constraint_points };
+        Ok((point, accuracy))
     }
 }
 
@@ -122,7 +148,7 @@ pub(crate) struct Expected {
     pub dofs: usize,
 }
 
-const MAGIC: &str = "nastic-point-4";
+const MAGIC: &str = "nastic-point-5";
 
 /// All but the controls, which follow from the control vector.
 fn write_state(state: &State, out: &mut Writer) {

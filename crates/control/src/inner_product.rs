@@ -6,6 +6,7 @@ use crate::layout::Layout;
 use crate::map::{ControlMap, Space};
 use nastic_fem::{Discretization, Solid};
 use nastic_linear::{Factor, Graph, Ordering, Pattern, Pivots, SparseMatrix, Symbolic};
+use nastic_numeric::vector::axpy;
 use nastic_opt::{Diagonal, InnerProduct};
 use std::sync::Arc;
 
@@ -55,6 +56,11 @@ pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<A
             let diagonal = Diagonal::new(weights).map_err(|e| ControlError::Cost { what: e.to_string() })?;
             Ok(Arc::new(diagonal))
         }
+        Metric::H1 { .. } if layout.blocks().iter().any(|block| block.knots.is_some()) => {
+            let what = "the H1 product of controls in time is not implemented: take L2, and costs of the control's \
+                        smoothness in space and of its rate in time";
+            Err(ControlError::Cost { what: what.to_owned() })
+        }
         Metric::H1 { length } if length.is_finite() && length > 0.0 => {
             Ok(Arc::new(H1::new(solid.discretization(), layout, &weights, length)?))
         }
@@ -65,17 +71,21 @@ pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<A
     }
 }
 
-/// `weight int phi_i dX` for every entry of the control vector.
+/// `weight int phi_i dX` for every entry of the control vector; of fields in time times `(1/T) int phi_k dt`.
 fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
     let mut out = vec![0.0; layout.len()];
     for block in layout.blocks() {
+        let mut at_instant = vec![0.0; block.size()];
         for (q, w) in block.map.weights(disc).iter().enumerate() {
             for (i, shape) in block.map.at_point(q) {
                 for c in 0..block.components {
-                    out[block.first + i * block.components + c] += block.weight * w * shape;
+                    at_instant[i * block.components + c] += block.weight * w * shape;
                 }
             }
         }
+        let shares = block.knots.as_ref().map_or(vec![1.0], |knots| knots.shares());
+        let own = out[block.first..].chunks_exact_mut(at_instant.len().max(1));
+        own.zip(shares).for_each(|(out, share)| axpy(share, &at_instant, out));
     }
     out
 }

@@ -3,9 +3,10 @@
 use crate::error::ControlError;
 use crate::map::{ControlMap, Space};
 use crate::scaling::Scaling;
+use crate::time::Knots;
 use nastic_energy::SlotGroup;
 use nastic_fem::{Controllable, Controls, Solid};
-use nastic_numeric::vector::norm;
+use nastic_numeric::vector::{axpy, norm};
 use std::sync::Arc;
 
 /// One control field: some slots of one actuation, with a space.
@@ -31,17 +32,35 @@ pub struct ControlBlock {
     pub length: Option<f64>,
     /// Factor of its part of the inner product: see [`Layout::weigh`].
     pub weight: f64,
+    /// Of a control in time: its knots.
+    pub knots: Option<Arc<Knots>>,
 }
 
 impl ControlBlock {
-    /// Number of entries in the vector: entry `first + components * unknown + component`.
-    pub fn len(&self) -> usize {
+    /// Number of entries at one instant.
+    pub fn size(&self) -> usize {
         self.map.len() * self.components
+    }
+
+    /// Number of values in time: 1 of a control that is constant in time.
+    pub fn values_in_time(&self) -> usize {
+        self.knots.as_ref().map_or(1, |knots| knots.len())
+    }
+
+    /// Number of entries in the vector: entry `first + size * knot + components * unknown + component`.
+    pub fn len(&self) -> usize {
+        self.size() * self.values_in_time()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.map.is_empty()
+    }
+
+    /// The values in time that make up that at an instant, with their factors.
+    fn weights(&self, t: f64) -> impl Iterator<Item = (usize, f64)> {
+        let weights = self.knots.as_ref().map_or([(0, 1.0), (0, 0.0)], |knots| knots.weights(t));
+        weights.into_iter().filter(|(_, factor)| *factor != 0.0)
     }
 
     /// Number of consecutive slots it sets.
@@ -209,8 +228,9 @@ impl Layout {
             _ => return Err(ControlError::OneNumber { name: of.to_owned(), space: space.name() }),
         };
         let (map, components) = (Arc::new(map), if direction.is_some() { 1 } else { slots });
-        let (name, first, length, weight) = (of.to_owned(), self.len, None, 1.0);
-        let block = ControlBlock { name, actuation, slot, components, direction, map, first, unit, length, weight };
+        let (name, first, length, weight, knots) = (of.to_owned(), self.len, None, 1.0, None);
+        let block =
+            ControlBlock { name, actuation, slot, components, direction, map, first, unit, length, weight, knots };
         self.len += block.len();
         self.blocks.push(block);
         Ok(&self.blocks[self.blocks.len() - 1])
@@ -250,6 +270,55 @@ impl Layout {
         Ok(())
     }
 
+    /// Gives the last control field that was added values at knots in time.
+    pub(crate) fn in_time(&mut self, knots: Knots) {
+        if let Some(block) = self.blocks.last_mut() {
+            self.len -= block.len();
+            block.knots = Some(Arc::new(knots));
+            self.len += block.len();
+        }
+    }
+
+    /// The same fields at one instant: its vectors are those of [`at`](Self::at).
+    pub fn of_instant(&self) -> Layout {
+        let mut layout = Layout { len: 0, ..self.clone() };
+        for block in &mut layout.blocks {
+            block.knots = None;
+            block.first = layout.len;
+            layout.len += block.size();
+        }
+        layout
+    }
+
+    /// The vector of the fields at an instant, from one with the values of all knots.
+    ///
+    /// # Errors
+    /// [`ControlError::Length`].
+    pub fn at(&self, m: &[f64], t: f64) -> Result<Vec<f64>, ControlError> {
+        self.check(m)?;
+        let mut out = Vec::new();
+        for block in &self.blocks {
+            let (own, size, first) = (block.of(m), block.size(), out.len());
+            out.resize(first + size, 0.0);
+            for (k, factor) in block.weights(t) {
+                axpy(factor, &own[k * size..(k + 1) * size], &mut out[first..]);
+            }
+        }
+        Ok(out)
+    }
+
+    /// The transpose of [`at`](Self::at): adds a derivative by the fields at an instant to that by the values of all knots.
+    pub(crate) fn add_at(&self, t: f64, by_instant: &[f64], out: &mut [f64]) {
+        let mut rest = by_instant;
+        for block in &self.blocks {
+            let (own, behind) = rest.split_at(block.size());
+            for (k, factor) in block.weights(t) {
+                axpy(factor, own, &mut out[block.first + k * own.len()..][..own.len()]);
+            }
+            rest = behind;
+        }
+    }
+
     /// The control fields.
     pub fn blocks(&self) -> &[ControlBlock] {
         &self.blocks
@@ -277,17 +346,29 @@ impl Layout {
     }
 
     /// The fixed values of slots that are not controlled.
+    pub(crate) fn fixed(&self) -> &Controls {
+        &self.fixed
+    }
+
+    /// The same, to be changed.
     pub fn fixed_mut(&mut self) -> &mut Controls {
         &mut self.fixed
     }
 
-    /// Values of all actuations at the points.
+    /// Values of all actuations at the points; of fields in time at t = 0.
     ///
     /// # Errors
     /// [`ControlError::Length`].
     pub fn to_points(&self, m: &[f64]) -> Result<Controls, ControlError> {
+        match self.blocks.iter().any(|block| block.knots.is_some()) {
+            true => self.of_instant().to_points_over(self.fixed.clone(), &self.at(m, 0.0)?),
+            false => self.to_points_over(self.fixed.clone(), m),
+        }
+    }
+
+    /// The same of fields at one instant, on top of other values of slots that are not controlled.
+    pub(crate) fn to_points_over(&self, mut controls: Controls, m: &[f64]) -> Result<Controls, ControlError> {
         self.check(m)?;
-        let mut controls = self.fixed.clone();
         for block in &self.blocks {
             let stride = controls.slots(block.actuation);
             let out = controls.values_mut(block.actuation);

@@ -18,6 +18,7 @@ mod reduced;
 mod scaling;
 mod snapshot;
 mod state_predictor;
+mod time;
 mod total_variation;
 mod workspace;
 
@@ -34,7 +35,7 @@ pub use ensemble::{
     Measured, Member,
 };
 pub use error::ControlError;
-pub use evaluated::{AdjointState, Evaluated, read_report, write_report};
+pub use evaluated::{AdjointState, Evaluated, MotionRun, read_report, write_report};
 pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::{ControlBlock, Layout};
@@ -42,4 +43,7 @@ pub use map::{ControlMap, SPACES, Space, SpaceRow};
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use reduced::Reduced;
 pub use snapshot::StateFields;
+pub use time::{
+    ControlRate, Interpolation, Knots, RateLimit, Timeline, TrajectoryContext, TrajectoryCost, TrajectoryPartials, When,
+};
 pub use workspace::ReducedWorkspace;

@@ -1,22 +1,27 @@
 //! [`Reduced`]: the cost as a function of the controls alone.
 
 mod constrained;
+mod in_time;
+mod motion;
 mod objective;
 mod second_order;
+mod sensitivity;
 
 pub(crate) use constrained::Lagrangian;
+pub(crate) use in_time::Motion;
 pub(crate) use objective::work_summary;
 
 use crate::constraint::Constraint;
 use crate::control_values::ControlValues;
-use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost, Partials};
+use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost};
 use crate::error::ControlError;
-use crate::evaluated::{AdjointState, Evaluated};
+use crate::evaluated::Evaluated;
 use crate::inner_product::{Metric, inner_product};
 use crate::layout::Layout;
 use crate::map::Space;
+use crate::time::When;
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{Progress, Solid, SolveOptions, SolveReport, State, StatePartials, Trajectory};
+use nastic_fem::{Progress, Solid, SolveOptions, SolveReport, State};
 use nastic_opt::{InnerProduct, Request};
 use std::borrow::Cow;
 use std::fmt;
@@ -70,6 +75,8 @@ pub struct Reduced {
     costs: Vec<Box<dyn Cost>>,
     constraints: Vec<Box<dyn Constraint>>,
     metric: Metric,
+    /// Of a problem in time.
+    motion: Option<Motion>,
     /// Compute on all threads; `false` for a member of an ensemble.
     parallel: bool,
     /// Whether the workspace keeps a factor for the next solve.
@@ -108,6 +115,7 @@ impl Reduced {
             costs: vec![],
             constraints: vec![],
             metric: Metric::L2,
+            motion: None,
             parallel: true,
             keep_factors: true,
             refuse_unstable: false,
@@ -122,6 +130,7 @@ impl Reduced {
     /// Unknown names, a field given twice, a space that does not fit.
     pub fn control(mut self, of: &str, space: Space) -> Result<Self, ControlError> {
         self.layout.control(&self.solid, of, space)?;
+        self.update_layout();
         Ok(self)
     }
 
@@ -132,6 +141,7 @@ impl Reduced {
     /// As [`Layout::fix_length`].
     pub fn of_length(mut self, control: &str, length: f64) -> Result<Self, ControlError> {
         self.layout.fix_length(control, length)?;
+        self.update_layout();
         Ok(self)
     }
 
@@ -141,6 +151,7 @@ impl Reduced {
     /// As [`control`](Self::control); a slot that is no vector, a direction without a length.
     pub fn control_along(mut self, of: &str, space: Space, direction: [f64; 3]) -> Result<Self, ControlError> {
         self.layout.control_along(&self.solid, of, space, direction)?;
+        self.update_layout();
         Ok(self)
     }
 
@@ -150,6 +161,7 @@ impl Reduced {
     /// As there.
     pub fn weigh(mut self, control: &str, weight: f64) -> Result<Self, ControlError> {
         self.layout.weigh(control, weight)?;
+        self.update_layout();
         Ok(self)
     }
 
@@ -162,12 +174,13 @@ impl Reduced {
         Ok(self)
     }
 
-    /// Adds a cost term.
+    /// Adds a cost term; in a problem in time [at its end](crate::When::End).
     ///
     /// # Errors
     /// What the cost does not find on the body.
     pub fn cost(mut self, cost: impl IntoCost) -> Result<Self, ControlError> {
         self.costs.push(cost.bind(&self.solid)?);
+        self.schedule_cost(When::End)?;
         Ok(self)
     }
 
@@ -279,6 +292,9 @@ impl Reduced {
         how: &Request<'_, Evaluated>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Evaluated, ControlError> {
+        if let Some(motion) = &self.motion {
+            return self.evaluate_motion(motion, m, how, workspace);
+        }
         let controls = self.layout.to_points(m)?;
         let guess = match how.near {
             Some(near) => {
@@ -290,21 +306,24 @@ impl Reduced {
                 None
             }
         };
-        let options = SolveOptions {
-            guess: guess.as_deref(),
-            near: how.near.map(|near| &near.state),
-            parallel: self.parallel,
-            accuracy: how.accuracy * RESIDUAL_PER_ACCURACY,
-            cancel: self.cancel.as_deref(),
-            watch: self.progress.as_ref().map(|progress| &*progress.0 as &(dyn Fn(&Progress) + Sync)),
-            ..SolveOptions::default()
-        };
+        let near = how.near.map(|near| &near.state);
+        let options = SolveOptions { guess: guess.as_deref(), near, ..self.solve_options(how.accuracy) };
         let solved = self.solid.solve_with(&controls, &options, &mut workspace.solve);
         self.forget(workspace);
         let state = solved?;
         self.check_stable(&state)?;
         let work = state.report;
         self.valued(state, m, how.stage, work)
+    }
+
+    fn solve_options(&self, accuracy: f64) -> SolveOptions<'_> {
+        SolveOptions {
+            parallel: self.parallel,
+            accuracy: accuracy * RESIDUAL_PER_ACCURACY,
+            cancel: self.cancel.as_deref(),
+            watch: self.progress.as_ref().map(|progress| &*progress.0 as &(dyn Fn(&Progress) + Sync)),
+            ..SolveOptions::default()
+        }
     }
 
     /// The values of costs and constraints in a state.
@@ -316,7 +335,18 @@ impl Reduced {
             constraint_points.clear();
         }
         let m = m.to_vec();
-        Ok(Evaluated { m, state, terms, constraints, stage, work, costs, constraint_points, adjoint: None })
+        Ok(Evaluated {
+            m,
+            state,
+            motion: None,
+            terms,
+            constraints,
+            stage,
+            work,
+            costs,
+            constraint_points,
+            adjoint: None,
+        })
     }
 
     fn check_stable(&self, state: &State) -> Result<(), ControlError> {
@@ -347,12 +377,13 @@ impl Reduced {
         Ok((values, costs))
     }
 
-    /// Evaluates the terms in a state.
+    /// Evaluates the terms in a state; of a problem in time with the controls of its instant, whenever they count.
     ///
     /// # Errors
     /// A cost that is not defined there.
     pub fn costs_at(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<Arc<dyn CostPoint>>, ControlError> {
-        let context = self.context(state, m, stage);
+        let m = self.at_instant(m, state.time)?;
+        let context = self.context(state, &m, stage);
         self.costs.iter().map(|cost| cost.at(&context)).collect()
     }
 
@@ -369,82 +400,38 @@ impl Reduced {
 
     fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {
         let u = self.solid.model().nodal(&state.u);
-        CostContext { solid: &self.solid, layout: &self.layout, u, state: Some(state), m, stage }
+        CostContext { solid: &self.solid, layout: self.layout_of_instant(), u, state: Some(state), m, stage }
+    }
+
+    /// The control fields at one instant: what costs of states see.
+    pub fn layout_of_instant(&self) -> &Layout {
+        self.motion.as_ref().map_or(&self.layout, |motion| &motion.layout)
+    }
+
+    /// Their vector at an instant.
+    fn at_instant<'m>(&self, m: &'m [f64], t: f64) -> Result<Cow<'m, [f64]>, ControlError> {
+        match self.motion {
+            Some(_) => self.layout.at(m, t).map(Cow::Owned),
+            None => Ok(Cow::Borrowed(m)),
+        }
     }
 
     pub(crate) fn restage_typed(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
+        if let (Some(motion), Some(run)) = (&self.motion, &point.motion) {
+            return self.valued_motion(motion, run.clone(), &point.m, stage);
+        }
         self.valued(point.state.clone(), &point.m, stage, SolveReport::default())
-    }
-
-    /// Partial derivatives of the cost (all terms, or one of them).
-    ///
-    /// # Errors
-    /// A cost that is not defined there.
-    pub fn partials(&self, point: &Evaluated, term: Option<usize>) -> Result<Partials, ControlError> {
-        let mut partials = Partials::zero(point.state.u.len(), point.m.len());
-        for (k, cost) in self.costs_of(point)?.iter().enumerate() {
-            if term.is_none_or(|t| t == k) {
-                cost.add_partials(&mut partials)?;
-            }
-        }
-        Ok(partials)
-    }
-
-    /// `djhat/dm` of one term.
-    ///
-    /// # Errors
-    /// A tangent that is singular, a cost that is not defined.
-    pub fn derivative_of_term(
-        &self,
-        point: &Evaluated,
-        term: usize,
-        workspace: &mut ReducedWorkspace,
-    ) -> Result<Vec<f64>, ControlError> {
-        self.sensitivity(point, Some(term), workspace).map(|(derivative, _)| derivative)
-    }
-
-    /// `djhat/dm` of all terms, or of one, and the adjoint state; no adjoint where no term depends on the state.
-    pub(crate) fn sensitivity(
-        &self,
-        point: &Evaluated,
-        term: Option<usize>,
-        workspace: &mut ReducedWorkspace,
-    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        self.sensitivity_of(point, self.partials(point, term)?, workspace)
-    }
-
-    /// `d/dm` of what has these partials, and its adjoint state.
-    fn sensitivity_of(
-        &self,
-        point: &Evaluated,
-        partials: Partials,
-        workspace: &mut ReducedWorkspace,
-    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        let mut derivative = partials.m;
-        if partials.u.iter().all(|&d| d == 0.0) {
-            return Ok((derivative, None));
-        }
-        let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
-        let (trajectory, by_state) =
-            (Trajectory::from(point.state.clone()), StatePartials::by_displacement(partials.u));
-        let swept = self.solid.model().reverse_sweep(&trajectory, &[by_state], &how, &mut workspace.solve);
-        self.forget(workspace);
-        let mut swept = swept?;
-        for (d, through_state) in derivative.iter_mut().zip(self.layout.control_vjp(&point.m, &swept.controls[0])) {
-            *d += through_state;
-        }
-        let (lambda, work) = (swept.lambda.swap_remove(0), swept.report);
-        Ok((derivative, Some(AdjointState { lambda, work, multipliers: vec![] })))
     }
 
     /// Names of the terms; those that occur several times are numbered, `tracking_0`, `tracking_1`.
     pub fn term_names(&self) -> Vec<String> {
-        let of = |k: usize| self.costs[k].name();
-        let name = |k: usize| match self.costs.iter().filter(|c| c.name() == of(k)).count() {
-            1 => of(k).to_owned(),
-            _ => format!("{}_{}", of(k), (0..k).filter(|&i| of(i) == of(k)).count()),
+        let of_motion = self.motion.iter().flat_map(|motion| motion.costs.iter().map(|cost| cost.name()));
+        let all: Vec<&str> = self.costs.iter().map(|cost| cost.name()).chain(of_motion).collect();
+        let name = |k: usize| match all.iter().filter(|name| **name == all[k]).count() {
+            1 => all[k].to_owned(),
+            _ => format!("{}_{}", all[k], (0..k).filter(|&i| all[i] == all[k]).count()),
         };
-        (0..self.costs.len()).map(name).collect()
+        (0..all.len()).map(name).collect()
     }
 
     /// Figures of every cost term beside its value (a true distance, say), more expensive than the values.

@@ -11,12 +11,23 @@ impl ControlBlock {
     /// The total variation `int |Dm|` of this field with these values, its part of a control vector: `int |grad m| dX`
     /// (Frobenius norm) of a field between nodes or on a grid, of its vectors as
     /// [`Layout::fix_length`](crate::Layout::fix_length) leaves them; of a field that is constant in cells or regions the sum
-    /// over inner faces of `area |jump|`. Zero of one value. Unit: the values' times an area (of a plane body a length).
+    /// over inner faces of `area |jump|`. Zero of one value. Of a field in time the mean over the time. Unit: the values' times
+    /// an area (of a plane body a length).
     ///
     /// Where it grows without bound as the control mesh is refined, the fields have no limit of bounded variation.
     ///
     /// Source: Ambrosio, Fusco, Pallara, Functions of Bounded Variation, 2000, section 3.1.
     pub fn total_variation(&self, disc: &Discretization, values: &[f64]) -> f64 {
+        match &self.knots {
+            None => self.total_variation_at(disc, values),
+            Some(knots) => {
+                let of_knots = values.chunks_exact(self.size().max(1)).zip(knots.shares());
+                of_knots.map(|(values, share)| share * self.total_variation_at(disc, values)).sum()
+            }
+        }
+    }
+
+    fn total_variation_at(&self, disc: &Discretization, values: &[f64]) -> f64 {
         let n = self.components;
         match self.map.space() {
             Space::Uniform => 0.0,

@@ -65,6 +65,7 @@ fn difference(a: &ControlBlock, b: &ControlBlock) -> Option<&'static str> {
         () if a.unit != b.unit => Some("unit"),
         () if a.length != b.length => Some("length of its vectors"),
         () if a.weight != b.weight => Some("weight in the inner product"),
+        () if a.knots != b.knots => Some("knots in time"),
         () if a.map.entities() != b.map.entities() => Some("cells or nodes"),
         () => None,
     }

@@ -19,7 +19,8 @@ pub(crate) struct Lagrangian<'a> {
 }
 
 impl Reduced {
-    /// Adds a constraint, which [`nastic_opt::AugmentedLagrangian`] holds; optimisers by themselves know nothing of it.
+    /// Adds a constraint, which [`nastic_opt::AugmentedLagrangian`] holds; optimisers by themselves know nothing of it. In a
+    /// problem in time it holds at the end.
     ///
     /// # Errors
     /// What the constraint does not find on the body.
@@ -35,7 +36,8 @@ impl Reduced {
 
     /// What the distances that constraints keep at nodes come to between these, constraint by constraint.
     pub fn between_nodes(&self, at: &Evaluated) -> Vec<Option<BetweenNodes>> {
-        let context = self.context(&at.state, &at.m, at.stage);
+        let Ok(m) = self.at_instant(&at.m, at.state.time) else { return Vec::new() };
+        let context = self.context(&at.state, &m, at.stage);
         self.constraints.iter().map(|constraint| constraint.between_nodes(&context)).collect()
     }
 
@@ -45,7 +47,8 @@ impl Reduced {
         state: &State,
         m: &[f64],
     ) -> Result<Vec<Arc<dyn ConstraintPoint>>, ControlError> {
-        let context = self.context(state, m, 0);
+        let m = self.at_instant(m, state.time)?;
+        let context = self.context(state, &m, 0);
         self.constraints.iter().map(|constraint| constraint.at(&context)).collect()
     }
 
@@ -80,8 +83,13 @@ impl Reduced {
         of: Lagrangian<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        let partials = self.lagrangian_partials(point, of)?;
-        let (derivative, adjoint) = self.sensitivity_of(point, partials, workspace)?;
+        let (derivative, adjoint) = match (&self.motion, &point.motion) {
+            (Some(motion), Some(run)) => {
+                let partials = self.lagrangian_partials_of_motion(motion, run, point, of)?;
+                self.sensitivity_of_motion(motion, run, (&point.m, partials), workspace)?
+            }
+            _ => self.sensitivity_of(point, self.lagrangian_partials(point, of)?, workspace)?,
+        };
         let multipliers = if of.y.iter().any(|y| *y != 0.0) { of.y.to_vec() } else { vec![] };
         Ok((derivative, adjoint.map(|adjoint| AdjointState { multipliers, ..adjoint })))
     }
@@ -106,6 +114,7 @@ impl Constrained for Reduced {
     /// In the order they were added; those of one name are numbered, `obstacle_0`, `obstacle_1`.
     fn constraints(&self) -> Vec<ConstraintGroup> {
         let mut groups: Vec<ConstraintGroup> = self.constraints.iter().map(|constraint| constraint.group()).collect();
+        groups.extend(self.rate_groups());
         let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
         for (k, group) in groups.iter_mut().enumerate() {
             if names.iter().filter(|name| **name == group.name).count() > 1 {

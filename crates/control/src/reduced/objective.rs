@@ -62,7 +62,7 @@ impl Objective for Reduced {
         let terms = self.term_names().into_iter().zip(&point.terms);
         let mut entries: Vec<(String, f64)> = terms.map(|(name, value)| (format!("terms/{name}"), *value)).collect();
         entries.extend(work_summary(&point.total_work()));
-        entries.push(("min_J".into(), point.state.report.min_j));
+        entries.push(("min_J".into(), point.min_j()));
         Summary(entries)
     }
 
@@ -87,13 +87,19 @@ impl Objective for Reduced {
         point.to_bytes()
     }
 
-    /// Solves nothing.
+    /// Solves nothing; but a motion runs once more, which gives the same bits.
     fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, Evaluated>) -> Result<Evaluated, Failed> {
         let controls = self.layout().to_points(m)?;
-        let (terms, dofs) = (self.costs().len(), self.solid().model().unknowns().len());
+        let (terms, dofs) = (self.term_names().len(), self.solid().model().unknowns().len());
         let constraints = Constrained::constraints(self).iter().map(|group| group.len).sum();
         let expected = Expected { stage: how.stage, terms, constraints, dofs };
-        Evaluated::from_bytes(bytes, m, controls, expected).map_err(Failed::new)
+        let (mut point, accuracy) = Evaluated::from_bytes(bytes, m, controls, expected).map_err(Failed::new)?;
+        if self.timeline().is_some() {
+            let how = Request { near: None, accuracy, ..*how };
+            let again = self.evaluate_typed(m, &how, &mut ReducedWorkspace::default())?;
+            point = Evaluated { adjoint: point.adjoint, ..again };
+        }
+        Ok(point)
     }
 }
 

@@ -145,6 +145,7 @@ impl Reduced {
         (v, which, first): (&[f64], Hessian, Option<ByControls<'_>>),
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
+        self.refuse_motion("second derivatives")?;
         let at_points = self.layout.change(&point.m, v)?;
         let exact = which == Hessian::Exact;
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };

@@ -1,0 +1,196 @@
+//! Reduced problems in time: a motion instead of an equilibrium.
+
+use super::Reduced;
+use crate::cost::IntoCost;
+use crate::error::ControlError;
+use crate::layout::Layout;
+use crate::map::Space;
+use crate::time::{Knots, RateLimit, Schedule, Timeline, TrajectoryCost, When};
+use nastic_opt::ConstraintGroup;
+
+/// What a problem in time has beside a static one.
+#[derive(Debug)]
+pub(crate) struct Motion {
+    pub timeline: Timeline,
+    /// The control fields at one instant.
+    pub layout: Layout,
+    /// When each cost of states counts.
+    pub schedules: Vec<Schedule>,
+    /// Costs of the whole motion, behind those of states.
+    pub costs: Vec<Box<dyn TrajectoryCost>>,
+    pub rates: Vec<RateLimit>,
+    /// Slots that follow given values: actuation, slot, values at the points for each instant.
+    pub fixed: Vec<(usize, usize, Vec<Vec<f64>>)>,
+}
+
+impl Reduced {
+    /// Makes it a problem in time: `j(y_0, .., y_N; m)` over a motion. To be called before controls, costs and constraints are added.
+    /// [`control`](Self::control) adds fields that are constant in time (a design), [`control_in_time`](Self::control_in_time)
+    /// those with knots; [`cost`](Self::cost) counts at the end, [`cost_when`](Self::cost_when) elsewhere,
+    /// [`trajectory_cost`](Self::trajectory_cost) adds one of the whole motion.
+    ///
+    /// Value: one motion, which keeps its states. Derivative: one reverse sweep over them, exact for the discrete motion.
+    /// Every evaluation begins at t = 0 with an empty workspace: it depends on m alone. Source: docs/model.md section 12.
+    ///
+    /// # Errors
+    /// A problem that has controls or costs already; an initial velocity of the wrong length.
+    pub fn in_time(mut self, timeline: Timeline) -> Result<Self, ControlError> {
+        if !(self.layout.is_empty() && self.costs.is_empty() && self.constraints.is_empty()) {
+            let what = "call in_time before controls, costs and constraints are added".to_owned();
+            return Err(ControlError::Cost { what });
+        }
+        let dofs = self.solid.model().unknowns().len();
+        if let Some(found) = timeline.initial_velocity().map(<[f64]>::len).filter(|found| *found != dofs) {
+            let what = format!("the initial velocity has {found} entries where the body has {dofs} unknowns");
+            return Err(ControlError::Cost { what });
+        }
+        let layout = self.layout.clone();
+        self.motion = Some(Motion { timeline, layout, schedules: vec![], costs: vec![], rates: vec![], fixed: vec![] });
+        Ok(self)
+    }
+
+    /// The instants of a problem in time.
+    pub fn timeline(&self) -> Option<&Timeline> {
+        self.motion.as_ref().map(|motion| &motion.timeline)
+    }
+
+    /// Adds a control field with a value at each knot in time.
+    ///
+    /// # Errors
+    /// As [`control`](Self::control); a problem without time; knots that do not end with it.
+    pub fn control_in_time(self, of: &str, space: Space, knots: Knots) -> Result<Self, ControlError> {
+        let end = self.needs_time("a control in time")?.timeline.end();
+        if (knots.end() - end).abs() > 1e-9 * end {
+            let what =
+                format!("the knots of control \"{of}\" end at {}, the motion at {end}: let them agree", knots.end());
+            return Err(ControlError::Cost { what });
+        }
+        let mut added = self.control(of, space)?;
+        added.layout.in_time(knots);
+        added.update_layout();
+        Ok(added)
+    }
+
+    /// Adds a cost of states that counts at some part of the motion.
+    ///
+    /// # Errors
+    /// As [`cost`](Self::cost); a problem without time; instants that the steps do not lead through.
+    pub fn cost_when(mut self, when: When, cost: impl IntoCost) -> Result<Self, ControlError> {
+        self.needs_time("a cost at instants")?;
+        self.costs.push(cost.bind(&self.solid)?);
+        self.schedule_cost(when)?;
+        Ok(self)
+    }
+
+    /// Adds a cost of states that changes in time: a target that moves along a path, say. `cost(t)` is made for every instant
+    /// that counts.
+    ///
+    /// # Errors
+    /// As [`cost_when`](Self::cost_when).
+    pub fn cost_along<C: IntoCost>(
+        mut self,
+        when: When,
+        cost: impl Fn(f64) -> Result<C, ControlError>,
+    ) -> Result<Self, ControlError> {
+        let motion = self.needs_time("a cost along a path")?;
+        let mut schedule = Schedule::new(when, &motion.timeline)?;
+        let instants = motion.timeline.instants();
+        let bound = |t: f64| cost(t)?.bind(&self.solid);
+        schedule.own = schedule.weights.iter().map(|(n, _)| bound(instants[*n])).collect::<Result<_, _>>()?;
+        let last = bound(motion.timeline.end())?;
+        self.costs.push(last);
+        if let Some(motion) = &mut self.motion {
+            motion.schedules.push(schedule);
+        }
+        Ok(self)
+    }
+
+    /// Adds a cost of the whole motion.
+    ///
+    /// # Errors
+    /// A problem without time; what the cost does not find.
+    pub fn trajectory_cost(mut self, cost: impl TrajectoryCost + 'static) -> Result<Self, ControlError> {
+        let motion = self.needs_time("a cost of a motion")?;
+        cost.check(&self.layout, &motion.timeline)?;
+        if let Some(motion) = &mut self.motion {
+            motion.costs.push(Box::new(cost));
+        }
+        Ok(self)
+    }
+
+    /// Adds a bound on the rate of a control, as constraints.
+    ///
+    /// # Errors
+    /// A problem without time; a control that is unknown or constant in time.
+    pub fn limit_rate(mut self, limit: RateLimit) -> Result<Self, ControlError> {
+        self.needs_time("a limited rate")?;
+        limit.check(&self.layout)?;
+        if let Some(motion) = &mut self.motion {
+            motion.rates.push(limit);
+        }
+        Ok(self)
+    }
+
+    /// Lets a slot that is not controlled follow given values at the points, `values(t)` for every instant.
+    ///
+    /// # Errors
+    /// A problem without time; values of the wrong length or that are not finite.
+    pub fn fix_in_time(
+        mut self,
+        actuation: usize,
+        slot: usize,
+        values: impl Fn(f64) -> Vec<f64>,
+    ) -> Result<Self, ControlError> {
+        let instants = self.needs_time("values in time")?.timeline.instants();
+        let values: Vec<Vec<f64>> = instants.iter().map(|t| values(*t)).collect();
+        let mut controls = self.solid.controls();
+        values.iter().try_for_each(|at_points| controls.set(actuation, slot, at_points))?;
+        if let Some(motion) = &mut self.motion {
+            motion.fixed.push((actuation, slot, values));
+        }
+        Ok(self)
+    }
+
+    /// When each cost of states counts, in a problem in time.
+    pub fn schedules(&self) -> Vec<&When> {
+        self.motion.iter().flat_map(|motion| motion.schedules.iter().map(|schedule| &schedule.when)).collect()
+    }
+
+    /// Memory of one motion that is kept for its derivative, in bytes, to begin with.
+    pub fn motion_bytes(&self) -> usize {
+        let Some(motion) = &self.motion else { return 0 };
+        let points: usize = (0..self.solid.controls().len()).map(|k| self.solid.controls().values(k).len()).sum();
+        let vectors = 3 + motion.timeline.scheme().stages();
+        8 * (motion.timeline.steps() + 1) * (vectors * self.solid.model().unknowns().len() + points)
+    }
+
+    fn needs_time(&self, what: &str) -> Result<&Motion, ControlError> {
+        self.motion.as_ref().ok_or_else(|| {
+            let what = format!("{what} needs a problem in time: call in_time first");
+            ControlError::Cost { what }
+        })
+    }
+
+    pub(super) fn refuse_motion(&self, what: &'static str) -> Result<(), ControlError> {
+        if self.motion.is_some() { Err(ControlError::InTime { what }) } else { Ok(()) }
+    }
+
+    /// Puts the cost that was added last into the motion, if there is one.
+    pub(super) fn schedule_cost(&mut self, when: When) -> Result<(), ControlError> {
+        if let Some(motion) = &mut self.motion {
+            motion.schedules.push(Schedule::new(when, &motion.timeline)?);
+        }
+        Ok(())
+    }
+
+    pub(super) fn update_layout(&mut self) {
+        if let Some(motion) = &mut self.motion {
+            motion.layout = self.layout.of_instant();
+        }
+    }
+
+    pub(super) fn rate_groups(&self) -> Vec<ConstraintGroup> {
+        let rates = self.motion.iter().flat_map(|motion| &motion.rates);
+        rates.filter_map(|rate| rate.group(&self.layout).ok()).collect()
+    }
+}

@@ -1,0 +1,76 @@
+//! First derivatives of the reduced cost.
+
+use super::Reduced;
+use crate::cost::Partials;
+use crate::error::ControlError;
+use crate::evaluated::{AdjointState, Evaluated};
+use crate::workspace::ReducedWorkspace;
+use nastic_fem::{SolveOptions, StatePartials, Trajectory};
+
+impl Reduced {
+    /// Partial derivatives of the cost of a static problem (all terms, or one of them).
+    ///
+    /// # Errors
+    /// A cost that is not defined there.
+    pub fn partials(&self, point: &Evaluated, term: Option<usize>) -> Result<Partials, ControlError> {
+        self.refuse_motion("partial derivatives by one state")?;
+        let mut partials = Partials::zero(point.state.u.len(), point.m.len());
+        for (k, cost) in self.costs_of(point)?.iter().enumerate() {
+            if term.is_none_or(|t| t == k) {
+                cost.add_partials(&mut partials)?;
+            }
+        }
+        Ok(partials)
+    }
+
+    /// `djhat/dm` of one term.
+    ///
+    /// # Errors
+    /// A tangent that is singular, a cost that is not defined.
+    pub fn derivative_of_term(
+        &self,
+        point: &Evaluated,
+        term: usize,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<f64>, ControlError> {
+        self.sensitivity(point, Some(term), workspace).map(|(derivative, _)| derivative)
+    }
+
+    /// `djhat/dm` of all terms, or of one, and the adjoint state; no adjoint where no term depends on the state.
+    pub(crate) fn sensitivity(
+        &self,
+        point: &Evaluated,
+        term: Option<usize>,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
+        if let (Some(motion), Some(run)) = (&self.motion, &point.motion) {
+            let partials = self.partials_of_motion(motion, run, point, term)?;
+            return self.sensitivity_of_motion(motion, run, (&point.m, partials), workspace);
+        }
+        self.sensitivity_of(point, self.partials(point, term)?, workspace)
+    }
+
+    /// `d/dm` of what has these partials, and its adjoint state.
+    pub(super) fn sensitivity_of(
+        &self,
+        point: &Evaluated,
+        partials: Partials,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
+        let mut derivative = partials.m;
+        if partials.u.iter().all(|&d| d == 0.0) {
+            return Ok((derivative, None));
+        }
+        let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
+        let (trajectory, by_state) =
+            (Trajectory::from(point.state.clone()), StatePartials::by_displacement(partials.u));
+        let swept = self.solid.model().reverse_sweep(&trajectory, &[by_state], &how, &mut workspace.solve);
+        self.forget(workspace);
+        let mut swept = swept?;
+        for (d, through_state) in derivative.iter_mut().zip(self.layout.control_vjp(&point.m, &swept.controls[0])) {
+            *d += through_state;
+        }
+        let (lambda, work) = (swept.lambda.swap_remove(0), swept.report);
+        Ok((derivative, Some(AdjointState { lambda, work, multipliers: vec![] })))
+    }
+}
