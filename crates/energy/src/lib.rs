@@ -18,6 +18,7 @@ mod moduli;
 mod polyconvex;
 mod tension_bound;
 mod term;
+mod viscosity;
 
 pub use actuation::{
     Dielectric, FiberTension, Magnet, MagnetIsochoric, MagnetRotation, PointQuantity, Turgor, dielectric, magnet,
@@ -30,3 +31,4 @@ pub use moduli::Moduli;
 pub use polyconvex::{Block, Change, Conjugates, ConvexDensity, Curvature};
 pub use tension_bound::TensionBound;
 pub use term::{Actuation, EnergyTerm, PointBatch, Response, Slot, SlotGroup, Slots, Want};
+pub use viscosity::{Evolution, KelvinVoigt, MaxwellBranch};

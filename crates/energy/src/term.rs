@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-use crate::{EnergyError, Existence, Moduli, Outside, Place, PointQuantity, TensionBound};
+use crate::{EnergyError, Evolution, Existence, Moduli, Outside, Place, PointQuantity, TensionBound};
 
 /// The quadrature points of one cell: their kinematics, and who they are.
 #[derive(Clone, Copy, Debug)]
@@ -294,6 +294,11 @@ pub trait Actuation: EnergyTerm {
         None
     }
 
+    /// How its slots follow the deformation, of a law whose slots are internal variables: nobody controls it.
+    fn evolution(&self) -> Option<&dyn Evolution> {
+        None
+    }
+
     /// The control values seen by an observer who turned space by `q`: components of spatial vectors turn with it,
     /// scalars and vectors of the reference body stay. The contract tests use it to state objectivity.
     fn turn(&self, _q: &Mat3, _m: &mut [f64]) {}
@@ -373,6 +378,10 @@ impl<T: Actuation + ?Sized> Actuation for Arc<T> {
 
     fn point_limit(&self, at: Place) -> Option<f64> {
         (**self).point_limit(at)
+    }
+
+    fn evolution(&self) -> Option<&dyn Evolution> {
+        (**self).evolution()
     }
 
     fn turn(&self, q: &Mat3, m: &mut [f64]) {

@@ -1,0 +1,30 @@
+//! [`Evolution`]: how internal variables follow the deformation.
+
+use crate::Place;
+use nastic_tensor::{Kinematics, Mat3};
+
+/// The internal variables of a viscous law. They are the slots of an [`Actuation`](crate::Actuation) whose energy is that of a time
+/// step, condensed: stored energy plus `h` times the dissipation potential, minimised over the internal variables at the end of the
+/// step (Ortiz and Stainier, CMAME 171, 1999). Among the slots is one that says how long the step is; where all slots are
+/// zero the law is as after an infinitely long step: it contributes nothing.
+///
+/// A point carries the slots of the last step; [`advance`](Self::advance) makes those of the next one.
+pub trait Evolution {
+    /// Sets the slot that depends on the length of the step (s, 0 for an instant) in the slots of a point.
+    fn set_step(&self, at: Place, dt: f64, slots: &mut [f64]);
+
+    /// The internal variables at the end of the step that the slots belong to, at the deformation there: sets `next`, but for the
+    /// slot of [`set_step`](Self::set_step), which stays.
+    fn advance(&self, at: Place, k: &Kinematics, slots: &[f64], next: &mut [f64]);
+
+    /// The transpose of its derivative: adds what `by_next` owes to `F` and to the slots.
+    fn advance_vjp(
+        &self,
+        at: Place,
+        k: &Kinematics,
+        slots: &[f64],
+        by_next: &[f64],
+        by_f: &mut Mat3,
+        by_slots: &mut [f64],
+    );
+}

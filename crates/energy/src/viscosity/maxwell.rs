@@ -1,0 +1,262 @@
+use nastic_tensor::{Kinematics, Mat3};
+
+use super::evolution::Evolution;
+use super::only_at_rest;
+use super::spectrum::{Spectrum, log_over, log_over_divided, power_divided};
+use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Response, Slot, Slots, Want};
+
+/// A Maxwell branch: a spring in series with a dashpot, in parallel with the passive law, in the isochoric response.
+///
+/// **Internal variable.** The viscous part `F_v` of `F = F_e F_v`, `det F_v = 1`, up to a rotation: `z = F_v - 1`.
+///
+/// **Energy.** `mu |dev ln U_e|^2`, `U_e^2 = F_e^T F_e` (Hencky). The flow costs `mu tau |d_v|^2`, `d_v` the rate of viscous stretching.
+/// A step of length h from F_v, with the exponential map, has the minimum over the flow in closed form:
+///
+/// ```text
+/// W(F; F_v) = s mu |dev ln U_e|^2,    F_e = F F_v^-1,    s = 1/(1 + h/tau)
+/// F_v -> (U_e^2 / det^(1/3))^((1 - s)/2) F_v
+/// ```
+///
+/// so that `F_v^T F_v` moves by the share `1 - s` along the geodesic of positive definite tensors to the isochoric `F^T F`. First order in h.
+///
+/// **Small strains.** Relaxation of the shear modulus by `mu exp(-t/tau)`: one term of a Prony series.
+///
+/// **Stress.** `P = F_e S F_v^-T`, `S = 2 s mu dev(ln U_e) U_e^-2`. Objective. The dissipation `mu tau |d_v|^2` is never negative.
+///
+/// **Convexity.** Not polyconvex (Hencky's energy is not); it grows like `ln^2`.
+///
+/// **Parameters.** `shear` mu > 0 in Pa and `relaxation` tau > 0 in s, each a [`Field`]. Slots: `F_v - 1` by rows, `s`.
+///
+/// **Source.** S. Reese, S. Govindjee, Int. J. Solids Struct. 35 (1998) 3455-3482, doi 10.1016/S0020-7683(97)00217-5; logarithmic
+/// strains as there, section 4.
+#[derive(Clone, Debug)]
+pub struct MaxwellBranch {
+    shear: Field<f64>,
+    relaxation: Field<f64>,
+}
+
+/// The slot of s.
+const STEP: usize = 9;
+
+impl MaxwellBranch {
+    /// Name in messages.
+    pub const NAME: &str = "maxwell";
+
+    const SLOTS: [Slot; 10] = [Slot::scalar("internal", ""); 10];
+
+    /// From the shear modulus (Pa) and the relaxation time (s).
+    ///
+    /// # Errors
+    /// [`EnergyError::Parameter`] unless both are positive and finite.
+    pub fn new(shear: impl Into<Field<f64>>, relaxation: impl Into<Field<f64>>) -> Result<Self, EnergyError> {
+        let (shear, relaxation) = (shear.into(), relaxation.into());
+        shear.require_positive(Self::NAME, "shear")?;
+        relaxation.require_positive(Self::NAME, "relaxation")?;
+        Ok(MaxwellBranch { shear, relaxation })
+    }
+
+    fn branch(&self, at: Place, k: &Kinematics, m: &[f64]) -> Option<Branch> {
+        (m.get(STEP).is_some_and(|s| *s != 0.0)).then(|| Branch::new(m[STEP] * self.shear.at(at), k, m))
+    }
+}
+
+fn matrix(m: &[f64]) -> Mat3 {
+    Mat3::from_row_slice(&m[..9])
+}
+
+/// `F_v^-1`; of one that is singular, which no step makes, nothing that is finite.
+fn inverse(m: &[f64]) -> Mat3 {
+    (Mat3::identity() + matrix(m)).try_inverse().unwrap_or_else(|| Mat3::repeat(f64::NAN))
+}
+
+/// The elastic part of a branch at one point.
+struct Branch {
+    /// `s mu`
+    factor: f64,
+    inverse: Mat3,
+    elastic: Mat3,
+    spectrum: Spectrum,
+    inverse_metric: Mat3,
+    /// `ln det U_e^2 / 3`
+    mean: f64,
+    /// S
+    stress: Mat3,
+}
+
+impl Branch {
+    fn new(factor: f64, k: &Kinematics, m: &[f64]) -> Self {
+        let inverse = inverse(m);
+        let elastic = k.f() * inverse;
+        let spectrum = Spectrum::new(&(elastic.transpose() * elastic));
+        let mean = 2.0 * elastic.determinant().ln() / 3.0;
+        let inverse_metric = spectrum.map(|x| 1.0 / x);
+        let stress = (spectrum.map(log_over) - inverse_metric * mean) * factor;
+        Branch { factor, inverse, elastic, spectrum, inverse_metric, mean, stress }
+    }
+
+    /// `s mu |dev ln U_e|^2 = (s mu / 4) |dev ln U_e^2|^2`
+    fn energy(&self) -> f64 {
+        let strain = self.spectrum.map(f64::ln) - Mat3::identity() * self.mean;
+        0.25 * self.factor * strain.norm_squared()
+    }
+
+    /// P
+    fn piola(&self) -> Mat3 {
+        self.elastic * self.stress * self.inverse.transpose()
+    }
+
+    /// The change of `F_e S` along a change of `F_e`.
+    fn elastic_change(&self, change: &Mat3) -> Mat3 {
+        let half = change.transpose() * self.elastic;
+        let d = half + half.transpose();
+        let inverse = &self.inverse_metric;
+        let own = self.spectrum.change(log_over_divided, &d) - inverse * (inverse.dot(&d) / 3.0)
+            + inverse * d * inverse * self.mean;
+        change * self.stress + self.elastic * own * self.factor
+    }
+
+    fn piola_change(&self, change: &Mat3) -> Mat3 {
+        self.elastic_change(&(change * self.inverse)) * self.inverse.transpose()
+    }
+}
+
+impl EnergyTerm for MaxwellBranch {
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
+        for (q, k) in at.kinematics.iter().enumerate() {
+            let Some(branch) = self.branch(at.place(q), k, m.only(q).values) else { continue };
+            if want.energy {
+                out.energy[q] += branch.energy();
+            }
+            if want.stress {
+                out.stress[q] += branch.piola();
+            }
+            if want.tangent {
+                out.tangent[q].add(&nastic_tensor::Tangent::from_map(|change| branch.piola_change(change)));
+            }
+        }
+    }
+
+    fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+        for (q, k) in at.kinematics.iter().enumerate() {
+            if let Some(branch) = self.branch(at.place(q), k, m.only(q).values) {
+                out[q] += branch.piola_change(&change[q]);
+            }
+        }
+    }
+
+    /// Zero where the branch contributes nothing, as in statics.
+    fn second_stress_change(
+        &self,
+        _: &PointBatch,
+        m: Slots,
+        _: [&[Mat3]; 2],
+        _: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        only_at_rest::<Self>(m, STEP, "EnergyTerm::second_stress_change")
+    }
+
+    fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
+        self.shear.check_len(Self::NAME, "shear", cells, points)?;
+        self.relaxation.check_len(Self::NAME, "relaxation", cells, points)
+    }
+}
+
+impl Actuation for MaxwellBranch {
+    fn slots(&self) -> &[Slot] {
+        &Self::SLOTS
+    }
+
+    fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
+        for (q, k) in at.kinematics.iter().enumerate() {
+            let out = &mut out[q * STEP + q..][..=STEP];
+            let m = m.only(q).values;
+            let shear = self.shear.at(at.place(q));
+            out[STEP] = Branch::new(shear, k, m).piola();
+            let Some(branch) = self.branch(at.place(q), k, m) else {
+                out[..STEP].fill(Mat3::zeros());
+                continue;
+            };
+            let piola = branch.piola();
+            for (entry, out) in out[..STEP].iter_mut().enumerate() {
+                let mut unit = Mat3::zeros();
+                unit[(entry / 3, entry % 3)] = 1.0;
+                let change = branch.elastic * unit * branch.inverse; // -dF_e
+                *out = -branch.elastic_change(&change) * branch.inverse.transpose()
+                    - piola * (branch.inverse * unit).transpose();
+            }
+        }
+    }
+
+    /// Zero where the branch contributes nothing and nothing changes that.
+    fn control_stress_change(
+        &self,
+        _: &PointBatch,
+        m: Slots,
+        _: &[Mat3],
+        v: Slots,
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        out.fill(Mat3::zeros());
+        [m, v].into_iter().try_for_each(|m| only_at_rest::<Self>(m, STEP, "Actuation::control_stress_change"))
+    }
+
+    fn evolution(&self) -> Option<&dyn Evolution> {
+        Some(self)
+    }
+}
+
+impl Evolution for MaxwellBranch {
+    fn set_step(&self, at: Place, dt: f64, slots: &mut [f64]) {
+        slots[STEP] = 1.0 / (1.0 + dt / self.relaxation.at(at));
+    }
+
+    fn advance(&self, _: Place, k: &Kinematics, slots: &[f64], next: &mut [f64]) {
+        let flow = Flow::new(k, slots);
+        let viscous = flow.stretch * (Mat3::identity() + matrix(slots)) - Mat3::identity();
+        next[..9].copy_from_slice(viscous.transpose().as_slice());
+    }
+
+    fn advance_vjp(
+        &self,
+        _: Place,
+        k: &Kinematics,
+        slots: &[f64],
+        by_next: &[f64],
+        by_f: &mut Mat3,
+        by_slots: &mut [f64],
+    ) {
+        let flow = Flow::new(k, slots);
+        let (by_next, viscous) = (matrix(by_next), Mat3::identity() + matrix(slots));
+        let by_stretch = by_next * viscous.transpose();
+        let symmetric = (by_stretch + by_stretch.transpose()) * 0.5;
+        let by_metric = flow.spectrum.change(power_divided(flow.power), &symmetric) * flow.scale
+            - flow.spectrum.map(|x| 1.0 / x) * (flow.power / 3.0 * symmetric.dot(&flow.stretch));
+        let by_elastic = flow.elastic * by_metric * 2.0 * flow.inverse.transpose();
+        *by_f += by_elastic;
+        let by_viscous = flow.stretch * by_next - flow.elastic.transpose() * by_elastic;
+        by_slots[..9].iter_mut().zip(by_viscous.transpose().as_slice()).for_each(|(out, d)| *out += d);
+    }
+}
+
+/// `G = (U_e^2 / det^(1/3))^p` with `p = (1 - s)/2`, by which the flow of a step multiplies `F_v`.
+struct Flow {
+    inverse: Mat3,
+    elastic: Mat3,
+    spectrum: Spectrum,
+    power: f64,
+    /// `det(U_e^2)^(-p/3)`
+    scale: f64,
+    stretch: Mat3,
+}
+
+impl Flow {
+    fn new(k: &Kinematics, slots: &[f64]) -> Self {
+        let inverse = inverse(slots);
+        let elastic = k.f() * inverse;
+        let spectrum = Spectrum::new(&(elastic.transpose() * elastic));
+        let power = 0.5 * (1.0 - slots[STEP]);
+        let scale = elastic.determinant().powf(-2.0 * power / 3.0);
+        let stretch = spectrum.map(|x| x.powf(power)) * scale;
+        Flow { inverse, elastic, spectrum, power, scale, stretch }
+    }
+}
