@@ -160,7 +160,8 @@ impl Reduced {
     fn with_actuations(&self, mut shot: Snapshot, state: &State) -> Result<Snapshot, MeshError> {
         let (disc, cells) = (self.solid().discretization(), self.solid().mesh().cells());
         let mut sums = [("B_r", "remanence", None::<Vec<f64>>), ("B_a", "field", None)];
-        for (k, attached) in self.solid().body().actuations().iter().enumerate() {
+        let all = self.solid().body().actuations().iter().enumerate();
+        for (k, attached) in all.filter(|(_, attached)| attached.law.evolution().is_none()) {
             let slots = attached.law.slots();
             let means = disc.cell_average(state.controls.values(k), slots.len());
             if slots.len() == 1 && self.layout().blocks().iter().all(|block| block.actuation != k) {

@@ -109,11 +109,12 @@ impl Model {
         Unknowns { dim: disc.dim(), nodes: disc.mesh().points().len(), scalars }
     }
 
-    /// Everything that can be controlled, in the order of the blocks of [`Controls`].
+    /// Everything that can be controlled, in the order of the blocks of [`Controls`]; of internal variables, which nobody controls,
+    /// no slots.
     pub fn controllable(&self) -> Vec<Controllable<'_>> {
         let of_body = self.body.actuations().iter().map(|a| Controllable {
             name: &a.name,
-            slots: a.law.slots(),
+            slots: if a.law.evolution().is_some() { &[] } else { a.law.slots() },
             regions: Some(&a.regions),
             cells: Some(&a.cells),
             measure: 0.0,

@@ -108,6 +108,21 @@ impl Solid {
         Ok(self)
     }
 
+    /// Gives a region, or the union of several, a viscous law ([`MaxwellBranch`](nastic_energy::MaxwellBranch),
+    /// [`KelvinVoigt`](nastic_energy::KelvinVoigt)) beside its passive one; several of one region act in parallel. They act in motion alone: a static
+    /// state is one after a long time, in which they are relaxed.
+    ///
+    /// # Errors
+    /// The region's name is unknown, the law has no internal variables, or a field of it has the wrong length.
+    pub fn viscosity(self, region: impl Into<GroupNames>, law: impl Actuation + 'static) -> Result<Self, FemError> {
+        if law.evolution().is_none() {
+            let what = format!("{law:?} is no viscous law: attach it as an actuation");
+            return Err(FemError::Meaningless { what });
+        }
+        let name = format!("viscosity {}", self.model.body.actuations().len());
+        self.actuate(region, &name, law)
+    }
+
     /// Fixes all components on a surface or node set, or on several.
     ///
     /// # Errors

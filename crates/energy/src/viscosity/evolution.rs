@@ -9,9 +9,14 @@ use nastic_tensor::{Kinematics, Mat3};
 /// zero the law is as after an infinitely long step: it contributes nothing.
 ///
 /// A point carries the slots of the last step; [`advance`](Self::advance) makes those of the next one.
-pub trait Evolution {
+pub trait Evolution: Send + Sync {
     /// Sets the slot that depends on the length of the step (s, 0 for an instant) in the slots of a point.
     fn set_step(&self, at: Place, dt: f64, slots: &mut [f64]);
+
+    /// Whether the energy at an instant is that of a step without length whatever the velocity: not so where it depends on that.
+    fn is_known_at_instants(&self) -> bool {
+        true
+    }
 
     /// The internal variables at the end of the step that the slots belong to, at the deformation there: sets `next`, but for the
     /// slot of [`set_step`](Self::set_step), which stays.

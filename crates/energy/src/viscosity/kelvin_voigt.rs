@@ -145,6 +145,10 @@ impl Evolution for KelvinVoigt {
         slots[STEP] = if dt > 0.0 { 1.0 / dt } else { 0.0 };
     }
 
+    fn is_known_at_instants(&self) -> bool {
+        false
+    }
+
     fn advance(&self, _: Place, k: &Kinematics, _: &[f64], next: &mut [f64]) {
         let strain = strain(k);
         ENTRIES.into_iter().zip(next).for_each(|(entry, next)| *next = strain[entry]);

@@ -212,7 +212,8 @@ impl Evolution for MaxwellBranch {
 
     fn advance(&self, _: Place, k: &Kinematics, slots: &[f64], next: &mut [f64]) {
         let flow = Flow::new(k, slots);
-        let viscous = flow.stretch * (Mat3::identity() + matrix(slots)) - Mat3::identity();
+        // the rounding errors of many steps stay relative to z
+        let viscous = matrix(slots) + flow.increment * (Mat3::identity() + matrix(slots));
         next[..9].copy_from_slice(viscous.transpose().as_slice());
     }
 
@@ -247,6 +248,8 @@ struct Flow {
     /// `det(U_e^2)^(-p/3)`
     scale: f64,
     stretch: Mat3,
+    /// `G - 1`
+    increment: Mat3,
 }
 
 impl Flow {
@@ -255,8 +258,9 @@ impl Flow {
         let elastic = k.f() * inverse;
         let spectrum = Spectrum::new(&(elastic.transpose() * elastic));
         let power = 0.5 * (1.0 - slots[STEP]);
-        let scale = elastic.determinant().powf(-2.0 * power / 3.0);
-        let stretch = spectrum.map(|x| x.powf(power)) * scale;
-        Flow { inverse, elastic, spectrum, power, scale, stretch }
+        let mean = 2.0 * elastic.determinant().ln() / 3.0;
+        let increment = spectrum.map(|x| (power * (x.ln() - mean)).exp_m1());
+        let (scale, stretch) = ((-power * mean).exp(), increment + Mat3::identity());
+        Flow { inverse, elastic, spectrum, power, scale, stretch, increment }
     }
 }

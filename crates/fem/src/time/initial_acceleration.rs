@@ -1,11 +1,13 @@
 //! The acceleration of a state that does not carry one, and its adjoint.
 
 use crate::contributions::Demand;
+use crate::contributions::body_energy::history::History;
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::{FemError, InvertedAt, StateError};
 use crate::model::Model;
 use crate::solution::state::State;
 use nastic_linear::{CgEnd, Preconditioner, conjugate_gradient};
+use std::sync::Arc;
 
 /// Where conjugate gradients end, and how many may be needed: with the diagonal as preconditioner the condition
 /// number of a mass matrix depends on the kind of cells alone (Wathen, IMA J. Numer. Anal. 7, 1987).
@@ -22,12 +24,31 @@ impl Preconditioner for Diagonal {
 
 impl Model {
     /// `M a = -r(u, v, 0)` at full dead loads, a = 0 on the supports.
-    pub(super) fn initial_acceleration(&self, state: &State, parallel: bool) -> Result<Vec<f64>, StateError> {
+    pub(super) fn initial_acceleration(
+        &self,
+        state: &State,
+        history: &History,
+        parallel: bool,
+    ) -> Result<Vec<f64>, StateError> {
+        let moves = state.velocity.iter().flat_map(|v| v.iter()).any(|v| *v != 0.0);
+        if moves && !self.body.is_known_at_instants() {
+            let what = "this time scheme begins with an acceleration, which Kelvin-Voigt damping does not give for a body that moves \
+                        already; begin at rest, or take backward Euler";
+            return Err(FemError::Meaningless { what: what.to_owned() }.into());
+        }
+        let state = &self.at_instant(state, history);
         let step = without_acceleration(state);
         let at = self.beginning(state, &step, parallel);
         let last = |at: InvertedAt| StateError::Inverted { at, load: 1.0, cuts: 0, last: Box::new(state.clone()) };
         let sums = self.evaluate(&at, Demand { energy: false, force: true }).map_err(last)?;
         self.divide_by_mass(sums.force.iter().map(|f| -f).collect(), parallel)
+    }
+
+    /// A state with the internal variables behind it, in a step without length.
+    pub(super) fn at_instant(&self, state: &State, history: &History) -> State {
+        let mut controls = state.controls.as_ref().clone();
+        self.body.put_history(history, 0.0, &mut controls);
+        State { controls: Arc::new(controls), ..state.clone() }
     }
 
     /// `M^-1 b` on the free unknowns.

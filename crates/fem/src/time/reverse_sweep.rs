@@ -1,5 +1,6 @@
 //! The discrete adjoint of a trajectory, from its end to its beginning.
 
+use crate::contributions::body_energy::history::History;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
 use crate::error::{InvertedAt, StateError};
@@ -81,6 +82,8 @@ struct Sweep<'a, 'w> {
     workspace: &'w mut Workspace,
     /// By state.
     owed: Vec<Owed>,
+    /// By the internal variables of the step that is swept, and of the one behind it through them.
+    history: History,
     swept: Swept,
 }
 
@@ -124,7 +127,7 @@ impl Model {
             controls: vec![self.controls(); states.len()],
             report: SolveReport::default(),
         };
-        let mut sweep = Sweep { model: self, trajectory, how, workspace, owed, swept };
+        let mut sweep = Sweep { model: self, trajectory, how, workspace, owed, history: History::new(), swept };
         for n in (0..trajectory.steps().len()).rev() {
             sweep.step(n)?;
         }
@@ -156,6 +159,7 @@ impl Sweep<'_, '_> {
         let (states, step) = (self.trajectory.states(), &self.trajectory.steps()[n]);
         let (begin, end, h) = (&states[n], &states[n + 1], step.dt);
         let before = n.checked_sub(1).map(|n| &states[n]);
+        let history = self.model.next_history(begin, self.how.parallel)?;
         let mut points = Points::new(&step.scheme, h, (begin, before), step.started.as_ref());
         let mut time_steps = Vec::new();
         for u in &step.stages {
@@ -178,11 +182,13 @@ impl Sweep<'_, '_> {
             let Owed { u: mut by_u, velocity, acceleration } = owed.clone();
             add(time_step.velocity.0, &velocity, &mut by_u);
             add(time_step.acceleration.0, &acceleration, &mut by_u);
-            let controls = begin.controls.blend(&end.controls, stage.time);
+            let mut controls = begin.controls.blend(&end.controls, stage.time);
+            self.model.body.put_history(&history, stage.time * h, &mut controls);
             let at = Instant { parallel: self.how.parallel, ..Instant::new(&step.stages[k], &controls, 1.0) };
             let at = at.in_step(time_step);
             let lambda = self.solve(&at, &by_u, end)?;
-            let by = self.model.vjp(&at, &lambda).map_err(|at| inverted(at, end))?;
+            let mut by = self.model.vjp(&at, &lambda).map_err(|at| inverted(at, end))?;
+            self.take_history(&history, &mut by.controls);
             self.add_controls(n + 1, stage.time, &by.controls);
             self.add_controls(n, 1.0 - stage.time, &by.controls);
             add(1.0, &by.velocity, &mut owed.velocity);
@@ -203,7 +209,36 @@ impl Sweep<'_, '_> {
         if self.swept.lambda[n + 1].is_empty() {
             self.swept.lambda[n + 1] = vec![0.0; self.model.unknowns().len()];
         }
-        if step.started.is_some() { self.start(n) } else { Ok(()) }
+        if step.started.is_some() {
+            self.start(n, &history)?;
+        }
+        self.pass_history(n)
+    }
+
+    /// Moves what is owed by internal variables out of the controls.
+    fn take_history(&mut self, history: &History, by: &mut Controls) {
+        for (k, _) in history {
+            let found = by.values_mut(*k);
+            match self.history.iter_mut().find(|(known, _)| known == k) {
+                Some((_, sum)) => axpy(1.0, found, sum),
+                None => self.history.push((*k, found.to_vec())),
+            }
+            found.fill(0.0);
+        }
+    }
+
+    /// From the internal variables of the step behind the n-th state to that state and to those of the step that led to it.
+    fn pass_history(&mut self, n: usize) -> Result<(), StateError> {
+        let state = &self.trajectory.states()[n];
+        let by_next = take(&mut self.history);
+        if by_next.iter().all(|(_, by)| by.iter().all(|&d| d == 0.0)) {
+            return Ok(());
+        }
+        let by_u = &mut self.owed[n].u;
+        by_u.resize(self.model.unknowns().len(), 0.0);
+        let before = self.model.body.history_vjp(&state.u, &state.controls, &by_next, by_u);
+        self.history = before.map_err(|at| inverted(at, state))?;
+        Ok(())
     }
 
     /// Adds what is owed through a term to what it is taken from.
@@ -219,19 +254,21 @@ impl Sweep<'_, '_> {
     }
 
     /// The acceleration that the n-th state was given: `M a = -r(u, v, 0; m)`.
-    fn start(&mut self, n: usize) -> Result<(), StateError> {
+    fn start(&mut self, n: usize, history: &History) -> Result<(), StateError> {
         let owed = take(&mut self.owed[n].acceleration);
         if owed.iter().all(|&d| d == 0.0) {
             return Ok(());
         }
-        let (model, state, parallel) = (self.model, &self.trajectory.states()[n], self.how.parallel);
+        let (model, parallel) = (self.model, self.how.parallel);
+        let state = &model.at_instant(&self.trajectory.states()[n], history);
         let mu = model.divide_by_mass(owed.iter().map(|d| -d).collect(), parallel)?;
         let step = without_acceleration(state);
         let at = model.beginning(state, &step, parallel);
         let tangent = model.tangent_at(&at, state)?;
         let mut by_u = vec![0.0; mu.len()];
         tangent.multiply_transposed(&mu, &mut by_u, parallel);
-        let by = model.vjp(&at, &mu).map_err(|at| inverted(at, state))?;
+        let mut by = model.vjp(&at, &mu).map_err(|at| inverted(at, state))?;
+        self.take_history(history, &mut by.controls);
         add(1.0, &by_u, &mut self.owed[n].u);
         add(1.0, &by.velocity, &mut self.owed[n].velocity);
         self.add_controls(n, 1.0, &by.controls);

@@ -1,8 +1,9 @@
 //! [`Model::advance`]: one stepper for all schemes.
 
 use crate::contributions::Demand;
+use crate::contributions::body_energy::history::History;
 use crate::contributions::instant::Instant;
-use crate::error::{FemError, StateError};
+use crate::error::{FemError, InvertedAt, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
@@ -64,8 +65,9 @@ impl Model {
     ) -> Result<(Step, State), StateError> {
         let (begin, h) = (trajectory.end(), to.dt);
         let before = trajectory.states().len().checked_sub(2).map(|n| &trajectory.states()[n]);
+        let history = self.next_history(begin, how.parallel)?;
         let started = match scheme.needs_acceleration() && begin.acceleration.is_none() {
-            true => Some(Arc::new(self.initial_acceleration(begin, how.parallel)?)),
+            true => Some(Arc::new(self.initial_acceleration(begin, &history, how.parallel)?)),
             false => None,
         };
         let mut points = Points::new(&scheme, h, (begin, before), started.as_ref());
@@ -73,7 +75,8 @@ impl Model {
         let mut here = begin.clone();
         for stage in &scheme.stages {
             let time_step = points.next();
-            let controls = begin.controls.blend(&to.controls, stage.time);
+            let mut controls = begin.controls.blend(&to.controls, stage.time);
+            self.body.put_history(&history, stage.time * h, &mut controls);
             let options = SolveOptions { near: Some(&here), guess: None, ..how.clone() };
             let found = self.find(&controls, &options, Some(&time_step), workspace);
             let mut found = found.map_err(|error| in_step(error, begin.time, h))?;
@@ -92,11 +95,19 @@ impl Model {
         let mut state = here;
         state.u = end.u.unwrap_or(state.u);
         (state.velocity, state.acceleration) = (end.velocity, end.acceleration);
-        (state.controls, state.time) = (Arc::new(to.controls.clone()), begin.time + h);
+        let mut controls = to.controls.clone();
+        self.body.put_history(&history, h, &mut controls);
+        (state.controls, state.time) = (Arc::new(controls), begin.time + h);
         if scheme.extrapolates() {
             self.check_extrapolated(&mut state, begin, h, how.parallel)?;
         }
         Ok((Step { dt: h, scheme, stages, started }, state))
+    }
+
+    /// Internal variables for the step behind a state.
+    pub(super) fn next_history(&self, begin: &State, parallel: bool) -> Result<History, StateError> {
+        let last = |at: InvertedAt| StateError::Inverted { at, load: 1.0, cuts: 0, last: Box::new(begin.clone()) };
+        self.body.next_history(&begin.u, &begin.controls, parallel).map_err(last)
     }
 
     /// An end that is no equilibrium was not seen by any solve.

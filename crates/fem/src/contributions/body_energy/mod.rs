@@ -18,6 +18,7 @@ pub(crate) mod assembly;
 mod control_product;
 mod control_vjp;
 pub(crate) mod formulation;
+pub(crate) mod history;
 pub(crate) mod max_step;
 pub(crate) mod point_peaks;
 pub(crate) mod point_strains;
