@@ -67,9 +67,9 @@ fn driven(dissipation: Dissipation) -> Outcome<Solid> {
     Ok(match dissipation {
         Dissipation::None => solid,
         Dissipation::Rayleigh => solid.rayleigh_damping(0.02, 0.05)?,
-        Dissipation::Maxwell => solid
-            .viscosity("body", MaxwellBranch::new(0.5, 0.3)?)?
-            .viscosity("body", MaxwellBranch::new(0.2, 3.0)?)?,
+        Dissipation::Maxwell => {
+            solid.viscosity("body", MaxwellBranch::new(0.5, 0.3)?)?.viscosity("body", MaxwellBranch::new(0.2, 3.0)?)?
+        }
         Dissipation::KelvinVoigt => solid.viscosity("body", KelvinVoigt::new(0.05, 0.02)?)?,
     })
 }
@@ -219,8 +219,10 @@ fn every_instant(dissipation: Dissipation) -> Outcome {
     let mut mixtures: Vec<Vec<Scheme>> = schemes()?.into_iter().map(|(scheme, _)| vec![scheme]).collect();
     mixtures.push(vec![Scheme::implicit_midpoint(), Scheme::trapezoidal(), Scheme::bdf2()]);
     for (mixture, start) in mixtures.iter().flat_map(|m| [(m, Start::Equilibrium), (m, Start::Given)]) {
-        if dissipation == Dissipation::KelvinVoigt && start == Start::Given {
-            continue; // some schemes begin with an acceleration, which is not known then
+        // some schemes begin with an acceleration, which is not known of a body that moves then
+        let moves = start == Start::Given || mixture.len() > 1;
+        if dissipation == Dissipation::KelvinVoigt && moves {
+            continue;
         }
         let run = |changed: usize, change: (usize, f64)| -> Outcome<Trajectory> {
             let of = |n: usize| controls(&solid, 10 * n, if n == changed { change } else { (0, 0.0) });
@@ -247,7 +249,10 @@ fn every_instant(dissipation: Dissipation) -> Outcome {
             let expected = (8.0 * difference(0.01)? - difference(0.02)?) / 0.12;
             let scheme = mixture[0].name();
             let error = (slope - expected).abs();
-            assert!(error < 1e-6 * expected.abs() + 1e-9, "{scheme}, {dissipation:?}, {start:?}, instant {n}: {slope:e}, {expected:e}");
+            assert!(
+                error < 1e-6 * expected.abs() + 1e-9,
+                "{scheme}, {dissipation:?}, {start:?}, instant {n}: {slope:e}, {expected:e}"
+            );
         }
     }
     Ok(())

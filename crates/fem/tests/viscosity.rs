@@ -206,7 +206,8 @@ fn motions_lose_energy_unless_they_are_rigid() -> Outcome {
         for law in 0..2 {
             let solid = bar(law)?;
             let points = solid.mesh().points().to_vec();
-            let turning: Vec<f64> = points.iter().flat_map(|x| [-2.0 * (x[1] - 0.1), 2.0 * (x[0] - 0.5), 0.0]).collect();
+            let turning: Vec<f64> =
+                points.iter().flat_map(|x| [-2.0 * (x[1] - 0.1), 2.0 * (x[0] - 0.5), 0.0]).collect();
             let stretching: Vec<f64> = points.iter().flat_map(|x| [4.0 * (x[0] - 0.5), 0.0, 0.0]).collect();
             let run = |solid: &Solid, v: &[f64]| -> Outcome<[f64; 2]> {
                 let begin = State { velocity: Some(Arc::new(v.to_vec())), ..solid.rest() };
@@ -222,7 +223,11 @@ fn motions_lose_energy_unless_they_are_rigid() -> Outcome {
             };
             let [before, after] = run(&solid, &stretching)?;
             let [_, kept] = run(&bar(2)?, &stretching)?;
-            assert!(after < 0.8 * before && after < kept, "{} of order {order}: {before} {after} {kept}", scheme.name());
+            assert!(
+                after < 0.8 * before && after < kept,
+                "{} of order {order}: {before} {after} {kept}",
+                scheme.name()
+            );
             let [before, after] = run(&solid, &turning)?;
             assert!(after > 0.98 * before, "{}, law {law}: turning loses {}", scheme.name(), 1.0 - after / before);
         }
@@ -242,8 +247,7 @@ fn what_cannot_be_is_refused() -> Outcome {
     let velocity = Some(Arc::new(vec![1.0; 24]));
     let mut trajectory = Trajectory::from_given(State { velocity, ..solid.rest() });
     let step = [StepTo { dt: 0.1, controls: solid.controls() }];
-    let refused =
-        solid.model().advance(&mut trajectory, &Scheme::tr_bdf2(), &step, &STRICT, &mut Workspace::default());
+    let refused = solid.model().advance(&mut trajectory, &Scheme::tr_bdf2(), &step, &STRICT, &mut Workspace::default());
     assert!(refused.unwrap_err().to_string().contains("Kelvin-Voigt"));
     Ok(())
 }

@@ -33,7 +33,9 @@ impl BodyEnergy {
     fn points_of(&self, k: usize) -> Vec<Place> {
         let ranges = self.disc.points_of_cells();
         let cells = self.actuations[k].cells.iter().map(|&cell| cell as usize);
-        cells.flat_map(|cell| (ranges[cell].0..ranges[cell].0 + ranges[cell].1).map(move |point| Place { cell, point })).collect()
+        cells
+            .flat_map(|cell| (ranges[cell].0..ranges[cell].0 + ranges[cell].1).map(move |point| Place { cell, point }))
+            .collect()
     }
 
     /// The internal variables of the step behind a state of this displacement and these controls, without its length.
