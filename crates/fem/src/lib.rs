@@ -44,6 +44,7 @@ pub use solution::path::{EquilibriumPath, EventKind, PathEnd, PathEvent, PathOpt
 pub use solution::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use solution::state::{SolveReport, State};
 pub use solution::workspace::Workspace;
+pub use time::adaptive::{AdaptiveReport, Tolerance};
 pub use time::reverse_sweep::{StatePartials, Swept};
 pub use time::scheme::Scheme;
 pub use time::trajectory::{Begin, StepTo, Trajectory};

@@ -1,5 +1,6 @@
 //! Motion: time schemes as tables, their steps, and the discrete adjoint that follows from the same tables.
 
+pub(crate) mod adaptive;
 pub mod catalogue;
 pub(crate) mod initial_acceleration;
 pub(crate) mod points;

@@ -87,6 +87,11 @@ impl<'a> Points<'a> {
         Values { u, velocity, acceleration }
     }
 
+    /// The estimated error of u, all stages found; nothing of a scheme without an estimate.
+    pub fn error(&self) -> Option<Vec<f64>> {
+        self.scheme.estimates_error().then(|| self.combine(Quantity::Displacement, self.scheme.error.iter()))
+    }
+
     fn combine<'t>(&self, of: Quantity, terms: impl Iterator<Item = &'t Term>) -> Vec<f64> {
         let mut sum = vec![0.0; self.begin.u.len()];
         for term in terms {

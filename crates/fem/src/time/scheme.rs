@@ -18,6 +18,8 @@ pub struct Scheme {
     pub(super) end: End,
     /// What makes the first step of a scheme that needs two states.
     pub(super) start: Option<Box<Scheme>>,
+    /// An estimate of the error of u that a step makes, a combination too; empty where there is none.
+    pub(super) error: Vec<Term>,
 }
 
 /// A solve for an unknown displacement.
@@ -143,6 +145,11 @@ impl Scheme {
     /// states.
     pub fn start(&self) -> Option<&Scheme> {
         self.start.as_deref()
+    }
+
+    /// Whether it estimates the error of its steps, which [`Model::advance_adaptively`](crate::Model::advance_adaptively) needs.
+    pub fn estimates_error(&self) -> bool {
+        !self.error.is_empty()
     }
 
     /// Whether it asks for the acceleration of the state that a step begins at.

@@ -16,6 +16,14 @@ use std::sync::Arc;
 /// Lengths of steps that differ by less, relatively, are equal.
 const EQUAL: f64 = 1e-12;
 
+/// A step that was found.
+pub(super) struct Found {
+    pub step: Step,
+    pub state: State,
+    /// The estimated error of its displacement, of a scheme that has one.
+    pub error: Option<Vec<f64>>,
+}
+
 impl Model {
     /// Goes on from the end of a trajectory by steps of a scheme, at full dead loads. Each stage is an equilibrium of
     /// inertia and forces that minimises an incremental potential, found like a static one from the stage before:
@@ -35,10 +43,7 @@ impl Model {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<(), StateError> {
-        self.check_in_motion()?;
-        self.refuse_constraints("a step in time", "drive it by a force or a pressure")?;
-        self.refuse_motions()?;
-        self.check_state(trajectory.end())?;
+        self.check_motion(trajectory)?;
         let scheme = Arc::new(scheme.clone());
         let start = scheme.start().cloned().map(Arc::new);
         for to in steps {
@@ -49,20 +54,28 @@ impl Model {
             self.check_controls(&to.controls)?;
             let equal = trajectory.steps().last().is_some_and(|last| (last.dt - to.dt).abs() <= EQUAL * to.dt);
             let used = start.as_ref().filter(|_| !equal).unwrap_or(&scheme).clone();
-            let (step, state) = self.step(trajectory, used, to, how, workspace)?;
-            trajectory.push(step, state);
+            let found = self.step(trajectory, used, to, how, workspace)?;
+            trajectory.push(found.step, found.state);
         }
         Ok(())
     }
 
-    fn step(
+    /// Whether a motion can go on from there.
+    pub(super) fn check_motion(&self, trajectory: &Trajectory) -> Result<(), StateError> {
+        self.check_in_motion()?;
+        self.refuse_constraints("a step in time", "drive it by a force or a pressure")?;
+        self.refuse_motions()?;
+        self.check_state(trajectory.end())
+    }
+
+    pub(super) fn step(
         &self,
         trajectory: &Trajectory,
         scheme: Arc<Scheme>,
         to: &StepTo,
         how: &SolveOptions,
         workspace: &mut Workspace,
-    ) -> Result<(Step, State), StateError> {
+    ) -> Result<Found, StateError> {
         let (begin, h) = (trajectory.end(), to.dt);
         let before = trajectory.states().len().checked_sub(2).map(|n| &trajectory.states()[n]);
         let history = self.next_history(begin, how.parallel)?;
@@ -91,7 +104,7 @@ impl Model {
             stages.push(found.u.clone());
             here = found;
         }
-        let end = points.end();
+        let (end, error) = (points.end(), points.error());
         let mut state = here;
         state.u = end.u.unwrap_or(state.u);
         (state.velocity, state.acceleration) = (end.velocity, end.acceleration);
@@ -101,7 +114,8 @@ impl Model {
         if scheme.extrapolates() {
             self.check_extrapolated(&mut state, begin, h, how.parallel)?;
         }
-        Ok((Step { dt: h, scheme, stages, started }, state))
+        drop(points);
+        Ok(Found { step: Step { dt: h, scheme, stages, started }, state, error })
     }
 
     /// Internal variables for the step behind a state.
