@@ -20,6 +20,7 @@ mod error;
 mod fit;
 mod gradcheck;
 mod gradient;
+mod motion;
 pub(crate) mod number;
 mod on_trial;
 mod optimize;

@@ -37,6 +37,8 @@ mod settings;
 mod shape_cost;
 mod spring;
 mod support;
+mod time;
+mod timing;
 mod units;
 mod value;
 
@@ -47,8 +49,8 @@ pub use catalogue::Input;
 pub use constraint::{Constraint, KeepOut};
 pub use control::{Cells, Control, ControlsFile, Space, Start};
 pub use cost::{
-    ControlNorm, ControlSmoothness, Cost, Exponential, Inverse, Penetration, Phi, SmoothedHausdorff, Stage, Stages,
-    Target, Tracking,
+    ControlNorm, ControlRate, ControlSmoothness, Cost, Exponential, Inverse, Penetration, Phi, SmoothedHausdorff,
+    Stage, Stages, Target, Tracking,
 };
 pub use direction::Direction;
 pub use expectation::{Command, Expectation};
@@ -59,7 +61,7 @@ pub use load::Load;
 pub use load_case::LoadCase;
 pub use material::Material;
 pub use mesh::{BoxMesh, MeshFile, MeshSource};
-pub use named::{Element, Method};
+pub use named::{Element, Method, SchemeName};
 pub use obstacle::{AlignedBox, Capsule, HalfSpace, Shape, Sphere};
 pub use optimizer::{Metric, Optimizer, Unstable};
 pub use scenario::{
@@ -69,6 +71,8 @@ pub use scenario::{
 pub use shape_cost::{Compliance, Coordinates, Curvature, LargestStretch, Orientation, Position};
 pub use spring::{Ground, Spring, SpringEnd};
 pub use support::{Along, Axis, Displacement, Fix, Support};
+pub use time::{Beginning, KelvinVoigt, MassKind, Maxwell, Rayleigh, Time};
+pub use timing::{InTime, KnotInterpolation, When};
 pub use value::Vector;
 
 pub(crate) use case::Reading;

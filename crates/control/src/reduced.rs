@@ -21,7 +21,7 @@ use crate::layout::Layout;
 use crate::map::Space;
 use crate::time::When;
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{Progress, Solid, SolveOptions, SolveReport, State};
+use nastic_fem::{Begin, FemError, Progress, Solid, SolveOptions, SolveReport, State};
 use nastic_opt::{InnerProduct, Request};
 use std::borrow::Cow;
 use std::fmt;
@@ -241,8 +241,17 @@ impl Reduced {
     /// # Errors
     /// An incomplete body; [`ControlError::NoControls`]; a control that acts on nothing.
     pub fn check(&self) -> Result<(), ControlError> {
-        self.solid.check()?;
+        self.check_body()?;
         self.build_inner_product().map(drop)
+    }
+
+    /// A motion from a given state needs no support.
+    fn check_body(&self) -> Result<(), ControlError> {
+        let moves = self.motion.as_ref().is_some_and(|motion| motion.timeline.begin() == Begin::Given);
+        match self.solid.check() {
+            Err(FemError::RigidMotion { .. }) if moves => Ok(()),
+            checked => Ok(checked?),
+        }
     }
 
     /// The inner product of the control fields.
@@ -409,7 +418,7 @@ impl Reduced {
     }
 
     /// Their vector at an instant.
-    fn at_instant<'m>(&self, m: &'m [f64], t: f64) -> Result<Cow<'m, [f64]>, ControlError> {
+    pub(crate) fn at_instant<'m>(&self, m: &'m [f64], t: f64) -> Result<Cow<'m, [f64]>, ControlError> {
         match self.motion {
             Some(_) => self.layout.at(m, t).map(Cow::Owned),
             None => Ok(Cow::Borrowed(m)),

@@ -5,6 +5,7 @@ use crate::evaluated::Evaluated;
 use crate::layout::ControlBlock;
 use crate::map::Space;
 use crate::reduced::Reduced;
+use crate::time::Timeline;
 use nastic_energy::SlotGroup;
 use nastic_fem::{Instant, State};
 use nastic_mesh::{Mesh, MeshError, Snapshot};
@@ -58,7 +59,7 @@ impl Reduced {
 
     /// A state as arrays, for VTU files and pictures.
     ///
-    /// Point data: `displacement`, `adjoint`, `reaction` (of supports), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
+    /// Point data: `displacement`, `velocity` (in motion), `adjoint`, `reaction` (of supports, of equilibria), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
     /// `gradient_NAME`. Cell data: the other controls and
     /// gradients, one value per cell (of a control on a grid its mean there); averages over the reference volume of every scalar slot that nobody controls (under
     /// the actuation's name), of `B_r` and `B_a` (the sums over all magnets), `J`, `P` and `cauchy_stress` (row by row),
@@ -71,15 +72,21 @@ impl Reduced {
     pub fn snapshot_of(&self, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
         self.layout().check(fields.m)?;
         fields.gradient.map_or(Ok(()), |gradient| self.layout().check(gradient))?;
+        let t = fields.state.time;
+        let (m, gradient) =
+            (self.at_instant(fields.m, t)?, fields.gradient.map(|gradient| self.at_instant(gradient, t)).transpose()?);
         let mesh = self.solid().mesh();
         let mut shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, self.vectors(&fields.state.u))?;
+        if let Some(velocity) = &fields.state.velocity {
+            shot = shot.with_points("velocity", 3, self.vectors(velocity))?;
+        }
         if let Some(adjoint) = fields.adjoint {
             shot = shot.with_points("adjoint", 3, self.vectors(adjoint))?;
         }
-        for (k, block) in self.layout().blocks().iter().enumerate() {
+        for (k, block) in self.layout_of_instant().blocks().iter().enumerate() {
             let name = fields.names.get(k).copied().unwrap_or(&block.name);
-            shot = self.with_field(shot, block, name, fields.m)?;
-            if let Some(gradient) = fields.gradient {
+            shot = self.with_field(shot, block, name, &m)?;
+            if let Some(gradient) = &gradient {
                 shot = self.with_field(shot, block, &format!("gradient_{name}"), gradient)?;
             }
         }
@@ -97,17 +104,25 @@ impl Reduced {
     pub fn moved_controls(&self, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
         let mesh = self.solid().mesh();
         let shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, self.vectors(&fields.state.u))?;
-        self.with_controls(shot, fields.m, fields.names)
+        self.layout().check(fields.m)?;
+        self.with_fields(shot, &self.at_instant(fields.m, fields.state.time)?, fields.names)
     }
 
     /// Adds a vector of the control space (a control, a gradient, a direction) to a snapshot of this body, one array for each control field
-    /// that has one, under these names in the order of the fields; under their own names where there are none.
+    /// that has one, under these names in the order of the fields; under their own names where there are none. Of fields in time it is the
+    /// value at the end.
     ///
     /// # Errors
     /// A vector of the wrong length; a snapshot of another mesh.
-    pub fn with_controls(&self, mut shot: Snapshot, m: &[f64], names: &[&str]) -> Result<Snapshot, ControlError> {
+    pub fn with_controls(&self, shot: Snapshot, m: &[f64], names: &[&str]) -> Result<Snapshot, ControlError> {
         self.layout().check(m)?;
-        for (k, block) in self.layout().blocks().iter().enumerate() {
+        let end = self.timeline().map_or(0.0, Timeline::end);
+        self.with_fields(shot, &self.at_instant(m, end)?, names)
+    }
+
+    /// Of the fields at one instant.
+    fn with_fields(&self, mut shot: Snapshot, m: &[f64], names: &[&str]) -> Result<Snapshot, ControlError> {
+        for (k, block) in self.layout_of_instant().blocks().iter().enumerate() {
             let name = names.get(k).copied().unwrap_or(&block.name);
             shot = self.with_field(shot, block, name, m)?;
         }
@@ -213,15 +228,18 @@ impl Reduced {
     /// than their accuracy.
     fn with_details(&self, shot: Snapshot, state: &State) -> Result<Snapshot, MeshError> {
         let solid = self.solid();
-        let (Ok(strains), Ok(stresses), Ok(reactions)) =
-            (solid.cell_strains(state), solid.nodal_stresses(state), solid.nodal_reactions(state))
-        else {
+        let (Ok(strains), Ok(stresses)) = (solid.cell_strains(state), solid.nodal_stresses(state)) else {
             return Ok(shot);
         };
+        // in motion supports hold masses and viscous forces too
+        let reactions = if self.timeline().is_none() { solid.nodal_reactions(state).ok() } else { None };
         let stretches = strains.chunks_exact(9).flat_map(principal_stretches).collect();
         let mises = stresses.chunks_exact(9).map(von_mises).collect();
+        let shot = match reactions {
+            Some(reactions) => shot.with_points("reaction", 3, reactions)?,
+            None => shot,
+        };
         let shot = shot
-            .with_points("reaction", 3, reactions)?
             .with_points("nodal_cauchy_stress", 9, stresses)?
             .with_points("nodal_mises", 1, mises)?
             .with_cells("green_strain", 9, strains)?

@@ -13,9 +13,11 @@ use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use crate::solution::saddle_point::BorderedTangent;
+use crate::solution::state::State;
 use nastic_energy::Slot;
 use nastic_linear::{Solver, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
+use nastic_numeric::vector::dot;
 use std::sync::Arc;
 
 /// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
@@ -201,6 +203,15 @@ impl Model {
         let mut mass = self.discretization().matrix();
         self.others.iter().for_each(|contribution| contribution.add_mass(&mut mass));
         mass
+    }
+
+    /// `v . M v / 2` of a state in motion; 0 without a velocity.
+    pub fn kinetic_energy(&self, state: &State) -> f64 {
+        let Some(velocity) = &state.velocity else { return 0.0 };
+        let v = self.nodal(velocity);
+        let mut image = vec![0.0; v.len()];
+        self.mass().multiply(v, &mut image);
+        0.5 * dot(v, &image)
     }
 
     /// Residual and tangent with strains of their own at the quadrature points of the body.

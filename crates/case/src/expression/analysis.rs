@@ -10,7 +10,7 @@ pub(super) struct Kind {
     dimension: Dimension,
     /// A number without unit took part in the product; it may carry any dimension.
     plain: bool,
-    /// A coordinate took part.
+    /// A coordinate or the time took part.
     coordinate: bool,
     /// A unit was written.
     unit: bool,
@@ -60,6 +60,7 @@ pub(super) fn analyse(steps: &[Step]) -> Result<Kind, CaseProblem> {
             Op::Plain(value) => (Kind::PLAIN, Some(value)),
             Op::Measured(_, dimension) => (Kind { dimension, unit: true, ..Kind::RATIO }, None),
             Op::Coordinate(_) => (Kind { dimension: Dimension::LENGTH, coordinate: true, ..Kind::RATIO }, None),
+            Op::Time => (Kind { dimension: Dimension::TIME, coordinate: true, ..Kind::RATIO }, None),
             Op::Negate => {
                 let (kind, exponent) = pop(&mut stack);
                 (kind, exponent.map(|value| -value))

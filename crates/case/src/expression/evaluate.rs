@@ -34,7 +34,7 @@ impl fmt::Display for Fault {
 
 /// A formula has no finite value at a point.
 #[derive(Clone, PartialEq, Debug, Error)]
-#[error("{fault} at column {column} of {}, at the point ({}, {}, {})", quoted(text), point[0], point[1], point[2])]
+#[error("{fault} at column {column} of {}, at the point ({}, {}, {}){}", quoted(text), point[0], point[1], point[2], instant(*time))]
 pub struct EvaluationError {
     /// The formula.
     pub text: String,
@@ -44,15 +44,22 @@ pub struct EvaluationError {
     pub fault: Fault,
     /// Where in the body, in the case's units.
     pub point: [f64; 3],
+    /// When, of a formula of t.
+    pub time: Option<f64>,
+}
+
+fn instant(time: Option<f64>) -> String {
+    time.map_or_else(String::new, |t| format!(", at t = {t}"))
 }
 
 /// The steps' value, or the fault and its column.
-pub(super) fn evaluate(steps: &[Step], point: [f64; 3]) -> Result<f64, (Fault, usize)> {
+pub(super) fn evaluate(steps: &[Step], point: [f64; 3], time: f64) -> Result<f64, (Fault, usize)> {
     let mut stack = Vec::with_capacity(8);
     for step in steps {
         let value = match step.op {
             Op::Plain(value) | Op::Measured(value, _) => value,
             Op::Coordinate(axis) => point[axis],
+            Op::Time => time,
             Op::Negate => -pop(&mut stack),
             Op::Call(function) => call(function, pop(&mut stack)).map_err(|fault| (fault, step.column))?,
             Op::Binary(binary) => {

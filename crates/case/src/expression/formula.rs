@@ -9,13 +9,15 @@ use crate::quantity::{Dimension, Units};
 use crate::syntax::quoted;
 use thiserror::Error;
 
-/// A number, or a formula of the reference coordinates X, Y, Z; values are in the case's units.
+/// A number, or a formula of the reference coordinates X, Y, Z and the time t; values are in the case's units.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Formula {
     text: String,
     steps: Vec<Step>,
     kind: Option<Kind>,
     constant: Option<f64>,
+    /// The time at which a formula of t is evaluated.
+    time: f64,
 }
 
 /// A text that is no formula, or contradicts itself.
@@ -35,7 +37,7 @@ impl Formula {
     #[must_use]
     pub fn number(value: f64) -> Self {
         let steps = vec![Step { op: Op::Plain(value), column: 1 }];
-        Self { text: value.to_string(), steps, kind: None, constant: Some(value) }
+        Self { text: value.to_string(), steps, kind: None, constant: Some(value), time: 0.0 }
     }
 
     /// Reads a text; its units become numbers of the system `units`.
@@ -48,15 +50,15 @@ impl Formula {
         let refuse = |CaseProblem { column, message }| FormulaError { text: text.to_string(), column, message };
         let steps = parse(text, units).map_err(refuse)?;
         let kind = analyse(&steps).map_err(refuse)?;
-        let varies = steps.iter().any(|step| matches!(step.op, Op::Coordinate(_)));
+        let varies = steps.iter().any(|step| matches!(step.op, Op::Coordinate(_) | Op::Time));
         let constant = if varies {
             None
         } else {
             let fault =
                 |(fault, column): (super::Fault, usize)| refuse(CaseProblem { column, message: fault.to_string() });
-            Some(evaluate(&steps, [0.0; 3]).map_err(fault)?)
+            Some(evaluate(&steps, [0.0; 3], 0.0).map_err(fault)?)
         };
-        Ok(Self { text: text.to_string(), steps, kind: Some(kind), constant })
+        Ok(Self { text: text.to_string(), steps, kind: Some(kind), constant, time: 0.0 })
     }
 
     /// Refuses a formula whose units or coordinates make it something else than `wanted`.
@@ -83,6 +85,24 @@ impl Formula {
         self.constant
     }
 
+    /// Whether it changes in time.
+    #[must_use]
+    pub fn uses_time(&self) -> bool {
+        self.steps.iter().any(|step| step.op == Op::Time)
+    }
+
+    /// Whether it changes from place to place.
+    #[must_use]
+    pub fn varies_in_space(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step.op, Op::Coordinate(_)))
+    }
+
+    /// The formula at an instant: [`Self::at`] takes `t` for the time. Before this it takes 0.
+    #[must_use]
+    pub fn at_time(&self, t: f64) -> Self {
+        Self { time: t, ..self.clone() }
+    }
+
     /// The value at a reference point, both in the case's units.
     ///
     /// # Errors
@@ -91,11 +111,12 @@ impl Formula {
     pub fn at(&self, point: [f64; 3]) -> Result<f64, EvaluationError> {
         match self.constant {
             Some(value) => Ok(value),
-            None => evaluate(&self.steps, point).map_err(|(fault, column)| EvaluationError {
+            None => evaluate(&self.steps, point, self.time).map_err(|(fault, column)| EvaluationError {
                 text: self.text.clone(),
                 column,
                 fault,
                 point,
+                time: self.uses_time().then_some(self.time),
             }),
         }
     }

@@ -123,6 +123,8 @@ impl Parser<'_> {
     fn named(&mut self, name: &str, column: usize) -> Result<(), CaseProblem> {
         if let Some(axis) = ["X", "Y", "Z"].iter().position(|axis| *axis == name) {
             self.push(Op::Coordinate(axis), column);
+        } else if name == "t" {
+            self.push(Op::Time, column);
         } else if name == "pi" {
             self.push(Op::Plain(std::f64::consts::PI), column);
         } else if let Some((_, function)) = Function::ALL.iter().find(|(known, _)| *known == name) {
@@ -271,5 +273,5 @@ impl Parser<'_> {
 fn names() -> Vec<&'static str> {
     let functions = Function::ALL.iter().map(|(name, _)| *name);
     let units = UNITS.iter().map(|unit| unit.symbol);
-    ["X", "Y", "Z", "pi"].into_iter().chain(functions).chain(["min", "max"]).chain(units).collect()
+    ["X", "Y", "Z", "t", "pi"].into_iter().chain(functions).chain(["min", "max"]).chain(units).collect()
 }

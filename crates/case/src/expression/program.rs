@@ -10,6 +10,8 @@ pub(super) enum Op {
     Measured(f64, Dimension),
     /// X, Y or Z.
     Coordinate(usize),
+    /// t
+    Time,
     Negate,
     Binary(Binary),
     Compare(Comparison),

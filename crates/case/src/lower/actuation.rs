@@ -6,8 +6,9 @@ use super::material::inputs;
 use super::named::{attempt, complain_of_law};
 use super::place;
 use super::tension::beyond_limit;
-use crate::expression::dimension_of;
-use crate::schema::{Actuation, Case, Fixed, Input, Means, Parameter as Number};
+use crate::expression::{Formula, dimension_of};
+use crate::schema::{Actuation, Case, Fixed, Input, Means, Parameter as Number, VectorField, vector_at};
+use crate::syntax::At;
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::Reduced;
 use nastic_energy::catalogue::{ActuationRow, Parameter};
@@ -152,27 +153,80 @@ fn fix_slot(
         return fix_number(actuation, (key, only_pulls), value, (index, first), reduced, context);
     };
     let points = SamplePoints::of_body(case, &disc, cells);
-    let columns: Vec<Vec<f64>> = match value {
-        Fixed::Scalar(value) => vec![points.scalars(value, &at, context)?],
-        Fixed::Vector(value) => {
-            let vectors = points.vectors(value, &at, context)?;
-            (0..3).map(|k| vectors.iter().map(|v| v[k]).collect()).collect()
-        }
-    };
-    if let (Some(limit), [values]) = (reduced.solid().body().fiber_limit(index), columns.as_slice()) {
+    let first_values = columns(value, (&points, &at), context)?;
+    if let (Some(limit), [values]) = (reduced.solid().body().fiber_limit(index), first_values.as_slice()) {
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if most > limit {
             context.warn(&CONVEXITY, &at, beyond_limit(most, limit, context.units));
         }
     }
-    if only_pulls && columns.iter().flatten().any(|value| *value < 0.0) {
+    if only_pulls && first_values.iter().flatten().any(|value| *value < 0.0) {
         context.complain(&at, must_pull(key));
         return None;
     }
     let mut reduced = reduced;
-    for (component, values) in columns.iter().enumerate() {
+    for (component, values) in first_values.iter().enumerate() {
         let fixed = reduced.fix(index, first + component, values);
         reduced = context.take(&at, fixed)?;
+    }
+    if !uses_time(value) {
+        return Some(reduced);
+    }
+    let sampled = |value: &Fixed, context: &mut Context<'_>| columns(value, (&points, &at), context);
+    fix_in_time((value, &at), (index, first, only_pulls.then_some(key)), reduced, sampled, context)
+}
+
+/// The values at the points, component by component.
+fn columns(value: &Fixed, (points, at): (&SamplePoints<'_>, &At), context: &mut Context<'_>) -> Option<Vec<Vec<f64>>> {
+    Some(match value {
+        Fixed::Scalar(value) => vec![points.scalars(value, at, context)?],
+        Fixed::Vector(value) => {
+            let vectors = points.vectors(value, at, context)?;
+            (0..3).map(|k| vectors.iter().map(|v| v[k]).collect()).collect()
+        }
+    })
+}
+
+fn uses_time(value: &Fixed) -> bool {
+    match value {
+        Fixed::Scalar(Number::Formula(formula)) => formula.uses_time(),
+        Fixed::Vector(VectorField::Formulas(entries)) => entries.iter().any(Formula::uses_time),
+        _ => false,
+    }
+}
+
+/// The value at an instant.
+fn at_time(value: &Fixed, t: f64) -> Fixed {
+    match value {
+        Fixed::Scalar(Number::Formula(formula)) => Fixed::Scalar(Number::Formula(formula.at_time(t))),
+        Fixed::Vector(VectorField::Formulas(entries)) => {
+            Fixed::Vector(VectorField::Formulas(entries.iter().map(|entry| entry.at_time(t)).collect()))
+        }
+        other => other.clone(),
+    }
+}
+
+/// Lets the slots from `first` on follow a value that changes in time.
+fn fix_in_time(
+    (value, at): (&Fixed, &At),
+    (index, first, only_pulls): (usize, usize, Option<&str>),
+    mut reduced: Reduced,
+    sampled: impl Fn(&Fixed, &mut Context<'_>) -> Option<Vec<Vec<f64>>>,
+    context: &mut Context<'_>,
+) -> Option<Reduced> {
+    let instants = reduced.timeline()?.instants().to_vec();
+    let each: Option<Vec<_>> = instants.iter().map(|t| sampled(&at_time(value, *t), context)).collect();
+    let each = each?;
+    if let Some(key) = only_pulls
+        && each.iter().flatten().flatten().any(|value| *value < 0.0)
+    {
+        context.complain(at, must_pull(key));
+        return None;
+    }
+    for component in 0..each.first().map_or(0, Vec::len) {
+        let values: Vec<Vec<f64>> = each.iter().map(|columns| columns[component].clone()).collect();
+        let fixed = reduced.fix_in_time(index, first + component, values);
+        reduced = context.take(at, fixed)?;
     }
     Some(reduced)
 }
@@ -187,11 +241,7 @@ fn fix_number(
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
     let at = actuation.at.key(key);
-    let constants: Option<Vec<f64>> = match value {
-        Fixed::Scalar(value) => value.constant().map(|value| vec![value]),
-        Fixed::Vector(value) => value.constant().map(Vec::from),
-    };
-    let Some(constants) = constants else {
+    let Some(constants) = everywhere(value) else {
         let what = if matches!(value, Fixed::Scalar(_)) { "a number" } else { "numbers" };
         context.complain(&at, format!("\"{}\" has one {key}: give {what}, not a field", actuation.name));
         return None;
@@ -207,10 +257,34 @@ fn fix_number(
         context.complain(&at, must_pull(key));
         return None;
     }
-    constants.iter().enumerate().try_fold(reduced, |reduced, (component, constant)| {
+    let reduced = constants.iter().enumerate().try_fold(reduced, |reduced, (component, constant)| {
         let fixed = reduced.fix(index, slot + component, &[*constant]);
         context.take(&at, fixed)
-    })
+    })?;
+    if !uses_time(value) {
+        return Some(reduced);
+    }
+    let sampled = |value: &Fixed, context: &mut Context<'_>| {
+        let numbers = everywhere(value);
+        if numbers.is_none() {
+            context.complain(&at, "the value is not finite at some instant");
+        }
+        Some(numbers?.into_iter().map(|number| vec![number]).collect())
+    };
+    fix_in_time((value, &at), (index, slot, only_pulls.then_some(key)), reduced, sampled, context)
+}
+
+/// The value of a contribution as a whole, one number or one vector, at the formula's instant; none of a field.
+fn everywhere(value: &Fixed) -> Option<Vec<f64>> {
+    match value {
+        Fixed::Scalar(Number::Formula(formula)) if !formula.varies_in_space() => {
+            formula.at([0.0; 3]).ok().map(|value| vec![value])
+        }
+        Fixed::Vector(VectorField::Formulas(entries)) if !entries.iter().any(Formula::varies_in_space) => {
+            vector_at(entries, [0.0; 3]).ok().map(Vec::from)
+        }
+        _ => None,
+    }
 }
 
 /// The control of a muscle.

@@ -2,7 +2,8 @@
 
 use super::context::Context;
 use super::variant::Variant;
-use super::{actuation, control, load, material, optimizer, spring, support};
+use super::{actuation, control, inertia, load, material, optimizer, spring, support, time};
+use crate::schema::{Beginning, Case};
 use crate::syntax::At;
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid};
@@ -17,18 +18,24 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     support::add(case, &mut solid, context);
     spring::add(case, &mut solid, context);
     load::add(case, &mut solid, context);
+    inertia::add(case, &mut solid, context);
     if context.is_sound() {
-        check_complete(&solid, context);
+        check_complete(case, &solid, context);
     }
     let reduced = Reduced::new(solid).metric(optimizer::metric(case));
+    let reduced = time::apply(case, reduced, context)?;
     let reduced = actuation::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
     context.is_sound().then_some(reduced)
 }
 
-/// Every cell has a material, no rigid motion is left free.
-fn check_complete(solid: &Solid, context: &mut Context<'_>) {
+/// Every cell has a material, no rigid motion is left free unless the body begins to move from rest.
+fn check_complete(case: &Case, solid: &Solid, context: &mut Context<'_>) {
+    let from_rest = case.time.as_ref().is_some_and(|time| time.start == Beginning::Rest);
     if let Err(error) = solid.check() {
+        if from_rest && matches!(error, FemError::RigidMotion { .. }) {
+            return;
+        }
         let block = match &error {
             FemError::RigidMotion { .. } => "supports",
             FemError::NoMaterial { .. } => "materials",

@@ -5,7 +5,7 @@ use super::cost::{Lowering, TargetShape};
 use super::place::{Kind, Place};
 use crate::run::number::count;
 use crate::run::short;
-use crate::schema::{Case, Constraint as Block, KeepOut, Shape};
+use crate::schema::{Case, Constraint as Block, Cost, KeepOut, Shape};
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
     BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, IntoConstraint, Obstacle,
@@ -39,6 +39,16 @@ pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option
     case.constraints.iter().map(|block| target(block, context)).collect()
 }
 
+/// Refuses what a constraint, which holds at the end of a motion, cannot take.
+fn check_at_end(cost: &Cost, context: &mut Context<'_>) -> Option<()> {
+    if cost.when().is_none() && !cost.uses_time() && !matches!(cost, Cost::ControlRate(_)) {
+        return Some(());
+    }
+    let message = "a constraint holds at the end of a motion: leave \"when\" and the time out, or take a cost";
+    context.complain(cost.at(), message);
+    None
+}
+
 /// Adds all constraints to the problem; `None` if that cannot be.
 pub(super) fn add(
     case: &Case,
@@ -54,6 +64,7 @@ pub(super) fn add(
                 bound.inspect(|bound| look_at_rest((block, keep_out), bound.nodes(), reduced.solid(), context))
             }
             (None, Some(cost)) => {
+                check_at_end(cost, context)?;
                 let cost = Lowering { case, reduced: &reduced, block: cost }.lower(target, context)?;
                 let limit = match (block.at_most, block.equal) {
                     (Some(bound), _) => CostLimit::at_most(cost, bound),

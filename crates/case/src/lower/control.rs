@@ -1,20 +1,19 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
 use super::actuation::{is_built, must_pull};
-use super::array::{self, Entity, MeshArray};
 use super::context::Context;
 use super::control_grid::unresolved;
-use super::start;
 use super::tension::{beyond_limit, default_upper, limit};
+use super::time;
 use super::variant::Variant;
+use crate::expression::Formula;
 use crate::quantity::Dimension;
 use crate::result::snapshot::RESERVED;
-use crate::schema::{Case, Cells, Control, ControlsFile, Parameter, Space as SpaceBlock, Start, vector_at};
+use crate::schema::{Case, Cells, Control, Parameter, Space as SpaceBlock, Start};
 use crate::syntax::At;
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
-use nastic_control::{ControlBlock, ControlMap, Reduced, Space};
-use nastic_numeric::Random;
-use nastic_opt::{Admissible, Ball, Bounds, Limit, Outside, Product, Sphere};
+use nastic_control::{ControlBlock, RateLimit, Reduced, Space};
+use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
 
 /// A control field as the case describes it; its place in the control vector is that of the same number in the layout.
 #[derive(Clone, PartialEq, Debug)]
@@ -74,9 +73,6 @@ pub(super) struct Lowered {
     pub set: Product,
 }
 
-/// A start is this near to a bound by rounding alone, as a share of the values' size.
-const ROUNDING: f64 = 1e-9;
-
 /// Adds the fields to the problem; `None` after a complaint that leaves no problem to go on with.
 pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
     for control in &case.controls {
@@ -91,14 +87,25 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
             SpaceBlock::Node => Space::Node,
             SpaceBlock::Grid(Cells(cells)) => Space::Grid(cells),
         };
-        let added = match &control.direction {
-            None => reduced.control(&control.of, space),
-            Some(direction) => reduced.control_along(&control.of, space, direction.xyz()),
+        let knots = match (&control.in_time, &case.time) {
+            (Some(in_time), Some(time)) => Some(time::knots(in_time, time.end, context)?),
+            _ => None,
+        };
+        let added = match (&control.direction, knots) {
+            (None, None) => reduced.control(&control.of, space),
+            (Some(direction), None) => reduced.control_along(&control.of, space, direction.xyz()),
+            (None, Some(knots)) => reduced.control_in_time(&control.of, space, knots),
+            (Some(direction), Some(knots)) => reduced.control_along_in_time(&control.of, space, direction.xyz(), knots),
         };
         reduced = context.take(&control.at, added)?;
         // Between nodes the vectors must be as long as at them.
         if let (true, Some(norm), None) = (space.interpolates(), control.norm, &control.direction) {
             reduced = context.take(&control.at.key("norm"), reduced.of_length(&control.of, norm))?;
+        }
+        if let (Some(rate), true) = (control.rate.as_ref().and_then(Formula::constant), control.in_time.is_some()) {
+            let at = control.at.key("rate");
+            let limit = context.take(&at, RateLimit::of(&control.of, rate))?;
+            reduced = context.take(&at, reduced.limit_rate(limit))?;
         }
     }
     Some(reduced)
@@ -168,17 +175,17 @@ pub(super) fn weigh(
     Some(body)
 }
 
-struct Lowering<'a> {
-    case: &'a Case,
-    reduced: &'a Reduced,
-    control: &'a Control,
-    block: &'a ControlBlock,
+pub(super) struct Lowering<'a> {
+    pub case: &'a Case,
+    pub reduced: &'a Reduced,
+    pub control: &'a Control,
+    pub block: &'a ControlBlock,
     /// The laws' bound on a tension of this family alone.
     limit: Option<f64>,
     /// The upper bound where none is given.
     default_upper: Option<f64>,
     /// Name of the load case that has it alone.
-    case_name: Option<&'a str>,
+    pub case_name: Option<&'a str>,
 }
 
 /// What is admitted, in words and as a set.
@@ -311,7 +318,7 @@ impl Lowering<'_> {
         match Bounds::new(lower, upper) {
             Ok(bounds) => Some(Allowed { admitted, bounds: Some(bounds.clone()), set: Box::new(bounds) }),
             Err(nastic_opt::SetError::Crossed { index, lower, upper }) => {
-                let place = self.block.map.describe(index);
+                let place = self.place(index);
                 let from_law = if self.control.upper.is_none() { " (within the law's convexity bound)" } else { "" };
                 let message =
                     format!("crossed bounds at {place}: \"lower\" is {lower}, above \"upper\" {upper}{from_law}");
@@ -343,138 +350,7 @@ impl Lowering<'_> {
                 return None;
             }
         };
-        Some(Some(Limit::Each(values)))
-    }
-
-    fn start(&self, context: &mut Context<'_>) -> Option<Vec<f64>> {
-        let at = self.control.at.key("start");
-        let positions = self.block.map.positions();
-        match &self.control.start {
-            None => Some(vec![0.0; self.block.len()]),
-            Some(Start::Scalar(formula)) => {
-                let values: Result<_, _> = positions.iter().map(|x| formula.at(*x)).collect();
-                context.take(&at, values)
-            }
-            Some(Start::Vector(entries)) => {
-                let values: Result<Vec<_>, _> = positions.iter().map(|x| vector_at(entries, *x)).collect();
-                context.take(&at, values).map(|values| values.concat())
-            }
-            Some(Start::Array(file)) => self.values_of_file(file, &at, context),
-            Some(Start::Controls(file)) => {
-                let name = self.case_name.map_or_else(String::new, |case| format!("{case}.")) + self.control.name();
-                match &file.grid {
-                    None => start::of_file(file, &name, self.block.len(), &at, context),
-                    Some(cells) => self.start_of_grid(file, &name, *cells, context),
-                }
-            }
-            Some(Start::Random(seed)) => {
-                let Some(norm) = self.control.norm.or(self.control.max_norm) else {
-                    context.complain(&at, "random directions need a length: give \"norm\" or \"max_norm\"");
-                    return None;
-                };
-                let dim = self.reduced.solid().mesh().dim();
-                Some(start::on_sphere(&mut Random::new(*seed), norm, positions.len(), dim).concat())
-            }
-        }
-    }
-
-    /// The values of an earlier `controls.json` on another grid, at the nodes of this one.
-    fn start_of_grid(
-        &self,
-        file: &ControlsFile,
-        name: &str,
-        Cells(cells): Cells,
-        context: &mut Context<'_>,
-    ) -> Option<Vec<f64>> {
-        let (at, n) = (self.control.at.key("start"), self.block.components);
-        if self.block.map.grid().is_none() {
-            context.complain(&at.key("grid"), "the control's own \"space\" is no grid: leave this out");
-            return None;
-        }
-        let solid = self.reduced.solid();
-        let regions = solid.body().actuations().get(self.block.actuation).map(|attached| &attached.regions)?;
-        let coarse = ControlMap::new(solid.discretization(), regions, Space::Grid(cells));
-        let coarse = context.take(&at.key("grid"), coarse)?;
-        let values = start::of_file(file, name, coarse.len() * n, &at, context)?;
-        let places = self.block.map.positions().iter();
-        let prolonged: Option<Vec<Vec<f64>>> = places.map(|x| coarse.on_grid(&values, n, *x)).collect();
-        if prolonged.is_none() {
-            context.complain(&at, format!("{} has no value near some node of the present grid", file.file));
-        }
-        prolonged.map(|values| values.concat())
-    }
-
-    /// Entries of an array that belong to the unknowns, or its mean over each unknown's part of the body.
-    fn values_of_file(&self, file: &crate::schema::ArrayFile, at: &At, context: &mut Context<'_>) -> Option<Vec<f64>> {
-        let map = &self.block.map;
-        let mesh = self.reduced.solid().mesh();
-        let prefer = if map.space() == Space::Node { Entity::Node } else { Entity::Cell };
-        let array = array::read(file, at, &[self.block.components], prefer, self.case, mesh, context)?;
-        let n = array.components;
-        let direct = matches!((map.space(), array.entity), (Space::Node, Entity::Node) | (Space::Cell, Entity::Cell));
-        if direct {
-            let of = |&entity: &u32| array.values[entity as usize * n..][..n].to_vec();
-            return Some(map.entities().iter().flat_map(of).collect());
-        }
-        Some(self.means(&array))
-    }
-
-    fn means(&self, array: &MeshArray) -> Vec<f64> {
-        let (disc, n) = (self.reduced.solid().discretization(), array.components);
-        let at_points = match array.entity {
-            Entity::Node => disc.points().interpolate(&array.values, n),
-            Entity::Cell => {
-                let of = |cell: u32| array.values[cell as usize * n..][..n].to_vec();
-                disc.points().cells().into_iter().flat_map(of).collect()
-            }
-        };
-        let map = &self.block.map;
-        let mut sums = vec![0.0; map.len() * n];
-        let mut weights = vec![0.0; map.len()];
-        let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); map.len() * n];
-        for (q, w) in disc.points().weights().iter().enumerate() {
-            for (i, shape) in map.at_point(q) {
-                weights[i] += w * shape;
-                for c in 0..n {
-                    let (value, range) = (at_points[q * n + c], &mut range[i * n + c]);
-                    sums[i * n + c] += w * shape * value;
-                    *range = (range.0.min(value), range.1.max(value));
-                }
-            }
-        }
-        // The mean of equal values is that value, without rounding.
-        let mean = |(k, sum): (usize, &f64)| (sum / weights[k / n]).clamp(range[k].0, range[k].1);
-        sums.iter().enumerate().map(mean).collect()
-    }
-
-    /// The start, moved onto the set if only rounding keeps it outside.
-    fn settle(&self, mut start: Vec<f64>, set: &dyn Admissible, context: &mut Context<'_>) -> Option<Vec<f64>> {
-        let at = self.control.at.key("start");
-        if let Some(norm) = self.control.norm {
-            if let Some(k) = start.chunks(self.block.components).position(|v| v.iter().all(|x| *x == 0.0)) {
-                let place = self.block.map.describe(k);
-                context.complain(&at, format!("the start is zero at {place}: it cannot be given the \"norm\" {norm}"));
-                return None;
-            }
-            set.project(&mut start);
-            return Some(start);
-        }
-        let Err(outside) = set.check(&start) else { return Some(start) };
-        let mut moved = start.clone();
-        set.project(&mut moved);
-        let size = start.iter().chain(&moved).fold(0.0f64, |most, x| most.max(x.abs()));
-        let far = start.iter().zip(&moved).any(|(a, b)| (a - b).abs() > ROUNDING * size);
-        if far {
-            context.complain(&at, self.outside(&outside));
-            return None;
-        }
-        Some(moved)
-    }
-
-    fn outside(&self, outside: &Outside) -> String {
-        let place = self.block.map.describe(outside.index / self.block.components);
-        let allowed = &outside.allowed;
-        format!("the start {} at {place} lies outside what is allowed: {allowed}", outside.value)
+        Some(Some(Limit::Each(values.repeat(self.block.values_in_time()))))
     }
 }
 

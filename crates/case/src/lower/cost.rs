@@ -3,7 +3,9 @@
 use super::array::{self, Entity};
 use super::context::Context;
 use super::named::key_of;
+use super::named_cost::{Named, NamedRate};
 use super::place::{self, Kind, Place};
+use super::time;
 use crate::expression::EvaluationError;
 use crate::schema::{
     self, AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Stages, Target as TargetBlock, vector_at,
@@ -11,11 +13,10 @@ use crate::schema::{
 use crate::syntax::At;
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
-    ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, CostTarget, IntoCost,
-    ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Smoothing, Target, Tracking,
+    ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, CostTarget, IntoCost, ObstaclePenetration, Phi,
+    Reduced, SmoothedHausdorff, Target, Tracking, When,
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
-use nastic_fem::Solid;
 use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
 use std::sync::{Arc, OnceLock};
@@ -79,27 +80,75 @@ pub(super) fn add(
     mut reduced: Reduced,
     context: &mut Context<'_>,
 ) -> Option<(Reduced, Vec<TargetShape>)> {
-    let (mut terms, mut shapes) = (Vec::new(), Vec::new());
+    let (mut terms, mut shapes, mut rates) = (Vec::new(), Vec::new(), Vec::new());
     for (block, target) in case.costs.iter().zip(targets) {
         if block.weight() == 0.0 {
             context.warn(&INPUT, &block.at().key("weight"), "the weight is zero: the term is left out");
+            continue;
+        }
+        if let Block::ControlRate(block) = block {
+            let of = case.controls.iter().find(|control| control.name() == block.of)?;
+            rates.push((&block.at, context.take(&block.at, ControlRate::of(&of.of, block.weight))?, block));
             continue;
         }
         let lowering = Lowering { case, reduced: &reduced, block };
         let Some(cost) = lowering.lower(target, context) else { continue };
         let shape = cost.target(reduced.solid());
         shapes.extend(shape.map(|shape| TargetShape::of(block.at().clone(), block.name(), shape)));
-        terms.push((block.at(), Named { name: block.name().to_owned(), cost }));
+        terms.push((block, Named::new(block.name(), cost)));
     }
-    for (at, term) in terms {
-        reduced = context.take(at, reduced.cost(term))?;
+    for (block, term) in terms {
+        reduced = add_term(case, (block, term), reduced, context)?;
+    }
+    for (at, cost, block) in rates {
+        let name = block.name.clone().unwrap_or_else(|| "control_rate".to_owned());
+        reduced = context.take(at, reduced.trajectory_cost(NamedRate { name, cost }))?;
     }
     Some((reduced, shapes))
 }
 
+/// A term, in a motion with the part of it over which it counts.
+fn add_term(
+    case: &Case,
+    (block, term): (&Block, Named),
+    reduced: Reduced,
+    context: &mut Context<'_>,
+) -> Option<Reduced> {
+    if case.time.is_none() {
+        return context.take(block.at(), reduced.cost(term));
+    }
+    let (when, at) = (time::when(block), block.at().key("when"));
+    if !block.uses_time() {
+        return context.take(&at, reduced.cost_when(when, term));
+    }
+    along_path(case, (block, when), reduced, context)
+}
+
+/// A term whose target moves: one for every instant at which it counts.
+fn along_path(
+    case: &Case,
+    (block, when): (&Block, When),
+    reduced: Reduced,
+    context: &mut Context<'_>,
+) -> Option<Reduced> {
+    let instants = reduced.timeline()?.instants().to_vec();
+    let mut made = Vec::new();
+    for t in instants {
+        let at_time = block.at_time(t);
+        let lowering = Lowering { case, reduced: &reduced, block: &at_time };
+        let cost = lowering.lower(None, context)?;
+        made.push((t, Named::new(block.name(), cost)));
+    }
+    let at = |t: f64| made.iter().find(|(instant, _)| *instant == t).map(|(_, cost)| cost.clone());
+    let missing = || ControlError::Cost { what: "a target at no instant of the motion".to_owned() };
+    let added = reduced.cost_along(when, |t| at(t).ok_or_else(missing));
+    context.take(&block.at().key("when"), added)
+}
+
 /// What the terms themselves have to say.
 pub(super) fn warn(case: &Case, reduced: &Reduced, context: &mut Context<'_>) {
-    let terms = case.costs.iter().filter(|block| block.weight() != 0.0);
+    let of_states = |block: &&Block| block.weight() != 0.0 && !matches!(block, Block::ControlRate(_));
+    let terms = case.costs.iter().filter(of_states);
     for (block, cost) in terms.zip(reduced.costs()) {
         for warning in cost.warnings(reduced.solid()) {
             context.warn(&HAUSDORFF_LENGTH, block.at(), warning);
@@ -133,6 +182,8 @@ impl Lowering<'_> {
                 let cost = ControlSmoothness::of(self.control(&block.of)?, block.weight);
                 Some(Box::new(context.take(&block.at, cost)?))
             }
+            // Of a motion, not of a state.
+            Block::ControlRate(_) => None,
             Block::Added(block) => {
                 let inputs = uniform(block, context)?;
                 let given = choose_form(block.row.name, block.row.forms, &inputs);
@@ -306,42 +357,5 @@ fn phi(block: &PhiBlock, diagonal: f64) -> Phi {
         }
         PhiBlock::Inverse(phi) => Phi::Inverse { eps: phi.eps },
         PhiBlock::SmoothInverse(phi) => Phi::SmoothInverse { eps: phi.eps },
-    }
-}
-
-/// A term under the name the case gives it.
-#[derive(Debug)]
-struct Named {
-    name: String,
-    cost: Box<dyn Cost>,
-}
-
-impl Cost for Named {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
-        self.cost.at(at)
-    }
-
-    fn stages(&self) -> usize {
-        self.cost.stages()
-    }
-
-    fn smoothings(&self) -> Vec<Smoothing> {
-        self.cost.smoothings()
-    }
-
-    fn size(&self) -> Option<String> {
-        self.cost.size().map(|size| format!("{} {size}", self.name))
-    }
-
-    fn warnings(&self, solid: &Solid) -> Vec<String> {
-        self.cost.warnings(solid)
-    }
-
-    fn target(&self, solid: &Solid) -> Option<CostTarget> {
-        self.cost.target(solid)
     }
 }

@@ -8,7 +8,13 @@ use nastic_control::{Compliance, Cost, Curvature, IntoCost, LargestStretch, Mean
 
 impl Lowering<'_> {
     pub(super) fn position(&self, block: &schema::Position, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
-        let (solid, target) = (self.reduced.solid(), block.target.entries());
+        let solid = self.reduced.solid();
+        let mut target = [None; 3];
+        for ((value, formula), axis) in target.iter_mut().zip(block.target.entries()).zip(["x", "y", "z"]) {
+            let at = block.target.at.key(axis);
+            *value =
+                formula.map(|formula| context.take(&at, formula.at([0.0; 3]))).map_or(Some(None), |v| v.map(Some))?;
+        }
         let position = if let Some(point) = &block.point {
             let point = point.xyz();
             context.take(&block.at.key("point"), solid.mesh().locate_inside(point))?;

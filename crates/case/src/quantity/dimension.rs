@@ -31,6 +31,16 @@ impl Dimension {
     pub const MASS: Self = Self::of(-1, 1, 2, 0);
     /// N/m^3
     pub const BODY_FORCE: Self = Self::of(-3, 1, 0, 0);
+    /// kg/m^3 = N s^2/m^4
+    pub const DENSITY: Self = Self::of(-4, 1, 2, 0);
+    /// m/s
+    pub const VELOCITY: Self = Self::of(1, 0, -1, 0);
+    /// m/s^2
+    pub const ACCELERATION: Self = Self::of(1, 0, -2, 0);
+    /// Pa s
+    pub const VISCOSITY: Self = Self::of(-2, 1, 1, 0);
+    /// 1/s
+    pub const RATE: Self = Self::of(0, 0, -1, 0);
     /// A = N/(T m)
     pub const CURRENT: Self = Self::of(-1, 1, 0, -1);
     /// V = W/A = T m^2/s
@@ -92,8 +102,19 @@ impl Dimension {
     /// The units a reader of an error message may choose from: "Pa, kPa, MPa, GPa, bar, mbar".
     #[must_use]
     pub fn examples(self) -> String {
+        let compound = [
+            (Self::DENSITY, "kg/m^3"),
+            (Self::VELOCITY, "m/s, mm/s"),
+            (Self::ACCELERATION, "m/s^2"),
+            (Self::VISCOSITY, "Pa*s"),
+            (Self::RATE, "1/s"),
+        ];
         let symbols: Vec<_> = UNITS.iter().filter(|u| u.dimension == self).map(|u| u.symbol).collect();
-        if symbols.is_empty() { self.in_si() } else { symbols.join(", ") }
+        match compound.iter().find(|(dimension, _)| *dimension == self) {
+            Some((_, examples)) => (*examples).to_string(),
+            None if symbols.is_empty() => self.in_si(),
+            None => symbols.join(", "),
+        }
     }
 
     fn combine(self, other: Self, sign: i32) -> Option<Self> {
@@ -137,6 +158,11 @@ impl fmt::Display for Dimension {
             (Self::MASS, "a mass"),
             (Self::CURRENT, "an electric current"),
             (Self::BODY_FORCE, "a force per volume"),
+            (Self::DENSITY, "a density"),
+            (Self::VELOCITY, "a velocity"),
+            (Self::ACCELERATION, "an acceleration"),
+            (Self::VISCOSITY, "a viscosity"),
+            (Self::RATE, "a rate (1 over a time)"),
             (Self::of(2, 0, 0, 0), "an area"),
             (Self::of(3, 0, 0, 0), "a volume"),
             (Self::of(-1, 0, 0, 0), "a curvature (1 over a length)"),

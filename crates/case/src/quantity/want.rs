@@ -20,33 +20,56 @@ pub struct Want {
     pub dimension: Option<Dimension>,
     /// Checked where the value is a constant.
     pub sign: Sign,
+    /// Whether a formula may change in time.
+    pub in_time: bool,
 }
 
 impl Want {
     /// Anything.
-    pub const ANY: Self = Self { dimension: None, sign: Sign::Any };
+    pub const ANY: Self = Self { dimension: None, sign: Sign::Any, in_time: false };
+    /// Anything, which may change in time.
+    pub const ANY_IN_TIME: Self = Self::ANY.in_time();
     /// Anything, > 0.
-    pub const ANY_POSITIVE: Self = Self { dimension: None, sign: Sign::Positive };
+    pub const ANY_POSITIVE: Self = Self { dimension: None, sign: Sign::Positive, in_time: false };
     /// Anything, >= 0.
-    pub const ANY_NOT_NEGATIVE: Self = Self { dimension: None, sign: Sign::NotNegative };
+    pub const ANY_NOT_NEGATIVE: Self = Self { dimension: None, sign: Sign::NotNegative, in_time: false };
     /// A plain number.
     pub const NUMBER: Self = Self::a(Dimension::NONE);
     /// A plain number > 0.
     pub const POSITIVE: Self = Self::NUMBER.positive();
     /// A plain number >= 0.
-    pub const NOT_NEGATIVE: Self = Self { dimension: Some(Dimension::NONE), sign: Sign::NotNegative };
+    pub const NOT_NEGATIVE: Self = Self { dimension: Some(Dimension::NONE), sign: Sign::NotNegative, in_time: false };
     /// A length.
     pub const LENGTH: Self = Self::a(Dimension::LENGTH);
+    /// A length, which may change in time.
+    pub const LENGTH_IN_TIME: Self = Self::LENGTH.in_time();
     /// A length > 0.
     pub const POSITIVE_LENGTH: Self = Self::LENGTH.positive();
     /// A length >= 0.
-    pub const NOT_NEGATIVE_LENGTH: Self = Self { dimension: Some(Dimension::LENGTH), sign: Sign::NotNegative };
+    pub const NOT_NEGATIVE_LENGTH: Self =
+        Self { dimension: Some(Dimension::LENGTH), sign: Sign::NotNegative, in_time: false };
     /// A curvature, 1 over a length.
     pub const CURVATURE: Self = Self::a(Dimension::of(-1, 0, 0, 0));
     /// A force.
     pub const FORCE: Self = Self::a(Dimension::FORCE);
     /// A time.
     pub const TIME: Self = Self::a(Dimension::TIME);
+    /// A time > 0.
+    pub const POSITIVE_TIME: Self = Self::a(Dimension::TIME).positive();
+    /// A time >= 0.
+    pub const NOT_NEGATIVE_TIME: Self =
+        Self { dimension: Some(Dimension::TIME), sign: Sign::NotNegative, in_time: false };
+    /// 1 over a time, >= 0.
+    pub const NOT_NEGATIVE_RATE: Self =
+        Self { dimension: Some(Dimension::RATE), sign: Sign::NotNegative, in_time: false };
+    /// A density > 0.
+    pub const DENSITY: Self = Self::a(Dimension::DENSITY).positive();
+    /// A velocity.
+    pub const VELOCITY: Self = Self::a(Dimension::VELOCITY);
+    /// An acceleration.
+    pub const ACCELERATION: Self = Self::a(Dimension::ACCELERATION);
+    /// A viscosity >= 0.
+    pub const VISCOSITY: Self = Self { dimension: Some(Dimension::VISCOSITY), sign: Sign::NotNegative, in_time: false };
     /// A pressure.
     pub const PRESSURE: Self = Self::a(Dimension::PRESSURE);
     /// A pressure > 0.
@@ -67,13 +90,19 @@ impl Want {
     /// A quantity of this dimension.
     #[must_use]
     pub const fn a(dimension: Dimension) -> Self {
-        Self { dimension: Some(dimension), sign: Sign::Any }
+        Self { dimension: Some(dimension), sign: Sign::Any, in_time: false }
     }
 
     /// The same, > 0.
     #[must_use]
     pub(crate) const fn positive(self) -> Self {
-        Self { dimension: self.dimension, sign: Sign::Positive }
+        Self { sign: Sign::Positive, ..self }
+    }
+
+    /// The same, where a formula may change in time.
+    #[must_use]
+    pub(crate) const fn in_time(self) -> Self {
+        Self { in_time: true, ..self }
     }
 
     /// Whether a constant has the demanded sign; the text says what was wanted.

@@ -43,6 +43,8 @@ pub(crate) struct Inspection {
 pub(crate) struct Uncounted {
     /// Whether the tangent is singular; else nothing is known about it.
     singular: bool,
+    /// Whether there is nothing to count: a state in motion is no equilibrium.
+    moving: bool,
     why: String,
 }
 
@@ -62,8 +64,13 @@ impl Inspection {
 
     /// Of one state.
     pub fn of(member: CaseMember<'_>, state: &State) -> Self {
+        if member.reduced().timeline().is_some() {
+            let why = "a state in motion is no equilibrium".to_owned();
+            return Self::with_inertia(member, state, Err(Uncounted { singular: false, moving: true, why }));
+        }
         let counted = member.solid().negative_pivots(state);
-        let uncounted = |error: StateError| Uncounted { singular: error.is_singular(), why: error.to_string() };
+        let uncounted =
+            |error: StateError| Uncounted { singular: error.is_singular(), moving: false, why: error.to_string() };
         Self::with_inertia(member, state, counted.map_err(uncounted))
     }
 
@@ -114,12 +121,12 @@ impl Inspection {
     pub fn warnings(&self, member: CaseMember<'_>, what: &str) -> Vec<Warning> {
         let mut out = Vec::new();
         match &self.inertia {
-            Ok(0) => {}
+            Ok(0) | Err(Uncounted { moving: true, .. }) => {}
             Ok(n) => {
                 let pivots = if *n == 1 { "1 negative pivot".to_owned() } else { format!("{n} negative pivots") };
                 out.push(Warning::new(&UNSTABLE, format!("{pivots} of the tangent stiffness")));
             }
-            Err(Uncounted { singular, why }) => {
+            Err(Uncounted { singular, why, .. }) => {
                 let kind = if *singular { &NEARLY_SINGULAR } else { &NOT_COUNTED };
                 out.push(Warning::new(kind, format!("negative pivots not counted: {why}")));
             }

@@ -21,6 +21,8 @@ pub(crate) struct MemberReport<'a> {
     pub costs: Cow<'a, [Arc<dyn CostPoint>]>,
     pub stage: usize,
     pub work: SolveReport,
+    /// The smallest J, of a motion over all its states.
+    pub min_j: f64,
     /// What was found in the state; nothing where only costs are told.
     pub inspection: Option<&'a Inspection>,
 }
@@ -45,7 +47,8 @@ pub(crate) fn of_point<'a>(
     let of = |(member, at): (CaseMember<'a>, &'a nastic_control::Evaluated)| {
         let costs = member.reduced().costs_of(at).map_err(|error| (member.index(), error))?;
         let (terms, work) = (at.terms.clone(), at.total_work());
-        Ok(MemberReport { member, state: &at.state, terms, costs, stage: at.stage, work, inspection: None })
+        let min_j = at.min_j();
+        Ok(MemberReport { member, state: &at.state, terms, costs, stage: at.stage, work, min_j, inspection: None })
     };
     problem.members().zip(&point.members).map(of).collect()
 }
@@ -126,6 +129,7 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<Map<String, Value>, M
     }
     if detail == Detail::Full {
         out.extend(summary::state(one.member, one.state));
+        out.insert("min_J".into(), json!(one.min_j));
         if let Some(found) = one.inspection {
             out.insert("inertia".into(), json!(found.inertia.as_ref().ok()));
             if let Err(uncounted) = &found.inertia {
@@ -163,7 +167,7 @@ fn risk(problem: &CaseProblem, costs: &[f64]) -> Value {
 fn overall(own: &[Map<String, Value>], reports: &[MemberReport<'_>]) -> Map<String, Value> {
     let mut work = SolveReport::default();
     reports.iter().for_each(|one| work.add_work(&one.work));
-    let min_j = reports.iter().map(|one| one.state.report.min_j).fold(f64::INFINITY, f64::min);
+    let min_j = reports.iter().map(|one| one.min_j).fold(f64::INFINITY, f64::min);
     let residual = reports.iter().map(|one| one.state.report.residual).fold(0.0, f64::max);
     // One member without a number leaves none for all.
     let inertia: Option<Vec<u64>> = own.iter().map(|entry| entry.get("inertia").and_then(Value::as_u64)).collect();

@@ -16,12 +16,17 @@ pub(crate) struct Drawing<'a> {
     pub subtitle: String,
     /// The state drawn solid, and its name in the legend.
     pub body: (&'a str, &'a Snapshot),
-    /// A state drawn as glass behind it.
-    pub ghost: Option<(&'a str, &'a Snapshot)>,
+    /// States drawn as glass behind it.
+    pub ghosts: Vec<(&'a str, &'a Snapshot)>,
     /// States of further scenarios, each with the title of its picture.
     pub scenarios: Vec<(String, Snapshot)>,
     /// The mean shape over all scenarios, with `deviation_norm`, and the title of all of them.
     pub mean: Option<(String, Snapshot)>,
+}
+
+/// States with their names.
+pub(crate) fn named(shots: &[(String, Snapshot)]) -> Vec<(&str, &Snapshot)> {
+    shots.iter().map(|(name, shot)| (name.as_str(), shot)).collect()
 }
 
 /// Further scenarios that are drawn.
@@ -54,13 +59,13 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
     let mut pictures: Vec<Picture> = appearances(member, body)
         .into_iter()
         .map(|appearance| {
-            let ground = ground(member, (&drawing.title, &drawing.subtitle), drawing.ghost);
+            let ground = ground(member, (&drawing.title, &drawing.subtitle), &drawing.ghosts);
             ground.body(with_arrows(member, Body::of(label, body).appearance(appearance), body))
         })
         .collect();
     for (title, state) in &drawing.scenarios {
         let Some(appearance) = appearances(member, state).into_iter().next() else { continue };
-        let ground = ground(member, (title, ""), None);
+        let ground = ground(member, (title, ""), &[]);
         pictures.push(ground.body(with_arrows(member, Body::of(label, state).appearance(appearance), state)));
     }
     if let Some((title, mean)) = &drawing.mean
@@ -69,16 +74,16 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
         let unit = member.problem().units().length().symbol;
         let field = Field::at_nodes("standard deviation", unit, spread.values.clone());
         let title = format!("{title}: mean of the scenarios");
-        let ground = ground(member, (&title, "coloured by the standard deviation of positions"), None);
+        let ground = ground(member, (&title, "coloured by the standard deviation of positions"), &[]);
         pictures.push(ground.body(Body::of("mean", mean).appearance(Appearance::Field(field))));
     }
     pictures
 }
 
-/// Title, ghost and targets.
-fn ground(member: CaseMember<'_>, (title, subtitle): (&str, &str), ghost: Option<(&str, &Snapshot)>) -> Picture {
+/// Title, ghosts and targets.
+fn ground(member: CaseMember<'_>, (title, subtitle): (&str, &str), ghosts: &[(&str, &Snapshot)]) -> Picture {
     let mut picture = Picture::new(title).subtitle(subtitle).length_unit(member.problem().units().length().symbol);
-    if let Some((label, ghost)) = ghost {
+    for (label, ghost) in ghosts {
         picture = picture.body(Body::of(label, ghost).appearance(Appearance::Glass(Colour::GREY)));
     }
     let grey = |shape: &Snapshot| Body::of("obstacle", shape).appearance(Appearance::Solid(Colour::GREY));

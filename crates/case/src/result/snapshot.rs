@@ -13,9 +13,10 @@ use super::inspection::Inspection;
 const TARGET_DISTANCE: &str = "target_distance";
 
 /// Names of result arrays that no control may take.
-pub(crate) const RESERVED: [&str; 21] = [
+pub(crate) const RESERVED: [&str; 22] = [
     "mises",
     "displacement",
+    "velocity",
     "adjoint",
     "J",
     "P",

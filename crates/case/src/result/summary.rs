@@ -124,15 +124,22 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
             "unknowns": block.len, "min": min, "max": max, "lower": lower, "upper": upper,
             "active": active, "active_share": share,
         });
-        if !own.map.is_whole() {
+        if !own.map.is_whole() && own.knots.is_none() {
             let disc = problem.member(block.owner).solid().discretization();
             entry["total_variation"] = json!(own.total_variation(disc, block.of(m)));
         }
         if let Some(grid) = own.map.grid() {
             entry["grid"] = json!(grid.cells());
         }
-        let few = values(&own.map, block.of(m), n);
-        if !few.is_null() {
+        let each = |values_of: &[f64]| values(&own.map, values_of, n);
+        let few = match &own.knots {
+            None => each(block.of(m)),
+            Some(knots) => {
+                entry["instants"] = json!(knots.instants());
+                block.of(m).chunks_exact(own.size()).map(each).filter(|values| !values.is_null()).collect()
+            }
+        };
+        if !few.is_null() && few != json!([]) {
             entry["values"] = few;
         }
         (field.name.clone(), entry)
@@ -218,6 +225,9 @@ pub(crate) fn shape(member: CaseMember<'_>, state: &State) -> Map<String, Value>
 /// What a state says of itself: `min_J`, `potential`, reactions, probes, what contributions report.
 pub(crate) fn state(member: CaseMember<'_>, state: &State) -> Map<String, Value> {
     let mut out = shape(member, state);
+    if member.reduced().timeline().is_some() {
+        return out; // in motion supports hold masses and viscous forces too
+    }
     out.insert("reactions".into(), reactions(member, state).unwrap_or(Value::Null));
     out
 }

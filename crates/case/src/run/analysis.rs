@@ -21,6 +21,18 @@ pub enum Analysis {
 }
 
 impl Analysis {
+    /// The option of `solve` that asks for it; none for the plain state.
+    pub(super) fn option(&self) -> Option<&'static str> {
+        match self {
+            Self::Equilibrium => None,
+            Self::Minimum => Some("--minimum"),
+            Self::Modes(_) => Some("--modes"),
+            Self::Ramp(_) => Some("--ramp"),
+            Self::Path | Self::PathToLimit => Some("--path"),
+            Self::Equilibria(_) => Some("--equilibria"),
+        }
+    }
+
     /// Whether the result has the entries of a single state.
     pub(super) fn has_one_state(&self) -> bool {
         !matches!(self, Self::Ramp(_) | Self::Path | Self::PathToLimit)

@@ -18,6 +18,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::controls(problem),
         describe::supports(problem),
         describe::springs(problem),
+        describe::time(problem),
         describe::costs(problem),
         describe::load_cases(problem),
         describe::scenarios(problem),

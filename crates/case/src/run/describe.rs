@@ -8,6 +8,7 @@ mod members;
 mod memory;
 mod shape_cost;
 mod spring;
+mod time;
 
 pub(super) use actuation::actuation;
 pub(super) use conventions::conventions;
@@ -17,6 +18,7 @@ pub(super) use members::{load_cases, scenarios};
 pub(super) use memory::memory;
 use shape_cost::shape_cost;
 pub(super) use spring::springs;
+pub(super) use time::time;
 
 use super::number::{count, grouped, quantity, short, vector};
 use crate::expression::dimension_of;
@@ -117,7 +119,8 @@ pub(super) fn materials(problem: &CaseProblem) -> Vec<Line> {
         let values = parameters(&material.parameters, &catalogue_of(material.law.forms), units);
         let formulation = material.formulation.map(|chosen| format!("; formulation {chosen}")).unwrap_or_default();
         let (region, law) = (&material.region, material.law);
-        line("materials", format!("{region}: {} ({}); {values}{formulation}", law.name, law.about))
+        let inertia = time::inertia(material, units);
+        line("materials", format!("{region}: {} ({}); {values}{formulation}{inertia}", law.name, law.about))
     };
     problem.case.materials.iter().map(of).collect()
 }
@@ -135,11 +138,12 @@ pub(super) fn controls(problem: &CaseProblem) -> Vec<Line> {
             if block.components > 1 { format!(" of {} components", block.components) } else { String::new() };
         let unknowns = count(block.map.len(), "unknown");
         let admitted = admitted(field);
+        let knots = time::knots(problem, block, &field.array);
         let grid = block.map.grid().map(|grid| format!(" of {} cells", grid_cells(grid.cells(), problem.mesh().dim())));
         line(
             "controls",
             format!(
-                "{}: by {}{}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
+                "{}: by {}{}{knots}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
                 field.name,
                 block.map.space().name(),
                 grid.unwrap_or_default()
@@ -167,10 +171,11 @@ pub(super) fn supports(problem: &CaseProblem) -> Vec<Line> {
     let mut out = vec![line(
         "supports",
         format!(
-            "{} of {} displacement components held, {} of them moved; no rigid motion is free",
+            "{} of {} displacement components held, {} of them moved; {}",
             grouped(held),
             grouped(total),
-            grouped(moved)
+            grouped(moved),
+            if solid.check().is_ok() { "no rigid motion is free" } else { "rigid motions are free" }
         ),
     )];
     if !problem.case.loads.is_empty() {
@@ -239,11 +244,12 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
         }
         Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
         Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
+        Cost::ControlRate(block) => format!("weight/2 int int |d{}/dt|^2", block.of),
         Cost::Added(block) => block.row.about.to_owned(),
     };
     let (name, kind) = (cost.name(), cost.kind());
     let name = if name == kind { name.to_owned() } else { format!("{name} ({kind})") };
-    line(head, format!("{name}: {text}, weight {}", short(cost.weight())))
+    line(head, format!("{name}: {text}, weight {}{}", short(cost.weight()), time::when(cost.when())))
 }
 
 /// A shape that a term aims at.

@@ -33,6 +33,9 @@ pub(crate) fn quantity(value: f64, dimension: Dimension, units: &Units) -> Strin
     if dimension.is_none() {
         return short(value);
     }
+    if dimension == Dimension::DENSITY {
+        return format!("{} kg/m^3", short(units.in_si(value, dimension)));
+    }
     let (own, si) = (units.label(dimension), Units::default().label(dimension));
     if own == si {
         format!("{} {own}", short(value))

@@ -11,6 +11,7 @@ mod series;
 
 use super::analysis::Analysis;
 use super::error::{Exit, RunError};
+use super::motion;
 use super::number::{quantity, scientific, short, vector};
 use super::session::Session;
 use super::states::Shown;
@@ -29,6 +30,9 @@ use nastic_report::case_name;
 use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
+    if let Some(option) = analysis.option().filter(|_| motion::is_motion(&session.problem)) {
+        return Err(motion::refused(&session.problem, option));
+    }
     match analysis {
         Analysis::Equilibrium | Analysis::Minimum | Analysis::Modes(_) | Analysis::Equilibria(_) => {
             equilibrium(session, analysis)
@@ -45,7 +49,8 @@ fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, R
     if *analysis == Analysis::Minimum {
         point = session.timed("descent", |session| minimum::descend(session, point))?;
     }
-    let found = session.inspect("equilibrium", &point);
+    let found = session.inspect(motion::state_name(&session.problem), &point);
+    motion::inspect(session, &point);
     report(session, &point, &found)?;
     let modes = match analysis {
         Analysis::Modes(count) => session.timed("modes", |session| modes::find(session, &point, *count))?,
@@ -68,16 +73,17 @@ pub(super) fn show(
     derivative: Option<Vec<f64>>,
     inspections: Vec<Inspection>,
 ) {
-    let subtitle =
-        subtitle(session, point.members.iter().map(|at| at.state.report.min_j).fold(f64::INFINITY, f64::min));
-    session.shown = Some(Shown { what: "equilibrium", subtitle, point, derivative, start: None, inspections });
+    let subtitle = subtitle(session, point.members.iter().map(|at| at.min_j()).fold(f64::INFINITY, f64::min));
+    let what = motion::state_name(&session.problem);
+    session.shown = Some(Shown { what, subtitle, point, derivative, start: None, inspections });
 }
 
 /// The line below the title of a picture.
 fn subtitle(session: &Session<'_>, min_j: f64) -> String {
     let result = session.result_value();
     let distance = picture::distance(&result, session.problem.units().length().symbol);
-    format!("equilibrium at the start control, min J {}{distance}{}", short(min_j), session.warned())
+    let what = motion::state_name(&session.problem);
+    format!("{what} at the start control, min J {}{distance}{}", short(min_j), session.warned())
 }
 
 fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
@@ -89,13 +95,14 @@ fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]
     drop(reports);
     session.put_all(entries);
     session.put("controls", controls);
+    motion::report(session, point);
     session.put("load_steps", json!(point.members.iter().map(|at| at.state.report.load_steps).max()));
     say(session, point);
     Ok(())
 }
 
 fn say(session: &Session<'_>, point: &EnsemblePoint) {
-    let states = || point.members.iter().map(|at| &at.state);
+    let states = || point.members.iter().flat_map(|at| at.states());
     let (console, result) = (session.console, session.result_value());
     let mut work = SolveReport::default();
     states().for_each(|state| work.add_work(&state.report));
@@ -103,7 +110,8 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
         console.say("equilibrium the state of rest: nothing deforms the body at the start controls");
     }
     console.say(format!(
-        "equilibrium {} Newton iterations in {} load steps ({} cut), {} factorisations ({} reused), residual {}",
+        "{:<12}{} Newton iterations in {} load steps ({} cut), {} factorisations ({} reused), residual {}",
+        if motion::is_motion(&session.problem) { "work" } else { "equilibrium" },
         work.newton,
         states().map(|state| state.report.load_steps).sum::<usize>(),
         work.cuts,
@@ -125,6 +133,10 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
 /// Smallest J and inertia, of the worst member.
 pub(super) fn say_stability(session: &Session<'_>, result: &Value) {
     let min_j = result["min_J"].as_f64().unwrap_or(f64::NAN);
+    if motion::is_motion(&session.problem) {
+        session.console.say(format!("deformation min J {} over the motion", short(min_j)));
+        return;
+    }
     session.console.say(format!("stability   min J {}, {}", short(min_j), inertia(result)));
 }
 
@@ -317,11 +329,12 @@ fn write(
             files.extend(write()?);
             continue;
         }
+        let ghosts = motion::ghosts(member, at)?;
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, at.state.report.min_j) + &picture::legend(&shot),
-            body: ("equilibrium", &shot),
-            ghost: None,
+            subtitle: subtitle(session, at.min_j()) + &picture::legend(&shot),
+            body: (motion::state_name(problem), &shot),
+            ghosts: picture::named(&ghosts),
             scenarios: Vec::new(),
             mean: None,
         };
@@ -333,6 +346,9 @@ fn write(
     }
     files.extend(write_targets(problem, &out)?);
     files.extend(write_collections(problem, "start", &out)?);
+    if motion::is_motion(problem) {
+        files.extend(motion::write(problem, point, &out)?);
+    }
     say_files(session, files);
     Ok(())
 }

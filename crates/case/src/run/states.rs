@@ -95,7 +95,7 @@ impl States {
             title: title(member),
             subtitle: self.shown.subtitle.clone() + &picture::legend(&body),
             body: (self.shown.what, &body),
-            ghost: start.as_ref().map(|start| ("start", start)),
+            ghosts: start.iter().map(|start| ("start", start)).collect(),
             scenarios: Vec::new(),
             mean: None,
         };

@@ -288,8 +288,8 @@ fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Defini
 
 fn read_fixed(slot: &SlotName, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Fixed> {
     if slot.vector {
-        VectorField::read(node, at, slot.want, reader).map(Fixed::Vector)
+        VectorField::read(node, at, slot.want.in_time(), reader).map(Fixed::Vector)
     } else {
-        Parameter::read(node, at, slot.want, reader).map(Fixed::Scalar)
+        Parameter::read(node, at, slot.want.in_time(), reader).map(Fixed::Scalar)
     }
 }

@@ -2,8 +2,9 @@
 
 use crate::quantity::Want;
 use crate::schema::catalogue::{Input, form_schema, keys, read_inputs};
-use crate::schema::json::Definitions;
+use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
+use crate::schema::timing::When;
 use crate::schema::value::described_text;
 use crate::syntax::{At, Node};
 use nastic_control::CostForm;
@@ -23,17 +24,20 @@ pub struct AddedCost {
     pub parameters: BTreeMap<&'static str, Input>,
     /// Factor.
     pub weight: f64,
+    /// When it counts in a motion; at the end if left out.
+    pub when: Option<When>,
 }
 
 impl PartialEq for AddedCost {
     fn eq(&self, other: &Self) -> bool {
         (&self.at, &self.name, self.row.name) == (&other.at, &other.name, other.row.name)
-            && (&self.parameters, self.weight) == (&other.parameters, other.weight)
+            && (&self.parameters, self.weight, &self.when) == (&other.parameters, other.weight, &other.when)
     }
 }
 
 const NAME: &str = "Name in results; the kind if left out.";
 const WEIGHT: &str = "Factor.";
+const WHEN: &str = "When it counts in a motion; at the end if left out.";
 
 impl AddedCost {
     pub(crate) fn kind(&self) -> &'static str {
@@ -47,13 +51,14 @@ impl AddedCost {
     pub(crate) fn read(kind: &str, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Self> {
         let row = reader.document.catalogue().costs().iter().find(|row| row.name == kind).copied()?;
         let known: Vec<&str> =
-            ["kind", "name", "weight"].into_iter().chain(keys(row.forms).iter().map(|p| p.name)).collect();
+            ["kind", "name", "weight", "when"].into_iter().chain(keys(row.forms).iter().map(|p| p.name)).collect();
         let members = reader.members(node, at)?;
         reader.refuse_unknown(members, at, &known);
         let name: Option<Option<String>> = reader.key(node, at, "name", NAME, Want::ANY, Some(None));
         let weight: Option<f64> = reader.key(node, at, "weight", WEIGHT, Want::ANY_NOT_NEGATIVE, Some(1.0));
+        let when: Option<Option<When>> = reader.key(node, at, "when", WHEN, Want::ANY, Some(None));
         let parameters = read_inputs(row.name, row.forms, node, at, reader);
-        Some(Self { at: at.clone(), name: name?, row, parameters: parameters?, weight: weight? })
+        Some(Self { at: at.clone(), name: name?, row, parameters: parameters?, weight: weight?, when: when? })
     }
 
     pub(crate) fn schemas(definitions: &mut Definitions) -> Vec<Json> {
@@ -64,6 +69,7 @@ impl AddedCost {
                 properties.insert("kind".into(), json!({ "const": row.name }));
                 properties.insert("name".into(), described_text(NAME));
                 properties.insert("weight".into(), f64::schema(Want::ANY_NOT_NEGATIVE, definitions));
+                properties.insert("when".into(), annotated(When::schema(Want::ANY, definitions), WHEN, None));
                 out.push(form_schema(row.about, properties, vec!["kind"], form, definitions));
             }
         }

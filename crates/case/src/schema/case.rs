@@ -16,6 +16,7 @@ use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
 use crate::schema::spring::Spring;
 use crate::schema::support::Support;
+use crate::schema::time::Time;
 use crate::schema::value::Vector;
 use crate::syntax::{At, Diagnostic, Diagnostics, Document};
 use std::collections::BTreeMap;
@@ -55,6 +56,8 @@ object! {
         pub risk: Risk = Risk::Mean,
         /// How.
         pub optimizer: Optimizer,
+        /// A motion instead of an equilibrium.
+        pub time: Option<Time>,
         /// Points to report.
         pub probes: Vec<Probe> = Vec::new(),
         /// Values the results must have, by their path in `result.json`.

@@ -1,6 +1,7 @@
 //! What a case must fulfil beyond the form of its blocks, as far as that shows without the mesh.
 
 mod controls;
+mod motion;
 mod variants;
 
 use crate::quantity::Want;
@@ -41,6 +42,7 @@ pub(crate) fn check(reader: &mut Reader<'_>) {
     check_names(&blocks, reader);
     controls::check(&blocks, reader);
     check_risk(&blocks, reader);
+    motion::check(&blocks, reader);
     variants::check(&blocks, reader);
 }
 
@@ -85,6 +87,7 @@ pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
         load_cases: list(reader, "load_cases"),
         scenarios: Read::absent()?,
         risk: Risk::Mean,
+        time: block(reader, "time"),
         optimizer: block(reader, "optimizer").or_else(Read::absent)?,
         probes: list(reader, "probes"),
         expect: BTreeMap::new(),

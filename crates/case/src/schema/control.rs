@@ -6,8 +6,9 @@ use crate::schema::direction::Direction;
 use crate::schema::field::{ArrayFile, Parameter};
 use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::read::{Read, Reader};
+use crate::schema::timing::InTime;
 use crate::schema::value::entries;
-use crate::syntax::{At, Node, Property, Value};
+use crate::syntax::{At, Node, Property, Value, quoted};
 use serde_json::{Value as Json, json};
 
 object! {
@@ -20,7 +21,7 @@ object! {
         /// Where its values live.
         pub space: Space,
         /// Value to start from; zero if left out. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
-        pub start: Option<Start>,
+        pub start: Option<Start> as ANY_IN_TIME,
         /// Least value of a scalar; unbounded if left out, of a muscle 0. A tension contracts below zero.
         pub lower: Option<Parameter>,
         /// Largest value of a scalar; the law's convexity bound if left out. A tension lengthens above zero.
@@ -31,6 +32,10 @@ object! {
         pub max_norm: Option<f64> as POSITIVE_FIELD,
         /// Fixed direction of a vector: the control is then its amplitude, a scalar.
         pub direction: Option<Direction> as NUMBER,
+        /// Of a control that changes in time: where its values lie. One that is left out stays as it is for the whole motion.
+        pub in_time: Option<InTime>,
+        /// Largest change per time, of a vector its length; of a control that changes in time.
+        pub rate: Option<Formula> as ANY_POSITIVE,
     }
 }
 
@@ -80,7 +85,7 @@ impl Read for Cells {
 /// What a control starts from.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Start {
-    /// A scalar, constant or of X, Y, Z.
+    /// A scalar, constant or of X, Y, Z, t.
     Scalar(Formula),
     /// A vector, two or three entries.
     Vector(Vec<Formula>),
@@ -127,6 +132,18 @@ impl Control {
     }
 }
 
+impl Start {
+    /// Whether it changes in time.
+    #[must_use]
+    pub fn uses_time(&self) -> bool {
+        match self {
+            Self::Scalar(formula) => formula.uses_time(),
+            Self::Vector(entries) => entries.iter().any(Formula::uses_time),
+            Self::Array(_) | Self::Controls(_) | Self::Random(_) => false,
+        }
+    }
+}
+
 impl Read for Start {
     fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
         match &node.value {
@@ -165,6 +182,14 @@ fn check(control: &Control, reader: &mut Reader<'_>) {
                 reader.complain_at(&control.at.key("start"), message);
             }
         }
+    }
+    if let Some(text) = control.rate.as_ref().filter(|rate| rate.constant().is_none()).map(Formula::text) {
+        let message = format!("{} depends on X, Y or Z, but one number is wanted", quoted(text));
+        reader.complain_at(&control.at.key("rate"), message);
+    }
+    if let (Some(_), None) = (&control.rate, &control.in_time) {
+        let message = "the rate of a control that does not change in time: give \"in_time\": { \"every\": \"50 ms\" }";
+        reader.complain_at(&control.at.key("rate"), message);
     }
     if control.norm.is_some() && control.max_norm.is_some() {
         reader.complain_at(&control.at.key("max_norm"), "\"norm\" fixes the length already: give one of them");

@@ -9,6 +9,7 @@ use crate::schema::mesh::MeshSource;
 use crate::schema::obstacle::Shape;
 use crate::schema::read::{Read, Reader};
 use crate::schema::shape_cost::{Compliance, Curvature, LargestStretch, Orientation, Position};
+use crate::schema::timing::When;
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Value};
 use nastic_mesh::GroupNames;
@@ -38,6 +39,8 @@ tagged! {
         "control_norm" => ControlNorm(ControlNorm),
         /// Slope of a control.
         "control_smoothness" => ControlSmoothness(ControlSmoothness),
+        /// Rate of a control in time.
+        "control_rate" => ControlRate(ControlRate),
     }
 }
 
@@ -60,6 +63,8 @@ object! {
         pub quadrature: Option<usize> as POSITIVE,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; at the end if left out.
+        pub when: Option<When>,
     }
 }
 
@@ -150,6 +155,8 @@ object! {
         pub target: Target,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; at the end if left out.
+        pub when: Option<When>,
     }
 }
 
@@ -170,6 +177,8 @@ object! {
         pub clearance: f64 as LENGTH = 0.0,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; at the end if left out.
+        pub when: Option<When>,
     }
 }
 
@@ -201,12 +210,28 @@ object! {
         pub of: String,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; over the whole time if left out.
+        pub when: Option<When>,
     }
 }
 
 object! {
     /// weight/2 int |grad m|^2; for cell fields the jumps over faces by the distance of centres.
     pub struct ControlSmoothness {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// The control.
+        pub of: String,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; over the whole time if left out.
+        pub when: Option<When>,
+    }
+}
+
+object! {
+    /// weight/2 int int |dm/dt|^2 dX dt of a control that changes in time
+    pub struct ControlRate {
         /// Name in results; the kind if left out.
         pub name: Option<String>,
         /// The control.
@@ -231,6 +256,7 @@ impl Cost {
             Self::Obstacle(block) => &block.at,
             Self::ControlNorm(block) => &block.at,
             Self::ControlSmoothness(block) => &block.at,
+            Self::ControlRate(block) => &block.at,
             Self::Added(block) => &block.at,
         }
     }
@@ -249,6 +275,7 @@ impl Cost {
             Self::Obstacle(block) => &block.name,
             Self::ControlNorm(block) => &block.name,
             Self::ControlSmoothness(block) => &block.name,
+            Self::ControlRate(block) => &block.name,
             Self::Added(block) => &block.name,
         };
         own.as_deref().unwrap_or(self.kind())
@@ -268,8 +295,56 @@ impl Cost {
             Self::Obstacle(block) => block.weight,
             Self::ControlNorm(block) => block.weight,
             Self::ControlSmoothness(block) => block.weight,
+            Self::ControlRate(block) => block.weight,
             Self::Added(block) => block.weight,
         }
+    }
+
+    /// When it counts in a motion, where the case says so.
+    #[must_use]
+    pub fn when(&self) -> Option<&When> {
+        match self {
+            Self::SmoothedHausdorff(block) => block.when.as_ref(),
+            Self::Tracking(block) => block.when.as_ref(),
+            Self::Position(block) => block.when.as_ref(),
+            Self::Orientation(block) => block.when.as_ref(),
+            Self::Curvature(block) => block.when.as_ref(),
+            Self::LargestStretch(block) => block.when.as_ref(),
+            Self::Compliance(block) => block.when.as_ref(),
+            Self::Obstacle(block) => block.when.as_ref(),
+            Self::ControlNorm(block) => block.when.as_ref(),
+            Self::ControlSmoothness(block) => block.when.as_ref(),
+            Self::Added(block) => block.when.as_ref(),
+            Self::ControlRate(_) => None,
+        }
+    }
+
+    /// Whether its target changes in time.
+    #[must_use]
+    pub fn uses_time(&self) -> bool {
+        match self {
+            Self::Tracking(block) => {
+                matches!(&block.target, Target::Formulas(all) if all.iter().any(Formula::uses_time))
+            }
+            Self::Position(block) => block.target.use_time(),
+            _ => false,
+        }
+    }
+
+    /// The term at an instant, where its target changes in time.
+    #[must_use]
+    pub(crate) fn at_time(&self, t: f64) -> Self {
+        let mut own = self.clone();
+        match &mut own {
+            Self::Tracking(block) => {
+                if let Target::Formulas(entries) = &mut block.target {
+                    entries.iter_mut().for_each(|entry| *entry = entry.at_time(t));
+                }
+            }
+            Self::Position(block) => block.target = block.target.at_time(t),
+            _ => {}
+        }
+        own
     }
 
     /// The control a regularising term refers to.
@@ -277,6 +352,7 @@ impl Cost {
         match self {
             Self::ControlNorm(block) => Some(&block.of),
             Self::ControlSmoothness(block) => Some(&block.of),
+            Self::ControlRate(block) => Some(&block.of),
             _ => None,
         }
     }
@@ -285,7 +361,7 @@ impl Cost {
 impl Read for Target {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
         match &node.value {
-            Value::Array(_) => entries(node, at, Want::LENGTH, reader).map(Self::Formulas),
+            Value::Array(_) => entries(node, at, Want::LENGTH_IN_TIME, reader).map(Self::Formulas),
             Value::Object(members) if members.iter().any(|member| member.key == "nodes") => {
                 NodeTarget::read(node, at, Want::ANY, reader).map(Self::Nodes)
             }

@@ -18,7 +18,7 @@ const fn hint(within: &'static str, words: &'static [&'static str], say: &'stati
 
 const SUPPORT: &str = "what holds the body stands in \"supports\": [ { \"surface\": \"clamp\", \"fix\": \"all\" } ]";
 const WEIGHT: &str =
-    "weight is a load: \"loads\": [ { \"region\": \"body\", \"body_force\": [0, 0, \"-1000 kg/m^3 * 9.81 m/s^2\"] } ]";
+    "weight is a load: \"loads\": [ { \"gravity\": [0, 0, \"-9.81 m/s^2\"] } ], with the \"density\" of each material";
 const AIR: &str = "the pressure of an air chamber is an actuation, as it follows the walls: { \"name\": \
     \"air\", \"kind\": \"cavity\", \
                    \"surface\": \"chamber\", \"pressure\": \"20 kPa\" }; a dead load is a \"traction\": [0, 0, \"-1 kPa\"]";
@@ -47,7 +47,8 @@ const POISSON: &str = "write \"poisson\": 0.45, with \"young\" (the law \"transv
 const RUBBER: &str = "\"neo_hooke\" and \"neo_hooke_isochoric\" take \"c10\" and \"d1\", \"mooney_rivlin\" \
     takes \"c10\", \"c01\" and \"d1\"";
 const KIND: &str = "what it is stands under \"kind\"";
-const TIME: &str = "nastic computes equilibria: no time, inertia or damping yet";
+const TIME: &str = "a motion stands in \"time\": { \"end\": \"1 s\", \"step\": \"10 ms\" }, with the \"density\" of each material; damping is \
+    \"maxwell\" or \"kelvin_voigt\" of a material, or \"rayleigh\" in \"time\"";
 
 /// All of them; the first that fits counts.
 const HINTS: &[Hint] = &[
@@ -64,7 +65,10 @@ const HINTS: &[Hint] = &[
     hint("", &["tendon", "tendons", "cable", "cables"], TENDON),
     hint("", &["spring", "elastic", "rubber_band"], SPRING),
     hint("", &["magnet", "magnets", "magnetization", "magnetisation", "field"], MAGNET),
-    hint("", &["time", "dynamics", "damping", "dt", "steps"], TIME),
+    hint("", &["dynamics", "motion", "damping", "dt", "steps", "time_step", "transient"], TIME),
+    hint("time", &["dt", "time_step", "timestep", "h"], "write \"step\": \"10 ms\""),
+    hint("time", &["t_end", "tend", "duration", "span", "until"], "write \"end\": \"1 s\""),
+    hint("time", &["method", "integrator", "solver"], "write \"scheme\": \"tr_bdf2\""),
     hint(
         "",
         &["e", "young", "youngs_modulus", "nu", "poisson"],
@@ -86,7 +90,13 @@ const HINTS: &[Hint] = &[
     hint("materials", &["k", "kappa", "bulk_modulus"], "write \"bulk\", with \"shear\""),
     hint("materials", &["g", "shear_modulus"], "write \"shear\", with \"bulk\""),
     hint("materials", &["c10", "c01", "d1", "c1", "c2"], RUBBER),
-    hint("materials", &["density", "rho", "gravity"], WEIGHT),
+    hint("materials", &["rho", "mass"], "write \"density\": \"1000 kg/m^3\""),
+    hint("materials", &["gravity", "weight"], WEIGHT),
+    hint(
+        "materials",
+        &["viscosity", "eta", "damping", "prony", "viscoelastic"],
+        "viscosity is \"maxwell\": [ { \"shear\": \"50 kPa\", \"relaxation\": \"60 ms\" } ] or \"kelvin_voigt\": { \"shear\": \"100 Pa * s\" }",
+    ),
     hint("materials", &["model", "material", "type", "kind"], "the law stands under \"law\""),
     hint(
         "materials",
@@ -98,7 +108,7 @@ const HINTS: &[Hint] = &[
         &["linear", "linear_elastic", "elastic", "hooke", "isotropic", "st_venant_kirchhoff", "saint_venant_kirchhoff"],
         "bodies bend and stretch much here: take \"neo_hooke\" with \"young\" and \"poisson\"",
     ),
-    hint("materials", &["yeoh", "ogden", "gent", "arruda_boyce", "holzapfel", "fung", "viscoelastic"], NO_LAW),
+    hint("materials", &["yeoh", "ogden", "gent", "arruda_boyce", "holzapfel", "fung"], NO_LAW),
     hint(
         "supports",
         &["fixed", "clamp", "clamped", "constraint", "dofs", "components", "type", "kind"],
@@ -114,7 +124,7 @@ const HINTS: &[Hint] = &[
         "a spring goes \"from\" a point of the body \"to\" another one, or \"to\" a fixed one, { \"ground\": [0, 0, 9] }",
     ),
     hint("loads", &["pressure", "air"], AIR),
-    hint("loads", &["gravity", "weight", "density", "acceleration"], WEIGHT),
+    hint("loads", &["weight", "density", "acceleration", "g"], WEIGHT),
     hint("loads", &["force", "forces", "total_force", "point_force", "value", "magnitude"], FORCE),
     hint(
         "actuation",

@@ -2,11 +2,12 @@
 
 use crate::schema::field::VectorField;
 use crate::schema::read::Reader;
+use crate::schema::value::Vector;
 use nastic_mesh::GroupNames;
 
 object! {
-    /// A dead load: per reference area on a surface, or per reference volume on a region.
-    pub struct Load one of [surface, region] checked by check {
+    /// A dead load: per reference area on a surface, per reference volume on a region, or the weight of the whole body.
+    pub struct Load one of [surface, region, gravity] checked by check {
         /// Surface that bears the traction.
         pub surface: Option<GroupNames>,
         /// Region that bears the body force.
@@ -15,13 +16,23 @@ object! {
         pub traction: Option<VectorField> as PRESSURE,
         /// Force per reference volume, on a region.
         pub body_force: Option<VectorField> as BODY_FORCE,
+        /// Acceleration of gravity, which acts on the density of every material: [0, 0, "-9.81 m/s^2"].
+        pub gravity: Option<Vector> as ACCELERATION,
     }
 }
 
 fn check(load: &Load, reader: &mut Reader<'_>) {
+    let given = [("traction", load.traction.is_some()), ("body_force", load.body_force.is_some())];
+    if load.gravity.is_some() {
+        for (key, _) in given.into_iter().filter(|(_, given)| *given) {
+            let message = format!("\"gravity\" acts on the whole body: give the \"{key}\" as a load of its own");
+            reader.complain_at(&load.at.key(key), message);
+        }
+        return;
+    }
     let (place, wanted, other) = match load.surface {
-        Some(_) => ("surface", ("traction", load.traction.is_some()), ("body_force", load.body_force.is_some())),
-        None => ("region", ("body_force", load.body_force.is_some()), ("traction", load.traction.is_some())),
+        Some(_) => ("surface", given[0], given[1]),
+        None => ("region", given[1], given[0]),
     };
     if other.1 {
         reader.complain_at(&load.at.key(other.0), format!("a {place} takes \"{}\", not \"{}\"", wanted.0, other.0));

@@ -4,6 +4,7 @@ use crate::quantity::Want;
 use crate::schema::catalogue::{Input, form_schema, keys, read_inputs};
 use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
+use crate::schema::time::{KelvinVoigt, Maxwell};
 use crate::syntax::{At, Node};
 use nastic_energy::catalogue::MaterialRow;
 use nastic_fem::Formulation;
@@ -22,6 +23,12 @@ pub struct Material {
     pub law: &'static MaterialRow,
     /// How the cells represent changes of volume; where none is named, that of another law on them, or the standard one.
     pub formulation: Option<Formulation>,
+    /// Mass per reference volume, which motions and weight need.
+    pub density: Option<f64>,
+    /// Maxwell branches beside the law, in motion.
+    pub maxwell: Vec<Maxwell>,
+    /// A dashpot beside the law, in motion.
+    pub kelvin_voigt: Option<KelvinVoigt>,
     /// Exactly the parameters of one of the law's forms, in the case's units.
     pub parameters: BTreeMap<&'static str, Input>,
 }
@@ -30,11 +37,17 @@ impl PartialEq for Material {
     fn eq(&self, other: &Self) -> bool {
         (&self.at, &self.region, self.law.name, self.formulation, &self.parameters)
             == (&other.at, &other.region, other.law.name, other.formulation, &other.parameters)
+            && (self.density, &self.maxwell, &self.kelvin_voigt) == (other.density, &other.maxwell, &other.kelvin_voigt)
     }
 }
 
 const REGION: &str = "Region of the mesh.";
 const FORMULATION: &str = "How the cells represent changes of volume.";
+const DENSITY: &str = "Mass per reference volume, which motions and weight need.";
+const MAXWELL: &str = "Maxwell branches beside the law, which relax in motion: a Prony series of the shear modulus.";
+const KELVIN_VOIGT: &str = "A dashpot beside the law, which damps motion.";
+/// The keys that every law has.
+const COMMON: [&str; 6] = ["region", "law", "formulation", "density", "maxwell", "kelvin_voigt"];
 
 impl Read for Material {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
@@ -43,8 +56,7 @@ impl Read for Material {
         let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
         let name = reader.tag(node, at, "law", &names)?;
         let law = laws.iter().find(|law| law.name == name)?;
-        let known: Vec<&str> =
-            ["region", "law", "formulation"].into_iter().chain(keys(law.forms).iter().map(|p| p.name)).collect();
+        let known: Vec<&str> = COMMON.into_iter().chain(keys(law.forms).iter().map(|p| p.name)).collect();
         let members = reader.members(node, at)?;
         reader.refuse_unknown(members, at, &known);
         let parameters = read_inputs(law.name, law.forms, node, at, reader);
@@ -52,7 +64,20 @@ impl Read for Material {
             Some(member) => Some(read_formulation(&member.node, &at.key("formulation"), reader)?),
             None => None,
         };
-        Some(Self { at: at.clone(), region: region?, law, formulation, parameters: parameters? })
+        let density: Option<Option<f64>> = reader.key(node, at, "density", DENSITY, Want::DENSITY, Some(None));
+        let maxwell: Option<Vec<Maxwell>> = reader.key(node, at, "maxwell", MAXWELL, Want::ANY, Some(vec![]));
+        let kelvin_voigt: Option<Option<KelvinVoigt>> =
+            reader.key(node, at, "kelvin_voigt", KELVIN_VOIGT, Want::ANY, Some(None));
+        Some(Self {
+            at: at.clone(),
+            region: region?,
+            law,
+            formulation,
+            density: density?,
+            maxwell: maxwell?,
+            kelvin_voigt: kelvin_voigt?,
+            parameters: parameters?,
+        })
     }
 
     fn schema(_: Want, definitions: &mut Definitions) -> Json {
@@ -65,6 +90,12 @@ impl Read for Material {
                         .insert("region".into(), annotated(GroupNames::schema(Want::ANY, definitions), REGION, None));
                     properties.insert("law".into(), json!({ "const": law.name }));
                     properties.insert("formulation".into(), definitions.part("Formulation", |_| formulation_schema()));
+                    let density = f64::schema(Want::DENSITY, definitions);
+                    properties.insert("density".into(), annotated(density, DENSITY, None));
+                    let maxwell = Vec::<Maxwell>::schema(Want::ANY, definitions);
+                    properties.insert("maxwell".into(), annotated(maxwell, MAXWELL, None));
+                    let kelvin_voigt = KelvinVoigt::schema(Want::ANY, definitions);
+                    properties.insert("kelvin_voigt".into(), annotated(kelvin_voigt, KELVIN_VOIGT, None));
                     options.push(form_schema(law.about, properties, vec!["region", "law"], form, definitions));
                 }
             }

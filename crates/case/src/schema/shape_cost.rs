@@ -1,8 +1,11 @@
 //! Costs of positions, directions, curvatures and stretches.
 
+use crate::expression::Formula;
 use crate::schema::direction::Direction;
 use crate::schema::read::Reader;
+use crate::schema::timing::When;
 use crate::schema::value::Vector;
+use crate::syntax::quoted;
 use nastic_mesh::GroupNames;
 
 object! {
@@ -22,6 +25,8 @@ object! {
         pub target: Coordinates,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; at the end if left out.
+        pub when: Option<When>,
     }
 }
 
@@ -29,11 +34,11 @@ object! {
     /// Coordinates of a position; those left out are free.
     pub struct Coordinates {
         /// x
-        pub x: Option<f64> as LENGTH,
+        pub x: Option<Formula> as LENGTH_IN_TIME,
         /// y
-        pub y: Option<f64> as LENGTH,
+        pub y: Option<Formula> as LENGTH_IN_TIME,
         /// z
-        pub z: Option<f64> as LENGTH,
+        pub z: Option<Formula> as LENGTH_IN_TIME,
     }
 }
 
@@ -48,6 +53,8 @@ object! {
         pub direction: Direction,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; at the end if left out.
+        pub when: Option<When>,
     }
 }
 
@@ -64,6 +71,8 @@ object! {
         pub curvature: f64 as CURVATURE,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; at the end if left out.
+        pub when: Option<When>,
     }
 }
 
@@ -78,6 +87,8 @@ object! {
         pub exponent: usize as POSITIVE = 24,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; at the end if left out.
+        pub when: Option<When>,
     }
 }
 
@@ -92,18 +103,39 @@ object! {
         pub direction: Direction,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; at the end if left out.
+        pub when: Option<When>,
     }
 }
 
 impl Coordinates {
     /// As an array.
     #[must_use]
-    pub fn entries(&self) -> [Option<f64>; 3] {
-        [self.x, self.y, self.z]
+    pub fn entries(&self) -> [Option<&Formula>; 3] {
+        [self.x.as_ref(), self.y.as_ref(), self.z.as_ref()]
+    }
+
+    /// Those at an instant.
+    #[must_use]
+    pub fn at_time(&self, t: f64) -> Self {
+        let at = |entry: &Option<Formula>| entry.as_ref().map(|formula| formula.at_time(t));
+        Self { x: at(&self.x), y: at(&self.y), z: at(&self.z), at: self.at.clone() }
+    }
+
+    /// Whether they change in time.
+    #[must_use]
+    pub fn use_time(&self) -> bool {
+        self.entries().into_iter().flatten().any(Formula::uses_time)
     }
 }
 
 fn check_target(block: &Position, reader: &mut Reader<'_>) {
+    for (axis, entry) in ["x", "y", "z"].into_iter().zip(block.target.entries()) {
+        if let Some(formula) = entry.filter(|formula| formula.varies_in_space()) {
+            let message = format!("{} depends on X, Y or Z, but one number is wanted", quoted(formula.text()));
+            reader.complain_at(&block.target.at.key(axis), message);
+        }
+    }
     if block.target.entries().iter().all(Option::is_none) {
         reader.complain_at(&block.at.key("target"), "at least one coordinate is wanted: { \"x\": ..., \"z\": ... }");
     }

@@ -27,6 +27,10 @@ impl Read for Formula {
                 return None;
             }
         };
+        if let Some(why) = unexpected_time(&formula, want, reader) {
+            reader.complain(node, at, why);
+            return None;
+        }
         if let Some(Err(why)) = want.dimension.map(|dimension| formula.check(dimension)) {
             reader.complain(node, at, why);
             return None;
@@ -42,12 +46,29 @@ impl Read for Formula {
         let part = definitions.part("Formula", |_| {
             json!({
                 "type": ["number", "string"],
-                "description": "A number in the case's units, or a text with units or a formula of X, Y, Z: \
+                "description": "A number in the case's units, or a text with units or a formula of X, Y, Z (and of the time t where it may change): \
                  \"100 kPa * (X < 0.6 m)\".",
             })
         });
         quantity(part, want)
     }
+}
+
+/// Why a formula cannot be one of the time here.
+fn unexpected_time(formula: &Formula, want: Want, reader: &Reader<'_>) -> Option<String> {
+    if !formula.uses_time() {
+        return None;
+    }
+    let text = quoted(formula.text());
+    if !want.in_time {
+        return Some(format!(
+            "{text} depends on the time t, which this does not: starts of controls, values of actuations and targets may"
+        ));
+    }
+    let still = reader.document.root().find("time").is_none();
+    still.then(|| {
+        format!("{text} depends on the time t, and the case is static: give \"time\": {{ \"end\": \"1 s\", \"step\": \"10 ms\" }}")
+    })
 }
 
 /// The same everywhere: no X, Y, Z.

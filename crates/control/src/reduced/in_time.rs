@@ -59,16 +59,39 @@ impl Reduced {
     /// # Errors
     /// As [`control`](Self::control); a problem without time; knots that do not end with it.
     pub fn control_in_time(self, of: &str, space: Space, knots: Knots) -> Result<Self, ControlError> {
+        self.check_knots(of, &knots)?;
+        self.control(of, space).map(|added| added.with_knots(knots))
+    }
+
+    /// Adds the amplitude of a vector along a fixed direction, with a value at each knot in time.
+    ///
+    /// # Errors
+    /// As [`control_along`](Self::control_along) and [`control_in_time`](Self::control_in_time).
+    pub fn control_along_in_time(
+        self,
+        of: &str,
+        space: Space,
+        direction: [f64; 3],
+        knots: Knots,
+    ) -> Result<Self, ControlError> {
+        self.check_knots(of, &knots)?;
+        self.control_along(of, space, direction).map(|added| added.with_knots(knots))
+    }
+
+    fn check_knots(&self, of: &str, knots: &Knots) -> Result<(), ControlError> {
         let end = self.needs_time("a control in time")?.timeline.end();
-        if (knots.end() - end).abs() > 1e-9 * end {
-            let what =
-                format!("the knots of control \"{of}\" end at {}, the motion at {end}: let them agree", knots.end());
-            return Err(ControlError::Cost { what });
+        if (knots.end() - end).abs() <= 1e-9 * end {
+            return Ok(());
         }
-        let mut added = self.control(of, space)?;
-        added.layout.in_time(knots);
-        added.update_layout();
-        Ok(added)
+        let what = format!("the knots of control \"{of}\" end at {}, the motion at {end}: let them agree", knots.end());
+        Err(ControlError::Cost { what })
+    }
+
+    /// Gives those to the field that was added last.
+    fn with_knots(mut self, knots: Knots) -> Self {
+        self.layout.in_time(knots);
+        self.update_layout();
+        self
     }
 
     /// Adds a cost of states that counts at some part of the motion.
@@ -131,18 +154,16 @@ impl Reduced {
         Ok(self)
     }
 
-    /// Lets a slot that is not controlled follow given values at the points, `values(t)` for every instant.
+    /// Lets a slot that is not controlled follow given values at the points, for every instant.
     ///
     /// # Errors
-    /// A problem without time; values of the wrong length or that are not finite.
-    pub fn fix_in_time(
-        mut self,
-        actuation: usize,
-        slot: usize,
-        values: impl Fn(f64) -> Vec<f64>,
-    ) -> Result<Self, ControlError> {
-        let instants = self.needs_time("values in time")?.timeline.instants();
-        let values: Vec<Vec<f64>> = instants.iter().map(|t| values(*t)).collect();
+    /// A problem without time; values of the wrong number or length, or that are not finite.
+    pub fn fix_in_time(mut self, actuation: usize, slot: usize, values: Vec<Vec<f64>>) -> Result<Self, ControlError> {
+        let instants = self.needs_time("values in time")?.timeline.instants().len();
+        if values.len() != instants {
+            let what = format!("values in time at {} instants where the motion has {instants}", values.len());
+            return Err(ControlError::Cost { what });
+        }
         let mut controls = self.solid.controls();
         values.iter().try_for_each(|at_points| controls.set(actuation, slot, at_points))?;
         if let Some(motion) = &mut self.motion {

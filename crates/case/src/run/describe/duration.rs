@@ -35,16 +35,23 @@ pub(in super::super) fn duration(problem: &CaseProblem) -> Vec<Line> {
         out.push(line("duration", format!("the costs and their derivatives at rest: {}{points}", text(costs))));
         trial += costs;
     }
+    let steps = problem.case.time.as_ref().map(|time| time.steps() * stages(member));
     let members = problem.members().count();
-    let all = trial * members as f64;
+    let all = trial * members as f64 * steps.unwrap_or(1) as f64;
     let each = if members > 1 { format!(" of {members} members") } else { String::new() };
-    let mut estimate = format!("estimated for some four Newton iterations a trial: a trial{each} {}", text(all));
+    let per = if steps.is_some() { "stage of a step" } else { "trial" };
+    let mut estimate = format!("estimated for some four Newton iterations a {per}: a trial{each} {}", text(all));
     if problem.has_costs() && !problem.start.is_empty() {
         let iterations = problem.case.optimizer.max_iterations;
         estimate += &format!(", {} {}", count(iterations, "iteration"), text(all * iterations as f64));
     }
     out.push(line("duration", estimate + "; hard problems take several times that"));
     out
+}
+
+/// Solves in each step of a motion.
+fn stages(member: CaseMember<'_>) -> usize {
+    member.reduced().timeline().map_or(1, |timeline| timeline.scheme().stages())
 }
 
 /// Seconds that the tangent at rest takes to be assembled and factorised, or why they are not known.

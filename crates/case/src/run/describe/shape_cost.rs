@@ -1,5 +1,6 @@
 //! Costs of positions, directions, curvatures and stretches in words.
 
+use crate::expression::Formula;
 use crate::run::short;
 use crate::schema::Cost;
 
@@ -14,7 +15,8 @@ pub(super) fn shape_cost(cost: &Cost) -> String {
                 (None, None) => String::new(),
             };
             let wanted = ["x", "y", "z"].iter().zip(block.target.entries());
-            let wanted: Vec<String> = wanted.filter_map(|(c, y)| Some(format!("{c} = {}", short(y?)))).collect();
+            let value = |y: &Formula| y.constant().map_or_else(|| y.text().to_owned(), short);
+            let wanted: Vec<String> = wanted.filter_map(|(c, y)| Some(format!("{c} = {}", value(y?)))).collect();
             format!("weight/2 |x - target|^2 of {place}, target {}", wanted.join(", "))
         }
         Cost::Orientation(block) => {

@@ -2,6 +2,7 @@
 
 use super::super::error::RunError;
 use super::super::gradient::write_states;
+use super::super::motion;
 use super::super::number::{count, short};
 use super::super::session::Session;
 use super::super::solve::{
@@ -50,6 +51,8 @@ pub(super) fn report(
 ) -> Result<Vec<Inspection>, RunError> {
     let FinishedRun { start, best, work, .. } = ended;
     let found = session.inspect("optimum", &best.point);
+    motion::inspect(session, &best.point);
+    motion::report(session, &best.point);
     let problem = &session.problem;
     let reports = member_report::of_inspected(problem, &best.point, &found);
     let mut reports = reports.map_err(|error| session.member_failed(error))?;
@@ -235,6 +238,7 @@ fn write(
         let others = problem.members().filter(|other| other.load_case() == member.load_case()).skip(1);
         let others = others.take(picture::SCENARIOS).map(|other| Ok((title(other), shot(&best.point, other)?)));
         let mean = problem.has_scenarios().then(|| mean(session, member.load_case().unwrap_or(""), &best.point));
+        let moving = motion::ghosts(member, &best.point.members[member.index()])?;
         let drawing = Drawing {
             title: title(member),
             subtitle: subtitle(session, best)
@@ -242,7 +246,7 @@ fn write(
                 + &left_out(session)
                 + &picture::legend(&end),
             body: ("optimum", &end),
-            ghost: Some(("start", &begin)),
+            ghosts: if moving.is_empty() { vec![("start", &begin)] } else { picture::named(&moving) },
             scenarios: others.collect::<Result<_, RunError>>()?,
             mean: mean.transpose()?.map(|mean| (title_of_scenarios(member), mean)),
         };
@@ -262,6 +266,9 @@ fn write(
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
     files.extend(write_collections(problem, "optimum", &out)?);
+    if motion::is_motion(problem) {
+        files.extend(motion::write(problem, &best.point, &out)?);
+    }
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::has_lines(member))));
     files.extend(super::super::solve::target_files(problem));
     let number = if several { format!("start_{best_start}_") } else { String::new() };

@@ -2,6 +2,7 @@
 
 use super::super::Pace;
 use super::super::error::RunError;
+use super::super::motion;
 use super::super::session::Session;
 use super::branch_changes::Before;
 use super::journal::SharedJournal;
@@ -157,6 +158,9 @@ impl<'s> Recorder<'s> {
     fn changes_branch(&mut self, point: &EnsemblePoint, trial: &Trial<'_, EnsemblePoint>) -> Option<bool> {
         // The start, which a resumed run tells of once more, and the point of a new stage have none before them.
         let fresh = trial.iteration == 0 || trial.reason.is_revaluation();
+        if motion::is_motion(self.problem) {
+            return Some(false); // a motion is unique where equilibria are not
+        }
         let before = self.before.replace(Before::new(point)).filter(|_| !fresh);
         let Some(before) = before else { return Some(false) };
         let changed = self.trials.changes.add((self.problem, &self.cancel), &before, point, trial.iteration);
@@ -165,8 +169,11 @@ impl<'s> Recorder<'s> {
         changed.ok().flatten()
     }
 
-    /// Negative pivots of the tangent, the most of all members; `None` where those of one were not counted.
+    /// Negative pivots of the tangent, the most of all members; `None` where those of one were not counted, and in motion.
     fn inertia(&self, point: &EnsemblePoint) -> Option<usize> {
+        if motion::is_motion(self.problem) {
+            return None;
+        }
         let members: Vec<_> = self.problem.members().zip(&point.members).collect();
         let parallel = members.len() == 1;
         let how = SolveOptions { parallel, ..SolveOptions::default() };

@@ -2,6 +2,7 @@
 
 use super::{Blocks, plain};
 use crate::expression::Formula;
+use crate::quantity::Dimension;
 use crate::schema::actuation::Actuation;
 use crate::schema::catalogue::SlotName;
 use crate::schema::control::{Control, Start};
@@ -102,6 +103,10 @@ fn check_dimensions(control: &Control, slot: &SlotName, reader: &mut Reader<'_>)
         if let Some(Parameter::Formula(formula)) = bound {
             values.push((control.at.key(key), formula));
         }
+    }
+    let per_time = slot.want.dimension.and_then(|dimension| dimension.over(Dimension::TIME));
+    if let Some(Err(why)) = control.rate.as_ref().zip(per_time).map(|(rate, dimension)| rate.check(dimension)) {
+        reader.complain_at(&control.at.key("rate"), why);
     }
     for (at, formula) in values {
         if let Some(Err(why)) = slot.want.dimension.map(|dimension| formula.check(dimension)) {

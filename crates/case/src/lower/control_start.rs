@@ -1,0 +1,182 @@
+//! Values that controls start from: of formulas, of files, of earlier results.
+
+use super::array::{self, Entity, MeshArray};
+use super::context::Context;
+use super::control::Lowering;
+use super::start;
+use crate::expression::{EvaluationError, Formula};
+use crate::schema::{ArrayFile, Cells, ControlsFile, Start, vector_at};
+use crate::syntax::At;
+use nastic_control::{ControlMap, Space};
+use nastic_numeric::Random;
+use nastic_opt::{Admissible, Outside};
+
+/// A start is this near to a bound by rounding alone, as a share of the values' size.
+const ROUNDING: f64 = 1e-9;
+
+impl Lowering<'_> {
+    /// One value of the vector for each knot and unknown; of what a file or a seed says the same at all knots.
+    pub(super) fn start(&self, context: &mut Context<'_>) -> Option<Vec<f64>> {
+        let at = self.control.at.key("start");
+        let (positions, knots) = (self.block.map.positions(), self.block.values_in_time());
+        match &self.control.start {
+            None => Some(vec![0.0; self.block.len()]),
+            Some(Start::Scalar(formula)) => {
+                let values: Result<Vec<_>, _> = self.instants().iter().map(|t| over(positions, formula, *t)).collect();
+                context.take(&at, values).map(|values| values.concat())
+            }
+            Some(Start::Vector(entries)) => {
+                let at_instant = |t: &f64| {
+                    let entries: Vec<Formula> = entries.iter().map(|entry| entry.at_time(*t)).collect();
+                    positions.iter().map(|x| vector_at(&entries, *x)).collect::<Result<Vec<_>, _>>()
+                };
+                let values: Result<Vec<_>, _> = self.instants().iter().map(at_instant).collect();
+                context.take(&at, values).map(|values| values.concat().concat())
+            }
+            Some(Start::Array(file)) => self.values_of_file(file, &at, context).map(|values| values.repeat(knots)),
+            Some(Start::Controls(file)) => {
+                let name = self.case_name.map_or_else(String::new, |case| format!("{case}.")) + self.control.name();
+                match &file.grid {
+                    None => start::of_file(file, &name, self.block.len(), &at, context),
+                    Some(cells) => self.start_of_grid(file, &name, *cells, context),
+                }
+            }
+            Some(Start::Random(seed)) => {
+                let Some(norm) = self.control.norm.or(self.control.max_norm) else {
+                    context.complain(&at, "random directions need a length: give \"norm\" or \"max_norm\"");
+                    return None;
+                };
+                let dim = self.reduced.solid().mesh().dim();
+                let count = positions.len() * knots;
+                Some(start::on_sphere(&mut Random::new(*seed), norm, count, dim).concat())
+            }
+        }
+    }
+
+    /// The instants of the values in time.
+    fn instants(&self) -> Vec<f64> {
+        self.block.knots.as_ref().map_or_else(|| vec![0.0], |knots| knots.instants())
+    }
+
+    /// The values of an earlier `controls.json` on another grid, at the nodes of this one.
+    fn start_of_grid(
+        &self,
+        file: &ControlsFile,
+        name: &str,
+        Cells(cells): Cells,
+        context: &mut Context<'_>,
+    ) -> Option<Vec<f64>> {
+        let (at, n) = (self.control.at.key("start"), self.block.components);
+        if self.block.map.grid().is_none() {
+            context.complain(&at.key("grid"), "the control's own \"space\" is no grid: leave this out");
+            return None;
+        }
+        let solid = self.reduced.solid();
+        let regions = solid.body().actuations().get(self.block.actuation).map(|attached| &attached.regions)?;
+        let coarse = ControlMap::new(solid.discretization(), regions, Space::Grid(cells));
+        let coarse = context.take(&at.key("grid"), coarse)?;
+        let size = coarse.len() * n;
+        let values = start::of_file(file, name, size * self.block.values_in_time(), &at, context)?;
+        let places = || self.block.map.positions().iter();
+        let at_knot = |own: &[f64]| places().map(|x| coarse.on_grid(own, n, *x)).collect::<Vec<_>>();
+        let prolonged: Option<Vec<Vec<f64>>> = values.chunks_exact(size).flat_map(at_knot).collect();
+        if prolonged.is_none() {
+            context.complain(&at, format!("{} has no value near some node of the present grid", file.file));
+        }
+        prolonged.map(|values| values.concat())
+    }
+
+    /// Entries of an array that belong to the unknowns, or its mean over each unknown's part of the body.
+    pub(super) fn values_of_file(&self, file: &ArrayFile, at: &At, context: &mut Context<'_>) -> Option<Vec<f64>> {
+        let map = &self.block.map;
+        let mesh = self.reduced.solid().mesh();
+        let prefer = if map.space() == Space::Node { Entity::Node } else { Entity::Cell };
+        let array = array::read(file, at, &[self.block.components], prefer, self.case, mesh, context)?;
+        let n = array.components;
+        let direct = matches!((map.space(), array.entity), (Space::Node, Entity::Node) | (Space::Cell, Entity::Cell));
+        if direct {
+            let of = |&entity: &u32| array.values[entity as usize * n..][..n].to_vec();
+            return Some(map.entities().iter().flat_map(of).collect());
+        }
+        Some(self.means(&array))
+    }
+
+    fn means(&self, array: &MeshArray) -> Vec<f64> {
+        let (disc, n) = (self.reduced.solid().discretization(), array.components);
+        let at_points = match array.entity {
+            Entity::Node => disc.points().interpolate(&array.values, n),
+            Entity::Cell => {
+                let of = |cell: u32| array.values[cell as usize * n..][..n].to_vec();
+                disc.points().cells().into_iter().flat_map(of).collect()
+            }
+        };
+        let map = &self.block.map;
+        let mut sums = vec![0.0; map.len() * n];
+        let mut weights = vec![0.0; map.len()];
+        let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); map.len() * n];
+        for (q, w) in disc.points().weights().iter().enumerate() {
+            for (i, shape) in map.at_point(q) {
+                weights[i] += w * shape;
+                for c in 0..n {
+                    let (value, range) = (at_points[q * n + c], &mut range[i * n + c]);
+                    sums[i * n + c] += w * shape * value;
+                    *range = (range.0.min(value), range.1.max(value));
+                }
+            }
+        }
+        // The mean of equal values is that value, without rounding.
+        let mean = |(k, sum): (usize, &f64)| (sum / weights[k / n]).clamp(range[k].0, range[k].1);
+        sums.iter().enumerate().map(mean).collect()
+    }
+
+    /// The start, moved onto the set if only rounding keeps it outside.
+    pub(super) fn settle(
+        &self,
+        mut start: Vec<f64>,
+        set: &dyn Admissible,
+        context: &mut Context<'_>,
+    ) -> Option<Vec<f64>> {
+        let at = self.control.at.key("start");
+        if let Some(norm) = self.control.norm {
+            if let Some(k) = start.chunks(self.block.components).position(|v| v.iter().all(|x| *x == 0.0)) {
+                let place = self.place(k);
+                context.complain(&at, format!("the start is zero at {place}: it cannot be given the \"norm\" {norm}"));
+                return None;
+            }
+            set.project(&mut start);
+            return Some(start);
+        }
+        let Err(outside) = set.check(&start) else { return Some(start) };
+        let mut moved = start.clone();
+        set.project(&mut moved);
+        let size = start.iter().chain(&moved).fold(0.0f64, |most, x| most.max(x.abs()));
+        let far = start.iter().zip(&moved).any(|(a, b)| (a - b).abs() > ROUNDING * size);
+        if far {
+            context.complain(&at, self.outside(&outside));
+            return None;
+        }
+        Some(moved)
+    }
+
+    /// Where the k-th value or vector lies, and when.
+    pub(super) fn place(&self, k: usize) -> String {
+        let count = self.block.map.len();
+        let place = self.block.map.describe(k % count);
+        match self.instants().get(k / count).filter(|_| self.block.knots.is_some()) {
+            Some(t) => format!("{place} at t = {t}"),
+            None => place,
+        }
+    }
+
+    fn outside(&self, outside: &Outside) -> String {
+        let place = self.place(outside.index / self.block.components);
+        let allowed = &outside.allowed;
+        format!("the start {} at {place} lies outside what is allowed: {allowed}", outside.value)
+    }
+}
+
+/// The values of a formula at an instant.
+fn over(positions: &[[f64; 3]], formula: &Formula, t: f64) -> Result<Vec<f64>, EvaluationError> {
+    let formula = formula.at_time(t);
+    positions.iter().map(|x| formula.at(*x)).collect()
+}

@@ -1,0 +1,108 @@
+//! What acts in motion alone, and weight: masses, viscous laws, Rayleigh damping.
+
+use super::context::Context;
+use super::field::SamplePoints;
+use super::named::{attempt, complain_of_law};
+use super::place;
+use crate::schema::{Case, MassKind, Material, Parameter};
+use crate::syntax::At;
+use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch};
+use nastic_fem::{Inertia, Solid};
+use nastic_tensor::Vec3;
+
+/// Gives the body its masses, viscous laws and weight; Rayleigh damping comes last, as it knows of all others.
+pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
+    for material in &case.materials {
+        if place::cells(&solid.mesh().clone(), &material.region, &material.at.key("region"), context).is_some() {
+            add_viscosity(case, material, solid, context);
+        }
+    }
+    if !context.is_sound() {
+        return;
+    }
+    add_mass(case, solid, context);
+    add_weight(case, solid, context);
+    let rayleigh = case.time.as_ref().and_then(|time| time.rayleigh.as_ref());
+    if let Some(damping) = rayleigh.filter(|_| context.is_sound()) {
+        attempt(solid, &damping.at, context, |solid| solid.rayleigh_damping(damping.mass, damping.stiffness));
+    }
+}
+
+fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
+    let dense = case.materials.iter().filter_map(|material| Some((material, material.density?)));
+    let inertia = dense.fold(None, |inertia: Option<Inertia>, (material, density)| {
+        Some(match inertia {
+            None => Inertia::new(&material.region, density),
+            Some(inertia) => inertia.and(&material.region, density),
+        })
+    });
+    let Some(inertia) = inertia else {
+        if case.time.is_some() {
+            let message = "a motion needs masses: give every material a \"density\", as in \"1000 kg/m^3\"";
+            context.complain(&At::root().key("materials"), message);
+        }
+        return;
+    };
+    let lumped = case.time.as_ref().is_some_and(|time| time.mass == MassKind::Lumped);
+    let inertia = if lumped { inertia.lumped() } else { inertia };
+    attempt(solid, &At::root().key("materials"), context, |solid| solid.inertia(inertia));
+}
+
+/// The weight `rho g` of every material.
+fn add_weight(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
+    let heavy = case.loads.iter().filter_map(|load| Some((load, load.gravity.as_ref()?.xyz())));
+    for (load, gravity) in heavy {
+        let mut dense = case.materials.iter().filter_map(|material| Some((material, material.density?))).peekable();
+        if dense.peek().is_none() {
+            let message = "weight needs masses: give every material a \"density\", as in \"1000 kg/m^3\"";
+            context.complain(&load.at.key("gravity"), message);
+        }
+        for (material, density) in dense {
+            let force = Vec3::from(gravity) * density;
+            attempt(solid, &load.at.key("gravity"), context, |solid| solid.body_force(&material.region, force));
+        }
+    }
+}
+
+fn add_viscosity(case: &Case, material: &Material, solid: &mut Solid, context: &mut Context<'_>) {
+    for branch in &material.maxwell {
+        let shear = sampled(case, material, (&branch.shear, &branch.at.key("shear")), solid, context);
+        let relaxation = sampled(case, material, (&branch.relaxation, &branch.at.key("relaxation")), solid, context);
+        let Some((shear, relaxation)) = shear.zip(relaxation) else { continue };
+        let law = MaxwellBranch::new(shear, relaxation);
+        attach(material, (law, &branch.at), solid, context);
+    }
+    let Some(dashpot) = &material.kelvin_voigt else { return };
+    let mut viscosity = |value: &Option<Parameter>, key: &str| match value {
+        Some(value) => sampled(case, material, (value, &dashpot.at.key(key)), solid, context),
+        None => Some(Field::Uniform(0.0)),
+    };
+    let (shear, bulk) = (viscosity(&dashpot.shear, "shear"), viscosity(&dashpot.bulk, "bulk"));
+    if let Some((shear, bulk)) = shear.zip(bulk) {
+        attach(material, (KelvinVoigt::new(shear, bulk), &dashpot.at), solid, context);
+    }
+}
+
+fn attach<L: nastic_energy::Actuation + 'static>(
+    material: &Material,
+    (law, at): (Result<L, EnergyError>, &At),
+    solid: &mut Solid,
+    context: &mut Context<'_>,
+) {
+    match law {
+        Ok(law) => attempt(solid, at, context, |solid| solid.viscosity(&material.region, law)),
+        Err(error) => complain_of_law(at, &error, context),
+    }
+}
+
+fn sampled(
+    case: &Case,
+    material: &Material,
+    (value, at): (&Parameter, &At),
+    solid: &Solid,
+    context: &mut Context<'_>,
+) -> Option<Field<f64>> {
+    let disc = solid.discretization();
+    let cells = disc.mesh().cells_of(&material.region).ok()?;
+    SamplePoints::of_body(case, disc, &cells).number(value, at, context)
+}

@@ -1,0 +1,60 @@
+//! What has a meaning in motion alone, and what a motion needs.
+
+use super::{Blocks, block};
+use crate::schema::control::{Control, Start};
+use crate::schema::cost::Cost;
+use crate::schema::optimizer::Optimizer;
+use crate::schema::read::Reader;
+use crate::schema::time::Time;
+use crate::syntax::At;
+
+pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
+    if reader.document.root().find("time").is_none() {
+        check_static(blocks, reader);
+    } else if let Some(time) = block::<Time>(reader, "time") {
+        check_motion(&time, blocks, reader);
+    }
+}
+
+fn controls(blocks: &Blocks) -> impl Iterator<Item = &Control> {
+    blocks.controls.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.controls))
+}
+
+fn check_static(blocks: &Blocks, reader: &mut Reader<'_>) {
+    const GIVE: &str = "give \"time\": { \"end\": \"1 s\", \"step\": \"10 ms\" }, or leave this out";
+    for control in controls(blocks).filter(|control| control.in_time.is_some()) {
+        reader.complain_at(&control.at.key("in_time"), format!("the case is static: {GIVE}"));
+    }
+    let costs = blocks.costs.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.costs));
+    for cost in costs {
+        if cost.when().is_some() {
+            reader.complain_at(&cost.at().key("when"), format!("the case is static: {GIVE}"));
+        }
+        if let Cost::ControlRate(block) = cost {
+            reader.complain_at(&block.at, format!("the rate of a control where the case is static: {GIVE}"));
+        }
+    }
+}
+
+fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
+    for control in controls(blocks) {
+        if control.in_time.is_none() && control.start.as_ref().is_some_and(Start::uses_time) {
+            let message =
+                "the start depends on the time t, and the control does not: give \"in_time\": { \"every\": \"50 ms\" }";
+            reader.complain_at(&control.at.key("start"), message);
+        }
+        let Some(in_time) = &control.in_time else { continue };
+        let parts = time.end / in_time.every;
+        if (parts - parts.round()).abs() > 1e-6 * parts || parts < 0.5 {
+            let near = time.end / parts.ceil();
+            let message = format!("the end {} is no multiple of {}: take {near}", time.end, in_time.every);
+            reader.complain_at(&in_time.at.key("every"), message);
+        }
+    }
+    let optimizer: Option<Optimizer> = block(reader, "optimizer");
+    let method = optimizer.map(|optimizer| optimizer.method.name());
+    if let Some(method) = method.filter(|method| ["gauss_newton", "newton_cg"].contains(method)) {
+        let message = format!("\"{method}\" needs second derivatives, which motions do not have: take \"lbfgs\"");
+        reader.complain_at(&At::root().key("optimizer").key("method"), message);
+    }
+}

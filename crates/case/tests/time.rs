@@ -1,0 +1,257 @@
+//! Motions in case files.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may
+
+mod common;
+
+use common::{Place, problems};
+use nastic_case::console::Console;
+use nastic_case::run::{Analysis, Exit, Options};
+use nastic_case::schema::Command;
+use serde_json::Value;
+
+/// A bar of silicone, 100 mm long, whose longitudinal waves take about 6 ms from end to end.
+fn case(time: &str, material: &str, blocks: &str) -> String {
+    format!(
+        r#"{{ "nastic": 1, "title": "bar",
+        "mesh": {{ "box": {{ "size": [0.1, 0.01, 0.01], "cells": [4, 1, 1], "element": "hex8" }} }},
+        "materials": [ {{ "region": "body", "law": "neo_hooke", "young": "0.3 MPa", "poisson": 0.3{material} }} ],
+        "probes": [ {{ "name": "tip", "point": [0.1, 0.005, 0.005] }} ],
+        "time": {{ {time} }}{blocks} }}"#
+    )
+}
+
+const DENSE: &str = r#", "density": "1000 kg/m^3""#;
+const HELD: &str = r#", "supports": [ { "surface": "x-", "fix": "all" } ]"#;
+const FIBERS: &str =
+    r#", "actuation": [ { "name": "fibers", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0]"#;
+const STEPS: &str = r#""end": "20 ms", "step": "1 ms""#;
+
+fn tip(result: &Value) -> Vec<f64> {
+    result["probes"]["tip"]["displacement"].as_array().unwrap().iter().map(|u| u.as_f64().unwrap()).collect()
+}
+
+fn solve(text: &str) -> Value {
+    Place::new().run(Command::Solve, text, &[]).unwrap().result
+}
+
+#[test]
+fn a_body_without_supports_falls_and_flies() {
+    let motion = format!(r#"{STEPS}, "start": "rest", "velocity": ["2 m/s", 0, "0.5 m/s"]"#);
+    let result = solve(&case(&motion, DENSE, r#", "loads": [ { "gravity": [0, 0, "-9.81 m/s^2"] } ]"#));
+    let (u, t) = (tip(&result), 0.02);
+    for (found, exact) in u.iter().zip([2.0 * t, 0.0, 0.5 * t - 0.5 * 9.81 * t * t]) {
+        assert!((found - exact).abs() < 1e-11, "{u:?}");
+    }
+    let (energies, mass) = (&result["time"]["energies"], 1e-2);
+    let kinetic = energies["end"]["kinetic"].as_f64().unwrap();
+    let speeds: [f64; 2] = [2.0, 0.5 - 9.81 * t];
+    let exact = 0.5 * mass * speeds.iter().map(|v| v * v).sum::<f64>();
+    assert!((kinetic / exact - 1.0).abs() < 1e-9, "{kinetic} {exact}");
+}
+
+#[test]
+fn a_value_in_time_and_a_control_in_time_are_the_same() {
+    let fixed = case(STEPS, DENSE, &format!(r#"{HELD}{FIBERS}, "tension": "-1 MPa * t / (1 s)" }} ]"#));
+    let control = r#" } ], "controls": [ { "of": "fibers", "space": "uniform", "lower": "-50 kPa", "upper": 0,
+        "start": "-1 MPa * t / (1 s)", "in_time": { "every": "10 ms" } } ]"#;
+    let control = case(STEPS, DENSE, &format!("{HELD}{FIBERS}{control}"));
+    let (fixed, controlled) = (solve(&fixed), solve(&control));
+    let (a, b) = (tip(&fixed), tip(&controlled));
+    assert!(a[0] < -1e-3 && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} {b:?}");
+    assert_eq!(controlled["controls"]["fibers"]["instants"], serde_json::json!([0.0, 0.01, 0.02]));
+    assert_eq!(controlled["controls"]["fibers"]["values"][2], -2e4);
+    // a vector too, of a magnet in a field that turns
+    let magnet = r#", "actuation": [ { "name": "magnet", "kind": "magnet", "region": "body", "remanence": [0.05, 0, 0],
+        "field": ["0 T", "20 mT * sin(50 * t / (1 s))", "0 T"] } ]"#;
+    let moved = tip(&solve(&case(STEPS, DENSE, &format!("{HELD}{magnet}"))));
+    assert!(moved[1] > 1e-5, "{moved:?}");
+}
+
+#[test]
+fn damping_takes_energy() {
+    let energy = |time: &str, material: &str| {
+        let motion =
+            format!(r#"{time}, "end": "100 ms", "step": "1 ms", "velocity": ["10 * X * 1 m/s / (1 m)", 0, 0]"#);
+        let result = solve(&case(&motion, &format!("{DENSE}{material}"), HELD));
+        let of = |key: &str| {
+            let entry = &result["time"]["energies"][key];
+            entry["kinetic"].as_f64().unwrap() + entry["potential"].as_f64().unwrap()
+        };
+        of("end") / of("start")
+    };
+    let free = energy(r#""scheme": "implicit_midpoint""#, "");
+    assert!((free - 1.0).abs() < 1e-3, "{free}");
+    let midpoint = r#""scheme": "implicit_midpoint""#;
+    for (name, time, material) in [
+        ("Maxwell", midpoint.to_owned(), r#", "maxwell": [ { "shear": "60 kPa", "relaxation": "4 ms" } ]"#),
+        ("Kelvin-Voigt", midpoint.to_owned(), r#", "kelvin_voigt": { "shear": "100 Pa * (1 s)" }"#),
+        ("Rayleigh", format!(r#"{midpoint}, "rayleigh": {{ "mass": "10 / (1 s)", "stiffness": "0.2 ms" }}"#), ""),
+    ] {
+        let left = energy(&time, material);
+        assert!(left > 0.0 && left < 0.5 * free, "{name}: {left} of the energy is left");
+    }
+}
+
+#[test]
+fn costs_and_controls_in_time_have_a_right_gradient() {
+    let blocks = r#" } ],
+        "controls": [ { "of": "fibers", "space": "uniform", "lower": "-100 kPa", "upper": "100 kPa", "rate": "20 MPa / (1 s)",
+            "start": "-20 kPa * sin(200 * t / (1 s))", "in_time": { "every": "5 ms" } } ],
+        "costs": [
+          { "kind": "position", "surface": "x+", "weight": 1e6, "when": "integral", "target": { "x": "0.1 m - 0.1 m/s * t" } },
+          { "kind": "tracking", "surface": "x+", "weight": 1e6, "when": { "at": ["10 ms", "20 ms"] }, "target": ["0.098", "Y", "Z"] },
+          { "name": "late", "kind": "position", "point": [0.1, 0, 0], "weight": 1e6, "when": { "time_above": 0.1 }, "target": { "x": "0.095" } },
+          { "kind": "control_rate", "of": "fibers", "weight": 1e-9 },
+          { "kind": "control_norm", "of": "fibers", "weight": 1e-8 } ]"#;
+    let text = case(STEPS, DENSE, &format!("{HELD}{FIBERS}{blocks}"));
+    let place = Place::new();
+    let outcome = place.run(Command::Gradcheck, &text, &[]).unwrap();
+    assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
+    // Every second of the terms counts.
+    let result = place.run(Command::Gradient, &text, &[]).unwrap().result;
+    let terms = result["cost"]["terms"].as_object().unwrap();
+    assert_eq!(terms.len(), 5, "{terms:?}");
+    assert!(terms.values().all(|value| value.as_f64().unwrap() > 0.0), "{terms:?}");
+    let optimum = place.run(Command::Optimize, &text, &["optimizer/max_iterations=5"]).unwrap();
+    assert!(optimum.result["cost"]["total"].as_f64() < optimum.result["start"]["cost"]["total"].as_f64());
+    assert!(place.files().contains(&"motion.pvd".to_owned()));
+}
+
+#[test]
+fn a_motion_is_written_step_by_step() {
+    let place = Place::new();
+    let control = r#" } ], "controls": [ { "of": "fibers", "space": "uniform", "lower": "-50 kPa", "upper": 0,
+        "start": "-1 MPa * t / (1 s)", "in_time": { "every": "10 ms", "interpolation": "constant" } } ]"#;
+    let text = case(&format!(r#"{STEPS}, "output": "5 ms""#), DENSE, &format!("{HELD}{FIBERS}{control}"));
+    let result = place.run(Command::Solve, &text, &[]).unwrap().result;
+    let files = place.files();
+    assert_eq!(files.iter().filter(|name| name.starts_with("motion_")).count(), 5, "{files:?}");
+    for name in ["motion.csv", "motion.svg", "energies.svg", "controls.svg", "motion.pvd"] {
+        assert!(files.iter().any(|file| file == name), "{name} in {files:?}");
+    }
+    let text = std::fs::read_to_string(place.path("out").join("motion.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 22);
+    let column = |name: &str| rows[0].iter().position(|head| *head == name).unwrap();
+    let number = |row: usize, name: &str| rows[row][column(name)].parse::<f64>().unwrap();
+    assert_eq!(number(21, "t"), 0.02);
+    assert_eq!(number(21, "tip.x"), tip(&result)[0]);
+    // constant within an interval: the value of its middle
+    assert_eq!([5, 20].map(|row| number(row, "fibers")), [-5e3, -15e3]);
+    assert!(number(21, "kinetic_energy") > 0.0);
+    assert!(result.get("reactions").is_none() && result["inertia"].is_null());
+}
+
+#[test]
+fn what_looks_at_equilibria_refuses_motions() {
+    let text = case(STEPS, DENSE, HELD);
+    for (analysis, option) in [
+        (Analysis::Minimum, "--minimum"),
+        (Analysis::Modes(2), "--modes"),
+        (Analysis::Path, "--path"),
+        (Analysis::Equilibria(2), "--equilibria"),
+    ] {
+        let place = Place::new();
+        let options = Options { analysis, ..place.options(&[]) };
+        let error = place.run_with(Command::Solve, &text, &Console::silent(), &options).unwrap_err().to_string();
+        assert!(error.contains(&format!("time: {option} looks at equilibria")), "{error}");
+    }
+}
+
+#[test]
+fn mistakes_are_told_with_what_to_write() {
+    let control = |more: &str| {
+        format!(
+            r#"{HELD}{FIBERS} }} ], "controls": [ {{ "of": "fibers", "space": "uniform", "lower": "-1 kPa", "upper": 0{more} }} ]"#
+        )
+    };
+    for (text, wanted) in [
+        (case(STEPS, "", HELD), "a motion needs masses: give every material a \"density\""),
+        (
+            case(r#""end": "20 ms", "step": "3 ms""#, DENSE, HELD),
+            "the end 0.02 is no multiple of the step 0.003: take 0.00285",
+        ),
+        (
+            case(r#""end": "20 ms", "step": "1 ms", "output": "1.5 ms""#, DENSE, HELD),
+            "0.0015 is no multiple of the step 0.001",
+        ),
+        (
+            case(r#""end": "20 ms", "dt": "1 ms", "step": "1 ms""#, DENSE, HELD),
+            "time/dt: unknown key \"dt\": write \"step\"",
+        ),
+        (case(r#""end": "20 mm", "step": "1 ms""#, DENSE, HELD), "is a length, a time is wanted (s, ms)"),
+        (case(STEPS, r#", "density": "1000 kg/m^2""#, HELD), "a density is wanted (kg/m^3)"),
+        (case(STEPS, DENSE, ""), "supports: "),
+        (
+            case(STEPS, DENSE, &control(r#", "start": "-1 kPa * t / (1 s)""#)),
+            "the start depends on the time t, and the control does not",
+        ),
+        (case(STEPS, DENSE, &control(r#", "in_time": { "every": "3 ms" }"#)), "the end 0.02 is no multiple of 0.003"),
+        (
+            case(STEPS, DENSE, &control(r#", "rate": "1 kPa/(1 s)""#)),
+            "the rate of a control that does not change in time",
+        ),
+        (
+            case(STEPS, DENSE, &control(r#", "in_time": { "every": "5 ms" }, "rate": "1 kPa""#)),
+            "unit of the wrong kind: \"1 kPa\"",
+        ),
+        (case(STEPS, DENSE, &control(r#", "upper": "1 kPa * t / (1 s)""#)), "upper"),
+        (case(STEPS, &format!(r#"{DENSE}, "poisson": "0.3 * t / (1 s)""#), HELD), "poisson"),
+        (
+            case(
+                STEPS,
+                DENSE,
+                &format!(
+                    r#"{HELD}, "costs": [ {{ "kind": "position", "surface": "x+", "target": {{ "x": 0.1 }}, "when": {{ "at": "1.5 ms" }} }} ]"#
+                ),
+            ),
+            "t = 0.0015 is no instant of the motion",
+        ),
+        (
+            case(STEPS, DENSE, &format!(r#"{HELD}, "optimizer": {{ "method": "newton_cg" }}"#)),
+            "\"newton_cg\" needs second derivatives, which motions do not have",
+        ),
+    ] {
+        let found = problems(&text);
+        assert!(found.contains(wanted), "{found}\nwanted: {wanted}");
+    }
+    // and in a static case
+    let still = |text: String| text.replace(&format!(r#""time": {{ {STEPS} }}"#), r#""output": {}"#);
+    for (text, wanted) in [
+        (case(STEPS, DENSE, &control(r#", "in_time": { "every": "5 ms" }"#)), "controls/0/in_time: the case is static"),
+        (
+            case(STEPS, DENSE, &format!(r#"{HELD}{FIBERS}, "tension": "-1 MPa * t / (1 s)" }} ]"#)),
+            "and the case is static: give \"time\"",
+        ),
+        (
+            case(
+                STEPS,
+                DENSE,
+                &format!(
+                    r#"{HELD}, "costs": [ {{ "kind": "position", "surface": "x+", "target": {{ "x": 0.1 }}, "when": "end" }} ]"#
+                ),
+            ),
+            "costs/0/when: the case is static",
+        ),
+        (case(STEPS, "", &format!(r#"{HELD}, "loads": [ {{ "gravity": [0, 0, -9.81] }} ]"#)), "weight needs masses"),
+    ] {
+        let found = problems(&still(text));
+        assert!(found.contains(wanted), "{found}\nwanted: {wanted}");
+    }
+}
+
+#[test]
+fn weight_is_the_same_as_a_body_force() {
+    let weight = |load: &str| {
+        tip(&solve(
+            &case(STEPS, DENSE, &format!("{HELD}, {load}"))
+                .replace(&format!(r#""time": {{ {STEPS} }}"#), r#""output": {}"#),
+        ))
+    };
+    let (a, b) = (
+        weight(r#""loads": [ { "gravity": [0, 0, "-9.81 m/s^2"] } ]"#),
+        weight(r#""loads": [ { "region": "body", "body_force": [0, 0, -9810] } ]"#),
+    );
+    assert!(a[2] < -1e-4 && a == b, "{a:?} {b:?}");
+}
