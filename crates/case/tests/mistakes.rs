@@ -14,21 +14,21 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         COMPLETE,
         "\"mu3\"",
         "\"mu9\": 1, \"mu3\"",
-        "materials/0/mu9: unknown key \"mu9\": did you mean \"mu1\"? (one of: region, law, formulation, mu1, mu2, mu3, mu4, fiber)",
+        "materials/0/mu9: unknown key \"mu9\": did you mean \"mu1\"? (one of: region, law, formulation, density, maxwell, kelvin_voigt, mu1, mu2, mu3, mu4, fiber)",
     );
     one(
         COMPLETE,
         "\"optimizer\"",
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
-         mesh, materials, supports, springs, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, optimizer, \
+         mesh, materials, supports, springs, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
          probes, expect, output, $schema)",
     );
     one(
         COMPLETE,
         "\"lower\"",
         "\"lowr\"",
-        "did you mean \"lower\"? (one of: of, name, space, start, lower, upper, norm, max_norm, direction)",
+        "did you mean \"lower\"? (one of: of, name, space, start, lower, upper, norm, max_norm, direction, in_time, rate)",
     );
     one(
         COMPLETE,
@@ -41,7 +41,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"quadrature\"",
         "\"Quadrature\"",
         "did you mean \"quadrature\"? (one of: kind, name, target, target_region, region, phi, stages, \
-         quadrature, weight)",
+         quadrature, weight, when)",
     );
 }
 
@@ -51,7 +51,7 @@ fn words_people_try_are_answered_with_what_to_write() {
     let law = "\"law\": \"transverse_mooney_rivlin\"";
     let kind = "\"kind\": \"fiber_tension\"";
     for (from, to, parts) in [
-        ("\"nastic\": 1,", "\"nastic\": 1, \"gravity\": 9.81,", ["unknown key \"gravity\"", "\"body_force\": [0, 0,"]),
+        ("\"nastic\": 1,", "\"nastic\": 1, \"gravity\": 9.81,", ["unknown key \"gravity\"", "\"gravity\": [0, 0,"]),
         ("\"nastic\": 1,", "\"nastic\": 1, \"bc\": [],", ["unknown key \"bc\"", "\"fix\": \"all\""]),
         ("\"nastic\": 1,", "\"nastic\": 1, \"force\": 1,", ["unknown key \"force\"", "\"traction\""]),
         ("\"traction\":", "\"pressure\": 5, \"traction\":", ["loads/0/pressure", "\"kind\": \"cavity\""]),
@@ -60,7 +60,7 @@ fn words_people_try_are_answered_with_what_to_write() {
         (law, "\"nu\": 1, \"law\": \"transverse_mooney_rivlin\"", ["materials/0/nu", "\"poisson\": 0.45"]),
         (law, "\"youngs_modulus\": 1, \"law\": \"transverse_mooney_rivlin\"", ["youngs_modulus", "\"young\":"]),
         (law, "\"poissons_ratio\": 1, \"law\": \"transverse_mooney_rivlin\"", ["poissons_ratio", "\"poisson\":"]),
-        (law, "\"density\": 1, \"law\": \"transverse_mooney_rivlin\"", ["materials/0/density", "\"body_force\""]),
+        (law, "\"rho\": 1, \"law\": \"transverse_mooney_rivlin\"", ["materials/0/rho", "\"density\": \"1000 kg/m^3\""]),
         (law, "\"law\": \"linear_elastic\"", ["unknown law \"linear_elastic\"", "\"neo_hooke\" with"]),
         ("\"fix\":", "\"fixed\": true, \"fix\":", ["supports/0/fixed", "\"fix\": \"all\""]),
         (kind, "\"kind\": \"fibre\"", ["unknown kind \"fibre\"", "\"kind\": \"muscle\""]),

@@ -54,10 +54,10 @@ object! {
         pub scenarios: Scenarios,
         /// What of the scenarios' costs is made small.
         pub risk: Risk = Risk::Mean,
-        /// How.
-        pub optimizer: Optimizer,
         /// A motion instead of an equilibrium.
         pub time: Option<Time>,
+        /// How.
+        pub optimizer: Optimizer,
         /// Points to report.
         pub probes: Vec<Probe> = Vec::new(),
         /// Values the results must have, by their path in `result.json`.
