@@ -43,6 +43,7 @@ pub use solution::options::{Progress, SolveOptions};
 pub use solution::path::{EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint};
 pub use solution::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use solution::state::{SolveReport, State};
+pub use solution::vibration_modes::{ModeKind, VibrationMode};
 pub use solution::workspace::Workspace;
 pub use time::adaptive::{AdaptiveReport, Tolerance};
 pub use time::reverse_sweep::{StatePartials, Swept};

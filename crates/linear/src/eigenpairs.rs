@@ -1,4 +1,4 @@
-//! [`smallest_eigenpairs`]: `A x = lambda M x` with a diagonal M, by shift-invert Lanczos.
+//! [`smallest_eigenpairs`]: `A x = lambda M x` by shift-invert Lanczos.
 
 use super::error::FactorError;
 use super::factor::{Factor, Pivots};
@@ -8,6 +8,7 @@ use super::symbolic::Symbolic;
 use nalgebra::{DMatrix, SymmetricEigen};
 use nastic_numeric::Random;
 use nastic_numeric::vector::{axpy, dot, scale};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A Ritz pair counts when `|B x - theta x|_M` is this share of theta.
@@ -18,12 +19,22 @@ const PACE: usize = 4;
 const PACE_SHARE: usize = 10;
 /// Most memory of the basis: 8 GiB.
 const BASIS_BYTES: usize = 8 << 30;
-/// Least shift tried below an indefinite matrix, as a share of the largest `|A_ii| / M_ii`, and from one shift to the
-/// next.
+/// Least and largest shift tried below an indefinite matrix, as shares of the largest `|A_ii| / M_ii`, and from one
+/// shift to the next.
 const LEAST_SHIFT: f64 = 1e-14;
 const SHIFT_GROWTH: f64 = 16.0;
-/// How far above an eigenvalue the others are counted, as a share of its distance from the shift.
+const MOST_SHIFT: f64 = 1e3;
+/// Least distance of the shift from the lowest eigenvalue, as a multiple of its rounding: of a singular A the factor is
+/// rounding alone. And as a share of the distance of the highest that is wanted, for B has that share of its digits;
+/// where it is less, the share that it becomes.
+const SEPARATION: f64 = 1e3;
+const LEAST_SHARE: f64 = 1e-6;
+const SHARE: f64 = 1e-3;
+/// How far above an eigenvalue the others are counted, as a share of its distance from the shift; at least by its
+/// rounding.
 const ABOVE: f64 = 1e-6;
+/// Relative error of the entries of A: sums of some tens of products.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// A vector that orthogonalisation leaves this share of lies in the span of the others.
 const SPANNED: f64 = 1e-12;
 
@@ -32,14 +43,23 @@ const SPANNED: f64 = 1e-12;
 pub struct Eigenproblem<'a> {
     /// A, symmetric, with rows and columns of fixed unknowns replaced by positive multiples of those of the identity.
     pub matrix: &'a SparseMatrix,
-    /// The diagonal of M, positive, by unknown.
-    pub mass: &'a [f64],
+    /// M, positive definite on the unknowns that are not fixed.
+    pub mass: MassMatrix<'a>,
     /// By unknown: whether it is fixed.
     pub fixed: &'a [bool],
     /// The symbolic factorisation of A.
     pub symbolic: &'a Arc<Symbolic>,
     /// Whether to use all threads; the bits are the same.
     pub parallel: bool,
+}
+
+/// M of `A x = lambda M x`.
+#[derive(Clone, Copy, Debug)]
+pub enum MassMatrix<'a> {
+    /// The diagonal of a diagonal one, positive, by unknown.
+    Diagonal(&'a [f64]),
+    /// Symmetric, with rows and columns of fixed unknowns replaced by zeros.
+    Sparse(&'a SparseMatrix),
 }
 
 /// Eigenvalues in ascending order, with their vectors.
@@ -49,6 +69,9 @@ pub struct Eigenpairs {
     pub values: Vec<f64>,
     /// Their vectors, `x_i . M x_k = delta_ik`, zero where fixed.
     pub vectors: Vec<Vec<f64>>,
+    /// What rounding of the entries of A may change each eigenvalue by, `16 eps |x| . |A| |x|`: a smaller one cannot be
+    /// told from zero.
+    pub rounding: Vec<f64>,
     /// Negative eigenvalues of the matrix, counted by the pivots of `A = L D L^T`.
     pub negative: usize,
 }
@@ -57,7 +80,8 @@ pub struct Eigenpairs {
 ///
 /// Lanczos with full reorthogonalisation for `B = (A - sigma M)^-1 M` in the inner product of M, from a seeded start
 /// vector, with sigma = 0 for a positive definite A and else a shift below the spectrum, which the Cholesky factor of
-/// `A - sigma M` proves. No eigenvalue is missed: those below the largest one returned are counted by the pivots of
+/// `A - sigma M` proves; a shift too near to the lowest eigenvalue for its rounding, as zero is of a singular A, or
+/// for the distance of the others is moved away. No eigenvalue is missed: those below the largest one returned are counted by the pivots of
 /// `A - mu M` (Sylvester's law of inertia), and as long as there are more than were found (of multiple eigenvalues a
 /// Krylov space has one vector) the iteration begins again orthogonal to all found. Ericsson, Ruhe, "The spectral
 /// transformation Lanczos method for the numerical solution of large sparse generalized symmetric eigenvalue problems",
@@ -69,15 +93,25 @@ pub struct Eigenpairs {
 pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigenpairs, LinearError> {
     let unknowns = problem.fixed.iter().filter(|&&fixed| !fixed).count();
     problem.check(count, unknowns)?;
-    let (sigma, factor) = problem.below_spectrum()?;
-    let negative = if sigma == 0.0 { 0 } else { problem.count_below(0.0)? };
+    let (mut sigma, mut factor) = problem.below_spectrum()?;
+    let negative = if sigma == 0.0 { 0 } else { problem.count_negative()? };
     let wanted = count.max(negative);
+    let magnitudes = problem.matrix.magnitudes();
+    let rounding = |x: &[f64]| {
+        let magnitude: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+        ROUNDING * quadratic_form(&magnitudes, &magnitude, problem.parallel)
+    };
     let mut found = Found::default();
     let mut missing = wanted;
     // A run that adds no eigenpair adds none the next time either; one that does may have found a copy of a multiple value alone.
     for run in 0..=unknowns {
         let (steps, before) = (steps(missing, unknowns), found.values.len());
         found.add(lanczos(problem, &factor, &found.vectors, missing, steps, run as u64), problem);
+        if let Some(distance) = found.separation(wanted, sigma, &rounding) {
+            (sigma, factor) = problem.shifted_below(found.values[0], distance)?;
+            (found, missing) = (Found::default(), wanted);
+            continue;
+        }
         if found.values.len() == before {
             break;
         }
@@ -85,13 +119,14 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
             missing = wanted - found.values.len();
             continue;
         };
-        let mu = last + ABOVE * (last - sigma);
+        let mu = last + (ABOVE * (last - sigma)).max(rounding(&found.vectors[wanted - 1]));
         let known = found.values.iter().filter(|&&value| value < mu).count();
         missing = problem.count_below(mu)?.saturating_sub(known);
         if missing == 0 {
             found.values.truncate(wanted);
             found.vectors.truncate(wanted);
-            return Ok(Eigenpairs { values: found.values, vectors: found.vectors, negative });
+            let rounding = found.vectors.iter().map(|x| rounding(x)).collect();
+            return Ok(Eigenpairs { values: found.values, vectors: found.vectors, rounding, negative });
         }
     }
     Err(LinearError::Eigenpairs { found: wanted.saturating_sub(missing), wanted })
@@ -111,7 +146,7 @@ impl Eigenproblem<'_> {
             return Err(LinearError::EigenpairCount { count, unknowns });
         }
         let vectors = steps(count, unknowns) + count;
-        let bytes = vectors.saturating_mul(size_of_val(self.mass));
+        let bytes = vectors.saturating_mul(self.fixed.len() * size_of::<f64>());
         if bytes > BASIS_BYTES {
             let gib = bytes as f64 / f64::from(1 << 30);
             return Err(LinearError::EigenpairsTooLarge { count, unknowns, gib });
@@ -125,30 +160,55 @@ impl Eigenproblem<'_> {
     /// `A - sigma M`, fixed unknowns left alone.
     fn shifted(&self, sigma: f64) -> SparseMatrix {
         let mut matrix = self.matrix.clone();
-        let entry = |(m, &fixed): (&f64, &bool)| if fixed { 0.0 } else { -sigma * m };
-        let diagonal: Vec<f64> = self.mass.iter().zip(self.fixed).map(entry).collect();
-        matrix.add_diagonal(&diagonal);
+        match self.mass {
+            MassMatrix::Diagonal(mass) => {
+                let entry = |(m, &fixed): (&f64, &bool)| if fixed { 0.0 } else { -sigma * m };
+                matrix.add_diagonal(&mass.iter().zip(self.fixed).map(entry).collect::<Vec<_>>());
+            }
+            MassMatrix::Sparse(mass) => matrix.add_scaled(-sigma, mass),
+        }
         matrix
     }
 
     /// Zero, or a shift below all eigenvalues, with the Cholesky factor of the shifted matrix.
     fn below_spectrum(&self) -> Result<(f64, Factor), LinearError> {
         match self.symbolic.factorize(self.matrix, Pivots::Positive, self.parallel) {
-            Err(FactorError::NotPositive { .. }) => (),
-            done => return Ok((0.0, done?)),
+            Err(FactorError::NotPositive { .. }) => self.shifted_below(0.0, 0.0),
+            done => Ok((0.0, done?)),
         }
-        let diagonal = self.matrix.diagonal();
-        let free = diagonal.iter().zip(self.mass).zip(self.fixed).filter(|(_, fixed)| !**fixed);
-        let most = free.fold(0.0, |most: f64, ((a, m), _)| most.max(a.abs() / m));
-        let mut share = LEAST_SHIFT;
-        while share < 1e3 {
-            let sigma = -share * most;
+    }
+
+    /// The first shift at this distance below a value, or farther, that is below all eigenvalues.
+    fn shifted_below(&self, value: f64, distance: f64) -> Result<(f64, Factor), LinearError> {
+        let most = self.largest_quotient();
+        let mut distance = distance.max(LEAST_SHIFT * most);
+        while distance < MOST_SHIFT * most {
+            let sigma = value - distance;
             match self.symbolic.factorize(&self.shifted(sigma), Pivots::Positive, self.parallel) {
-                Err(FactorError::NotPositive { .. }) => share *= SHIFT_GROWTH,
+                Err(FactorError::NotPositive { .. }) => distance *= SHIFT_GROWTH,
                 done => return Ok((sigma, done?)),
             }
         }
         Err(LinearError::Shift)
+    }
+
+    /// The largest `|A_ii| / M_ii`, which no eigenvalue exceeds by much.
+    fn largest_quotient(&self) -> f64 {
+        let diagonal = self.matrix.diagonal();
+        let mass = match self.mass {
+            MassMatrix::Diagonal(mass) => Cow::Borrowed(mass),
+            MassMatrix::Sparse(mass) => Cow::Owned(mass.diagonal()),
+        };
+        let free = diagonal.iter().zip(mass.iter()).zip(self.fixed).filter(|(_, fixed)| !**fixed);
+        free.fold(0.0, |most: f64, ((a, m), _)| most.max(a.abs() / m))
+    }
+
+    /// Number of negative eigenvalues; of a matrix that has no factor, being singular, of those below rounding.
+    fn count_negative(&self) -> Result<usize, LinearError> {
+        match self.count_below(0.0) {
+            Err(error) if error.is_singular() => self.count_below(-LEAST_SHIFT * self.largest_quotient()),
+            counted => counted,
+        }
     }
 
     /// Number of eigenvalues below mu.
@@ -158,8 +218,17 @@ impl Eigenproblem<'_> {
     }
 
     fn times_mass(&self, x: &[f64]) -> Vec<f64> {
-        let entry = |((x, m), &fixed): ((&f64, &f64), &bool)| if fixed { 0.0 } else { x * m };
-        x.iter().zip(self.mass).zip(self.fixed).map(entry).collect()
+        match self.mass {
+            MassMatrix::Diagonal(mass) => {
+                let entry = |((x, m), &fixed): ((&f64, &f64), &bool)| if fixed { 0.0 } else { x * m };
+                x.iter().zip(mass).zip(self.fixed).map(entry).collect()
+            }
+            MassMatrix::Sparse(mass) => {
+                let mut product = vec![0.0; x.len()];
+                mass.multiply_on(x, &mut product, self.parallel);
+                product
+            }
+        }
     }
 
     /// Makes x orthogonal to these (twice is enough: Kahan, Parlett) and returns its coefficients by them and what is
@@ -178,10 +247,15 @@ impl Eigenproblem<'_> {
 
     /// `x . A x / x . M x`: twice as many digits as the vector has.
     fn rayleigh(&self, x: &[f64]) -> f64 {
-        let mut ax = vec![0.0; x.len()];
-        self.matrix.multiply_on(x, &mut ax, self.parallel);
-        dot(x, &ax) / dot(x, &self.times_mass(x))
+        quadratic_form(self.matrix, x, self.parallel) / dot(x, &self.times_mass(x))
     }
+}
+
+/// `x . A x`.
+fn quadratic_form(matrix: &SparseMatrix, x: &[f64], parallel: bool) -> f64 {
+    let mut product = vec![0.0; x.len()];
+    matrix.multiply_on(x, &mut product, parallel);
+    dot(x, &product)
 }
 
 /// Eigenpairs found so far, ascending.
@@ -199,6 +273,14 @@ impl Found {
             self.values.insert(at, value);
             self.vectors.insert(at, x);
         }
+    }
+
+    /// The distance that a shift should have from the lowest eigenvalue, where sigma is too near.
+    fn separation(&self, wanted: usize, sigma: f64, rounding: &impl Fn(&[f64]) -> f64) -> Option<f64> {
+        let (first, x) = self.values.first().zip(self.vectors.first())?;
+        let spread = self.values[wanted.min(self.values.len()) - 1] - first;
+        let (least, below) = (SEPARATION * rounding(x), first - sigma);
+        (below < least.max(LEAST_SHARE * spread)).then(|| (SHIFT_GROWTH * least).max(SHARE * spread))
     }
 }
 

@@ -56,7 +56,7 @@ mod solve;
 pub mod solver;
 mod symbolic;
 
-pub use eigenpairs::{Eigenpairs, Eigenproblem, smallest_eigenpairs};
+pub use eigenpairs::{Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs};
 pub use error::{FactorError, StructureError};
 pub use factor::{Factor, Pivots, Precision};
 pub use gmres::{GmresReport, gmres};

@@ -70,6 +70,13 @@ impl SparseMatrix {
         skew::scatter(self.pattern.dim(), map, &antisymmetric, skew);
     }
 
+    /// The matrix of the absolute values of the symmetric part, `|S|_ij = |S_ij|`.
+    #[must_use]
+    pub fn magnitudes(&self) -> SparseMatrix {
+        let values = self.values.iter().map(|value| value.abs()).collect();
+        SparseMatrix { pattern: self.pattern.clone(), values, skew: None }
+    }
+
     /// Its pattern.
     pub fn pattern(&self) -> &Arc<Pattern> {
         &self.pattern

@@ -20,4 +20,5 @@ pub(crate) mod rotation_corrected_step;
 pub(crate) mod saddle_point;
 pub(crate) mod state;
 pub(crate) mod tangent_systems;
+pub(crate) mod vibration_modes;
 pub(crate) mod workspace;

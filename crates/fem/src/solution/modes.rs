@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
 use crate::solution::tangent_systems::eliminate;
-use nastic_linear::{Eigenproblem, smallest_eigenpairs};
+use nastic_linear::{Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs};
 
 /// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes'
 /// reference volumes ([`Discretization::nodal_volumes`](crate::Discretization::nodal_volumes)).
@@ -35,28 +35,39 @@ impl Model {
     /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a
     /// factor that would be too large; [`StateError::Problem`] for a state of another body.
     pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
+        let found =
+            self.lowest_modes(state, MassMatrix::Diagonal(&self.discretization().volumes_by_unknown()), count, how)?;
+        let shapes = found.vectors.into_iter().map(normalized).collect();
+        Ok(Modes { eigenvalues: found.values, shapes, negative: found.negative })
+    }
+
+    /// The smallest eigenpairs of the tangent by a mass without fixed unknowns.
+    pub(super) fn lowest_modes(
+        &self,
+        state: &State,
+        mass: MassMatrix,
+        count: usize,
+        how: &SolveOptions,
+    ) -> Result<Eigenpairs, StateError> {
         self.check_state(state)?;
         let instead =
             "the number of negative pivots is counted; for modes, hold the multipliers found (pressures) as controls";
         self.refuse_constraints("modes", instead)?;
         let mut matrix = self.tangent_at(&self.instant(state, None, how.parallel), state)?;
         eliminate(self, &mut matrix);
-        let disc = self.discretization();
         let problem = Eigenproblem {
             matrix: &matrix,
-            mass: &disc.volumes_by_unknown(),
+            mass,
             fixed: self.supports.fixed(),
-            symbolic: disc.symbolic(),
+            symbolic: self.discretization().symbolic(),
             parallel: how.parallel,
         };
-        let found = smallest_eigenpairs(&problem, count)?;
-        let shapes = found.vectors.into_iter().map(normalized).collect();
-        Ok(Modes { eigenvalues: found.values, shapes, negative: found.negative })
+        Ok(smallest_eigenpairs(&problem, count)?)
     }
 }
 
 /// Scaled to a largest component of 1; of components that differ by rounding the first.
-fn normalized(mut shape: Vec<f64>) -> Vec<f64> {
+pub(super) fn normalized(mut shape: Vec<f64>) -> Vec<f64> {
     let largest = shape.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let at = shape.iter().position(|x| x.abs() >= (1.0 - 1e-6) * largest);
     let scale = at.map_or(1.0, |at| largest * shape[at].signum());

@@ -2,6 +2,7 @@
 
 #![allow(dead_code)] // every test takes what it needs
 
+pub mod beam;
 pub mod block;
 pub mod homogeneous;
 pub mod motion;

@@ -1,0 +1,105 @@
+//! [`VibrationMode`]: small vibrations about an equilibrium.
+
+use crate::error::{FemError, StateError};
+use crate::model::Model;
+use crate::solution::modes::normalized;
+use crate::solution::options::SolveOptions;
+use crate::solution::state::State;
+use nastic_linear::{MassMatrix, SparseMatrix};
+use nastic_numeric::vector::dot;
+
+/// A solution `u + phi exp(i w t)` of the undamped motion about an equilibrium u, linearised: `K phi = w^2 M phi`, K
+/// the static tangent at u with its loads and controls, M the mass of the model, consistent or lumped as its
+/// [`Inertia`](crate::Inertia) is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VibrationMode {
+    /// `w^2` in 1/s^2; negative where the equilibrium is not stable.
+    pub square: f64,
+    /// What rounding of the tangent may change `w^2` by.
+    pub rounding: f64,
+    /// `phi . M phi` in kg, in plane strain per unit of thickness.
+    pub modal_mass: f64,
+    /// phi, flat like displacements, zero on the supports, with a largest component of exactly 1.
+    pub shape: Vec<f64>,
+}
+
+/// What a small displacement along a mode does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ModeKind {
+    /// `w^2 < 0`: it grows as `exp(rate t)`, `rate = sqrt(-w^2)` in 1/s.
+    Unstable {
+        /// 1/s
+        rate: f64,
+    },
+    /// `w^2 = 0` to rounding: nothing drives it back, as the rigid motions of a free body.
+    Neutral,
+    /// `w^2 > 0`.
+    Vibration {
+        /// w in rad/s; `w/(2 pi)` in Hz.
+        angular_frequency: f64,
+    },
+}
+
+impl VibrationMode {
+    /// What it does, by the sign of `w^2`.
+    pub fn kind(&self) -> ModeKind {
+        if self.square.abs() <= self.rounding {
+            ModeKind::Neutral
+        } else if self.square < 0.0 {
+            ModeKind::Unstable { rate: (-self.square).sqrt() }
+        } else {
+            ModeKind::Vibration { angular_frequency: self.square.sqrt() }
+        }
+    }
+}
+
+impl Model {
+    /// The `count` modes of the algebraically smallest `w^2` about a state, ascending, and all with a negative one in
+    /// any case.
+    ///
+    /// Neither damping nor, in a state of a motion, its velocity counts; of viscous laws the stiffness that the state
+    /// has, relaxed in an equilibrium. Of multiple frequencies every mode is found; which basis of their span is
+    /// returned has no meaning. The Galerkin method with the consistent mass gives frequencies from above, with a
+    /// relative error of `O(h^(2p))` on cells of order p. A lumped mass adds an error of its own: the first bending
+    /// frequency of a free beam of 12 hex20 is 1.3 % too low with it, 0.1 % too high with the consistent one.
+    ///
+    /// # Errors
+    /// [`FemError::Meaningless`] for nodes without mass; otherwise as [`modes`](Self::modes).
+    pub fn vibration_modes(
+        &self,
+        state: &State,
+        count: usize,
+        how: &SolveOptions,
+    ) -> Result<Vec<VibrationMode>, StateError> {
+        let mut mass = self.mass();
+        mass.eliminate(self.supports.fixed(), 0.0);
+        self.check_positive(&mass)?;
+        let found = self.lowest_modes(state, MassMatrix::Sparse(&mass), count, how)?;
+        let modal_mass = |shape: &[f64]| {
+            let mut product = vec![0.0; shape.len()];
+            mass.multiply_on(shape, &mut product, how.parallel);
+            dot(shape, &product)
+        };
+        let pairs = found.values.into_iter().zip(found.rounding).zip(found.vectors);
+        let mut modes: Vec<VibrationMode> = pairs
+            .map(|((square, rounding), vector)| {
+                let shape = normalized(vector);
+                VibrationMode { square, rounding, modal_mass: modal_mass(&shape), shape }
+            })
+            .collect();
+        // the pivots of a singular tangent have the signs of rounding errors
+        let unstable = modes.iter().filter(|mode| matches!(mode.kind(), ModeKind::Unstable { .. })).count();
+        modes.truncate(count.max(unstable));
+        Ok(modes)
+    }
+
+    /// Refuses nodes that are free and have no mass.
+    fn check_positive(&self, mass: &SparseMatrix) -> Result<(), FemError> {
+        let diagonal = mass.diagonal();
+        let free = |dof: &usize| !self.supports.fixed()[*dof];
+        let Some(dof) = (0..diagonal.len()).filter(free).find(|&dof| !(diagonal[dof] > 0.0)) else { return Ok(()) };
+        let node = dof / self.discretization().dim();
+        let what = format!("vibrations need a mass, but node {node} has none; give the body a density (inertia)");
+        Err(FemError::Meaningless { what })
+    }
+}
