@@ -46,6 +46,7 @@ pub use solution::state::{SolveReport, State};
 pub use solution::vibration_modes::{ModeKind, VibrationMode};
 pub use solution::workspace::Workspace;
 pub use time::adaptive::{AdaptiveReport, Tolerance};
+pub use time::numerical_damping::{AmplificationFactor, ModalDamping};
 pub use time::reverse_sweep::{StatePartials, Swept};
 pub use time::scheme::Scheme;
 pub use time::trajectory::{Begin, StepTo, Trajectory};

@@ -1,4 +1,5 @@
-//! The numerical damping of every scheme, seen on a point mass on a linear spring that the stepper itself moves.
+//! The numerical damping of every scheme: as it is computed, and seen on a point mass on a linear spring that the
+//! stepper itself moves.
 
 mod common;
 
@@ -49,8 +50,8 @@ fn of_recurrence(solid: &Solid, scheme: &Scheme, (w, c): (f64, f64)) -> Outcome<
     Ok(((p + root) / 2.0).norm().max(((p - root) / 2.0).norm()))
 }
 
-/// `d/w = -(2/t) ln |R|` with `t = h w`.
-fn damping(scheme: &Scheme, t: f64, physical: f64) -> Outcome<f64> {
+/// `d/w = -(2/t) ln |R|` with `t = h w`, seen in steps.
+fn seen(scheme: &Scheme, t: f64, physical: f64) -> Outcome<f64> {
     let solid = oscillator(t, physical * t)?;
     let r = if scheme.start().is_some() {
         of_recurrence(&solid, scheme, (t, physical * t))?
@@ -97,9 +98,11 @@ fn every_scheme_damps_as_its_closed_form_says() -> Outcome {
     for (scheme, _) in schemes()? {
         for t in [0.1, 1.0, 10.0] {
             let expected = closed_form(scheme.name(), t).unwrap_or_else(|| -2.0 / t * generalized_alpha(0.8, t).ln());
-            let found = damping(&scheme, t, 0.0)?;
+            let found = scheme.modal_damping(0.5, 2.0 * t, (0.0, 0.0))?.effective;
+            let seen = seen(&scheme, t, 0.0)?;
             println!("{:<18} h w = {t:4}: d/w = {found:.6e}, closed form {expected:.6e}", scheme.name());
             assert!((found - expected).abs() < 1e-10, "{} at {t}: {found:e}, not {expected:e}", scheme.name());
+            assert!((seen - expected).abs() < 1e-10, "{} at {t}: steps show {seen:e}", scheme.name());
         }
     }
     Ok(())
@@ -117,11 +120,76 @@ fn physical_damping_is_changed_by_the_scheme() -> Outcome {
     ];
     for (scheme, expected) in &table {
         for (t, expected) in [0.1, 1.0, 10.0].into_iter().zip(expected) {
-            let found = damping(scheme, t, 0.2)?;
+            let h = 0.01;
+            // half of d/w by the mass, half by the stiffness
+            let found = scheme.modal_damping(h, t / h, (0.1 * t / h, 0.1 * h / t))?;
+            assert!((found.physical - 0.2).abs() < 1e-15);
+            let (found, seen) = (found.effective, seen(scheme, t, 0.2)?);
+            println!("{:<18} h w = {t:4}, d/w = 0.2: {found:.10}", scheme.name());
+            assert!((found - seen).abs() < 1e-10, "{} at {t}: {found:e}, steps show {seen:e}", scheme.name());
             assert!((found - expected).abs() < 6e-5, "{} at {t}: {found}, not {expected}", scheme.name());
         }
     }
     Ok(())
+}
+
+/// Closed forms of `arg R / t`: backward Euler and the trapezoidal rule have R = 1/(1 - i t) and (1 + i t/2)/(1 - i t/2); at
+/// t = 1 the others to four digits. A mode that creeps back has no frequency.
+#[test]
+fn every_scheme_lowers_the_frequency_as_its_closed_form_says() -> Outcome {
+    let frequency = |scheme: &Scheme, t: f64| -> Outcome<f64> {
+        scheme.modal_damping(1.0, t, (0.0, 0.0))?.frequency.ok_or_else(|| "no frequency".into())
+    };
+    for t in [0.1, 1.0, 10.0] {
+        for (scheme, expected) in [
+            (Scheme::backward_euler(), f64::atan(t) / t),
+            (Scheme::trapezoidal(), 2.0 * f64::atan(0.5 * t) / t),
+            (Scheme::implicit_midpoint(), 2.0 * f64::atan(0.5 * t) / t),
+        ] {
+            let found = frequency(&scheme, t)?;
+            assert!((found - expected).abs() < 1e-10, "{} at {t}: {found}, not {expected}", scheme.name());
+        }
+    }
+    for (scheme, expected) in [
+        (Scheme::backward_euler(), 0.7854),
+        (Scheme::bdf2(), 0.8238),
+        (Scheme::tr_bdf2(), 0.9615),
+        (Scheme::trapezoidal(), 0.9273),
+    ] {
+        let found = frequency(&scheme, 1.0)?;
+        assert!((found - expected).abs() < 6e-5, "{}: {found}, not {expected}", scheme.name());
+    }
+    for (scheme, _) in schemes()? {
+        let (exact, at_rest) = (scheme.modal_damping(1e-3, 1.0, (0.2, 0.0))?, scheme.name() == "quasi_dynamic");
+        let kept =
+            exact.frequency.is_some_and(|ratio| (ratio - 1.0).abs() < 1e-3) && (exact.effective - 0.2).abs() < 2e-3;
+        assert!(kept != at_rest, "{}: {exact:?}", scheme.name());
+        assert_eq!(scheme.modal_damping(0.1, 1.0, (2.5, 0.0))?.frequency, None);
+    }
+    Ok(())
+}
+
+/// A mode beyond critical damping: the slower of its two exponentials, in short steps.
+#[test]
+fn an_overdamped_mode_decays_as_its_slower_part() -> Outcome {
+    let (d, h): (f64, f64) = (3.0, 1e-3);
+    let expected = d - (d * d - 4.0).sqrt();
+    for (scheme, order) in schemes()?.into_iter().filter(|(_, order)| *order > 0) {
+        let found = scheme.modal_damping(h, 1.0, (d, 0.0))?.effective;
+        let tolerance = if order == 1 { 1e-3 } else { 1e-6 };
+        assert!((found - expected).abs() < tolerance, "{}: {found} instead of {expected}", scheme.name());
+    }
+    Ok(())
+}
+
+#[test]
+fn a_mode_that_is_none_is_refused() {
+    for (h, w, a0) in
+        [(0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (1.0, f64::NAN, 0.0), (1.0, 1.0, -0.1), (f64::INFINITY, 1.0, 0.0)]
+    {
+        let refused = Scheme::backward_euler().modal_damping(h, w, (a0, 0.0));
+        assert!(refused.is_err_and(|error| error.to_string().contains("h w")), "{h}, {w}, {a0}");
+    }
 }
 
 /// Newmark's scheme with 1/4 and 1/2 and generalised alpha with rho = 1 are the trapezoidal and the midpoint rule on

@@ -3,6 +3,7 @@
 pub(crate) mod adaptive;
 pub mod catalogue;
 pub(crate) mod initial_acceleration;
+pub(crate) mod numerical_damping;
 pub(crate) mod points;
 pub(crate) mod reverse_sweep;
 pub(crate) mod scheme;

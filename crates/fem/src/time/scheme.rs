@@ -162,7 +162,7 @@ impl Scheme {
         self.stages.iter().enumerate().all(|(k, _)| self.end.displacement != [u(1.0, Point::Stage(k))])
     }
 
-    fn terms(&self) -> impl Iterator<Item = &Term> {
+    pub(super) fn terms(&self) -> impl Iterator<Item = &Term> {
         let of_stages = self.stages.iter().flat_map(|stage| stage.velocity.iter().chain(&stage.acceleration));
         let End { displacement, velocity, acceleration } = &self.end;
         of_stages.chain(displacement).chain(velocity).chain(acceleration)
