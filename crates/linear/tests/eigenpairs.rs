@@ -5,7 +5,10 @@
 mod support;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use nastic_linear::{Eigenpairs, Eigenproblem, LinearError, MassMatrix, SparseMatrix, Symbolic, smallest_eigenpairs};
+use nastic_linear::{
+    Eigenpairs, Eigenproblem, FactorError, Graph, LinearError, MassMatrix, Ordering, Pattern, Pivots, SparseMatrix,
+    Symbolic, smallest_eigenpairs,
+};
 use nastic_numeric::vector::dot;
 use std::sync::Arc;
 use support::{Grid, Random};
@@ -146,6 +149,27 @@ fn zero_eigenvalues_are_zero_to_their_rounding() {
                 }
             }
         }
+    }
+}
+
+/// Three unit masses on two unit springs: 0, 1 and 3. All pivots are whole numbers, the last is exactly zero.
+#[test]
+fn a_matrix_without_a_factor_has_its_zero() {
+    let elements: [&[u32]; 2] = [&[0, 1], &[1, 2]];
+    let graph = Graph::from_cliques(3, elements).unwrap();
+    let ordering = Ordering::given(&graph, &[0, 1, 2]).unwrap();
+    let pattern = Arc::new(Pattern::new(&graph, 1, ordering).unwrap());
+    let mut matrix = SparseMatrix::zeros(pattern.clone());
+    for nodes in elements {
+        pattern.scatter(&pattern.scatter_map(nodes).unwrap(), &[1.0, -1.0, -1.0, 1.0], &mut matrix.values);
+    }
+    let symbolic = Symbolic::new(&pattern).unwrap();
+    let singular = Arc::new(symbolic).factorize(&matrix, Pivots::AnySign, false);
+    assert!(matches!(singular, Err(FactorError::Singular { .. })), "{singular:?}");
+    let found = find(&matrix, MassMatrix::Diagonal(&[1.0; 3]), &[false; 3], 3).unwrap();
+    assert_eq!(found.negative, 0);
+    for (value, expected) in found.values.iter().zip([0.0, 1.0, 3.0]) {
+        assert!((value - expected).abs() < 1e-14, "{:?}", found.values);
     }
 }
 

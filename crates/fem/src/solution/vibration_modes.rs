@@ -19,6 +19,8 @@ pub struct VibrationMode {
     pub rounding: f64,
     /// `phi . M phi` in kg, in plane strain per unit of thickness.
     pub modal_mass: f64,
+    /// Shares of its kinetic energy along x, y, z (0 in the plane): `phi_c . (M phi)_c / (phi . M phi)`.
+    pub directions: [f64; 3],
     /// phi, flat like displacements, zero on the supports, with a largest component of exactly 1.
     pub shape: Vec<f64>,
 }
@@ -71,22 +73,21 @@ impl Model {
         count: usize,
         how: &SolveOptions,
     ) -> Result<Vec<VibrationMode>, StateError> {
-        let mut mass = self.mass();
+        let (dim, mut mass) = (self.discretization().dim(), self.mass());
         mass.eliminate(self.supports.fixed(), 0.0);
         self.check_positive(&mass)?;
         let found = self.lowest_modes(state, MassMatrix::Sparse(&mass), count, how)?;
-        let modal_mass = |shape: &[f64]| {
-            let mut product = vec![0.0; shape.len()];
-            mass.multiply_on(shape, &mut product, how.parallel);
-            dot(shape, &product)
-        };
         let pairs = found.values.into_iter().zip(found.rounding).zip(found.vectors);
-        let mut modes: Vec<VibrationMode> = pairs
-            .map(|((square, rounding), vector)| {
-                let shape = normalized(vector);
-                VibrationMode { square, rounding, modal_mass: modal_mass(&shape), shape }
-            })
-            .collect();
+        let mode = |((square, rounding), vector)| {
+            let shape = normalized(vector);
+            let mut momentum = vec![0.0; shape.len()];
+            mass.multiply_on(&shape, &mut momentum, how.parallel);
+            let modal_mass = dot(&shape, &momentum);
+            let along = |c: usize| shape.iter().zip(&momentum).skip(c).step_by(dim).map(|(x, p)| x * p).sum::<f64>();
+            let directions = [0, 1, 2].map(|c| if c < dim { along(c) / modal_mass } else { 0.0 });
+            VibrationMode { square, rounding, modal_mass, directions, shape }
+        };
+        let mut modes: Vec<VibrationMode> = pairs.map(mode).collect();
         // the pivots of a singular tangent have the signs of rounding errors
         let unstable = modes.iter().filter(|mode| matches!(mode.kind(), ModeKind::Unstable { .. })).count();
         modes.truncate(count.max(unstable));

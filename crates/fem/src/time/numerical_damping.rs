@@ -32,7 +32,8 @@ pub struct ModalDamping {
 impl Scheme {
     /// R on `q'' + d q' + w^2 q = 0`, from `h w` and `d/w`: of the eigenvalues of the matrix by which a step multiplies
     /// (u, h v), with `h^2 a` where the scheme carries an acceleration that is not in equilibrium and the state before
-    /// where it needs that, the largest of a conjugate pair, if there is one.
+    /// where it needs that, the largest of a conjugate pair; of real ones, of a mode that creeps back, the one with the
+    /// largest value, its slower part. (The other ones of an acceleration may be as large as -1.)
     ///
     /// For `d = 0` and `t = h w`: backward Euler `|R|^2 = 1/(1 + t^2)`, TR-BDF2 `1/(1 + t^4/(144 + 25 t^2))`, the
     /// trapezoidal rule 1.
@@ -47,11 +48,9 @@ impl Scheme {
             return Err(FemError::Meaningless { what });
         }
         let eigenvalues = self.amplification_matrix(hw, damping).complex_eigenvalues();
-        let largest = |paired: bool| {
-            let of_kind = eigenvalues.iter().filter(|e| !paired || e.im != 0.0);
-            of_kind.copied().max_by(|a, b| a.norm().total_cmp(&b.norm()))
-        };
-        let principal = largest(true).or_else(|| largest(false)).unwrap_or_default();
+        let paired = eigenvalues.iter().filter(|e| e.im != 0.0).max_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let slowest = || eigenvalues.iter().max_by(|a, b| a.re.total_cmp(&b.re));
+        let principal = paired.or_else(slowest).copied().unwrap_or_default();
         Ok(AmplificationFactor { modulus: principal.norm(), argument: principal.im.abs().atan2(principal.re) })
     }
 
