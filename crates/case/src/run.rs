@@ -1,4 +1,4 @@
-//! The commands, as functions of a library: `check`, `solve`, `gradient`, `gradcheck`, `optimize`, `resume`, `sweep`.
+//! The commands, as functions of a library: `check`, `solve`, `modes`, `gradient`, `gradcheck`, `optimize`, `resume`, `sweep`.
 //!
 //! ```no_run
 //! use nastic_case::console::Console;
@@ -20,6 +20,7 @@ mod error;
 mod fit;
 mod gradcheck;
 mod gradient;
+mod modes;
 mod motion;
 pub(crate) mod number;
 mod on_trial;
@@ -38,6 +39,7 @@ pub use analysis::Analysis;
 pub use error::{Exit, RunError};
 pub use fit::{FitOutcome, fit};
 pub use gradcheck::{GradientTest, test_gradient};
+pub use modes::ModesRequest;
 pub use on_trial::OnTrial;
 pub use report::report;
 pub use spectrum_request::{SpectrumRefusal, SpectrumRequest};
@@ -85,6 +87,8 @@ pub struct Options {
     pub explain: bool,
     /// What `solve` computes.
     pub analysis: Analysis,
+    /// What `modes` computes.
+    pub modes: ModesRequest,
     /// Eigenpairs of the reduced Hessian at the optimum of `optimize`.
     pub spectrum: Option<SpectrumRequest>,
     /// Told of every trial of an optimisation.
@@ -151,6 +155,7 @@ fn execute(mut session: Session<'_>, options: &Options) -> Result<(Outcome, Opti
     let exit = match &session.command {
         Command::Check => check::run(&mut session),
         Command::Solve => solve::run(&mut session, &options.analysis),
+        Command::Modes => modes::run(&mut session, options.modes),
         Command::Gradient => gradient::run(&mut session),
         Command::Gradcheck => gradcheck::run(&mut session),
         Command::Optimize => {

@@ -35,6 +35,11 @@ pub enum Command {
     ///
     /// Writes start.vtu (the equilibrium), target.vtu, picture.png, picture.svg and result.json.
     Solve(Solve),
+    /// Find the lowest frequencies and shapes of small vibrations about the equilibrium at the start controls
+    ///
+    /// The materials need a density. Writes start.vtu (the equilibrium, with mode_1, mode_2, ..), picture.png, picture.svg (the
+    /// first four), result.json and report.html.
+    Modes(Modes),
     /// Compute cost and derivative at the start controls, for outside optimisers
     ///
     /// Writes derivative.json: one array per control under its name, in file order; entries in the order of cells, corner
@@ -95,6 +100,19 @@ pub struct New {
 /// The names of templates.
 fn templates() -> PossibleValuesParser {
     PossibleValuesParser::new(TEMPLATES.iter().map(|template| PossibleValue::new(template.name).help(template.about)))
+}
+
+/// A case, and which vibrations of it.
+#[derive(Debug, Args)]
+pub struct Modes {
+    #[command(flatten)]
+    pub case: Case,
+    /// How many; all unstable ones in any case
+    #[arg(long, value_name = "N", default_value = "6", value_parser = clap::value_parser!(u16).range(1..=500))]
+    pub count: u16,
+    /// About the undeformed body, without controls and loads
+    #[arg(long)]
+    pub undeformed: bool,
 }
 
 /// A case to optimise.

@@ -1,12 +1,15 @@
 //! From arguments to an exit code.
 
 use crate::arguments::{
-    self, Arguments, Case, Command, Diagnosis, Fit, New, Optimize, Report, Resume, Running, StopAt, Sweep, SweptCommand,
+    self, Arguments, Case, Command, Diagnosis, Fit, Modes, New, Optimize, Report, Resume, Running, StopAt, Sweep,
+    SweptCommand,
 };
 use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
 use nastic_case::run;
-use nastic_case::run::{Analysis, Exit, Options, Outcome, RunError, SpectrumRequest, report, resume, run_with, sweep};
+use nastic_case::run::{
+    Analysis, Exit, ModesRequest, Options, Outcome, RunError, SpectrumRequest, report, resume, run_with, sweep,
+};
 use nastic_case::schema;
 use nastic_case::signals::cancelled_by_signals;
 use nastic_case::template::{Template, TemplateError};
@@ -26,6 +29,10 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
             };
             let asked = Asked { analysis, ..Asked::default() };
             self::on_case(catalogue, schema::Command::Solve, &solve.case, asked)
+        }
+        Command::Modes(Modes { case, count, undeformed }) => {
+            let modes = ModesRequest { count: count.into(), undeformed };
+            self::on_case(catalogue, schema::Command::Modes, &case, Asked { modes, ..Asked::default() })
         }
         Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
@@ -84,6 +91,7 @@ fn spectrum(asked: &Diagnosis) -> Option<SpectrumRequest> {
 #[derive(Default)]
 struct Asked {
     analysis: Analysis,
+    modes: ModesRequest,
     restart: bool,
     spectrum: Option<SpectrumRequest>,
 }
@@ -104,6 +112,7 @@ fn options(case: &Case, asked: Asked) -> Options {
         no_report: running.no_report,
         explain: running.explain,
         analysis: asked.analysis,
+        modes: asked.modes,
         restart: asked.restart,
         spectrum: asked.spectrum,
         cancel: cancelled_by_signals(complain),

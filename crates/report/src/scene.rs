@@ -100,9 +100,10 @@ impl Scene {
             frames.push(self.frame(label, shot, surface, amount));
             for mode in shot.point_data.iter().filter(|array| array.name.starts_with("mode_")) {
                 let number = mode.name.trim_start_matches("mode_").parse::<usize>().unwrap_or(1);
-                let value = member.entry["modes"]["eigenvalues"][number - 1].as_f64();
-                let value = value.map_or_else(String::new, |x| format!(", eigenvalue {}", short(x)));
-                let label = format!("mode {number}{value}");
+                let of = |key: &str| member.entry["modes"][key][number - 1].as_f64().map(short);
+                let value = of("eigenvalues").map(|value| format!(", eigenvalue {value}"));
+                let value = value.or_else(|| of("frequencies").map(|value| format!(", {value} Hz")));
+                let label = format!("mode {number}{}", value.unwrap_or_default());
                 frames.push(frame::of_mode(&label, shot, mode, &self.surfaces[surface]));
             }
         }

@@ -60,6 +60,10 @@ fn sentence(result: &Value) -> String {
     if result["error"].is_string() {
         return format!("The run did not reach a result.{took}");
     }
+    if result["command"] == "modes" {
+        let about = result["modes"]["about"].as_str().map_or_else(String::new, |about| format!(" about the {about}"));
+        return format!("The modes of small vibrations{about} were found.{took}");
+    }
     let newton = result["newton_iterations"].as_u64();
     let work = newton.map_or_else(String::new, |n| format!(" with {}", count(n, "Newton iteration")));
     let several = result["ramp"].is_object() || result["path"].is_object() || result["equilibria"].is_object();

@@ -221,6 +221,10 @@ pub(crate) fn stabilities(result: &Value) -> String {
     let rows: Vec<Vec<String>> =
         values.map(|(k, value)| vec![format!("mode {}", k + 1), number(value, unit)]).collect();
     content += &table(&["mode of the tangent", "eigenvalue"], &rows);
+    let values = result["modes"]["frequencies"].as_array().into_iter().flatten().enumerate();
+    let told = |value: &Value| if value.is_null() { "unstable".to_owned() } else { number(value, "Hz") };
+    let rows: Vec<Vec<String>> = values.map(|(k, value)| vec![format!("mode {}", k + 1), told(value)]).collect();
+    content += &table(&["mode of vibration", "frequency"], &rows);
     section("stability", "Stability", &content)
 }
 

@@ -80,6 +80,24 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
     pictures
 }
 
+/// The pictures of modes: a state moved on along each, under its title, and the state itself as glass.
+pub(crate) fn of_modes(
+    member: CaseMember<'_>,
+    title: &str,
+    (about, state): (&str, &Snapshot),
+    modes: &[(String, Snapshot)],
+) -> Vec<Picture> {
+    let unit = member.problem().units().length().symbol;
+    let picture = |(label, shape): &(String, Snapshot)| {
+        Picture::new(title)
+            .subtitle(label)
+            .length_unit(unit)
+            .body(Body::of(about, state).appearance(Appearance::Glass(Colour::GREY)))
+            .body(Body::of("mode", shape).appearance(Appearance::Solid(Colour::BLUE)))
+    };
+    modes.iter().map(picture).collect()
+}
+
 /// Title, ghosts and targets.
 fn ground(member: CaseMember<'_>, (title, subtitle): (&str, &str), ghosts: &[(&str, &Snapshot)]) -> Picture {
     let mut picture = Picture::new(title).subtitle(subtitle).length_unit(member.problem().units().length().symbol);

@@ -28,7 +28,7 @@ pub fn report(directory: &Path, file: Option<&Path>) -> Result<PathBuf, RunError
 /// Writes `case.json` and `result.json`, and the page if there is one to be.
 pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
-    let is_shown = matches!(session.command, Command::Solve | Command::Optimize | Command::Gradient);
+    let is_shown = matches!(session.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
     let with_page = session.report && is_shown && session.command != Command::Gradient;
     if is_shown {
         session.put("members", members(&session.problem));

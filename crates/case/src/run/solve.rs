@@ -9,6 +9,8 @@ mod ramp_failure;
 mod ramp_jumps;
 mod series;
 
+pub(super) use modes::with_fields as with_modes;
+
 use super::analysis::Analysis;
 use super::error::{Exit, RunError};
 use super::motion;
@@ -86,7 +88,8 @@ fn subtitle(session: &Session<'_>, min_j: f64) -> String {
     format!("{what} at the start control, min J {}{distance}{}", short(min_j), session.warned())
 }
 
-fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
+/// Puts what the equilibria are into the result and says it.
+pub(super) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
     let reports = member_report::of_inspected(&session.problem, point, found);
     let reports = reports.map_err(|error| session.member_failed(error))?;
     let entries = member_report::entries(&session.problem, &reports, Detail::Full);
@@ -322,7 +325,7 @@ fn write(
         let found = found.get(member.index());
         let mut shot = snapshot::inspected(member, &StateFields::new(&at.state, &at.m), found)?;
         if let Some(modes) = modes.get(member.index()) {
-            shot = modes::with_fields(shot, modes)?;
+            shot = modes::with_fields(shot, modes.shapes.iter().map(Vec::as_slice))?;
         }
         let write = || out.write_state(&member.file("start"), &shot);
         if member.part().scenario() > 0 {

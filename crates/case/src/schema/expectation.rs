@@ -23,6 +23,8 @@ choice! {
         "check" => Check,
         /// nastic solve
         "solve" => Solve,
+        /// nastic modes
+        "modes" => Modes,
         /// nastic gradient
         "gradient" => Gradient,
         /// nastic gradcheck

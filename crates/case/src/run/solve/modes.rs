@@ -51,9 +51,12 @@ fn unit(problem: &CaseProblem) -> String {
 }
 
 /// The modes as fields `mode_1` .. at the nodes.
-pub(super) fn with_fields(mut shot: Snapshot, modes: &Modes) -> Result<Snapshot, ControlError> {
+pub(in crate::run) fn with_fields<'s>(
+    mut shot: Snapshot,
+    shapes: impl Iterator<Item = &'s [f64]>,
+) -> Result<Snapshot, ControlError> {
     let dim = shot.mesh.dim();
-    for (k, shape) in modes.shapes.iter().enumerate() {
+    for (k, shape) in shapes.enumerate() {
         let entry = |u: &[f64]| [u[0], u[1], u.get(2).copied().unwrap_or(0.0)];
         let values = shape.chunks_exact(dim).flat_map(entry).collect();
         shot = shot.with_points(&format!("mode_{}", k + 1), 3, values)?;

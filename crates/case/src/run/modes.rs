@@ -1,0 +1,189 @@
+//! `nastic modes`: frequencies and shapes of small vibrations about an equilibrium or the undeformed body.
+
+use super::error::{Exit, RunError};
+use super::number::{scientific, short};
+use super::session::Session;
+use super::solve::{report, say_files, title, with_modes, write_collections, write_targets};
+use crate::lower::CaseMember;
+use crate::quantity::{Dimension, Units};
+use crate::result::inspection::Inspection;
+use crate::result::picture;
+use crate::result::snapshot;
+use nastic_control::{ControlError, EnsembleWorkspace, StateFields};
+use nastic_fem::{ModeKind, SolveOptions, State, VibrationMode};
+use nastic_mesh::Snapshot;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+/// What `nastic modes` computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ModesRequest {
+    /// How many modes, the lowest ones.
+    pub count: usize,
+    /// Whether about the undeformed body without controls and loads instead of the equilibrium at the start controls.
+    pub undeformed: bool,
+}
+
+impl Default for ModesRequest {
+    fn default() -> Self {
+        Self { count: 6, undeformed: false }
+    }
+}
+
+/// Modes that are drawn.
+const DRAWN: usize = 4;
+/// The largest displacement of a mode that is drawn, as a share of the body's size.
+const AMPLITUDE: f64 = 0.1;
+/// `w^2`, and `phi . M phi` in space and of a unit of thickness.
+const SQUARE: Dimension = Dimension::of(0, 0, -2, 0);
+const MASS_PER_LENGTH: Dimension = Dimension::of(-2, 1, 2, 0);
+
+/// A member's state, control vector and modes.
+struct Found {
+    state: State,
+    m: Vec<f64>,
+    modes: Vec<VibrationMode>,
+}
+
+pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit, RunError> {
+    check(session, asked.count)?;
+    let mut inspections = Vec::new();
+    let states: Vec<(State, Vec<f64>)> = if asked.undeformed {
+        let of = |member: CaseMember<'_>| (member.solid().rest(), vec![0.0; member.layout().len()]);
+        session.problem.members().map(of).collect()
+    } else {
+        let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
+        inspections = session.inspect("equilibrium", &point);
+        report(session, &point, &inspections)?;
+        point.members.iter().map(|at| (at.state.clone(), at.m.clone())).collect()
+    };
+    let found = session.timed("modes", |session| find(session, states, asked.count))?;
+    let about = if asked.undeformed { "undeformed body" } else { "equilibrium" };
+    tell(session, about, &found);
+    session.timed("write", |session| write(session, about, &found, &inspections))?;
+    Ok(Exit::Done)
+}
+
+fn check(session: &Session<'_>, count: usize) -> Result<(), RunError> {
+    for member in session.problem.members() {
+        let model = member.solid().model();
+        if model.mass().diagonal().iter().all(|mass| *mass == 0.0) {
+            let what = "\"modes\" needs masses: give every material a \"density\", as in \"1000 kg/m^3\"".to_owned();
+            return Err(session.problem.complain("materials", what).into());
+        }
+        let free = member.solid().supports().fixed().iter().filter(|&&fixed| !fixed).count();
+        if count == 0 || count > free {
+            let what = format!("--count {count}: the body has {free} free unknowns; ask for 1 to {free} modes");
+            return Err(session.problem.complain("mesh", what).into());
+        }
+    }
+    Ok(())
+}
+
+fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> Result<Vec<Found>, RunError> {
+    let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+    let of = |(member, (state, m)): (CaseMember<'_>, (State, Vec<f64>))| {
+        let modes = member.solid().model().vibration_modes(&state, count, &how);
+        let modes = modes.map_err(|error| session.member_failed((member.index(), ControlError::from(error))))?;
+        Ok(Found { state, m, modes })
+    };
+    session.problem.members().zip(states).map(of).collect()
+}
+
+/// Puts frequencies into the result and says them.
+fn tell(session: &mut Session<'_>, about: &str, found: &[Found]) {
+    let (units, dim) = (*session.problem.units(), session.problem.mesh().dim());
+    for (index, own) in found.iter().enumerate() {
+        session.put_of_member(index, "modes", entry(&own.modes, about, &units, dim));
+        let name = session.problem.member(index).name();
+        let inside = if name.is_empty() { name } else { format!(" in {name}") };
+        session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}"));
+        session.console.say(format!("  {:>9} {:>16} {:>14} {:>22}", "mode", "frequency", "period", "along x, y, z"));
+        for (k, mode) in own.modes.iter().enumerate() {
+            session.console.say(row(k + 1, mode, &units, dim));
+        }
+    }
+}
+
+/// Hz of an angular frequency in the case's units, or 1/s of a rate.
+fn per_second(mode: &VibrationMode, units: &Units) -> f64 {
+    units.in_si(mode.square, SQUARE).abs().sqrt()
+}
+
+fn entry(modes: &[VibrationMode], about: &str, units: &Units, dim: usize) -> Value {
+    let mass = if dim == 3 { Dimension::MASS } else { MASS_PER_LENGTH };
+    let of = |value: &dyn Fn(&VibrationMode) -> Value| modes.iter().map(value).collect::<Vec<_>>();
+    let count = |is: fn(ModeKind) -> bool| modes.iter().filter(|mode| is(mode.kind())).count();
+    json!({
+        "about": about,
+        "frequencies": of(&|mode| match mode.kind() {
+            ModeKind::Vibration { .. } => json!(per_second(mode, units) / TAU),
+            ModeKind::Neutral => json!(0.0),
+            ModeKind::Unstable { .. } => Value::Null,
+        }),
+        "growth_rates": of(&|mode| match mode.kind() {
+            ModeKind::Unstable { .. } => json!(per_second(mode, units)),
+            _ => Value::Null,
+        }),
+        "modal_masses": of(&|mode| json!(units.in_si(mode.modal_mass, mass))),
+        "directions": of(&|mode| json!(&mode.directions[..dim])),
+        "neutral": count(|kind| kind == ModeKind::Neutral),
+        "unstable": count(|kind| matches!(kind, ModeKind::Unstable { .. })),
+        "units": { "frequency": "Hz", "growth_rate": "1/s", "modal_mass": if dim == 3 { "kg" } else { "kg/m" } },
+    })
+}
+
+fn row(number: usize, mode: &VibrationMode, units: &Units, dim: usize) -> String {
+    let percent = |share: &f64| format!("{:.0} %", 100.0 * share);
+    let along = mode.directions[..dim].iter().map(percent).collect::<Vec<_>>().join(", ");
+    let rate = per_second(mode, units);
+    let (frequency, period) = match mode.kind() {
+        ModeKind::Vibration { .. } => {
+            (format!("{} Hz", scientific(rate / TAU, 6)), format!("{} s", scientific(TAU / rate, 4)))
+        }
+        ModeKind::Neutral => ("0 Hz".to_owned(), "nothing drives it back".to_owned()),
+        ModeKind::Unstable { .. } => ("UNSTABLE".to_owned(), format!("grows by e in {} s", scientific(1.0 / rate, 2))),
+    };
+    format!("  {number:>9} {frequency:>16} {period:>14} {along:>22}")
+}
+
+fn write(session: &mut Session<'_>, about: &str, found: &[Found], inspections: &[Inspection]) -> Result<(), RunError> {
+    let Some(out) = session.out.clone() else { return Ok(()) };
+    let problem = &session.problem;
+    let mut files = Vec::new();
+    for (member, own) in problem.members().zip(found) {
+        let fields = StateFields::new(&own.state, &own.m);
+        let shot = snapshot::inspected(member, &fields, inspections.get(member.index()))?;
+        let shot = with_modes(shot, own.modes.iter().map(|mode| mode.shape.as_slice()))?;
+        files.extend(out.write_state(&member.file("start"), &shot)?);
+        if member.part().scenario() == 0 {
+            let drawn = own.modes.iter().take(DRAWN).enumerate();
+            let drawn = drawn.map(|(k, mode)| Ok((label(k + 1, mode, problem.units()), moved(&shot, k + 1)?)));
+            let drawn = drawn.collect::<Result<Vec<_>, ControlError>>()?;
+            picture::write(member, picture::of_modes(member, &title(member), (about, &shot), &drawn), &out)?;
+            files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
+        }
+    }
+    files.extend(write_targets(problem, &out)?);
+    files.extend(write_collections(problem, "start", &out)?);
+    say_files(session, files);
+    Ok(())
+}
+
+fn label(number: usize, mode: &VibrationMode, units: &Units) -> String {
+    let rate = per_second(mode, units);
+    match mode.kind() {
+        ModeKind::Vibration { .. } => format!("mode {number}: {} Hz", short(rate / TAU)),
+        ModeKind::Neutral => format!("mode {number}: 0 Hz"),
+        ModeKind::Unstable { .. } => format!("mode {number}: unstable"),
+    }
+}
+
+/// The state moved on along a mode.
+fn moved(shot: &Snapshot, number: usize) -> Result<Snapshot, ControlError> {
+    let array = |name: &str| shot.point_array(name).map(|array| array.values.as_slice()).unwrap_or_default();
+    let scale = AMPLITUDE * shot.mesh.diagonal();
+    let (u, mode) = (array("displacement"), array(&format!("mode_{number}")).to_vec());
+    let values = u.iter().zip(mode).map(|(u, phi)| u + scale * phi).collect();
+    Ok(Snapshot::new(shot.mesh.clone()).with_points("displacement", 3, values)?)
+}

@@ -1,0 +1,129 @@
+//! `nastic modes`: frequencies against those of beams, under load, in other units, of members; what is refused.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+
+use common::{BAR, Heard, Place, with};
+use nastic_case::console::Console;
+use nastic_case::run::{Exit, ModesRequest, Options};
+use nastic_case::schema::Command;
+use serde_json::Value;
+use std::f64::consts::TAU;
+
+/// 1 m long, 20 mm thick, both ends held, E = 1 MPa, 1000 kg/m^3, in plane strain without lateral contraction.
+fn strip() -> String {
+    with(
+        include_str!("cases/swelling_strip.json"),
+        "\"poisson\": 0.0",
+        "\"poisson\": 0.0, \"density\": \"1000 kg/m^3\"",
+    )
+}
+
+/// Euler's frequency of a beam held at both ends, from `beta L`.
+fn beam(beta: f64) -> f64 {
+    beta * beta / TAU * (1e6 * 0.02 * 0.02 / 12.0 / 1000.0_f64).sqrt()
+}
+
+fn modes(place: &Place, case: &str, asked: ModesRequest, set: &[&str]) -> (Value, String) {
+    let heard = Heard::default();
+    let options = Options { modes: asked, ..place.options(set) };
+    let outcome = place.run_with(Command::Modes, case, &Console::new(heard.clone()), &options);
+    let outcome = outcome.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(outcome.exit, Exit::Done);
+    (outcome.result, heard.text())
+}
+
+fn lowest(count: usize) -> ModesRequest {
+    ModesRequest { count, undeformed: false }
+}
+
+#[test]
+fn frequencies_are_told_and_shapes_written() {
+    let place = Place::new();
+    let (result, said) = modes(&place, &strip(), lowest(3), &["controls/0/start=0 Pa"]);
+    let found = &result["modes"];
+    assert_eq!((&found["about"], &found["units"]["frequency"]), (&"equilibrium".into(), &"Hz".into()));
+    assert_eq!((&found["neutral"], &found["unstable"]), (&0.into(), &0.into()));
+    for (k, beta) in [4.730_041, 7.853_205, 10.995_608].into_iter().enumerate() {
+        let hertz = found["frequencies"][k].as_f64().unwrap();
+        assert!((hertz / beam(beta) - 1.0).abs() < 0.02, "{hertz} instead of {}", beam(beta));
+        assert!(found["directions"][k][1].as_f64().unwrap() > 0.98, "{found}");
+        assert!(said.contains(&format!("{hertz:.2}").as_str()[..3]), "{said}");
+    }
+    // of the shape of a beam held at both ends, with the largest value 1: 0.3965 of the mass of 20 kg per metre
+    let mass = found["modal_masses"][0].as_f64().unwrap();
+    assert!((mass / 20.0 - 0.3965).abs() < 0.005, "{mass}");
+    assert_eq!(said.lines().filter(|line| line.contains(" Hz ")).count(), 3, "{said}");
+    let snapshot = nastic_io::read_snapshot(place.path("out/start.vtu")).unwrap();
+    let first = snapshot.point_array("mode_1").unwrap();
+    let middle = snapshot.mesh.points().iter().position(|x| *x == [0.5, 0.01, 0.0]).unwrap();
+    assert!(first.at(middle)[1] > 0.999 && snapshot.point_array("mode_3").is_some());
+    for name in ["picture.png", "picture.svg", "report.html", "result.json", "case.json"] {
+        assert!(place.path("out").join(name).exists(), "{name}");
+        assert!(name == "result.json" || result["files"].as_array().unwrap().contains(&name.into()), "{result:#}");
+    }
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(page.contains("mode of vibration"));
+}
+
+/// The turgor presses the strip against its ends: its lowest frequency falls, and beyond buckling the mode is told to
+/// be unstable. About the undeformed body the pressure does not count.
+#[test]
+fn pressure_lowers_the_frequency_until_the_strip_buckles() {
+    let place = Place::new();
+    let first = |pressure: &str, asked: ModesRequest| {
+        let start = format!("controls/0/start={pressure}");
+        let (result, said) = modes(&place, &strip(), asked, &[start.as_str()]);
+        (result["modes"].clone(), said)
+    };
+    let hertz = |found: &Value| found["frequencies"][0].as_f64().unwrap();
+    let (rest, half) = (first("0 Pa", lowest(1)).0, first("658 Pa", lowest(1)).0);
+    // w^2 falls nearly linearly to zero at 1316 Pa
+    assert!((hertz(&half).powi(2) / hertz(&rest).powi(2) - 0.5).abs() < 0.03, "{half} {rest}");
+    let (beyond, said) = first("2 kPa", lowest(2));
+    assert_eq!((&beyond["frequencies"][0], &beyond["unstable"]), (&Value::Null, &1.into()));
+    assert!(beyond["growth_rates"][0].as_f64().unwrap() > 1.0 && beyond["growth_rates"][1].is_null(), "{beyond}");
+    assert!(said.contains("UNSTABLE") && said.contains("[unstable]"), "{said}");
+    let (undeformed, _) = first("2 kPa", ModesRequest { count: 1, undeformed: true });
+    assert_eq!((hertz(&undeformed), &undeformed["about"]), (hertz(&rest), &"undeformed body".into()));
+}
+
+/// Frequencies in Hz and masses in kg whatever the case's units.
+#[test]
+fn units_of_the_case_do_not_matter() {
+    let place = Place::new();
+    let metres = with(BAR, "\"law\":", "\"density\": \"1100 kg/m^3\", \"law\":");
+    let millimetres = with(&metres, "{", "{ \"units\": \"mm\",");
+    let undeformed = ModesRequest { count: 1, undeformed: true };
+    let one = modes(&place, &metres, undeformed, &[]).0;
+    let scaled = modes(&place, &millimetres, undeformed, &[]).0;
+    let of = |result: &Value, key: &str| result["modes"][key][0].as_f64().unwrap();
+    // the numbers of the mesh are millimetres now: as stiff and dense a body, a thousand times as small
+    assert!((of(&scaled, "frequencies") / of(&one, "frequencies") / 1000.0 - 1.0).abs() < 1e-6, "{scaled:#}");
+    assert!((of(&scaled, "modal_masses") / of(&one, "modal_masses") * 1e9 - 1.0).abs() < 1e-6, "{scaled:#}");
+}
+
+#[test]
+fn every_member_has_its_modes() {
+    let place = Place::new();
+    let cases = r#""load_cases": [
+        { "name": "soft", "set": { "materials/0/young": "0.5 MPa" } }, { "name": "hard" } ], "probes""#;
+    let case = with(&strip(), r#""probes""#, cases);
+    let (result, said) = modes(&place, &case, lowest(1), &["controls/0/start=0 Pa"]);
+    let first = |name: &str| result["load_cases"][name]["modes"]["frequencies"][0].as_f64().unwrap();
+    assert!((first("hard") / first("soft") - 2f64.sqrt()).abs() < 1e-6, "{result:#}");
+    assert!(said.contains("in soft") && place.path("out/soft_start.vtu").exists(), "{said}");
+}
+
+#[test]
+fn what_has_no_such_modes_is_refused() {
+    let place = Place::new();
+    let refused = place.run(Command::Modes, BAR, &[]).unwrap_err();
+    assert_eq!(refused.exit(), Exit::BadInput);
+    assert!(refused.to_string().contains("density"), "{refused}");
+    let options = Options { modes: lowest(100_000), ..place.options(&[]) };
+    let refused = place.run_with(Command::Modes, &strip(), &Console::silent(), &options).unwrap_err();
+    assert_eq!(refused.exit(), Exit::BadInput);
+    assert!(refused.to_string().contains("ask for 1 to"), "{refused}");
+}
