@@ -1,16 +1,17 @@
 //! `nastic modes`: frequencies and shapes of small vibrations about an equilibrium or the undeformed body.
 
 use super::error::{Exit, RunError};
-use super::number::{scientific, short};
-use super::session::Session;
+use super::number::{quantity, short};
+use super::session::{START_ACCURACY, Session};
 use super::solve::{report, say_files, title, with_modes, write_collections, write_targets};
 use crate::lower::CaseMember;
 use crate::quantity::{Dimension, Units};
 use crate::result::inspection::Inspection;
 use crate::result::picture;
 use crate::result::snapshot;
+use crate::schema::Beginning;
 use nastic_control::{ControlError, EnsembleWorkspace, StateFields};
-use nastic_fem::{ModeKind, SolveOptions, State, VibrationMode};
+use nastic_fem::{ModalDamping, ModeKind, SolveOptions, State, VibrationMode};
 use nastic_mesh::Snapshot;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -43,14 +44,29 @@ struct Found {
     state: State,
     m: Vec<f64>,
     modes: Vec<VibrationMode>,
+    seen: Option<Seen>,
+}
+
+/// The modes as the steps of a case's motion move them.
+struct Seen {
+    scheme: &'static str,
+    step: f64,
+    /// None of modes that do not vibrate.
+    modes: Vec<Option<ModalDamping>>,
 }
 
 pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit, RunError> {
     check(session, asked.count)?;
+    let time = session.problem.case.time.as_ref();
+    // a motion from rest has no equilibrium to begin at
+    let undeformed = asked.undeformed || time.is_some_and(|time| time.start == Beginning::Rest);
+    let in_time = time.is_some();
     let mut inspections = Vec::new();
-    let states: Vec<(State, Vec<f64>)> = if asked.undeformed {
+    let states: Vec<(State, Vec<f64>)> = if undeformed {
         let of = |member: CaseMember<'_>| (member.solid().rest(), vec![0.0; member.layout().len()]);
         session.problem.members().map(of).collect()
+    } else if in_time {
+        session.timed("solve", |session| beginnings(session))?
     } else {
         let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
         inspections = session.inspect("equilibrium", &point);
@@ -58,10 +74,25 @@ pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit
         point.members.iter().map(|at| (at.state.clone(), at.m.clone())).collect()
     };
     let found = session.timed("modes", |session| find(session, states, asked.count))?;
-    let about = if asked.undeformed { "undeformed body" } else { "equilibrium" };
+    let about = match (undeformed, in_time) {
+        (true, _) => "undeformed body",
+        (false, true) => "equilibrium at t = 0",
+        (false, false) => "equilibrium",
+    };
     tell(session, about, &found);
     session.timed("write", |session| write(session, about, &found, &inspections))?;
     Ok(Exit::Done)
+}
+
+/// The equilibria that the motions begin at.
+fn beginnings(session: &Session<'_>) -> Result<Vec<(State, Vec<f64>)>, RunError> {
+    let of = |member: CaseMember<'_>| {
+        let m = member.local(&session.problem.start);
+        let state = member.reduced().initial_state(&m, START_ACCURACY);
+        let state = state.map_err(|error| session.member_failed((member.index(), error)))?;
+        Ok((state.unwrap_or_else(|| member.solid().rest()), m))
+    };
+    session.problem.members().map(of).collect()
 }
 
 fn check(session: &Session<'_>, count: usize) -> Result<(), RunError> {
@@ -85,16 +116,32 @@ fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> 
     let of = |(member, (state, m)): (CaseMember<'_>, (State, Vec<f64>))| {
         let modes = member.solid().model().vibration_modes(&state, count, &how);
         let modes = modes.map_err(|error| session.member_failed((member.index(), ControlError::from(error))))?;
-        Ok(Found { state, m, modes })
+        let seen = seen(member, &modes);
+        Ok(Found { state, m, modes, seen })
     };
     session.problem.members().zip(states).map(of).collect()
+}
+
+/// What the scheme and the Rayleigh damping of a motion make of the modes.
+fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<Seen> {
+    let (time, timeline) = (member.case().time.as_ref()?, member.reduced().timeline()?);
+    let rayleigh = time.rayleigh.as_ref().map_or((0.0, 0.0), |damping| (damping.mass, damping.stiffness));
+    let of = |mode: &VibrationMode| match mode.kind() {
+        ModeKind::Vibration { angular_frequency: w } => timeline.scheme().modal_damping(time.step, w, rayleigh).ok(),
+        _ => None,
+    };
+    Some(Seen { scheme: timeline.scheme().name(), step: time.step, modes: modes.iter().map(of).collect() })
 }
 
 /// Puts frequencies into the result and says them.
 fn tell(session: &mut Session<'_>, about: &str, found: &[Found]) {
     let (units, dim) = (*session.problem.units(), session.problem.mesh().dim());
     for (index, own) in found.iter().enumerate() {
-        session.put_of_member(index, "modes", entry(&own.modes, about, &units, dim));
+        let mut entry = entry(&own.modes, about, &units, dim);
+        if let Some(seen) = &own.seen {
+            entry["in_steps"] = in_steps(seen);
+        }
+        session.put_of_member(index, "modes", entry);
         let name = session.problem.member(index).name();
         let inside = if name.is_empty() { name } else { format!(" in {name}") };
         session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}"));
@@ -102,6 +149,37 @@ fn tell(session: &mut Session<'_>, about: &str, found: &[Found]) {
         for (k, mode) in own.modes.iter().enumerate() {
             session.console.say(row(k + 1, mode, &units, dim));
         }
+        if let Some(seen) = &own.seen {
+            say_in_steps(session, seen);
+        }
+    }
+}
+
+fn in_steps(seen: &Seen) -> Value {
+    let of = |value: fn(&ModalDamping) -> Option<f64>| {
+        seen.modes.iter().map(|mode| mode.as_ref().and_then(value)).collect::<Vec<_>>()
+    };
+    json!({
+        "scheme": seen.scheme,
+        "step": seen.step,
+        "damping": of(|mode| Some(mode.physical)),
+        "damping_seen": of(|mode| Some(mode.effective)),
+        "frequency_ratio": of(|mode| mode.frequency),
+    })
+}
+
+fn say_in_steps(session: &Session<'_>, Seen { scheme, step, modes }: &Seen) {
+    let units = session.problem.units();
+    let step = quantity(*step, Dimension::TIME, units);
+    session
+        .console
+        .say(format!("in steps    {scheme}, {step}: d/w of q'' + d q' + w^2 q = 0, twice the damping ratio"));
+    session.console.say(format!("  {:>9} {:>16} {:>16} {:>20}", "mode", "d/w", "d/w in steps", "share of frequency"));
+    for (k, mode) in modes.iter().enumerate() {
+        let Some(mode) = mode else { continue };
+        let ratio = mode.frequency.map_or_else(|| "-".to_owned(), short);
+        let (physical, effective) = (short(mode.physical), short(mode.effective));
+        session.console.say(format!("  {:>9} {physical:>16} {effective:>16} {ratio:>20}", k + 1));
     }
 }
 
@@ -138,11 +216,9 @@ fn row(number: usize, mode: &VibrationMode, units: &Units, dim: usize) -> String
     let along = mode.directions[..dim].iter().map(percent).collect::<Vec<_>>().join(", ");
     let rate = per_second(mode, units);
     let (frequency, period) = match mode.kind() {
-        ModeKind::Vibration { .. } => {
-            (format!("{} Hz", scientific(rate / TAU, 6)), format!("{} s", scientific(TAU / rate, 4)))
-        }
-        ModeKind::Neutral => ("0 Hz".to_owned(), "nothing drives it back".to_owned()),
-        ModeKind::Unstable { .. } => ("UNSTABLE".to_owned(), format!("grows by e in {} s", scientific(1.0 / rate, 2))),
+        ModeKind::Vibration { .. } => (format!("{} Hz", short(rate / TAU)), format!("{} s", short(TAU / rate))),
+        ModeKind::Neutral => ("0 Hz".to_owned(), "-".to_owned()),
+        ModeKind::Unstable { .. } => ("UNSTABLE".to_owned(), format!("by e in {} s", short(1.0 / rate))),
     };
     format!("  {number:>9} {frequency:>16} {period:>14} {along:>22}")
 }

@@ -29,7 +29,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Relative accuracy of the state at the start; its residual is a hundredth of that.
-const START_ACCURACY: f64 = 1e-10;
+pub(super) const START_ACCURACY: f64 = 1e-10;
 
 /// A command under way.
 pub(super) struct Session<'c> {

@@ -43,6 +43,18 @@ impl Reduced {
         self.valued_motion(motion, run, m, how.stage)
     }
 
+    /// The state that a motion under m begins at, an equilibrium to this relative accuracy; `None` of a problem that is not one in time.
+    ///
+    /// # Errors
+    /// A vector of the wrong length; no equilibrium.
+    pub fn initial_state(&self, m: &[f64], accuracy: f64) -> Result<Option<State>, ControlError> {
+        let Some(motion) = &self.motion else { return Ok(None) };
+        self.layout.check(m)?;
+        let mut workspace = ReducedWorkspace::default();
+        let trajectory = self.beginning(motion, m, &self.solve_options(accuracy), &mut workspace)?;
+        Ok(Some(trajectory.end().clone()))
+    }
+
     fn beginning(
         &self,
         motion: &Motion,
