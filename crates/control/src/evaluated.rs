@@ -2,7 +2,7 @@
 
 use crate::constraint::ConstraintPoint;
 use crate::cost::CostPoint;
-use nastic_fem::{Controls, SolveReport, Solver, State, Trajectory};
+use nastic_fem::{Controls, Recording, SolveReport, Solver, State};
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use std::sync::Arc;
@@ -35,10 +35,12 @@ pub struct Evaluated {
 /// A motion, as it was evaluated.
 #[derive(Debug, Clone)]
 pub struct MotionRun {
-    /// The states, one for each instant.
-    pub trajectory: Arc<Trajectory>,
+    /// The states that are kept: by default all, one for each instant.
+    pub recording: Recording,
     /// The relative accuracy that was asked of them.
     pub accuracy: f64,
+    /// The smallest J at a quadrature point, over all states.
+    pub min_j: f64,
 }
 
 /// The adjoint displacement `K(u*) lambda = -d(j + y . c)/du` and the work of its solve.
@@ -58,14 +60,16 @@ impl Evaluated {
         self.terms.iter().sum()
     }
 
-    /// The states: of a problem in time one for each instant, else the equilibrium alone.
+    /// The states: of a problem in time one for each instant, else the equilibrium alone. Of a motion that keeps few states
+    /// ([`MotionMemory`](crate::MotionMemory)) those of the segment that was computed last; [`Reduced::for_each_state`](crate::Reduced::for_each_state)
+    /// passes all.
     pub fn states(&self) -> &[State] {
-        self.motion.as_ref().map_or(std::slice::from_ref(&self.state), |run| run.trajectory.states())
+        self.motion.as_ref().map_or(std::slice::from_ref(&self.state), |run| run.recording.part().states())
     }
 
     /// The smallest J at a quadrature point, over all states.
     pub fn min_j(&self) -> f64 {
-        self.states().iter().map(|state| state.report.min_j).fold(f64::INFINITY, f64::min)
+        self.motion.as_ref().map_or(self.state.report.min_j, |run| run.min_j)
     }
 
     /// The adjoint displacement, once the derivative was taken.

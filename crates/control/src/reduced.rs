@@ -3,6 +3,7 @@
 mod constrained;
 mod in_time;
 mod motion;
+mod motion_derivative;
 mod objective;
 mod second_order;
 mod sensitivity;
@@ -427,7 +428,7 @@ impl Reduced {
 
     pub(crate) fn restage_typed(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
         if let (Some(motion), Some(run)) = (&self.motion, &point.motion) {
-            return self.valued_motion(motion, run.clone(), &point.m, stage);
+            return self.restage_motion(motion, run, point, stage);
         }
         self.valued(point.state.clone(), &point.m, stage, SolveReport::default())
     }

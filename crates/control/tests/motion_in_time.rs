@@ -1,15 +1,15 @@
 //! Problems in time: values against closed forms, derivatives against differences, histories to the bit.
 
 use nastic_control::{
-    ControlNorm, ControlRate, Ensemble, Evaluated, Interpolation, Knots, MeanPosition, Metric, RateLimit, Reduced,
-    Space, Target, Timeline, Tracking, When,
+    ControlNorm, ControlRate, Ensemble, Evaluated, Interpolation, Knots, MeanPosition, Metric, MotionMemory, RateLimit,
+    Reduced, Space, Target, Timeline, Tracking, When,
 };
-use nastic_energy::{FiberTension, Magnet, NeoHooke, Turgor};
+use nastic_energy::{FiberTension, Magnet, MaxwellBranch, NeoHooke, Turgor};
 use nastic_fem::{Inertia, Scheme, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{
-    AugmentedLagrangian, Bounds, Domain, Lbfgs, Objective, Optimizer, Options, Problem, Product, Request, RunState,
-    Taylor, Verdict,
+    AugmentedLagrangian, Bounds, Constrained, Domain, Lbfgs, Objective, Optimizer, Options, Problem, Product, Request,
+    RunState, Taylor, Verdict,
 };
 use nastic_tensor::Vec3;
 use nastic_uncertainty::risk::MeanDeviation;
@@ -242,6 +242,73 @@ fn what_a_motion_lacks_is_said() -> Done {
         .control("tension", Space::Cell)?
         .limit_rate(RateLimit::of("tension", 1.0)?);
     assert!(constant.unwrap_err().to_string().contains("constant in time"));
-    assert!(problem.motion_bytes() > 0);
+    assert!(problem.motion_footprint()?.is_some_and(|motion| motion.bytes > 0));
+    Ok(())
+}
+
+/// Costs of states of all kinds and one of the whole motion, a limited rate, a motion that begins at an equilibrium.
+fn costly(memory: MotionMemory) -> Done<Reduced> {
+    let body = arm(1e5)?.viscosity("body", MaxwellBranch::new(1e4, 0.05)?)?;
+    let timeline = Timeline::uniform(Scheme::bdf2(), END, 66)?.segments_of(4).keep(memory);
+    Ok(Reduced::new(body)
+        .in_time(timeline)?
+        .control_in_time("tension", Space::Cell, knots(Interpolation::Linear)?)?
+        .cost(Tracking::surface("x+", raised(0.1)))?
+        .cost_when(When::Integral, ControlNorm::of("tension", 1e-9)?)?
+        .cost_when(When::At(vec![END, 0.5 * END]), Tracking::surface("x+", raised(0.05)))?
+        .cost_along(When::Integral, |t| Ok(Tracking::surface("x+", raised(t))))?
+        .trajectory_cost(ControlRate::of("tension", 1e-9)?)?
+        .limit_rate(RateLimit::of("tension", 1e6)?)?)
+}
+
+/// Cost, derivative and that under constraints with 3, 5 and 17 checkpoints, with so many bytes, and with all states.
+#[test]
+fn few_states_give_the_same_bits() -> Done {
+    let all = costly(MotionMemory::All)?;
+    let whole = all.motion_footprint()?.ok_or("in time")?;
+    assert_eq!((whole.recomputed_steps, whole.states), (0, 67));
+    let m = wave(all.layout().len(), -1e4);
+    let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    let run = |problem: &Reduced| -> Done<(Vec<Vec<u64>>, Evaluated)> {
+        let mut workspace = Default::default();
+        let mut point = problem.evaluate(&m, &Request::default(), &mut workspace)?;
+        let terms = bits(&point.terms);
+        let y = vec![1e-6; point.constraints.len()];
+        let first = problem.derivative(&mut point, &mut workspace)?;
+        // once more, now from the beginning alone; of a point that is shared; of one term
+        let second = problem.lagrangian_derivative(&mut point, &y, &mut workspace)?;
+        let term = problem.derivative_of_term(&point, 2, &mut workspace)?;
+        let mut states = Vec::new();
+        problem.for_each_state(&point, &mut |_, state| {
+            states.extend(bits(&state.u));
+            Ok(())
+        })?;
+        let again = problem.restage(0, &point)?;
+        assert_eq!(bits(&again.terms), terms);
+        let adjoint = bits(point.adjoint().unwrap_or_default());
+        let constraints = bits(&point.constraints);
+        Ok((vec![terms, constraints, bits(&first), bits(&second), bits(&term), states, adjoint], point))
+    };
+    let (expected, kept) = run(&all)?;
+    assert_eq!(kept.states().len(), 67);
+    let memories = [3, 5, 17].map(MotionMemory::Checkpoints);
+    let third = MotionMemory::AtMost { bytes: whole.bytes / 3 };
+    for memory in memories.into_iter().chain([third]) {
+        let problem = costly(memory)?;
+        let told = problem.motion_footprint()?.ok_or("in time")?;
+        let (found, point) = run(&problem)?;
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!(found == expected, "{memory:?}");
+        }
+        assert_eq!(point.min_j().to_bits(), kept.min_j().to_bits());
+        let counts = point.motion.ok_or("in time")?.recording.counts();
+        println!("{memory:?}: {told:?}, {counts:?}");
+        assert!(counts.states <= told.states && told.bytes < whole.bytes);
+        // the first derivative began with all checkpoints, the second with none of them: the rest of the motion once more
+        let rest = 4 * (66usize.div_ceil(4) - 1) + 2;
+        assert_eq!(counts.recomputed_steps, 2 * told.recomputed_steps + rest);
+    }
+    let little = costly(MotionMemory::AtMost { bytes: 1000 }).err().ok_or("too little")?.to_string();
+    assert!(little.contains("take shorter segments"), "{little}");
     Ok(())
 }

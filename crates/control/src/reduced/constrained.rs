@@ -1,6 +1,7 @@
 //! Constraints of a reduced problem.
 
 use super::Reduced;
+use super::motion_derivative::Functional;
 use crate::constraint::{BetweenNodes, Constraint, ConstraintPoint, IntoConstraint};
 use crate::cost::Partials;
 use crate::error::ControlError;
@@ -16,6 +17,13 @@ use std::sync::Arc;
 pub(crate) struct Lagrangian<'a> {
     pub costs: bool,
     pub y: &'a [f64],
+}
+
+impl Lagrangian<'_> {
+    /// The weights of the constraints; none where all are zero.
+    pub fn multipliers(&self) -> Vec<f64> {
+        if self.y.iter().any(|y| *y != 0.0) { self.y.to_vec() } else { vec![] }
+    }
 }
 
 impl Reduced {
@@ -85,13 +93,12 @@ impl Reduced {
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
         let (derivative, adjoint) = match (&self.motion, &point.motion) {
             (Some(motion), Some(run)) => {
-                let partials = self.lagrangian_partials_of_motion(motion, run, point, of)?;
-                self.sensitivity_of_motion(motion, run, (&point.m, partials), workspace)?
+                let of = Functional::Lagrangian(of);
+                self.derivative_of_motion(motion, (point, &mut run.clone()), of, workspace)?
             }
             _ => self.sensitivity_of(point, self.lagrangian_partials(point, of)?, workspace)?,
         };
-        let multipliers = if of.y.iter().any(|y| *y != 0.0) { of.y.to_vec() } else { vec![] };
-        Ok((derivative, adjoint.map(|adjoint| AdjointState { multipliers, ..adjoint })))
+        Ok((derivative, adjoint.map(|adjoint| AdjointState { multipliers: of.multipliers(), ..adjoint })))
     }
 
     /// Partial derivatives of costs and constraints, as `of` weighs them.
@@ -135,9 +142,7 @@ impl Constrained for Reduced {
         y: &[f64],
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, Failed> {
-        let (derivative, adjoint) = self.lagrangian_sensitivity(point, Lagrangian { costs: true, y }, workspace)?;
-        point.adjoint = adjoint;
-        Ok(derivative)
+        Ok(self.derivative_of_point(point, Lagrangian { costs: true, y }, workspace)?)
     }
 
     fn lagrangian_hessian_vector(

@@ -5,7 +5,8 @@ use crate::cost::IntoCost;
 use crate::error::ControlError;
 use crate::layout::Layout;
 use crate::map::Space;
-use crate::time::{Knots, RateLimit, Schedule, Timeline, TrajectoryCost, When};
+use crate::time::{Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When};
+use nastic_fem::Checkpoints;
 use nastic_opt::ConstraintGroup;
 
 /// What a problem in time has beside a static one.
@@ -29,11 +30,12 @@ impl Reduced {
     /// those with knots; [`cost`](Self::cost) counts at the end, [`cost_when`](Self::cost_when) elsewhere,
     /// [`trajectory_cost`](Self::trajectory_cost) adds one of the whole motion.
     ///
-    /// Value: one motion, which keeps its states. Derivative: one reverse sweep over them, exact for the discrete motion.
+    /// Value: one motion, which keeps its states, or as many as [`Timeline::keep`] says. Derivative: one reverse sweep over them, exact for
+    /// the discrete motion.
     /// Every evaluation begins at t = 0 with an empty workspace: it depends on m alone. Source: docs/model.md section 12.
     ///
     /// # Errors
-    /// A problem that has controls or costs already; an initial velocity of the wrong length.
+    /// A problem that has controls or costs already; an initial velocity of the wrong length; too little memory for a motion.
     pub fn in_time(mut self, timeline: Timeline) -> Result<Self, ControlError> {
         if !(self.layout.is_empty() && self.costs.is_empty() && self.constraints.is_empty()) {
             let what = "call in_time before controls, costs and constraints are added".to_owned();
@@ -46,6 +48,7 @@ impl Reduced {
         }
         let layout = self.layout.clone();
         self.motion = Some(Motion { timeline, layout, schedules: vec![], costs: vec![], rates: vec![], fixed: vec![] });
+        self.motion_footprint()?;
         Ok(self)
     }
 
@@ -131,10 +134,14 @@ impl Reduced {
     /// Adds a cost of the whole motion.
     ///
     /// # Errors
-    /// A problem without time; what the cost does not find.
+    /// A problem without time; what the cost does not find; one that looks at states where few are kept.
     pub fn trajectory_cost(mut self, cost: impl TrajectoryCost + 'static) -> Result<Self, ControlError> {
         let motion = self.needs_time("a cost of a motion")?;
         cost.check(&self.layout, &motion.timeline)?;
+        if cost.needs_states() && self.checkpoints(motion)?.most().is_some() {
+            let what = format!("\"{}\" looks at all states of a motion, which keeps few: keep all", cost.name());
+            return Err(ControlError::Cost { what });
+        }
         if let Some(motion) = &mut self.motion {
             motion.costs.push(Box::new(cost));
         }
@@ -177,12 +184,36 @@ impl Reduced {
         self.motion.iter().flat_map(|motion| motion.schedules.iter().map(|schedule| &schedule.when)).collect()
     }
 
-    /// Memory of one motion that is kept for its derivative, in bytes, to begin with.
-    pub fn motion_bytes(&self) -> usize {
-        let Some(motion) = &self.motion else { return 0 };
-        let points: usize = (0..self.solid.controls().len()).map(|k| self.solid.controls().values(k).len()).sum();
-        let vectors = 3 + motion.timeline.scheme().stages();
-        8 * (motion.timeline.steps() + 1) * (vectors * self.solid.model().unknowns().len() + points)
+    /// What one motion takes: memory of its states, and steps that its derivative computes again; nothing of a static problem.
+    ///
+    /// A derivative of a point that is shared ([`derivative_of_term`](Self::derivative_of_term), members of ensembles) leaves the
+    /// point its checkpoints and takes as many once more.
+    ///
+    /// # Errors
+    /// Less memory than a motion takes with one checkpoint.
+    pub fn motion_footprint(&self) -> Result<Option<MotionFootprint>, ControlError> {
+        let Some(motion) = &self.motion else { return Ok(None) };
+        let (plan, scheme) = (self.checkpoints(motion)?, motion.timeline.scheme());
+        Ok(Some(MotionFootprint {
+            states: plan.states(scheme),
+            bytes: plan.bytes(self.solid.model(), scheme),
+            checkpoints: plan.most(),
+            steps: plan.steps(),
+            recomputed_steps: plan.recomputed_steps(),
+        }))
+    }
+
+    /// Which states of a motion are kept.
+    pub(super) fn checkpoints(&self, motion: &Motion) -> Result<Checkpoints, ControlError> {
+        let timeline = &motion.timeline;
+        let (steps, segment) = (timeline.steps(), timeline.segment());
+        Ok(match timeline.memory() {
+            MotionMemory::All => Checkpoints::all(steps, segment)?,
+            MotionMemory::Checkpoints(most) => Checkpoints::at_most(most, steps, segment)?,
+            MotionMemory::AtMost { bytes } => {
+                Checkpoints::within(bytes, steps, segment, (self.solid.model(), timeline.scheme()))?
+            }
+        })
     }
 
     fn needs_time(&self, what: &str) -> Result<&Motion, ControlError> {

@@ -1,18 +1,27 @@
-//! Evaluating a problem in time: the motion, its cost, and the derivative by one reverse sweep.
+//! Evaluating a problem in time: the motion and its cost.
 
+use super::Reduced;
 use super::in_time::Motion;
-use super::{Lagrangian, Reduced};
-use crate::cost::{CostPoint, Partials};
+use crate::cost::CostPoint;
 use crate::error::ControlError;
-use crate::evaluated::{AdjointState, Evaluated, MotionRun};
-use crate::time::{TrajectoryContext, TrajectoryPartials};
+use crate::evaluated::{Evaluated, MotionRun};
+use crate::time::TrajectoryContext;
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{Begin, Controls, SolveOptions, SolveReport, State, StepTo, Trajectory};
-use nastic_numeric::vector::axpy;
+use nastic_fem::{Begin, Controls, Recording, SolveOptions, SolveReport, State, StepTo, Trajectory};
 use nastic_opt::Request;
 use std::sync::Arc;
 
+/// What is told of a state: its number, and itself.
+pub(super) type Each<'a> = dyn FnMut(usize, &State) -> Result<(), ControlError> + 'a;
+
 impl Reduced {
+    /// The step to the n-th instant.
+    pub(super) fn step_to(&self, motion: &Motion, m: &[f64], n: usize) -> Result<StepTo, ControlError> {
+        let instants = motion.timeline.instants();
+        let before = n.checked_sub(1).map_or(0.0, |before| instants[before]);
+        Ok(StepTo { dt: instants[n] - before, controls: self.controls_at(motion, m, n)? })
+    }
+
     /// The controls at the points at the n-th instant.
     fn controls_at(&self, motion: &Motion, m: &[f64], n: usize) -> Result<Controls, ControlError> {
         let mut fixed = self.layout.fixed().clone();
@@ -30,17 +39,40 @@ impl Reduced {
         how: &Request<'_, Evaluated>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Evaluated, ControlError> {
+        let mut values = InstantValues::new(motion);
+        let (mut work, mut min_j) = (SolveReport::default(), f64::INFINITY);
+        let recording = self.run_motion(motion, (m, how.accuracy), workspace, &mut |n, state| {
+            work.add_work(&state.report);
+            min_j = min_j.min(state.report.min_j);
+            self.add_values(motion, (n, state), (m, how.stage), &mut values)
+        })?;
+        let run = MotionRun { recording, accuracy: how.accuracy, min_j };
+        let state = run.recording.part().end().clone();
+        work.solver = state.report.solver;
+        self.valued_motion(motion, (run, state, work), (m, how.stage), values)
+    }
+
+    /// Runs it from t = 0 and tells of every state.
+    fn run_motion(
+        &self,
+        motion: &Motion,
+        (m, accuracy): (&[f64], f64),
+        workspace: &mut ReducedWorkspace,
+        each: &mut Each<'_>,
+    ) -> Result<Recording, ControlError> {
         workspace.clear();
-        let options = self.solve_options(how.accuracy);
-        let mut trajectory = self.beginning(motion, m, &options, workspace)?;
+        let options = self.solve_options(accuracy);
+        let begin = self.beginning(motion, m, &options, workspace)?;
+        each(0, begin.end())?;
         let model = self.solid.model();
-        for (n, pair) in motion.timeline.instants().windows(2).enumerate() {
-            let to = StepTo { dt: pair[1] - pair[0], controls: self.controls_at(motion, m, n + 1)? };
-            model.advance(&mut trajectory, motion.timeline.scheme(), &[to], &options, &mut workspace.solve)?;
+        let mut recording = Recording::new(begin, motion.timeline.scheme().clone(), self.checkpoints(motion)?);
+        for n in 1..=motion.timeline.steps() {
+            let to = self.step_to(motion, m, n)?;
+            recording.advance(model, &to, &options, &mut workspace.solve)?;
+            each(n, recording.part().end())?;
         }
         self.forget(workspace);
-        let run = MotionRun { trajectory: Arc::new(trajectory), accuracy: how.accuracy };
-        self.valued_motion(motion, run, m, how.stage)
+        Ok(recording)
     }
 
     /// The state that a motion under m begins at, an equilibrium to this relative accuracy; `None` of a problem that is not one in time.
@@ -77,28 +109,51 @@ impl Reduced {
         }
     }
 
-    /// The values of costs and constraints of a motion.
-    pub(super) fn valued_motion(
+    /// Calls with the number of every state of a point, from the first to the last, and with the state. A motion that keeps few of them
+    /// runs once more.
+    ///
+    /// # Errors
+    /// What `each` returns.
+    pub fn for_each_state(
+        &self,
+        point: &Evaluated,
+        each: &mut dyn FnMut(usize, &State) -> Result<(), ControlError>,
+    ) -> Result<(), ControlError> {
+        match (&self.motion, &point.motion) {
+            (Some(motion), Some(run)) if !run.recording.keeps_all() => {
+                self.run_motion(motion, (&point.m, run.accuracy), &mut ReducedWorkspace::default(), each).map(drop)
+            }
+            _ => point.states().iter().enumerate().try_for_each(|(n, state)| each(n, state)),
+        }
+    }
+
+    /// The values of a motion in another stage.
+    pub(super) fn restage_motion(
         &self,
         motion: &Motion,
-        run: MotionRun,
-        m: &[f64],
+        run: &MotionRun,
+        point: &Evaluated,
         stage: usize,
     ) -> Result<Evaluated, ControlError> {
+        let mut values = InstantValues::new(motion);
+        let at = (point.m.as_slice(), stage);
+        self.for_each_state(point, &mut |n, state| self.add_values(motion, (n, state), at, &mut values))?;
+        self.valued_motion(motion, (run.clone(), point.state.clone(), point.work), at, values)
+    }
+
+    /// The values of costs and constraints of a motion.
+    fn valued_motion(
+        &self,
+        motion: &Motion,
+        (run, state, work): (MotionRun, State, SolveReport),
+        (m, stage): (&[f64], usize),
+        values: InstantValues,
+    ) -> Result<Evaluated, ControlError> {
+        let mut terms = values.terms(motion);
         let context = self.motion_context(motion, &run, (m, stage));
-        let mut terms = Vec::new();
-        for (k, schedule) in motion.schedules.iter().enumerate() {
-            let mut value = 0.0;
-            self.for_each_instant((motion, &run), (k, m, stage), |_, weight, point| {
-                value += weight * schedule.shape(point.value()).0;
-                Ok(())
-            })?;
-            terms.push(value);
-        }
         for cost in &motion.costs {
             terms.push(cost.value(&context)?);
         }
-        let state = run.trajectory.end().clone();
         let mut constraint_points = self.constraints_at(&state, m)?;
         let mut constraints: Vec<f64> = constraint_points.iter().flat_map(|point| point.values().to_vec()).collect();
         for rate in &motion.rates {
@@ -107,133 +162,79 @@ impl Reduced {
         if !self.keep_factors {
             constraint_points.clear();
         }
-        let mut work = SolveReport::default();
-        run.trajectory.states().iter().for_each(|state| work.add_work(&state.report));
-        work.solver = state.report.solver;
         let (m, costs, motion) = (m.to_vec(), vec![], Some(run));
         Ok(Evaluated { m, state, motion, terms, constraints, stage, work, costs, constraint_points, adjoint: None })
     }
 
-    fn motion_context<'a>(
+    pub(super) fn motion_context<'a>(
         &'a self,
         motion: &'a Motion,
         run: &'a MotionRun,
         (m, stage): (&'a [f64], usize),
     ) -> TrajectoryContext<'a> {
-        let (timeline, trajectory) = (&motion.timeline, run.trajectory.as_ref());
+        let (timeline, trajectory) = (&motion.timeline, run.recording.part());
         TrajectoryContext { solid: &self.solid, layout: &self.layout, timeline, trajectory, m, stage }
     }
 
-    /// Calls back with each instant at which the k-th cost counts, its weight there, and the evaluated cost.
-    fn for_each_instant(
+    /// The values of all costs that count in a state.
+    fn add_values(
         &self,
-        (motion, run): (&Motion, &MotionRun),
-        (k, m, stage): (usize, &[f64], usize),
-        mut each: impl FnMut(usize, f64, &dyn CostPoint) -> Result<(), ControlError>,
+        motion: &Motion,
+        at: (usize, &State),
+        (m, stage): (&[f64], usize),
+        into: &mut InstantValues,
     ) -> Result<(), ControlError> {
-        let schedule = &motion.schedules[k];
-        for (place, (n, weight)) in schedule.weights.iter().enumerate() {
-            let cost = schedule.own.get(place).unwrap_or(&self.costs[k]);
-            let state = &run.trajectory.states()[*n];
-            let at_instant = self.layout.at(m, motion.timeline.instants()[*n])?;
-            let context = self.context(state, &at_instant, stage);
-            each(*n, *weight, cost.at(&context)?.as_ref())?;
+        for place in into.counting[at.0].clone() {
+            self.cost_point(motion, place, at, (m, stage), &mut |cost| {
+                into.values[place.0][place.1] = cost.value();
+                Ok(())
+            })?;
         }
         Ok(())
     }
 
-    /// Partial derivatives of the cost of a motion (all terms, or one of them).
-    pub(super) fn partials_of_motion(
+    /// Calls with a cost that counts in a state, evaluated there.
+    pub(super) fn cost_point(
         &self,
         motion: &Motion,
-        run: &MotionRun,
-        point: &Evaluated,
-        term: Option<usize>,
-    ) -> Result<TrajectoryPartials, ControlError> {
-        let instants = motion.timeline.instants();
-        let mut out = TrajectoryPartials::zero(instants.len(), point.m.len());
-        let wanted = |k: usize| term.is_none_or(|term| term == k);
-        for k in (0..motion.schedules.len()).filter(|k| wanted(*k)) {
-            self.for_each_instant((motion, run), (k, &point.m, point.stage), |n, weight, cost| {
-                let mut own = Partials::zero(point.state.u.len(), motion.layout.len());
-                cost.add_partials(&mut own)?;
-                let factor = weight * motion.schedules[k].shape(cost.value()).1;
-                self.add_partials_at(&instants[n], factor, &own, (n, &mut out));
-                Ok(())
-            })?;
-        }
-        let context = self.motion_context(motion, run, (&point.m, point.stage));
-        for (k, cost) in motion.costs.iter().enumerate() {
-            if wanted(motion.schedules.len() + k) {
-                cost.add_partials(&context, &mut out)?;
-            }
-        }
-        Ok(out)
+        (k, place): (usize, usize),
+        (n, state): (usize, &State),
+        (m, stage): (&[f64], usize),
+        call: &mut dyn FnMut(&dyn CostPoint) -> Result<(), ControlError>,
+    ) -> Result<(), ControlError> {
+        let cost = motion.schedules[k].own.get(place).unwrap_or(&self.costs[k]);
+        let at_instant = self.layout.at(m, motion.timeline.instants()[n])?;
+        let context = self.context(state, &at_instant, stage);
+        call(cost.at(&context)?.as_ref())
+    }
+}
+
+/// For each instant the costs that count there, each with its place among the instants of that cost.
+pub(super) fn counting(motion: &Motion) -> Vec<Vec<(usize, usize)>> {
+    let mut counting = vec![Vec::new(); motion.timeline.instants().len()];
+    for (k, schedule) in motion.schedules.iter().enumerate() {
+        schedule.weights.iter().enumerate().for_each(|(place, (n, _))| counting[*n].push((k, place)));
+    }
+    counting
+}
+
+/// Values of the costs of states, by cost and place.
+struct InstantValues {
+    counting: Vec<Vec<(usize, usize)>>,
+    values: Vec<Vec<f64>>,
+}
+
+impl InstantValues {
+    fn new(motion: &Motion) -> Self {
+        let values = motion.schedules.iter().map(|schedule| vec![0.0; schedule.weights.len()]).collect();
+        InstantValues { counting: counting(motion), values }
     }
 
-    /// Adds those of a functional of one instant, times a factor.
-    fn add_partials_at(&self, t: &f64, factor: f64, own: &Partials, (n, out): (usize, &mut TrajectoryPartials)) {
-        let by_u = &mut out.states[n].u;
-        by_u.resize(own.u.len(), 0.0);
-        axpy(factor, &own.u, by_u);
-        let by_m: Vec<f64> = own.m.iter().map(|d| factor * d).collect();
-        self.layout.add_at(*t, &by_m, &mut out.m);
-    }
-
-    /// Those of costs and constraints, as `of` weighs them.
-    pub(super) fn lagrangian_partials_of_motion(
-        &self,
-        motion: &Motion,
-        run: &MotionRun,
-        point: &Evaluated,
-        of: Lagrangian<'_>,
-    ) -> Result<TrajectoryPartials, ControlError> {
-        let mut out = match of.costs {
-            true => self.partials_of_motion(motion, run, point, None)?,
-            false => TrajectoryPartials::zero(motion.timeline.instants().len(), point.m.len()),
+    /// Their sums over the motion.
+    fn terms(&self, motion: &Motion) -> Vec<f64> {
+        let sum = |(schedule, values): (&crate::time::Schedule, &Vec<f64>)| {
+            schedule.weights.iter().zip(values).fold(0.0, |sum, ((_, weight), j)| sum + weight * schedule.shape(*j).0)
         };
-        if of.y.iter().all(|y| *y == 0.0) {
-            return Ok(out);
-        }
-        let constraints = self.constraints_of(point)?;
-        let mut at_end = Partials::zero(point.state.u.len(), motion.layout.len());
-        let mut used = 0;
-        for (constraint, y) in Self::with_weights(&constraints, of.y) {
-            constraint.add_partials(y, &mut at_end)?;
-            used += y.len();
-        }
-        self.add_partials_at(&motion.timeline.end(), 1.0, &at_end, (motion.timeline.steps(), &mut out));
-        for rate in &motion.rates {
-            let len = rate.group(&self.layout)?.len;
-            let y = of.y.get(used..used + len).unwrap_or_default();
-            rate.add_partials(&self.layout, (&point.m, y), &mut out.m)?;
-            used += len;
-        }
-        Ok(out)
-    }
-
-    /// `d/dm` of what has these partials, by one reverse sweep, and the adjoint state at the end.
-    pub(super) fn sensitivity_of_motion(
-        &self,
-        motion: &Motion,
-        run: &MotionRun,
-        (m, partials): (&[f64], TrajectoryPartials),
-        workspace: &mut ReducedWorkspace,
-    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        let TrajectoryPartials { states, m: mut derivative } = partials;
-        let is_zero = |d: &[f64]| d.iter().all(|d| *d == 0.0);
-        if states.iter().all(|by| is_zero(&by.u) && is_zero(&by.velocity)) {
-            return Ok((derivative, None));
-        }
-        let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
-        let swept = self.solid.model().reverse_sweep(&run.trajectory, &states, &how, &mut workspace.solve);
-        self.forget(workspace);
-        let mut swept = swept?;
-        for (t, by_point) in motion.timeline.instants().iter().zip(&swept.controls) {
-            let by_instant = motion.layout.control_vjp(&self.layout.at(m, *t)?, by_point);
-            self.layout.add_at(*t, &by_instant, &mut derivative);
-        }
-        let lambda = swept.lambda.pop().unwrap_or_default();
-        Ok((derivative, Some(AdjointState { lambda, work: swept.report, multipliers: vec![] })))
+        motion.schedules.iter().zip(&self.values).map(sum).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! [`Reduced`] as an optimiser sees it.
 
-use super::Reduced;
+use super::{Lagrangian, Reduced};
 use crate::cost::{Figure, FigureKind};
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, Expected};
@@ -30,9 +30,7 @@ impl Objective for Reduced {
 
     /// Leaves the adjoint state in the point.
     fn derivative(&self, point: &mut Evaluated, workspace: &mut ReducedWorkspace) -> Result<Vec<f64>, Failed> {
-        let (derivative, adjoint) = self.sensitivity(point, None, workspace)?;
-        point.adjoint = adjoint;
-        Ok(derivative)
+        Ok(self.derivative_of_point(point, Lagrangian { costs: true, y: &[] }, workspace)?)
     }
 
     fn hessian_vector(

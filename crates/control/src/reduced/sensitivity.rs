@@ -1,6 +1,7 @@
 //! First derivatives of the reduced cost.
 
-use super::Reduced;
+use super::motion_derivative::Functional;
+use super::{Lagrangian, Reduced};
 use crate::cost::Partials;
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
@@ -44,10 +45,30 @@ impl Reduced {
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
         if let (Some(motion), Some(run)) = (&self.motion, &point.motion) {
-            let partials = self.partials_of_motion(motion, run, point, term)?;
-            return self.sensitivity_of_motion(motion, run, (&point.m, partials), workspace);
+            let of = term.map_or(Functional::costs(), Functional::Term);
+            return self.derivative_of_motion(motion, (point, &mut run.clone()), of, workspace);
         }
         self.sensitivity_of(point, self.partials(point, term)?, workspace)
+    }
+
+    /// That of all terms, whose adjoint state is left in the point; a motion that keeps few states has only its beginning left then.
+    pub(super) fn derivative_of_point(
+        &self,
+        point: &mut Evaluated,
+        of: Lagrangian<'_>,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<f64>, ControlError> {
+        let (derivative, adjoint) = match (&self.motion, point.motion.take()) {
+            (Some(motion), Some(mut run)) => {
+                let found = self.derivative_of_motion(motion, (point, &mut run), Functional::Lagrangian(of), workspace);
+                point.motion = Some(run);
+                let (derivative, adjoint) = found?;
+                (derivative, adjoint.map(|adjoint| AdjointState { multipliers: of.multipliers(), ..adjoint }))
+            }
+            _ => self.lagrangian_sensitivity(point, of, workspace)?,
+        };
+        point.adjoint = adjoint;
+        Ok(derivative)
     }
 
     /// `d/dm` of what has these partials, and its adjoint state.

@@ -77,6 +77,10 @@ impl TrajectoryCost for ControlRate {
         check_in_time("the rate", &self.of, layout)
     }
 
+    fn needs_states(&self) -> bool {
+        false
+    }
+
     fn value(&self, at: &TrajectoryContext) -> Result<f64, ControlError> {
         let mut value = 0.0;
         self.for_each(at, |change, image, factor, _| {

@@ -2,6 +2,7 @@
 
 mod control_rate;
 mod knots;
+mod memory;
 mod rate_limit;
 mod schedule;
 mod timeline;
@@ -9,6 +10,7 @@ mod trajectory_cost;
 
 pub use control_rate::ControlRate;
 pub use knots::{Interpolation, Knots};
+pub use memory::{MotionFootprint, MotionMemory};
 pub use rate_limit::RateLimit;
 pub(crate) use schedule::Schedule;
 pub use schedule::When;

@@ -1,6 +1,7 @@
 //! [`Timeline`]: the instants of a motion and how it goes from one to the next.
 
 use super::knots::Knots;
+use super::memory::MotionMemory;
 use crate::error::ControlError;
 use nastic_fem::{Begin, Scheme};
 
@@ -13,7 +14,12 @@ pub struct Timeline {
     instants: Vec<f64>,
     begin: Begin,
     velocity: Option<Vec<f64>>,
+    memory: MotionMemory,
+    segment: usize,
 }
+
+/// Steps of a segment: solves begin without what was kept of earlier ones so rarely that it costs 1 to 5 % more factorisations.
+const SEGMENT: usize = 16;
 
 impl Timeline {
     /// So many equal steps from 0 to the end.
@@ -26,7 +32,7 @@ impl Timeline {
             return Err(ControlError::Cost { what });
         }
         let instants = (0..=steps).map(|n| end * n as f64 / steps as f64).collect();
-        Ok(Timeline { scheme, instants, begin: Begin::Equilibrium, velocity: None })
+        Ok(Self::new(scheme, instants))
     }
 
     /// Through given instants, from 0 on.
@@ -35,7 +41,12 @@ impl Timeline {
     /// As [`Knots::at`].
     pub fn through(scheme: Scheme, instants: Vec<f64>) -> Result<Self, ControlError> {
         Knots::at(instants.clone(), super::Interpolation::Linear)?;
-        Ok(Timeline { scheme, instants, begin: Begin::Equilibrium, velocity: None })
+        Ok(Self::new(scheme, instants))
+    }
+
+    fn new(scheme: Scheme, instants: Vec<f64>) -> Self {
+        let (begin, memory) = (Begin::Equilibrium, MotionMemory::All);
+        Timeline { scheme, instants, begin, velocity: None, memory, segment: SEGMENT }
     }
 
     /// Begins undeformed, whatever loads and controls do from t = 0 on.
@@ -48,6 +59,29 @@ impl Timeline {
     #[must_use]
     pub fn velocity(self, velocity: Vec<f64>) -> Self {
         Timeline { velocity: Some(velocity), ..self }
+    }
+
+    /// What is kept of a motion for its derivative; by default all states.
+    #[must_use]
+    pub fn keep(self, memory: MotionMemory) -> Self {
+        Timeline { memory, ..self }
+    }
+
+    /// Solves begin anew, without factors of earlier ones, every so many steps (by default 16); only there may checkpoints be. Results
+    /// depend on it within the accuracy of the solves.
+    #[must_use]
+    pub fn segments_of(self, steps: usize) -> Self {
+        Timeline { segment: steps, ..self }
+    }
+
+    /// What is kept of a motion.
+    pub fn memory(&self) -> MotionMemory {
+        self.memory
+    }
+
+    /// Steps of a segment.
+    pub fn segment(&self) -> usize {
+        self.segment
     }
 
     /// The scheme.

@@ -15,7 +15,7 @@ pub struct TrajectoryContext<'a> {
     pub layout: &'a Layout,
     /// The instants.
     pub timeline: &'a Timeline,
-    /// The states, one for each instant.
+    /// The states, one for each instant; of a motion that keeps few states ([`MotionMemory`](crate::MotionMemory)) a part of them.
     pub trajectory: &'a Trajectory,
     /// Control vector.
     pub m: &'a [f64],
@@ -51,6 +51,11 @@ pub trait TrajectoryCost: Debug + Send + Sync {
     /// A control it does not find, an instant that is none.
     fn check(&self, _layout: &Layout, _timeline: &Timeline) -> Result<(), ControlError> {
         Ok(())
+    }
+
+    /// Whether it looks at states; one that does not goes with motions that keep few of them.
+    fn needs_states(&self) -> bool {
+        true
     }
 
     /// j, weight included.

@@ -2,9 +2,12 @@
 
 pub(crate) mod adaptive;
 pub mod catalogue;
+pub(crate) mod checkpoints;
 pub(crate) mod initial_acceleration;
 pub(crate) mod numerical_damping;
+pub(crate) mod owed;
 pub(crate) mod points;
+pub(crate) mod recording;
 pub(crate) mod reverse_sweep;
 pub(crate) mod scheme;
 pub(crate) mod step;

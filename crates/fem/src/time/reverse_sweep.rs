@@ -3,34 +3,24 @@
 use crate::contributions::body_energy::history::History;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
-use crate::error::{InvertedAt, StateError};
+use crate::error::{FemError, InvertedAt, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent_systems::TangentSystems;
 use crate::solution::workspace::Workspace;
 use crate::time::initial_acceleration::without_acceleration;
+use crate::time::owed::{Owed, StatePartials, add};
 use crate::time::points::Points;
 use crate::time::scheme::{Point, Quantity, Term};
 use crate::time::trajectory::{Begin, Trajectory};
 use nastic_numeric::vector::axpy;
-use std::mem::take;
+use std::mem::{replace, take};
 
-/// Partial derivatives of a functional at one instant.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct StatePartials {
-    /// `dj/du`, flat; empty for zero.
-    pub u: Vec<f64>,
-    /// `dj/dv`, flat; empty for zero.
-    pub velocity: Vec<f64>,
-}
-
-impl StatePartials {
-    /// Of a functional that depends on the displacement alone.
-    pub fn by_displacement(u: Vec<f64>) -> Self {
-        StatePartials { u, velocity: Vec::new() }
-    }
-}
+/// Instants of the step that is swept.
+const END: usize = 0;
+const BEGIN: usize = 1;
+const BEFORE: usize = 2;
 
 /// What a reverse sweep finds.
 #[derive(Debug, Clone)]
@@ -44,47 +34,30 @@ pub struct Swept {
     pub report: SolveReport,
 }
 
-/// What later instants owe to one: derivatives by u, v and a; empty for zero.
-#[derive(Debug, Clone, Default)]
-struct Owed {
-    u: Vec<f64>,
-    velocity: Vec<f64>,
-    acceleration: Vec<f64>,
+/// What a reverse sweep finds at one instant.
+#[derive(Debug, Clone)]
+pub struct SweptInstant {
+    /// Adjoint displacement (of the last stage of the step that leads there), flat, zero on the supports; empty where the state was
+    /// given.
+    pub lambda: Vec<f64>,
+    /// Derivative of the functional by the controls of the instant, through the states.
+    pub controls: Controls,
 }
 
-impl Owed {
-    fn of(&mut self, of: Quantity) -> &mut Vec<f64> {
-        match of {
-            Quantity::Displacement => &mut self.u,
-            Quantity::Velocity => &mut self.velocity,
-            Quantity::Acceleration => &mut self.acceleration,
-        }
-    }
-
-    fn is_zero(&self) -> bool {
-        [&self.u, &self.velocity, &self.acceleration].into_iter().all(|d| d.iter().all(|&d| d == 0.0))
-    }
-}
-
-/// `into += factor d`, where either may be empty for zero.
-fn add(factor: f64, d: &[f64], into: &mut Vec<f64>) {
-    if !d.is_empty() {
-        into.resize(d.len(), 0.0);
-        axpy(factor, d, into);
-    }
-}
-
-/// The sweep under way.
-struct Sweep<'a, 'w> {
+/// A reverse sweep that is given the steps of a motion one by one, from the last to the first, and then its beginning: see
+/// [`Model::reverse_sweep`]. It holds what three instants owe, and no states.
+#[derive(Debug)]
+pub struct ReverseSweep<'a> {
     model: &'a Model,
-    trajectory: &'a Trajectory,
     how: &'a SolveOptions<'a>,
-    workspace: &'w mut Workspace,
-    /// By state.
-    owed: Vec<Owed>,
+    workspace: &'a mut Workspace,
+    /// By the states at the end and at the beginning of the step that is swept, and before it.
+    owed: [Owed; 3],
+    /// By the controls at its end and at its beginning.
+    controls: [Controls; 2],
     /// By the internal variables of the step that is swept, and of the one behind it through them.
     history: History,
-    swept: Swept,
+    report: SolveReport,
 }
 
 impl Model {
@@ -103,7 +76,7 @@ impl Model {
     ///
     /// # Errors
     /// A tangent that is singular, partial derivatives of the wrong length, states of another body or with internal
-    /// variables.
+    /// variables of contributions.
     pub fn reverse_sweep(
         &self,
         trajectory: &Trajectory,
@@ -111,54 +84,50 @@ impl Model {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<Swept, StateError> {
-        let states = trajectory.states();
-        self.check_partials(partials, states.len())?;
-        if states.iter().any(|state| !state.internal.is_empty()) {
-            let what = "the adjoint of laws with internal variables is not there yet".to_owned();
-            return Err(crate::FemError::Meaningless { what }.into());
+        let states = trajectory.states().len();
+        if partials.len() != states {
+            let what = "partial derivatives by instant".to_owned();
+            return Err(FemError::Length { what, found: partials.len(), expected: states }.into());
         }
-        states.iter().try_for_each(|state| self.check_state(state))?;
-        let owed = partials
-            .iter()
-            .map(|p| Owed { u: p.u.clone(), velocity: p.velocity.clone(), acceleration: Vec::new() })
-            .collect();
-        let swept = Swept {
-            lambda: vec![Vec::new(); states.len()],
-            controls: vec![self.controls(); states.len()],
-            report: SolveReport::default(),
+        let mut sweep = ReverseSweep::new(self, how, workspace);
+        let (mut lambda, mut controls) = (Vec::new(), Vec::new());
+        let mut found = |at: SweptInstant| {
+            lambda.push(at.lambda);
+            controls.push(at.controls);
         };
-        let mut sweep = Sweep { model: self, trajectory, how, workspace, owed, history: History::new(), swept };
-        for n in (0..trajectory.steps().len()).rev() {
-            sweep.step(n)?;
+        for k in (0..trajectory.steps().len()).rev() {
+            found(sweep.step(trajectory, k, partials[k + 1].clone())?);
         }
-        if trajectory.begin() == Begin::Equilibrium {
-            sweep.equilibrium()?;
-        }
-        Ok(sweep.swept)
-    }
-
-    fn check_partials(&self, partials: &[StatePartials], expected: usize) -> Result<(), StateError> {
-        let refuse = |what: &str, found, expected| {
-            Err(crate::FemError::Length { what: what.to_owned(), found, expected }.into())
-        };
-        if partials.len() != expected {
-            return refuse("partial derivatives by instant", partials.len(), expected);
-        }
-        let dofs = self.unknowns().len();
-        let lengths = partials.iter().flat_map(|p| [p.u.len(), p.velocity.len()]);
-        match lengths.filter(|&found| found != 0).find(|&found| found != dofs) {
-            Some(found) => refuse("partial derivatives of a state", found, dofs),
-            None => Ok(()),
-        }
+        let (first, report) = sweep.begin(trajectory, partials[0].clone())?;
+        found(first);
+        lambda.reverse();
+        controls.reverse();
+        Ok(Swept { lambda, controls, report })
     }
 }
 
-impl Sweep<'_, '_> {
-    /// The step from the n-th state.
-    fn step(&mut self, n: usize) -> Result<(), StateError> {
-        let (states, step) = (self.trajectory.states(), &self.trajectory.steps()[n]);
-        let (begin, end, h) = (&states[n], &states[n + 1], step.dt);
-        let before = n.checked_sub(1).map(|n| &states[n]);
+impl<'a> ReverseSweep<'a> {
+    /// One that stands at the end of a motion.
+    pub fn new(model: &'a Model, how: &'a SolveOptions<'a>, workspace: &'a mut Workspace) -> Self {
+        let controls = [model.controls(), model.controls()];
+        let report = SolveReport::default();
+        ReverseSweep { model, how, workspace, owed: Default::default(), controls, history: History::new(), report }
+    }
+
+    /// The k-th step of a part of the motion, the one before the step that was swept last, with the partial derivatives at its end.
+    ///
+    /// # Errors
+    /// As [`Model::reverse_sweep`]; a step that is not there.
+    pub fn step(&mut self, part: &Trajectory, k: usize, by_end: StatePartials) -> Result<SweptInstant, StateError> {
+        let (states, Some(step)) = (part.states(), part.steps().get(k)) else {
+            let what = format!("the adjoint of step {k} of a trajectory of {}", part.steps().len());
+            return Err(FemError::Meaningless { what }.into());
+        };
+        let (begin, end, h) = (&states[k], &states[k + 1], step.dt);
+        self.check(end)?;
+        self.check(begin)?;
+        self.add_partials(&by_end)?;
+        let before = k.checked_sub(1).map(|k| &states[k]);
         let history = self.model.next_history(begin, self.how.parallel)?;
         let mut points = Points::new(&step.scheme, h, (begin, before), step.started.as_ref());
         let mut time_steps = Vec::new();
@@ -168,11 +137,12 @@ impl Sweep<'_, '_> {
             time_steps.push(time_step);
         }
         let mut stages = vec![Owed::default(); step.stages.len()];
-        let mut of_end = take(&mut self.owed[n + 1]);
+        let mut of_end = take(&mut self.owed[0]);
         for (of, terms) in step.scheme.end.combinations() {
             let owed = take(of_end.of(of));
-            terms.iter().for_each(|term| self.pass(term.scaled(of, h), term, &owed, n, &mut stages));
+            terms.iter().for_each(|term| self.pass(term.scaled(of, h), term, &owed, &mut stages));
         }
+        let mut of_last = Vec::new();
         for (k, stage) in step.scheme.stages.iter().enumerate().rev() {
             let mut owed = take(&mut stages[k]);
             if owed.is_zero() {
@@ -189,8 +159,8 @@ impl Sweep<'_, '_> {
             let lambda = self.solve(&at, &by_u, end)?;
             let mut by = self.model.vjp(&at, &lambda).map_err(|at| inverted(at, end))?;
             self.take_history(&history, &mut by.controls);
-            self.add_controls(n + 1, stage.time, &by.controls);
-            self.add_controls(n, 1.0 - stage.time, &by.controls);
+            self.add_controls(END, stage.time, &by.controls);
+            self.add_controls(BEGIN, 1.0 - stage.time, &by.controls);
             add(1.0, &by.velocity, &mut owed.velocity);
             add(1.0, &by.acceleration, &mut owed.acceleration);
             // what its own displacement owes is in the solve
@@ -198,21 +168,67 @@ impl Sweep<'_, '_> {
                 let factor = term.scaled(Quantity::Acceleration, h);
                 match term.is(Quantity::Velocity, k) {
                     true => add(factor, &owed.acceleration, &mut owed.velocity),
-                    false => self.pass(factor, term, &owed.acceleration, n, &mut stages),
+                    false => self.pass(factor, term, &owed.acceleration, &mut stages),
                 }
             }
             for term in stage.velocity.iter().filter(|term| !term.is(Quantity::Displacement, k)) {
-                self.pass(term.scaled(Quantity::Velocity, h), term, &owed.velocity, n, &mut stages);
+                self.pass(term.scaled(Quantity::Velocity, h), term, &owed.velocity, &mut stages);
             }
-            self.swept.lambda[n + 1] = lambda;
+            if k + 1 == step.stages.len() {
+                of_last = lambda;
+            }
         }
-        if self.swept.lambda[n + 1].is_empty() {
-            self.swept.lambda[n + 1] = vec![0.0; self.model.unknowns().len()];
-        }
+        of_last.resize(self.model.unknowns().len(), 0.0);
         if step.started.is_some() {
-            self.start(n, &history)?;
+            self.start(begin, &history)?;
         }
-        self.pass_history(n)
+        self.pass_history(begin)?;
+        self.owed.rotate_left(1);
+        Ok(self.swept(of_last))
+    }
+
+    /// The first state of the motion, with the partial derivatives there, and the work of the whole sweep.
+    ///
+    /// # Errors
+    /// As [`Model::reverse_sweep`].
+    pub fn begin(
+        mut self,
+        part: &Trajectory,
+        by_begin: StatePartials,
+    ) -> Result<(SweptInstant, SolveReport), StateError> {
+        let state = &part.states()[0];
+        self.check(state)?;
+        self.add_partials(&by_begin)?;
+        let lambda = match part.begin() {
+            Begin::Equilibrium => self.equilibrium(state)?,
+            Begin::Given => Vec::new(),
+        };
+        Ok((self.swept(lambda), self.report))
+    }
+
+    /// What was found at the instant at the end, which is left behind.
+    fn swept(&mut self, lambda: Vec<f64>) -> SweptInstant {
+        let before = replace(&mut self.controls[BEGIN], self.model.controls());
+        SweptInstant { lambda, controls: replace(&mut self.controls[END], before) }
+    }
+
+    fn check(&self, state: &State) -> Result<(), StateError> {
+        if !state.internal.is_empty() {
+            let what = "the adjoint of contributions with internal variables is not there yet".to_owned();
+            return Err(FemError::Meaningless { what }.into());
+        }
+        self.model.check_state(state)
+    }
+
+    fn add_partials(&mut self, partials: &StatePartials) -> Result<(), StateError> {
+        let expected = self.model.unknowns().len();
+        let lengths = [partials.u.len(), partials.velocity.len()];
+        if let Some(found) = lengths.into_iter().find(|found| ![0, expected].contains(found)) {
+            let what = "partial derivatives of a state".to_owned();
+            return Err(FemError::Length { what, found, expected }.into());
+        }
+        self.owed[END].add_partials(partials);
+        Ok(())
     }
 
     /// Moves what is owed by internal variables out of the controls.
@@ -227,14 +243,13 @@ impl Sweep<'_, '_> {
         }
     }
 
-    /// From the internal variables of the step behind the n-th state to that state and to those of the step that led to it.
-    fn pass_history(&mut self, n: usize) -> Result<(), StateError> {
-        let state = &self.trajectory.states()[n];
+    /// From the internal variables of the step behind a state to that state and to those of the step that led to it.
+    fn pass_history(&mut self, state: &State) -> Result<(), StateError> {
         let by_next = take(&mut self.history);
         if by_next.iter().all(|(_, by)| by.iter().all(|&d| d == 0.0)) {
             return Ok(());
         }
-        let by_u = &mut self.owed[n].u;
+        let by_u = &mut self.owed[BEGIN].u;
         by_u.resize(self.model.unknowns().len(), 0.0);
         let before = self.model.body.history_vjp(&state.u, &state.controls, &by_next, by_u);
         self.history = before.map_err(|at| inverted(at, state))?;
@@ -242,25 +257,23 @@ impl Sweep<'_, '_> {
     }
 
     /// Adds what is owed through a term to what it is taken from.
-    fn pass(&mut self, factor: f64, term: &Term, owed: &[f64], n: usize, stages: &mut [Owed]) {
+    fn pass(&mut self, factor: f64, term: &Term, owed: &[f64], stages: &mut [Owed]) {
         let to = match term.at {
-            Point::Now => Some(&mut self.owed[n]),
-            Point::Before => n.checked_sub(1).map(|before| &mut self.owed[before]),
-            Point::Stage(k) => Some(&mut stages[k]),
+            Point::Now => &mut self.owed[BEGIN],
+            Point::Before => &mut self.owed[BEFORE],
+            Point::Stage(k) => &mut stages[k],
         };
-        if let Some(to) = to {
-            add(factor, owed, to.of(term.of));
-        }
+        add(factor, owed, to.of(term.of));
     }
 
-    /// The acceleration that the n-th state was given: `M a = -r(u, v, 0; m)`.
-    fn start(&mut self, n: usize, history: &History) -> Result<(), StateError> {
-        let owed = take(&mut self.owed[n].acceleration);
+    /// The acceleration that a state was given: `M a = -r(u, v, 0; m)`.
+    fn start(&mut self, state: &State, history: &History) -> Result<(), StateError> {
+        let owed = take(&mut self.owed[BEGIN].acceleration);
         if owed.iter().all(|&d| d == 0.0) {
             return Ok(());
         }
         let (model, parallel) = (self.model, self.how.parallel);
-        let state = &model.at_instant(&self.trajectory.states()[n], history);
+        let state = &model.at_instant(state, history);
         let mu = model.divide_by_mass(owed.iter().map(|d| -d).collect(), parallel)?;
         let step = without_acceleration(state);
         let at = model.beginning(state, &step, parallel);
@@ -269,32 +282,29 @@ impl Sweep<'_, '_> {
         tangent.multiply_transposed(&mu, &mut by_u, parallel);
         let mut by = model.vjp(&at, &mu).map_err(|at| inverted(at, state))?;
         self.take_history(history, &mut by.controls);
-        add(1.0, &by_u, &mut self.owed[n].u);
-        add(1.0, &by.velocity, &mut self.owed[n].velocity);
-        self.add_controls(n, 1.0, &by.controls);
+        add(1.0, &by_u, &mut self.owed[BEGIN].u);
+        add(1.0, &by.velocity, &mut self.owed[BEGIN].velocity);
+        self.add_controls(BEGIN, 1.0, &by.controls);
         Ok(())
     }
 
-    /// The first state, where it is the equilibrium under its controls.
-    fn equilibrium(&mut self) -> Result<(), StateError> {
-        let state = &self.trajectory.states()[0];
-        let mut by_u = take(&mut self.owed[0].u);
+    /// The adjoint of a state that is the equilibrium under its controls.
+    fn equilibrium(&mut self, state: &State) -> Result<Vec<f64>, StateError> {
+        let mut by_u = take(&mut self.owed[END].u);
         by_u.resize(self.model.unknowns().len(), 0.0);
         if by_u.iter().all(|&d| d == 0.0) {
-            self.swept.lambda[0] = by_u;
-            return Ok(());
+            return Ok(by_u);
         }
         by_u.iter_mut().for_each(|d| *d = -*d);
         let adjoint = self.model.adjoint_with(state, &[&by_u], self.how, self.workspace)?;
-        self.swept.report.add_work(&adjoint.report);
-        self.swept.report.solver = adjoint.report.solver;
+        self.report.add_work(&adjoint.report);
+        self.report.solver = adjoint.report.solver;
         let lambda = adjoint.lambda.into_iter().next().unwrap_or_default();
         let at = self.model.instant(state, None, self.how.parallel);
         by_u.iter_mut().for_each(|d| *d = -*d);
         let by = self.model.sensitivities(&at, &by_u, &lambda).map_err(|at| inverted(at, state))?;
-        self.add_controls(0, 1.0, &by.controls);
-        self.swept.lambda[0] = lambda;
-        Ok(())
+        self.add_controls(END, 1.0, &by.controls);
+        Ok(lambda)
     }
 
     /// `K^T lambda = -by_u` with the tangent of a stage.
@@ -307,13 +317,13 @@ impl Sweep<'_, '_> {
         let matrix = self.model.tangent_at(at, end)?;
         let solver = self.model.linear_solver(self.how, self.workspace);
         let mut systems = TangentSystems::new(self.model, self.how.parallel, solver);
-        let mut solved = systems.solve_transposed(matrix, at.u, &[&rhs], &mut self.swept.report)?;
+        let mut solved = systems.solve_transposed(matrix, at.u, &[&rhs], &mut self.report)?;
         Ok(solved.swap_remove(0))
     }
 
-    fn add_controls(&mut self, n: usize, factor: f64, by: &Controls) {
+    fn add_controls(&mut self, at: usize, factor: f64, by: &Controls) {
         if factor != 0.0 {
-            let into = &mut self.swept.controls[n];
+            let into = &mut self.controls[at];
             (0..by.len()).for_each(|block| axpy(factor, by.values(block), into.values_mut(block)));
         }
     }

@@ -147,6 +147,13 @@ impl Scheme {
         self.start.as_deref()
     }
 
+    /// Vectors of the body's unknowns that a step and its end keep.
+    pub(super) fn vectors(&self) -> usize {
+        let shared = (0..self.stages.len()).any(|k| self.end.displacement == [u(1.0, Point::Stage(k))]);
+        let rates = [&self.end.velocity, &self.end.acceleration];
+        self.stages.len() + usize::from(!shared) + rates.iter().filter(|terms| !terms.is_empty()).count()
+    }
+
     /// Whether it estimates the error of its steps, which [`Model::advance_adaptively`](crate::Model::advance_adaptively) needs.
     pub fn estimates_error(&self) -> bool {
         !self.error.is_empty()

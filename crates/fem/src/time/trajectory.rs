@@ -9,6 +9,8 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Trajectory {
     begin: Begin,
+    /// The number of its first state in the motion that it is a part of.
+    first: usize,
     states: Vec<State>,
     steps: Vec<Step>,
 }
@@ -45,7 +47,7 @@ pub struct StepTo {
 impl From<State> for Trajectory {
     /// A static problem: its equilibrium.
     fn from(state: State) -> Self {
-        Trajectory { begin: Begin::Equilibrium, states: vec![state], steps: Vec::new() }
+        Trajectory { begin: Begin::Equilibrium, first: 0, states: vec![state], steps: Vec::new() }
     }
 }
 
@@ -53,12 +55,18 @@ impl Trajectory {
     /// One that begins at a state that is given: its displacement and velocity, and its acceleration, where it has
     /// one, depend on nothing.
     pub fn from_given(state: State) -> Self {
-        Trajectory { begin: Begin::Given, states: vec![state], steps: Vec::new() }
+        Trajectory { begin: Begin::Given, first: 0, states: vec![state], steps: Vec::new() }
     }
 
-    /// What the first state is.
+    /// What the first state of the motion is.
     pub fn begin(&self) -> Begin {
         self.begin
+    }
+
+    /// The number of its first state in the motion: 0 unless it is a part of one that keeps few states (see
+    /// [`Recording`](crate::Recording)).
+    pub fn first(&self) -> usize {
+        self.first
     }
 
     /// The states, the first one included.
@@ -74,6 +82,20 @@ impl Trajectory {
     /// The scheme that led to the n-th state; `None` for the first, and where there is no such state.
     pub fn scheme(&self, n: usize) -> Option<&Scheme> {
         Some(&self.steps.get(n.checked_sub(1)?)?.scheme)
+    }
+
+    /// Its first state alone.
+    #[must_use]
+    pub fn beginning(&self) -> Trajectory {
+        Trajectory { begin: self.begin, first: self.first, states: self.states[..1].to_vec(), steps: Vec::new() }
+    }
+
+    /// The end of it, with as much before as a step from there takes: of a scheme over two steps the last step too.
+    pub(super) fn tail(&self, scheme: &Scheme) -> Trajectory {
+        let steps = self.steps.len().min(usize::from(scheme.start().is_some()));
+        let from = self.steps.len() - steps;
+        let (states, steps) = (self.states[from..].to_vec(), self.steps[from..].to_vec());
+        Trajectory { begin: self.begin, first: self.first + from, states, steps }
     }
 
     pub(super) fn steps(&self) -> &[Step] {

@@ -1,0 +1,194 @@
+//! The derivative of a problem in time, by one reverse sweep over the motion.
+
+use super::in_time::Motion;
+use super::motion::counting;
+use super::{Lagrangian, Reduced};
+use crate::cost::Partials;
+use crate::error::ControlError;
+use crate::evaluated::{AdjointState, Evaluated, MotionRun};
+use crate::time::TrajectoryPartials;
+use crate::workspace::ReducedWorkspace;
+use nastic_fem::{ReverseSweep, SolveOptions, State, StatePartials, SweptInstant};
+use nastic_numeric::vector::axpy;
+use std::mem::take;
+
+/// A sum of costs and constraints of a motion.
+#[derive(Clone, Copy)]
+pub(super) enum Functional<'a> {
+    /// One of the cost terms.
+    Term(usize),
+    /// All of them, with constraints.
+    Lagrangian(Lagrangian<'a>),
+}
+
+impl<'a> Functional<'a> {
+    /// Of all costs.
+    pub fn costs() -> Self {
+        Functional::Lagrangian(Lagrangian { costs: true, y: &[] })
+    }
+
+    fn has_term(&self, k: usize) -> bool {
+        match self {
+            Functional::Term(term) => *term == k,
+            Functional::Lagrangian(of) => of.costs,
+        }
+    }
+
+    fn multipliers(self) -> &'a [f64] {
+        match self {
+            Functional::Lagrangian(of) if of.y.iter().any(|y| *y != 0.0) => of.y,
+            _ => &[],
+        }
+    }
+}
+
+/// Partial derivatives of a functional, instant by instant.
+struct InstantPartials<'a> {
+    problem: &'a Reduced,
+    motion: &'a Motion,
+    point: &'a Evaluated,
+    of: Functional<'a>,
+    counting: Vec<Vec<(usize, usize)>>,
+    /// By the states, as far as costs of the whole motion and constraints give them at once; by the control vector, all so far.
+    out: TrajectoryPartials,
+    /// Whether one by a state was not zero.
+    by_states: bool,
+}
+
+impl<'a> InstantPartials<'a> {
+    fn new(
+        problem: &'a Reduced,
+        motion: &'a Motion,
+        (point, run): (&'a Evaluated, &MotionRun),
+        of: Functional<'a>,
+    ) -> Result<Self, ControlError> {
+        let mut out = TrajectoryPartials::zero(motion.timeline.instants().len(), point.m.len());
+        let context = problem.motion_context(motion, run, (&point.m, point.stage));
+        for (k, cost) in motion.costs.iter().enumerate() {
+            if of.has_term(motion.schedules.len() + k) {
+                cost.add_partials(&context, &mut out)?;
+            }
+        }
+        let mut partials =
+            InstantPartials { problem, motion, point, of, counting: counting(motion), out, by_states: false };
+        partials.add_constraints()?;
+        Ok(partials)
+    }
+
+    fn add_constraints(&mut self) -> Result<(), ControlError> {
+        let y = self.of.multipliers();
+        if y.is_empty() {
+            return Ok(());
+        }
+        let (problem, motion, point) = (self.problem, self.motion, self.point);
+        let constraints = problem.constraints_of(point)?;
+        let mut at_end = Partials::zero(point.state.u.len(), motion.layout.len());
+        let mut used = 0;
+        for (constraint, y) in Reduced::with_weights(&constraints, y) {
+            constraint.add_partials(y, &mut at_end)?;
+            used += y.len();
+        }
+        let mut by_u = take(&mut self.out.states[motion.timeline.steps()].u);
+        self.add(motion.timeline.end(), 1.0, &at_end, &mut by_u);
+        self.out.states[motion.timeline.steps()].u = by_u;
+        for rate in &motion.rates {
+            let len = rate.group(&problem.layout)?.len;
+            let y = y.get(used..used + len).unwrap_or_default();
+            rate.add_partials(&problem.layout, (&point.m, y), &mut self.out.m)?;
+            used += len;
+        }
+        Ok(())
+    }
+
+    /// Those by the n-th state; those by the control vector are added to the others.
+    fn at(&mut self, n: usize, state: &State) -> Result<StatePartials, ControlError> {
+        let (problem, motion, point) = (self.problem, self.motion, self.point);
+        let mut by_state = take(&mut self.out.states[n]);
+        for (k, place) in self.counting[n].clone() {
+            if !self.of.has_term(k) {
+                continue;
+            }
+            let schedule = &motion.schedules[k];
+            let mut own = Partials::zero(state.u.len(), motion.layout.len());
+            let mut factor = 0.0;
+            problem.cost_point(motion, (k, place), (n, state), (&point.m, point.stage), &mut |cost| {
+                factor = schedule.weights[place].1 * schedule.shape(cost.value()).1;
+                cost.add_partials(&mut own)
+            })?;
+            self.add(motion.timeline.instants()[n], factor, &own, &mut by_state.u);
+        }
+        self.by_states |= by_state.u.iter().chain(&by_state.velocity).any(|d| *d != 0.0);
+        Ok(by_state)
+    }
+
+    /// Adds those of a functional of one instant, times a factor.
+    fn add(&mut self, t: f64, factor: f64, own: &Partials, by_u: &mut Vec<f64>) {
+        by_u.resize(own.u.len(), 0.0);
+        axpy(factor, &own.u, by_u);
+        let by_m: Vec<f64> = own.m.iter().map(|d| factor * d).collect();
+        self.problem.layout.add_at(t, &by_m, &mut self.out.m);
+    }
+
+    /// What the sweep found at the n-th instant.
+    fn add_swept(&mut self, n: usize, swept: &SweptInstant) -> Result<(), ControlError> {
+        let (layout, t) = (&self.problem.layout, self.motion.timeline.instants()[n]);
+        let by_instant = self.motion.layout.control_vjp(&layout.at(&self.point.m, t)?, &swept.controls);
+        layout.add_at(t, &by_instant, &mut self.out.m);
+        Ok(())
+    }
+}
+
+impl Reduced {
+    /// `d/dm` of a functional of the motion of a point, and the adjoint state at the end; none where nothing depends on the states. Of a
+    /// motion that keeps few states the recording has only its beginning left afterwards.
+    pub(super) fn derivative_of_motion(
+        &self,
+        motion: &Motion,
+        (point, run): (&Evaluated, &mut MotionRun),
+        of: Functional<'_>,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
+        let swept = self.sweep_motion(motion, (point, run), of, workspace);
+        self.forget(workspace);
+        swept
+    }
+
+    fn sweep_motion(
+        &self,
+        motion: &Motion,
+        (point, run): (&Evaluated, &mut MotionRun),
+        of: Functional<'_>,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
+        let (model, last) = (self.solid.model(), motion.timeline.steps());
+        let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
+        let mut partials = InstantPartials::new(self, motion, (point, run), of)?;
+        let mut sweep = ReverseSweep::new(model, &how, &mut workspace.solve);
+        let (mut lambda, mut first) = (Vec::new(), None);
+        let recomputed = run.recording.backwards(
+            model,
+            &mut |n| self.step_to(motion, &point.m, n),
+            &self.solve_options(run.accuracy),
+            &mut |part, k| {
+                let n = part.first() + k + 1;
+                let by_end = partials.at(n, &part.states()[k + 1])?;
+                let swept = sweep.step(part, k, by_end)?;
+                partials.add_swept(n, &swept)?;
+                if n == last {
+                    lambda = swept.lambda;
+                }
+                if n == 1 {
+                    first = Some(part.beginning());
+                }
+                Ok::<(), ControlError>(())
+            },
+        )?;
+        let first = first.unwrap_or_else(|| run.recording.part().beginning());
+        let by_first = partials.at(0, first.end())?;
+        let (swept, mut work) = sweep.begin(&first, by_first)?;
+        partials.add_swept(0, &swept)?;
+        work.add_work(&recomputed);
+        let adjoint = partials.by_states.then(|| AdjointState { lambda, work, multipliers: vec![] });
+        Ok((partials.out.m, adjoint))
+    }
+}

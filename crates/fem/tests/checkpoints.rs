@@ -1,0 +1,178 @@
+//! Motions that keep few of their states: the same bits, as much work and memory as was told beforehand.
+
+mod common;
+
+use common::block::STRICT;
+use common::motion::steps;
+use common::{Outcome, noise, regular};
+use nastic_energy::{FiberTension, MaxwellBranch, NeoHooke};
+use nastic_fem::{
+    Checkpoints, Controls, Inertia, Recording, RecordingCounts, ReverseSweep, Scheme, Solid, State, StateError,
+    StatePartials, StepTo, Trajectory, Workspace,
+};
+use nastic_mesh::CellKind;
+use nastic_tensor::Vec3;
+
+const H: f64 = 0.1;
+
+fn body() -> Outcome<Solid> {
+    Ok(Solid::new(regular(CellKind::Quad4, [3.0, 1.0, 0.0], [3, 1, 1])?)?
+        .material("body", NeoHooke::new(1.0, 2.0)?)?
+        .viscosity("body", MaxwellBranch::new(0.5, 0.3)?)?
+        .viscosity("body", MaxwellBranch::new(0.2, 3.0)?)?
+        .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
+        .body_force("body", Vec3::new(0.0, -2e-3, 0.0))?
+        .clamp("x-")?
+        .inertia(Inertia::new("body", 1.0))?)
+}
+
+/// Controls of one motion at an instant.
+fn to(solid: &Solid, n: usize) -> StepTo {
+    let mut controls = solid.controls();
+    let fibre = controls.len() - 1;
+    let wave = (0.7 * H * n as f64).sin();
+    controls.values_mut(fibre).iter_mut().enumerate().for_each(|(i, v)| *v = 0.1 * wave + 0.01 * noise(i));
+    StepTo { dt: H, controls }
+}
+
+/// `sum_n h (w_n . u_n + |u_n|^2 / 2 + w_n . v_n)`
+fn partials(n: usize, state: &State) -> StatePartials {
+    let weight = |i: usize| noise(77 + 100 * n + i);
+    let u = state.u.iter().enumerate().map(|(i, u)| H * (weight(i) + u)).collect();
+    let velocity = if n > 0 { (0..state.u.len()).map(|i| H * weight(i)).collect() } else { Vec::new() };
+    StatePartials { u, velocity }
+}
+
+/// A run and its derivative by the controls of each instant, from the last to the first.
+struct Run {
+    end: State,
+    derivative: Vec<Controls>,
+    counts: RecordingCounts,
+}
+
+fn run(solid: &Solid, scheme: Scheme, plan: Checkpoints) -> Outcome<Run> {
+    let model = solid.model();
+    let first = to(solid, 0).controls;
+    let mut workspace = Workspace::default();
+    let begin = Trajectory::from(model.solve_with(&first, &STRICT, &mut workspace)?);
+    let mut motion = Recording::new(begin, scheme, plan);
+    for n in 1..=plan.steps() {
+        motion.advance(model, &to(solid, n), &STRICT, &mut workspace)?;
+    }
+    let end = motion.part().end().clone();
+    let mut sweep = ReverseSweep::new(model, &STRICT, &mut workspace);
+    let (mut derivative, mut first) = (Vec::new(), None);
+    motion.backwards(model, &mut |n| Ok::<_, StateError>(to(solid, n)), &STRICT, &mut |part, k| {
+        let n = part.first() + k + 1;
+        derivative.push(sweep.step(part, k, partials(n, &part.states()[k + 1]))?.controls);
+        if n == 1 {
+            first = Some(part.clone());
+        }
+        Ok(())
+    })?;
+    let first = first.ok_or("no step")?;
+    derivative.push(sweep.begin(&first, partials(0, &first.states()[0]))?.0.controls);
+    Ok(Run { end, derivative, counts: motion.counts() })
+}
+
+fn bits(controls: &[Controls]) -> Vec<u64> {
+    let of = |c: &Controls| (0..c.len()).flat_map(|k| c.values(k).to_vec()).map(f64::to_bits).collect::<Vec<_>>();
+    controls.iter().flat_map(of).collect()
+}
+
+/// Two Maxwell branches and a scheme over two steps; 70 steps in segments of 1, 4 and 16.
+#[test]
+fn derivatives_with_few_states_have_the_same_bits() -> Outcome {
+    let solid = body()?;
+    for scheme in [Scheme::bdf2(), Scheme::tr_bdf2()] {
+        for segment in [1, 4, 16] {
+            let all = run(&solid, scheme.clone(), Checkpoints::all(70, segment)?)?;
+            assert_eq!((all.counts.recomputed_steps, all.counts.states), (0, 71));
+            for most in [1, 3, 5] {
+                let plan = Checkpoints::at_most(most, 70, segment)?;
+                let few = run(&solid, scheme.clone(), plan)?;
+                let name = scheme.name();
+                println!(
+                    "{name:<8} segments of {segment:>2}, {most} checkpoints: {} steps again, {} states at once of at most {}",
+                    few.counts.recomputed_steps,
+                    few.counts.states,
+                    plan.states(&scheme)
+                );
+                assert_eq!(few.end.u, all.end.u, "{name}");
+                assert_eq!(few.end.velocity, all.end.velocity, "{name}");
+                assert_eq!(bits(&few.derivative), bits(&all.derivative), "{name}, {segment}, {most}");
+                assert_eq!(few.counts.recomputed_steps, plan.recomputed_steps());
+                assert!(few.counts.states <= plan.states(&scheme), "{:?}", few.counts);
+                assert!(4 * few.counts.states >= 3 * plan.states(&scheme), "{:?}", few.counts);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The least number of segments to be computed again, by its recursion: the first checkpoint behind the beginning at any place.
+fn least(segments: usize, checkpoints: usize) -> Vec<Vec<usize>> {
+    let mut table = vec![vec![0; segments + 1]; checkpoints + 1];
+    for l in 2..=segments {
+        for s in 1..=checkpoints {
+            // each time from the beginning, or with a checkpoint on the way
+            let again = l * (l - 1) / 2;
+            let with = (1..l).filter(|_| s > 1).map(|j| j + table[s][j] + table[s - 1][l - j]).min();
+            table[s][l] = with.map_or(again, |with| with.min(again));
+        }
+    }
+    table
+}
+
+/// The binomial formula against the recursion, and its published cases: l = beta(s, r) takes r l - beta(s + 1, r - 1).
+#[test]
+fn no_other_places_of_checkpoints_take_less_work() -> Outcome {
+    let table = least(80, 7);
+    for l in 1..=80 {
+        for s in 1..=7 {
+            let told = Checkpoints::at_most(s, 3 * l, 3)?.recomputed_steps();
+            assert_eq!(told, 3 * table[s][l], "{l} segments, {s} checkpoints");
+        }
+    }
+    // beta(5, 3) = 56, beta(6, 2) = 28; beta(10, 3) = 286 < 1000 <= beta(10, 4) = 1001, beta(11, 3) = 364
+    assert_eq!(Checkpoints::at_most(5, 56, 1)?.recomputed_steps(), 3 * 56 - 28);
+    assert_eq!(Checkpoints::at_most(10, 1000, 1)?.recomputed_steps(), 4 * 1000 - 364);
+    // the last segment may be short
+    assert_eq!(Checkpoints::at_most(2, 10, 4)?.recomputed_steps(), Checkpoints::at_most(2, 12, 4)?.recomputed_steps());
+    Ok(())
+}
+
+#[test]
+fn memory_is_told_beforehand() -> Outcome {
+    let solid = body()?;
+    let (model, scheme) = (solid.model(), Scheme::bdf2());
+    let all = Checkpoints::all(200, 8)?;
+    let whole = all.bytes(model, &scheme);
+    assert_eq!(Checkpoints::within(whole, 200, 8, (model, &scheme))?, all);
+    let half = Checkpoints::within(whole / 2, 200, 8, (model, &scheme))?;
+    assert!(half.bytes(model, &scheme) <= whole / 2 && half.recomputed_steps() > 0);
+    let most = half.most().ok_or("checkpoints")?;
+    let more = Checkpoints::at_most(most + 1, 200, 8)?;
+    assert!(more.bytes(model, &scheme) > whole / 2 || most == half.segments(), "{most}");
+    let refused = Checkpoints::within(1000, 200, 8, (model, &scheme)).err().ok_or("too little")?.to_string();
+    let least = Checkpoints::at_most(1, 200, 8)?.bytes(model, &scheme);
+    assert!(refused.contains(&least.to_string()), "{refused}");
+    assert!(Checkpoints::at_most(0, 8, 2).is_err() && Checkpoints::all(8, 0).is_err());
+
+    // the states of a motion as they are
+    let trajectory = {
+        let mut run = Trajectory::from_given(solid.rest());
+        let all = steps(20, H, |t| to(&solid, (t / H).round() as usize).controls);
+        model.advance(&mut run, &scheme, &all, &STRICT, &mut Workspace::default())?;
+        run
+    };
+    let of = |state: &State| {
+        let rates = [&state.velocity, &state.acceleration].into_iter().flatten().map(|v| v.len()).sum::<usize>();
+        let controls: usize = (0..state.controls.len()).map(|k| state.controls.values(k).len()).sum();
+        8 * (state.u.len() + rates + controls)
+    };
+    let found: usize = trajectory.states()[1..].iter().map(of).sum();
+    let told = Checkpoints::all(19, 8)?.bytes(model, &scheme);
+    assert_eq!(told, found);
+    Ok(())
+}
