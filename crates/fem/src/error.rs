@@ -284,7 +284,8 @@ pub enum StateError {
         time: f64,
         /// Its length.
         dt: f64,
-        /// Why: [`Inverted`](Self::Inverted) or [`NoConvergence`](Self::NoConvergence).
+        /// Why: [`Inverted`](Self::Inverted), [`NoConvergence`](Self::NoConvergence), or [`Linear`](Self::Linear) where the matrix of a
+        /// step is not positive definite.
         source: Box<StateError>,
     },
     /// The end of a time step is inverted, although the instant between at which its forces balance is not.

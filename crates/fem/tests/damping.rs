@@ -65,7 +65,7 @@ fn seen(scheme: &Scheme, t: f64, physical: f64) -> Outcome<f64> {
 fn closed_form(name: &str, t: f64) -> Option<f64> {
     let t2 = t * t;
     match name {
-        "backward_euler" => Some((1.0 + t2).ln() / t),
+        "backward_euler" | "linearly_implicit_euler" => Some((1.0 + t2).ln() / t),
         "bdf2" => {
             let s = (1.0 + 4.0 * t2).sqrt();
             Some(((9.0 + 4.0 * t2) / (4.0 + s + 2.0 * (2.0 * (1.0 + s)).sqrt())).ln() / t)
@@ -95,7 +95,8 @@ fn generalized_alpha(rho: f64, t: f64) -> f64 {
 
 #[test]
 fn every_scheme_damps_as_its_closed_form_says() -> Outcome {
-    for (scheme, _) in schemes()? {
+    // without inertia nothing vibrates: tests/quasi_static.rs
+    for (scheme, _) in schemes()?.into_iter().filter(|(scheme, _)| !scheme.is_quasi_static()) {
         for t in [0.1, 1.0, 10.0] {
             let expected = closed_form(scheme.name(), t).unwrap_or_else(|| -2.0 / t * generalized_alpha(0.8, t).ln());
             let found = scheme.modal_damping(0.5, 2.0 * t, (0.0, 0.0))?.effective;

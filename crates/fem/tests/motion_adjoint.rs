@@ -52,6 +52,11 @@ enum Dissipation {
 
 impl Dissipation {
     const ALL: [Self; 4] = [Self::None, Self::Rayleigh, Self::Maxwell, Self::KelvinVoigt];
+
+    /// Viscous laws give no second derivatives, which the adjoint of a linearised step takes.
+    fn goes_with(self, scheme: &Scheme) -> bool {
+        !scheme.is_linearised() || matches!(self, Self::None | Self::Rayleigh)
+    }
 }
 
 fn driven(dissipation: Dissipation) -> Outcome<Solid> {
@@ -192,7 +197,7 @@ fn taylor(solid: &Solid, scheme: &Scheme) -> Outcome<(Vec<f64>, f64)> {
 fn the_adjoint_of_every_scheme_is_exact_over_long_motions() -> Outcome {
     for dissipation in Dissipation::ALL {
         let solid = driven(dissipation)?;
-        for (scheme, _) in schemes()? {
+        for (scheme, _) in schemes()?.into_iter().filter(|(scheme, _)| dissipation.goes_with(scheme)) {
             let (orders, ratio) = taylor(&solid, &scheme)?;
             println!("{:<18} {dissipation:?}: orders {orders:.3?}, gradient / run {ratio:.2}", scheme.name());
             let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
@@ -216,12 +221,17 @@ fn every_instant_has_its_derivative() -> Outcome {
 fn every_instant(dissipation: Dissipation) -> Outcome {
     let solid = driven(dissipation)?;
     let pressure = block(&solid, DRIVES[3]);
-    let mut mixtures: Vec<Vec<Scheme>> = schemes()?.into_iter().map(|(scheme, _)| vec![scheme]).collect();
+    let of_kind = schemes()?.into_iter().filter(|(scheme, _)| dissipation.goes_with(scheme));
+    let mut mixtures: Vec<Vec<Scheme>> = of_kind.map(|(scheme, _)| vec![scheme]).collect();
     mixtures.push(vec![Scheme::implicit_midpoint(), Scheme::trapezoidal(), Scheme::bdf2()]);
     for (mixture, start) in mixtures.iter().flat_map(|m| [(m, Start::Equilibrium), (m, Start::Given)]) {
         // some schemes begin with an acceleration, which is not known of a body that moves then
         let moves = start == Start::Given || mixture.len() > 1;
         if dissipation == Dissipation::KelvinVoigt && moves {
+            continue;
+        }
+        // without inertia no velocity
+        if mixture[0].is_quasi_static() && start == Start::Given {
             continue;
         }
         let run = |changed: usize, change: (usize, f64)| -> Outcome<Trajectory> {
@@ -255,6 +265,17 @@ fn every_instant(dissipation: Dissipation) -> Outcome {
             );
         }
     }
+    Ok(())
+}
+
+#[test]
+fn a_linearised_step_has_no_adjoint_with_viscous_laws() -> Outcome {
+    let solid = driven(Dissipation::Maxwell)?;
+    let mut run = begin(&solid, Start::Equilibrium, controls(&solid, 0, (0, 0.0)))?;
+    let step = [StepTo { dt: H, controls: controls(&solid, 1, (0, 0.0)) }];
+    solid.model().advance(&mut run, &Scheme::linearly_implicit_euler(), &step, &STRICT, &mut Workspace::default())?;
+    let refused = sweep(&solid, &run).err().ok_or("an adjoint")?.to_string();
+    assert!(refused.contains("second derivatives") && refused.contains("backward_euler"), "{refused}");
     Ok(())
 }
 

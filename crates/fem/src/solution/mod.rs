@@ -10,6 +10,7 @@ mod limit_point;
 mod load_steps;
 pub(crate) mod modes;
 pub(crate) mod newton;
+mod newton_iteration;
 pub(crate) mod nodal_rotations;
 pub(crate) mod options;
 pub(crate) mod path;

@@ -221,7 +221,7 @@ impl Newton<'_> {
         now.energy_scale + terms.abs()
     }
 
-    fn right_hand_side(&self, matrix: &SparseMatrix, residual: &[f64], jump: Option<&[f64]>) -> Vec<f64> {
+    pub(super) fn right_hand_side(&self, matrix: &SparseMatrix, residual: &[f64], jump: Option<&[f64]>) -> Vec<f64> {
         let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
         if let Some(jump) = jump {
             let mut pulled = vec![0.0; jump.len()];

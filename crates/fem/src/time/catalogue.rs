@@ -66,6 +66,18 @@ pub const SCHEMES: &[Entry] = &[
         order: 0,
         build: || Ok(Scheme::quasi_dynamic()),
     },
+    Entry {
+        name: "quasi_static",
+        about: "Every instant an equilibrium without inertia, viscous laws included, to first order; needs no density.",
+        order: 0,
+        build: || Ok(Scheme::quasi_static()),
+    },
+    Entry {
+        name: "linearly_implicit_euler",
+        about: "One iteration of Newton's method for a step of backward Euler: first order, damps like that; short steps.",
+        order: 1,
+        build: || Ok(Scheme::linearly_implicit_euler()),
+    },
 ];
 
 const NOW: Point = Point::Now;
@@ -106,7 +118,7 @@ impl Scheme {
         };
         // 2 C h (2 v_n - 4 v* + 2 v) with C = -1/24: about -h^3/24 times the third derivative of u
         let error = vec![v(-1.0 / 6.0, NOW), v(1.0 / 3.0, FIRST), v(-1.0 / 6.0, SECOND)];
-        Scheme { name: "tr_bdf2", stages: vec![half, whole], end: End::stage(1), start: None, error }
+        Scheme { name: "tr_bdf2", stages: vec![half, whole], end: End::stage(1), start: None, error, linearised: false }
     }
 
     /// `u = u_n + h/2 (v_n + v)`, `v = v_n + h/2 (a_n + a)`.
@@ -194,8 +206,30 @@ impl Scheme {
         Self::one_stage("quasi_dynamic", stage, End::stage(0))
     }
 
+    /// `r(u, v; m) = 0` with `v = (u - u_n)/h`, which viscosity and damping see, and no acceleration. Minimises the potential of the
+    /// forces: without viscosity and damping every instant is the static equilibrium under its controls, whatever h. The body has to be
+    /// held; it needs no density, and may not begin with a velocity.
+    pub fn quasi_static() -> Self {
+        let velocity = vec![u(1.0, FIRST), u(-1.0, NOW)];
+        let end = End { acceleration: Vec::new(), ..End::stage(0) };
+        Self::one_stage("quasi_static", Stage { time: 1.0, velocity, acceleration: Vec::new() }, end)
+    }
+
+    /// One iteration of Newton's method for [`backward_euler`](Self::backward_euler), from `u_n` and without a line search: with
+    /// `K = dr/du` at `u_n` and the controls at the end of the step
+    ///
+    /// ```text
+    /// (M/h^2 + C/h + K) (u - u_n) = M v_n/h - r(u_n; m_{n+1}),    v = (u - u_n)/h
+    /// ```
+    ///
+    /// A matrix that is not positive definite and an end with J <= 0 are errors. Rotations by more than a few degrees in a step
+    /// swell the body. Baraff, Witkin, "Large steps in cloth simulation", SIGGRAPH 1998.
+    pub fn linearly_implicit_euler() -> Self {
+        Scheme { name: "linearly_implicit_euler", linearised: true, ..Self::backward_euler() }
+    }
+
     fn one_stage(name: &'static str, stage: Stage, end: End) -> Self {
-        Scheme { name, stages: vec![stage], end, start: None, error: Vec::new() }
+        Scheme { name, stages: vec![stage], end, start: None, error: Vec::new(), linearised: false }
     }
 }
 

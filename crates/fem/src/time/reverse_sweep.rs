@@ -3,6 +3,7 @@
 use crate::contributions::body_energy::history::History;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
+use crate::contributions::sensitivities::Increment;
 use crate::error::{FemError, InvertedAt, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
@@ -154,10 +155,14 @@ impl<'a> ReverseSweep<'a> {
             add(time_step.acceleration.0, &acceleration, &mut by_u);
             let mut controls = begin.controls.blend(&end.controls, stage.time);
             self.model.body.put_history(&history, stage.time * h, &mut controls);
-            let at = Instant { parallel: self.how.parallel, ..Instant::new(&step.stages[k], &controls, 1.0) };
+            let u = if step.scheme.is_linearised() { &begin.u } else { &step.stages[k] };
+            let at = Instant { parallel: self.how.parallel, ..Instant::new(u, &controls, 1.0) };
             let at = at.in_step(time_step);
             let lambda = self.solve(&at, &by_u, end)?;
             let mut by = self.model.vjp(&at, &lambda).map_err(|at| inverted(at, end))?;
+            if step.scheme.is_linearised() {
+                self.linearisation(&at, &lambda, &step.stages[k], &mut by.controls)?;
+            }
             self.take_history(&history, &mut by.controls);
             self.add_controls(END, stage.time, &by.controls);
             self.add_controls(BEGIN, 1.0 - stage.time, &by.controls);
@@ -228,6 +233,22 @@ impl<'a> ReverseSweep<'a> {
             return Err(FemError::Length { what, found, expected }.into());
         }
         self.owed[END].add_partials(partials);
+        Ok(())
+    }
+
+    /// Of `r(u_n) + K(u_n) (w - u_n) = 0`: what is owed by the dependence of K on `u_n` and on the controls.
+    fn linearisation(&mut self, at: &Instant, lambda: &[f64], w: &[f64], by: &mut Controls) -> Result<(), StateError> {
+        if self.model.body.has_history() {
+            let what = "the adjoint of linearly_implicit_euler takes second derivatives of stresses, which viscous laws do not give: \
+                        take backward_euler"
+                .to_owned();
+            return Err(FemError::Meaningless { what }.into());
+        }
+        let change: Vec<f64> = w.iter().zip(at.u).map(|(w, u)| w - u).collect();
+        let along = Increment { u: &change, controls: &self.model.controls() };
+        let second = self.model.second_vjp(at, lambda, &along)?;
+        (0..by.len()).for_each(|block| axpy(1.0, second.controls.values(block), by.values_mut(block)));
+        add(1.0, &second.u, &mut self.owed[BEGIN].u);
         Ok(())
     }
 

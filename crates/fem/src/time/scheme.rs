@@ -20,6 +20,8 @@ pub struct Scheme {
     pub(super) start: Option<Box<Scheme>>,
     /// An estimate of the error of u that a step makes, a combination too; empty where there is none.
     pub(super) error: Vec<Term>,
+    /// Whether a stage is one iteration of Newton's method from the state that the step begins at, instead of a solution.
+    pub(super) linearised: bool,
 }
 
 /// A solve for an unknown displacement.
@@ -145,6 +147,17 @@ impl Scheme {
     /// states.
     pub fn start(&self) -> Option<&Scheme> {
         self.start.as_deref()
+    }
+
+    /// Whether it leaves out inertia: its states are equilibria of the forces, those of viscosity and damping included.
+    pub fn is_quasi_static(&self) -> bool {
+        self.stages.iter().all(|stage| stage.acceleration.is_empty())
+    }
+
+    /// Whether a step solves one linear system, that of the forces linearised where it begins: forces are balanced at its end up to
+    /// second order in the change of the displacement.
+    pub fn is_linearised(&self) -> bool {
+        self.linearised
     }
 
     /// Vectors of the body's unknowns that a step and its end keep.

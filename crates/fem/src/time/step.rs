@@ -11,6 +11,7 @@ use crate::solution::workspace::Workspace;
 use crate::time::points::Points;
 use crate::time::scheme::Scheme;
 use crate::time::trajectory::{Step, StepTo, Trajectory};
+use nastic_linear::LinearError;
 use std::sync::Arc;
 
 /// Lengths of steps that differ by less, relatively, are equal.
@@ -44,6 +45,9 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<(), StateError> {
         self.check_motion(trajectory)?;
+        if scheme.is_quasi_static() {
+            self.check_quasi_static(trajectory, scheme)?;
+        }
         let scheme = Arc::new(scheme.clone());
         let start = scheme.start().cloned().map(Arc::new);
         for to in steps {
@@ -66,6 +70,21 @@ impl Model {
         self.refuse_constraints("a step in time", "drive it by a force or a pressure")?;
         self.refuse_motions()?;
         self.check_state(trajectory.end())
+    }
+
+    /// What goes without inertia: a body that is held, and no velocity but that of an earlier step of the kind.
+    fn check_quasi_static(&self, trajectory: &Trajectory, scheme: &Scheme) -> Result<(), StateError> {
+        self.check()?;
+        let own = trajectory.steps().last().is_some_and(|last| last.scheme.is_quasi_static());
+        let mut velocity = trajectory.end().velocity.iter().flat_map(|v| v.iter());
+        if !own && velocity.any(|v| *v != 0.0) {
+            let what = format!(
+                "{} without inertia from a body that moves: begin at rest, or take quasi_dynamic",
+                scheme.name()
+            );
+            return Err(FemError::Meaningless { what }.into());
+        }
+        Ok(())
     }
 
     pub(super) fn step(
@@ -91,7 +110,10 @@ impl Model {
             let mut controls = begin.controls.blend(&to.controls, stage.time);
             self.body.put_history(&history, stage.time * h, &mut controls);
             let options = SolveOptions { near: Some(&here), guess: None, ..how.clone() };
-            let found = self.find(&controls, &options, Some(&time_step), workspace);
+            let found = match scheme.is_linearised() {
+                true => self.iterate_once(&controls, begin, (&options, &time_step), workspace),
+                false => self.find(&controls, &options, Some(&time_step), workspace),
+            };
             let mut found = found.map_err(|error| in_step(error, begin.time, h))?;
             found.report.add_work(&work);
             work = found.report;
@@ -140,9 +162,9 @@ impl Model {
 /// What shorter steps may mend.
 fn in_step(error: StateError, time: f64, dt: f64) -> StateError {
     match error {
-        StateError::Inverted { .. } | StateError::NoConvergence { .. } => {
-            StateError::InStep { time, dt, source: Box::new(error) }
-        }
+        StateError::Inverted { .. }
+        | StateError::NoConvergence { .. }
+        | StateError::Linear(LinearError::Indefinite) => StateError::InStep { time, dt, source: Box::new(error) },
         other => other,
     }
 }

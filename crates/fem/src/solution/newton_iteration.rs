@@ -1,0 +1,76 @@
+//! [`Model::iterate_once`]: one iteration of Newton's method as a step of its own.
+
+use crate::contributions::controls::Controls;
+use crate::contributions::instant::TimeStep;
+use crate::error::StateError;
+use crate::model::Model;
+use crate::solution::newton::{Newton, Stop, moved};
+use crate::solution::options::SolveOptions;
+use crate::solution::state::{SolveReport, State};
+use crate::solution::tangent_systems::{TangentSystems, Wanted, eliminate};
+use crate::solution::workspace::Workspace;
+use nastic_linear::solver::Curvature;
+use nastic_linear::{LinearError, LinearSolver};
+
+/// Relative residual of its linear system, which nothing corrects afterwards.
+const EXACT: f64 = 1e-12;
+
+impl Model {
+    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole. The report tells the residual that
+    /// is left.
+    ///
+    /// # Errors
+    /// [`StateError::Inverted`] where J <= 0 there, [`StateError::Linear`] where K is not positive definite.
+    pub(crate) fn iterate_once(
+        &self,
+        controls: &Controls,
+        from: &State,
+        (how, time_step): (&SolveOptions, &TimeStep),
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        self.check_controls(controls)?;
+        if how.cancelled() {
+            return Err(StateError::Cancelled);
+        }
+        let newton = self.newton(controls, 1.0, Some(time_step), 1.0, how);
+        let mut report = SolveReport { load_steps: 1, ..SolveReport::default() };
+        let found = newton.iterate(&from.u, self.linear_solver(how, workspace), &mut report);
+        match found {
+            Ok(u) => Ok(State::equilibrium(u, controls.clone(), 1.0, report)),
+            Err(stop) => {
+                workspace.forget();
+                Err(match stop {
+                    Stop::Inverted(at) => StateError::Inverted { at, load: 1.0, cuts: 0, last: Box::new(from.clone()) },
+                    Stop::Linear(error) => error.into(),
+                    Stop::Slow { .. } | Stop::Cancelled => StateError::Cancelled,
+                })
+            }
+        }
+    }
+}
+
+impl Newton<'_> {
+    fn iterate(&self, u: &[f64], solver: &mut dyn LinearSolver, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
+        let mut systems = TangentSystems::new(self.model, self.options.parallel, solver);
+        let (residual, _) = self.residual(&self.evaluate(u)?);
+        let jump = self.jump(u);
+        let mut matrix = self.model.matrix();
+        self.model.add_tangent(&self.at(u), &mut matrix)?;
+        let rhs = self.right_hand_side(&matrix, &residual, jump.as_deref());
+        eliminate(self.model, &mut matrix);
+        let (mut step, curvature) = systems.step(&matrix, u, &rhs, (EXACT, Wanted::Newton), report)?;
+        if curvature != Curvature::Positive {
+            return Err(Stop::Linear(LinearError::Indefinite));
+        }
+        if let Some(jump) = &jump {
+            self.prescribe(&mut step, jump);
+        }
+        let end = moved(u, &step, 1.0);
+        let next = self.evaluate(&end)?;
+        let (_, relative) = self.residual(&next);
+        report.newton = 1;
+        self.record(&next, relative, report);
+        self.tell(1.0, &next, report);
+        Ok(end)
+    }
+}
