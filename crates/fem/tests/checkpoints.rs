@@ -12,6 +12,7 @@ use nastic_fem::{
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
+use std::time::Instant;
 
 const H: f64 = 0.1;
 
@@ -48,6 +49,10 @@ struct Run {
     end: State,
     derivative: Vec<Controls>,
     counts: RecordingCounts,
+    /// Of the motion alone.
+    factorisations: usize,
+    /// Of motion and derivative.
+    seconds: (f64, f64),
 }
 
 fn run(solid: &Solid, scheme: Scheme, plan: Checkpoints) -> Outcome<Run> {
@@ -56,9 +61,13 @@ fn run(solid: &Solid, scheme: Scheme, plan: Checkpoints) -> Outcome<Run> {
     let mut workspace = Workspace::default();
     let begin = Trajectory::from(model.solve_with(&first, &STRICT, &mut workspace)?);
     let mut motion = Recording::new(begin, scheme, plan);
+    let (mut factorisations, clock) = (0, Instant::now());
     for n in 1..=plan.steps() {
         motion.advance(model, &to(solid, n), &STRICT, &mut workspace)?;
+        factorisations += motion.part().end().report.factorisations;
     }
+    let forward = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
     let end = motion.part().end().clone();
     let mut sweep = ReverseSweep::new(model, &STRICT, &mut workspace);
     let (mut derivative, mut first) = (Vec::new(), None);
@@ -72,7 +81,8 @@ fn run(solid: &Solid, scheme: Scheme, plan: Checkpoints) -> Outcome<Run> {
     })?;
     let first = first.ok_or("no step")?;
     derivative.push(sweep.begin(&first, partials(0, &first.states()[0]))?.0.controls);
-    Ok(Run { end, derivative, counts: motion.counts() })
+    let seconds = (forward, clock.elapsed().as_secs_f64());
+    Ok(Run { end, derivative, counts: motion.counts(), factorisations, seconds })
 }
 
 fn bits(controls: &[Controls]) -> Vec<u64> {
@@ -88,7 +98,7 @@ fn derivatives_with_few_states_have_the_same_bits() -> Outcome {
         for segment in [1, 4, 16] {
             let all = run(&solid, scheme.clone(), Checkpoints::all(70, segment)?)?;
             assert_eq!((all.counts.recomputed_steps, all.counts.states), (0, 71));
-            for most in [1, 3, 5] {
+            for most in if segment > 1 { [1, 3, 5] } else { [3, 5, 9] } {
                 let plan = Checkpoints::at_most(most, 70, segment)?;
                 let few = run(&solid, scheme.clone(), plan)?;
                 let name = scheme.name();
@@ -174,5 +184,43 @@ fn memory_is_told_beforehand() -> Outcome {
     let found: usize = trajectory.states()[1..].iter().map(of).sum();
     let told = Checkpoints::all(19, 8)?.bytes(model, &scheme);
     assert_eq!(told, found);
+    Ok(())
+}
+
+/// Times of forward runs and derivatives, and factorisations by the length of segments: a table, nothing asserted but bits.
+#[test]
+#[ignore = "a table of times: a minute or two"]
+fn what_few_states_cost() -> Outcome {
+    let solid = Solid::new(regular(CellKind::Hex8, [3.0, 1.0, 1.0], [9, 3, 3])?)?
+        .material("body", NeoHooke::new(1.0, 2.0)?)?
+        .viscosity("body", MaxwellBranch::new(0.5, 0.3)?)?
+        .viscosity("body", MaxwellBranch::new(0.2, 3.0)?)?
+        .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
+        .clamp("x-")?
+        .inertia(Inertia::new("body", 1.0))?;
+    for segment in [1000, 16, 4, 1] {
+        let all = run(&solid, Scheme::bdf2(), Checkpoints::all(64, segment)?)?;
+        let (forward, gradient) = all.seconds;
+        println!(
+            "segments of {segment}: {} factorisations, forward {forward:.2} s, gradient {gradient:.2} s, {:.2} of it",
+            all.factorisations,
+            gradient / forward
+        );
+        for most in [3, 5].into_iter().filter(|_| segment < 64) {
+            let plan = Checkpoints::at_most(most, 64, segment)?;
+            let few = run(&solid, Scheme::bdf2(), plan)?;
+            assert_eq!(bits(&few.derivative), bits(&all.derivative));
+            let share = plan.recomputed_steps() as f64 / 64.0;
+            println!(
+                "  {most} checkpoints: {} states, {} kB of {}, {} steps again; gradient {:.2} of its forward run, {:.2} expected",
+                plan.states(&Scheme::bdf2()),
+                plan.bytes(solid.model(), &Scheme::bdf2()) / 1000,
+                Checkpoints::all(64, segment)?.bytes(solid.model(), &Scheme::bdf2()) / 1000,
+                plan.recomputed_steps(),
+                few.seconds.1 / few.seconds.0,
+                gradient / forward + share
+            );
+        }
+    }
     Ok(())
 }

@@ -115,10 +115,10 @@ fn the_midpoint_rule_keeps_momenta() -> Outcome {
         };
         let worst = run.states().iter().map(of).fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
         println!("{:<18} linear {:.2e}, angular {:.2e}", scheme.name(), worst.0, worst.1);
-        assert!(worst.0 < 1e-10);
+        assert!(worst.0 < 1e-12);
         Ok(worst.1)
     };
-    assert!(drift(&Scheme::implicit_midpoint())? < 1e-10);
+    assert!(drift(&Scheme::implicit_midpoint())? < 1e-12);
     // others lose it: the test can fail
     assert!(drift(&Scheme::backward_euler())? > 1e-3);
     assert!(drift(&Scheme::trapezoidal())? > 1e-6);
@@ -203,7 +203,8 @@ fn a_motion_may_be_interrupted() -> Outcome {
         .inertia(Inertia::new("body", 1.0))?;
     let begin = moving(&solid, nodal(solid.mesh(), |x| 0.5 * Vec3::new(0.0, x.x, 0.0)));
     let serial = SolveOptions { parallel: false, ..STRICT };
-    for (scheme, _) in schemes()? {
+    // what moves at the beginning does not go on without inertia
+    for (scheme, _) in schemes()?.into_iter().filter(|(scheme, _)| !scheme.is_quasi_static()) {
         let whole = motion(&solid, &scheme, begin.clone(), 6, 0.1)?;
         let again = motion_by(&solid, &scheme, begin.clone(), 6, 0.1, &serial)?;
         assert_eq!(whole.end().u, again.end().u, "{}", scheme.name());
@@ -239,14 +240,14 @@ fn multigrid_moves_bodies_too() -> Outcome {
 }
 
 /// A free bar that turns by 0.7 rad in a step: Newton's steps turn with it (straight ones take up to three times as
-/// many).
+/// many). Linearised steps swell it so that they fail.
 #[test]
 fn a_free_body_turns_in_long_steps() -> Outcome {
     let solid = Solid::new(regular(CellKind::Hex8, [1.0, 0.1, 0.1], [10, 1, 1])?)?
         .material("body", NeoHooke::new(100.0, 200.0)?)?
         .inertia(Inertia::new("body", 1.0))?;
     let turning = nodal(solid.mesh(), |x| Vec3::new(0.05 - x.y, x.x - 0.5, 0.0));
-    for (scheme, _) in schemes()?.iter().filter(|(_, order)| *order > 0) {
+    for (scheme, _) in schemes()?.iter().filter(|(scheme, order)| *order > 0 && !scheme.is_linearised()) {
         let how = SolveOptions::default();
         let run = motion_by(&solid, scheme, moving(&solid, turning.clone()), 20, 0.7, &how)?;
         let [newton, restarts, cuts] = run.states()[1..]
@@ -260,6 +261,10 @@ fn a_free_body_turns_in_long_steps() -> Outcome {
             scheme.name()
         );
     }
+    let linearised = Scheme::linearly_implicit_euler();
+    let failed = motion_by(&solid, &linearised, moving(&solid, turning), 20, 0.7, &SolveOptions::default());
+    let told = failed.err().ok_or("a linearised step")?.to_string();
+    assert!(told.contains("shorter steps may help"), "{told}");
     Ok(())
 }
 

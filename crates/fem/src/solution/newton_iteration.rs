@@ -7,13 +7,9 @@ use crate::model::Model;
 use crate::solution::newton::{Newton, Stop, moved};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
-use crate::solution::tangent_systems::{TangentSystems, Wanted, eliminate};
+use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use crate::solution::workspace::Workspace;
-use nastic_linear::solver::Curvature;
-use nastic_linear::{LinearError, LinearSolver};
-
-/// Relative residual of its linear system, which nothing corrects afterwards.
-const EXACT: f64 = 1e-12;
+use nastic_linear::LinearSolver;
 
 impl Model {
     /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole. The report tells the residual that
@@ -58,10 +54,7 @@ impl Newton<'_> {
         self.model.add_tangent(&self.at(u), &mut matrix)?;
         let rhs = self.right_hand_side(&matrix, &residual, jump.as_deref());
         eliminate(self.model, &mut matrix);
-        let (mut step, curvature) = systems.step(&matrix, u, &rhs, (EXACT, Wanted::Newton), report)?;
-        if curvature != Curvature::Positive {
-            return Err(Stop::Linear(LinearError::Indefinite));
-        }
+        let mut step = systems.solve_definite(&matrix, u, &rhs, report)?;
         if let Some(jump) = &jump {
             self.prescribe(&mut step, jump);
         }

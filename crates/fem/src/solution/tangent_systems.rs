@@ -7,6 +7,7 @@ use nastic_linear::solver::{
     Accuracy, BlockElimination, Border, Configuration, Curvature, Shift, System, solve_bordered,
 };
 use nastic_linear::{Corners, Factor, LinearError, LinearSolver, LinearWork, Operator, Rotations, SparseMatrix};
+use nastic_numeric::vector::norm;
 use std::sync::{Arc, OnceLock};
 
 /// Of a solution that counts as exact: strains, and with them a gradient, are known to `1e-8`, with a margin of ten.
@@ -17,6 +18,9 @@ pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
 /// and the cost sees its bending. (Over the bodies, costs and actuations of crates/control/tests/hessian.rs, 1e-12 gives 2e-10, 1e-13
 /// gives 2e-12, and 1e-14 is where double precision ends: 9e-13.)
 pub(crate) const SYMMETRIC: Accuracy = Accuracy { error: 1e-13, residual: 1e-11 };
+
+/// Relative residual of a system that nothing corrects afterwards.
+const DEFINITE: f64 = 1e-12;
 
 /// Of full steps of Newton's method with an indefinite or bordered tangent.
 pub(super) const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
@@ -138,6 +142,34 @@ impl<'a> TangentSystems<'a> {
         };
         report.add_linear(&work);
         solution
+    }
+
+    /// `K x = b` with a tangent at u whose supports are eliminated, which is to be positive definite, to a relative residual of 1e-12;
+    /// nothing that is kept of earlier systems has a part in it.
+    ///
+    /// # Errors
+    /// [`LinearError::Indefinite`].
+    pub fn solve_definite(
+        &mut self,
+        matrix: &SparseMatrix,
+        u: &[f64],
+        b: &[f64],
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
+        let mut work = LinearWork::default();
+        let solved = self.solver.solve_definite(&configuration.system(matrix), b, &mut work);
+        report.add_linear(&work);
+        let mut x = solved?.ok_or(LinearError::Indefinite)?;
+        let mut rest = vec![0.0; b.len()];
+        matrix.multiply_on(&x, &mut rest, self.parallel);
+        rest.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+        // of multigrid, which shows at a coarser residual that a matrix is definite
+        if norm(&rest) > DEFINITE * norm(b) {
+            let correction = self.solve_to(SYMMETRIC, matrix, u, &rest, Transposition::No, report)?;
+            x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
+        }
+        Ok(x)
     }
 
     /// Factorises a tangent at u whose supports are eliminated, for several solutions with it.
