@@ -110,7 +110,7 @@ fn derivatives_with_few_states_have_the_same_bits() -> Outcome {
                 );
                 assert_eq!(few.end.u, all.end.u, "{name}");
                 assert_eq!(few.end.velocity, all.end.velocity, "{name}");
-                assert_eq!(bits(&few.derivative), bits(&all.derivative), "{name}, {segment}, {most}");
+                assert!(bits(&few.derivative) == bits(&all.derivative), "{name}, {segment}, {most}");
                 assert_eq!(few.counts.recomputed_steps, plan.recomputed_steps());
                 assert!(few.counts.states <= plan.states(&scheme), "{:?}", few.counts);
                 assert!(4 * few.counts.states >= 3 * plan.states(&scheme), "{:?}", few.counts);
@@ -209,7 +209,7 @@ fn what_few_states_cost() -> Outcome {
         for most in [3, 5].into_iter().filter(|_| segment < 64) {
             let plan = Checkpoints::at_most(most, 64, segment)?;
             let few = run(&solid, Scheme::bdf2(), plan)?;
-            assert_eq!(bits(&few.derivative), bits(&all.derivative));
+            assert!(bits(&few.derivative) == bits(&all.derivative));
             let share = plan.recomputed_steps() as f64 / 64.0;
             println!(
                 "  {most} checkpoints: {} states, {} kB of {}, {} steps again; gradient {:.2} of its forward run, {:.2} expected",
