@@ -101,7 +101,7 @@ fn every_scheme_damps_as_its_closed_form_says() -> Outcome {
             let expected = closed_form(scheme.name(), t).unwrap_or_else(|| -2.0 / t * generalized_alpha(0.8, t).ln());
             let found = scheme.modal_damping(0.5, 2.0 * t, (0.0, 0.0))?.effective;
             let seen = seen(&scheme, t, 0.0)?;
-            println!("{:<18} h w = {t:4}: d/w = {found:.6e}, closed form {expected:.6e}", scheme.name());
+            println!("{:<24} h w = {t:4}: d/w = {found:.6e}, closed form {expected:.6e}", scheme.name());
             assert!((found - expected).abs() < 1e-10, "{} at {t}: {found:e}, not {expected:e}", scheme.name());
             assert!((seen - expected).abs() < 1e-10, "{} at {t}: steps show {seen:e}", scheme.name());
         }

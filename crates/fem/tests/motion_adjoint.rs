@@ -199,7 +199,7 @@ fn the_adjoint_of_every_scheme_is_exact_over_long_motions() -> Outcome {
         let solid = driven(dissipation)?;
         for (scheme, _) in schemes()?.into_iter().filter(|(scheme, _)| dissipation.goes_with(scheme)) {
             let (orders, ratio) = taylor(&solid, &scheme)?;
-            println!("{:<18} {dissipation:?}: orders {orders:.3?}, gradient / run {ratio:.2}", scheme.name());
+            println!("{:<24} {dissipation:?}: orders {orders:.3?}, gradient / run {ratio:.2}", scheme.name());
             let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
             assert!(least > 1.95, "{}, {dissipation:?}, orders {orders:?}", scheme.name());
         }

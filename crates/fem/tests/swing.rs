@@ -40,8 +40,8 @@ fn a_hinged_bar_swings_from_the_horizontal() -> Outcome {
     let solid = bar()?;
     // a rigid rod hinged at its end, small swings: w^2 = 3 g / (2 L)
     let period = TAU / (1.5 * G).sqrt();
-    // from there to its lowest place
-    let available = RHO * THICK * THICK * G * 0.5;
+    // from there to its lowest place, the centre half a thickness above the hinge at first
+    let available = RHO * THICK * THICK * G * (0.5 * THICK + 0.5f64.hypot(0.5 * THICK));
     let mut losses = Vec::new();
     for (scheme, _) in schemes()?.iter().filter(|(_, order)| *order > 0) {
         let mut run = Trajectory::from_given(solid.rest());
@@ -56,7 +56,7 @@ fn a_hinged_bar_swings_from_the_horizontal() -> Outcome {
         let lowest = states.iter().map(|s| s.u.iter().copied().fold(0.0, f64::min)).fold(0.0, f64::min);
         let loss = (energy(&solid, &run.states()[0])? - energy(&solid, run.end())?) / available;
         println!(
-            "{:<18} min J {min_j:.3}, {newton} Newton iterations, {cuts} cuts, {restarts} restarts, energy lost {:.3} %",
+            "{:<24} min J {min_j:.3}, {newton} Newton iterations, {cuts} cuts, {restarts} restarts, energy lost {:.3} %",
             scheme.name(),
             100.0 * loss
         );
@@ -66,7 +66,8 @@ fn a_hinged_bar_swings_from_the_horizontal() -> Outcome {
         losses.push((scheme.name(), loss));
     }
     let of = |name: &str| losses.iter().find(|(known, _)| *known == name).map_or(f64::NAN, |(_, loss)| *loss);
-    assert!(of("backward_euler") > 0.9 && of("newmark") < 0.5 * of("backward_euler"), "{losses:?}");
+    assert!(of("backward_euler") > 0.85 && of("linearly_implicit_euler") > 0.85, "{losses:?}");
+    assert!(of("newmark") < 0.5 * of("backward_euler"), "{losses:?}");
     assert!(of("bdf2") < 0.5 * of("newmark") && of("tr_bdf2") < 0.2 * of("bdf2") && of("tr_bdf2") > 0.0, "{losses:?}");
     assert!(of("trapezoidal").abs() < 0.01 && of("generalized_alpha").abs() < 0.01, "{losses:?}");
     // no damping, and at this step the axial vibrations of a bar that turns are not resolved: it gains

@@ -52,7 +52,7 @@ fn every_scheme_has_its_order() -> Outcome {
             let [coarse, middle, fine] = [end(count)?, end(2 * count)?, end(4 * count)?];
             assert!(largest(&fine) > 0.1);
             let observed = (distance(&coarse, &middle) / distance(&middle, &fine)).log2();
-            println!("{:<18} damped: {damped:<5} order {observed:.3}", scheme.name());
+            println!("{:<24} damped: {damped:<5} order {observed:.3}", scheme.name());
             assert!((observed - *order as f64).abs() < 0.1, "{}, {damped}: {observed}", scheme.name());
         }
     }
@@ -114,7 +114,7 @@ fn the_midpoint_rule_keeps_momenta() -> Outcome {
             ((p - linear).norm() / linear.norm(), (l - angular).norm() / angular.norm())
         };
         let worst = run.states().iter().map(of).fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
-        println!("{:<18} linear {:.2e}, angular {:.2e}", scheme.name(), worst.0, worst.1);
+        println!("{:<24} linear {:.2e}, angular {:.2e}", scheme.name(), worst.0, worst.1);
         assert!(worst.0 < 1e-12);
         Ok(worst.1)
     };
@@ -135,7 +135,7 @@ fn schemes_without_damping_keep_the_energy_of_linear_problems() -> Outcome {
             let energy = |s: &State| 0.5 * velocity(s)[free].powi(2) + 0.5 * (w * s.u[free]).powi(2);
             let first = energy(&run.states()[0]);
             let worst = run.states().iter().map(|s| (energy(s) / first - 1.0).abs()).fold(0.0, f64::max);
-            println!("{:<18} w = {w}: {worst:.2e}", scheme.name());
+            println!("{:<24} w = {w}: {worst:.2e}", scheme.name());
             assert!(worst < 1e-12, "{}, w = {w}: {worst:e}", scheme.name());
         }
     }
@@ -257,7 +257,7 @@ fn a_free_body_turns_in_long_steps() -> Outcome {
         let most = if scheme.extrapolates() { 300 } else { 200 * scheme.stages() };
         assert!(newton <= most && restarts == 0 && cuts == 0, "{}: {newton} iterations", scheme.name());
         println!(
-            "{:<18} {newton} Newton iterations, {restarts} restarts, {cuts} cuts, min J {min_j:.3}",
+            "{:<24} {newton} Newton iterations, {restarts} restarts, {cuts} cuts, min J {min_j:.3}",
             scheme.name()
         );
     }
