@@ -107,7 +107,13 @@ fn a_linearised_step_is_one_linear_system() -> Outcome {
     };
     let to = StepTo { dt: h, controls: pulled(&solid, -100.0) };
     let mut run = Trajectory::from_given(begin.clone());
-    model.advance(&mut run, &Scheme::linearly_implicit_euler(), &[to.clone()], &STRICT, &mut Workspace::default())?;
+    model.advance(
+        &mut run,
+        &Scheme::linearly_implicit_euler(),
+        std::slice::from_ref(&to),
+        &STRICT,
+        &mut Workspace::default(),
+    )?;
 
     // residual and tangent of backward Euler at u_n, a dense elimination
     let step = nastic_fem::TimeStep::backward_euler(&begin, h);
