@@ -247,7 +247,7 @@ impl Reduced {
     }
 
     /// A motion from a given state needs no support.
-    fn check_body(&self) -> Result<(), ControlError> {
+    pub(crate) fn check_body(&self) -> Result<(), ControlError> {
         let moves = self.motion.as_ref().is_some_and(|motion| motion.timeline.begin() == Begin::Given);
         match self.solid.check() {
             Err(FemError::RigidMotion { .. }) if moves => Ok(()),

@@ -3,7 +3,7 @@
 use super::array::{self, Entity};
 use super::context::Context;
 use crate::schema::{self, Beginning, Case, InTime, KnotInterpolation, VectorField, vector_at};
-use nastic_control::{Interpolation, Knots, Reduced, Timeline, When};
+use nastic_control::{Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
 use nastic_fem::Solid;
 
 /// Makes the problem one in time, where the case says so.
@@ -13,6 +13,9 @@ pub(super) fn apply(case: &Case, reduced: Reduced, context: &mut Context<'_>) ->
     let mut timeline = context.take(&time.at, Timeline::uniform(scheme, time.end, time.steps()))?;
     if time.start == Beginning::Rest {
         timeline = timeline.from_rest();
+    }
+    if let Some(megabytes) = time.memory {
+        timeline = timeline.keep(MotionMemory::AtMost { bytes: (megabytes * 1e6) as usize });
     }
     if time.velocity.is_some() {
         timeline = timeline.velocity(velocity(case, reduced.solid(), context)?);

@@ -133,6 +133,46 @@ fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<Seen> {
     Some(Seen { scheme: timeline.scheme().name(), step: time.step, modes: modes.iter().map(of).collect() })
 }
 
+/// Lowest modes of a motion that are told.
+const TOLD: usize = 3;
+/// Rigid motions of a body without supports.
+const RIGID: usize = 6;
+
+/// The lowest vibrations about the state that a motion begins at, as its steps move them: said, and as the result has them.
+pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &State) -> Option<Value> {
+    if member.reduced().timeline()?.scheme().is_quasi_static() {
+        return None;
+    }
+    let (solid, how) = (member.solid(), SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() });
+    let free = solid.supports().fixed().iter().filter(|&&fixed| !fixed).count();
+    let wanted = if solid.check().is_ok() { TOLD } else { TOLD + RIGID };
+    let modes = match solid.model().vibration_modes(begin, wanted.min(free), &how) {
+        Ok(modes) => modes,
+        Err(error) => {
+            session.console.say(format!("damping     of the lowest modes not known: {error}"));
+            return None;
+        }
+    };
+    let (seen, units) = (seen(member, &modes)?, session.problem.units());
+    let mut head = "damping";
+    for (mode, seen) in modes.iter().zip(&seen.modes) {
+        let Some(seen) = seen else { continue };
+        let frequency = per_second(mode, units) / TAU;
+        let ratio =
+            seen.frequency.map_or_else(|| "none".to_owned(), |ratio| format!("{} Hz", short(frequency * ratio)));
+        session.console.say(format!(
+            "{head:<12}{} Hz, seen as {ratio}: Rayleigh damping d/w {}, with that of the steps {}",
+            short(frequency),
+            short(seen.physical),
+            short(seen.effective)
+        ));
+        head = "";
+    }
+    let mut entry = in_steps(&seen);
+    entry["frequencies"] = modes.iter().map(|mode| json!(per_second(mode, units) / TAU)).collect();
+    Some(entry)
+}
+
 /// Puts frequencies into the result and says them.
 fn tell(session: &mut Session<'_>, about: &str, found: &[Found]) {
     let (units, dim) = (*session.problem.units(), session.problem.mesh().dim());

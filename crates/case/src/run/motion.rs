@@ -1,6 +1,7 @@
 //! Motions as results: `motion_0000.vtu` .. with `motion.pvd`, `motion.csv` and charts of every step, the entry `time`.
 
 use super::error::RunError;
+use super::modes;
 use super::number::{count, quantity, short};
 use super::session::Session;
 use super::solve::title;
@@ -10,14 +11,15 @@ use crate::result::csv::quoted;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::snapshot;
+use crate::schema::Time;
 use crate::warning::Warning;
-use nastic_control::{EnsemblePoint, Evaluated, StateFields};
+use nastic_control::{ControlBlock, EnsemblePoint, Evaluated, StateFields};
 use nastic_fem::{Demand, Instant, State};
 use nastic_io::write_atomically;
 use nastic_mesh::Snapshot;
 use nastic_picture::{Chart, Curve};
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// Columns of a table of a motion, one row for every step.
 struct Table {
@@ -41,75 +43,112 @@ pub(super) fn is_motion(problem: &CaseProblem) -> bool {
     problem.case.time.is_some()
 }
 
-/// Looks into the states that are written, beside the last one, which is looked into with all others; what deserves attention is told
-/// once for each kind, with the first instant that has it.
-pub(super) fn inspect(session: &mut Session<'_>, point: &EnsemblePoint) {
-    let unit = session.problem.units().time().symbol;
-    let mut warnings: Vec<Warning> = Vec::new();
-    for (member, at) in session.problem.members().zip(&point.members) {
-        let shown = shown(member, at);
-        let before = &shown[..shown.len().saturating_sub(1)];
-        let found: Vec<Inspection> = before.par_iter().map(|n| Inspection::of(member, &at.states()[*n])).collect();
-        let mut told: Vec<(Warning, usize)> = Vec::new();
-        for (n, found) in before.iter().zip(&found) {
-            let place = format!("motion at t = {} {unit}", short(at.states()[*n].time));
-            for warning in found.warnings(member, &place) {
-                match told.iter_mut().find(|(known, _)| known.kind == warning.kind) {
-                    Some((_, count)) => *count += 1,
-                    None => told.push((warning, 1)),
-                }
-            }
-        }
-        warnings.extend(told.into_iter().map(|(mut warning, count)| {
-            warning.message += &format!(" (the first of {count} such states among {})", before.len());
-            warning
-        }));
-    }
-    warnings.into_iter().for_each(|warning| session.warn(warning));
+/// What is told of the motion of one member: the table of all steps, and the states that are written.
+pub(super) struct Record {
+    /// Index of the member.
+    member: usize,
+    table: Table,
+    shown: Vec<State>,
 }
 
-/// The entry `time` of the result, and a line about the motion.
-pub(super) fn report(session: &mut Session<'_>, point: &EnsemblePoint) {
-    let Some(time) = session.problem.case.time.clone() else { return };
+/// The motions of all members. One that keeps few states in memory runs once more.
+pub(super) fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
+    if !is_motion(&session.problem) {
+        return Ok(vec![]);
+    }
+    let members = session.problem.members().zip(&point.members);
+    members.map(|(member, at)| record(session, member, at)).collect()
+}
+
+fn record(session: &Session<'_>, member: CaseMember<'_>, at: &Evaluated) -> Result<Record, RunError> {
+    let (steps, stride) = member.case().time.as_ref().map_or((0, 1), |time| (time.steps(), time.stride()));
+    let mut table = Table::head(member, at);
+    let mut shown = Vec::new();
+    let mut each = |n: usize, state: &State| {
+        table.add(member, &at.m, state);
+        if n.is_multiple_of(stride) || n == steps {
+            shown.push(state.clone());
+        }
+        Ok(())
+    };
+    let all = member.reduced().for_each_state(at, &mut each);
+    all.map_err(|error| session.member_failed((member.index(), error)))?;
+    Ok(Record { member: member.index(), table, shown })
+}
+
+/// Looks into the states that are written, beside the last one, which is looked into with all others; what deserves attention is told
+/// once for each kind, with the first instant that has it.
+pub(super) fn warnings(problem: &CaseProblem, records: &[Record]) -> Vec<Warning> {
+    records.iter().flat_map(|record| warnings_of(problem.member(record.member), record)).collect()
+}
+
+fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
+    let unit = member.problem().units().time().symbol;
+    let before = &record.shown[..record.shown.len().saturating_sub(1)];
+    let found: Vec<Inspection> = before.par_iter().map(|state| Inspection::of(member, state)).collect();
+    let mut told: Vec<(Warning, usize)> = Vec::new();
+    for (state, found) in before.iter().zip(&found) {
+        let place = format!("motion at t = {} {unit}", short(state.time));
+        for warning in found.warnings(member, &place) {
+            match told.iter_mut().find(|(known, _)| known.kind == warning.kind) {
+                Some((_, count)) => *count += 1,
+                None => told.push((warning, 1)),
+            }
+        }
+    }
+    let tell = |(mut warning, count): (Warning, usize)| {
+        warning.message += &format!(" (the first of {count} such states among {})", before.len());
+        warning
+    };
+    told.into_iter().map(tell).collect()
+}
+
+/// The entry `time` of the result, and lines about the motions.
+pub(super) fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> Vec<Value> {
+    let Some(time) = &session.problem.case.time else { return vec![] };
     let units = session.problem.units();
     let of = |value: f64| quantity(value, Dimension::TIME, units);
     session.console.say(format!(
-        "motion      {} of {} to {} by {}, {} steps of the load cut",
+        "motion      {} of {} to {} by {}, {} cut",
         count(time.steps(), "step"),
         of(time.step),
         of(time.end),
         time.scheme.name(),
-        point.members.iter().map(|at| at.work.cuts).sum::<usize>()
+        count(point.members.iter().map(|at| at.work.cuts).sum::<usize>(), "step")
     ));
-    let mut entries = Vec::new();
-    for (member, at) in session.problem.members().zip(&point.members) {
-        let energies: Vec<[f64; 2]> = [0, at.states().len() - 1].map(|n| energies(member, &at.states()[n])).to_vec();
-        let name = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
-        let pair =
-            |[kinetic, potential]: [f64; 2]| format!("kinetic {}, potential {}", short(kinetic), short(potential));
-        let unit = units.label(ENERGY);
-        session.console.say(format!(
-            "energy      at t = 0: {}; at the end: {} ({unit}){name}",
-            pair(energies[0]),
-            pair(energies[1])
-        ));
-        let entry = |[kinetic, potential]: [f64; 2]| json!({ "kinetic": kinetic, "potential": potential });
-        entries.push(json!({
-            "end": time.end, "step": time.step, "steps": time.steps(), "scheme": time.scheme.name(),
-            "mass": time.mass.name(), "written": shown(member, at).len(),
-            "energies": { "start": entry(energies[0]), "end": entry(energies[1]) },
-        }));
+    records.iter().map(|record| entry(session, time, record)).collect()
+}
+
+fn entry(session: &Session<'_>, time: &Time, record: &Record) -> Value {
+    let (member, unit) = (session.problem.member(record.member), session.problem.units().label(ENERGY));
+    let ends = [record.shown.first(), record.shown.last()].map(|state| state.map(|state| energies(member, state)));
+    let [start, end] = ends.map(Option::unwrap_or_default);
+    let name = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    let pair = |[kinetic, potential]: [f64; 2]| format!("kinetic {}, potential {}", short(kinetic), short(potential));
+    let console = session.console;
+    console.say(format!("energy      at t = 0: {}; at the end: {} ({unit}){name}", pair(start), pair(end)));
+    let both = |[kinetic, potential]: [f64; 2]| json!({ "kinetic": kinetic, "potential": potential });
+    let mut entry = json!({
+        "end": time.end, "step": time.step, "steps": time.steps(), "scheme": time.scheme.name(),
+        "mass": time.mass.name(), "written": record.shown.len(),
+        "energies": { "start": both(start), "end": both(end) },
+    });
+    if let Some(damping) = record.shown.first().and_then(|state| modes::damping(session, member, state)) {
+        entry["damping"] = damping;
     }
-    for (index, entry) in entries.into_iter().enumerate() {
-        session.put_of_member(index, "time", entry);
-    }
+    entry
 }
 
 /// Writes the files of all members; their names.
-pub(super) fn write(problem: &CaseProblem, point: &EnsemblePoint, out: &Directory) -> Result<Vec<String>, RunError> {
+pub(super) fn write(
+    problem: &CaseProblem,
+    records: &[Record],
+    point: &EnsemblePoint,
+    out: &Directory,
+) -> Result<Vec<String>, RunError> {
     let mut files = Vec::new();
-    for (member, at) in problem.members().zip(&point.members) {
-        let table = Table::of(member, at);
+    for Record { member, table, shown } in records {
+        let (member, m) = (problem.member(*member), &point.members[*member].m);
         let (csv, pvd) = (member.file("motion.csv"), member.file("motion.pvd"));
         let text = table.csv();
         write_atomically(out.file(&csv), |out| out.write_all(text.as_bytes()))?;
@@ -118,10 +157,9 @@ pub(super) fn write(problem: &CaseProblem, point: &EnsemblePoint, out: &Director
         let stem = member.file("motion_");
         out.remove_numbered(&stem);
         let mut shots = Vec::new();
-        for (k, n) in shown(member, at).into_iter().enumerate() {
+        for (k, state) in shown.iter().enumerate() {
             let name = format!("{stem}{k:04}");
-            let state = &at.states()[n];
-            out.write_state(&name, &snapshot::snapshot(member, &StateFields::new(state, &at.m))?)?;
+            out.write_state(&name, &snapshot::snapshot(member, &StateFields::new(state, m))?)?;
             shots.push((state.time, format!("{name}.vtu")));
         }
         nastic_io::write_pvd(out.file(&pvd), &shots)?;
@@ -132,25 +170,19 @@ pub(super) fn write(problem: &CaseProblem, point: &EnsemblePoint, out: &Director
 }
 
 /// A few states before the end, with what they are called, for a picture.
-pub(super) fn ghosts(member: CaseMember<'_>, at: &Evaluated) -> Result<Vec<(String, Snapshot)>, RunError> {
-    let Some(time) = &member.case().time else { return Ok(vec![]) };
-    let steps = at.states().len() - 1;
-    let unit = member.problem().units().time().symbol;
+pub(super) fn ghosts(
+    records: &[Record],
+    member: CaseMember<'_>,
+    at: &Evaluated,
+) -> Result<Vec<(String, Snapshot)>, RunError> {
+    let Some(record) = records.iter().find(|record| record.member == member.index()) else { return Ok(vec![]) };
+    let (unit, last) = (member.problem().units().time().symbol, record.shown.len() - 1);
     let of = |k: usize| {
-        let n = k * steps / GHOSTS;
-        let shot = snapshot::plain(member, &StateFields::new(&at.states()[n], &at.m))?;
-        Ok((format!("t = {} {unit}", short(time.step * n as f64)), shot))
+        let state = &record.shown[k * last / GHOSTS];
+        let shot = snapshot::plain(member, &StateFields::new(state, &at.m))?;
+        Ok((format!("t = {} {unit}", short(state.time)), shot))
     };
-    (0..GHOSTS.min(steps)).map(of).collect()
-}
-
-/// The numbers of the states that are written: the first, the last, and those between at equal distances.
-fn shown(member: CaseMember<'_>, at: &Evaluated) -> Vec<usize> {
-    let stride = member.case().time.as_ref().map_or(1, crate::schema::Time::stride);
-    let last = at.states().len() - 1;
-    let mut out: Vec<usize> = (0..last).step_by(stride).collect();
-    out.push(last);
-    out
+    (0..GHOSTS.min(last)).map(of).collect()
 }
 
 /// Kinetic energy, and the potential of stresses, actuations and loads.
@@ -161,58 +193,65 @@ fn energies(member: CaseMember<'_>, state: &State) -> [f64; 2] {
     [model.kinetic_energy(state), model.evaluate(&at, demand).map_or(f64::NAN, |sums| sums.energy)]
 }
 
+/// One value in space, or one vector.
+fn is_uniform(block: &ControlBlock) -> bool {
+    block.size() == block.components
+}
+
+/// What contributions report.
+fn quantities(member: CaseMember<'_>, state: &State) -> Vec<(String, &'static str, f64)> {
+    let at = Instant::new(&state.u, &state.controls, state.load);
+    member.solid().model().quantities(&at).unwrap_or_default()
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
 const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
 
 impl Table {
-    fn of(member: CaseMember<'_>, at: &Evaluated) -> Self {
-        let units = member.problem().units();
-        let mut names: Vec<String> =
-            ["t", "kinetic_energy", "potential", "min_J", "newton_iterations"].map(str::to_owned).into();
-        let mut labels: Vec<String> =
-            [units.time().symbol, &units.label(ENERGY), &units.label(ENERGY), "", ""].map(str::to_owned).into();
-        let axes = &["x", "y", "z"][..member.mesh().dim()];
+    /// Without rows.
+    fn head(member: CaseMember<'_>, at: &Evaluated) -> Self {
+        let (units, energy) = (member.problem().units(), member.problem().units().label(ENERGY));
+        let first = [
+            ("t", units.time().symbol),
+            ("kinetic_energy", &energy),
+            ("potential", &energy),
+            ("min_J", ""),
+            ("newton_iterations", ""),
+        ];
+        let mut columns: Vec<(String, String)> = first.map(|(name, unit)| (name.to_owned(), unit.to_owned())).into();
         for probe in &member.problem().probes {
-            for axis in axes {
-                names.push(format!("{}.{axis}", probe.name));
-                labels.push(units.length().symbol.to_owned());
-            }
+            let axes = AXES.iter().take(member.mesh().dim());
+            columns.extend(axes.map(|axis| (format!("{}.{axis}", probe.name), units.length().symbol.to_owned())));
         }
-        for (block, field) in member.fields().filter(|(block, _)| block.size() == block.components) {
-            let name = |c: usize| {
-                if block.components == 1 {
-                    field.array.clone()
-                } else {
-                    format!("{}.{}", field.array, ["x", "y", "z"][c])
-                }
+        for (block, field) in member.fields().filter(|(block, _)| is_uniform(block)) {
+            let name = |c: usize| match block.components {
+                1 => field.array.clone(),
+                _ => format!("{}.{}", field.array, AXES[c]),
             };
-            names.extend((0..block.components).map(name));
-            labels.extend((0..block.components).map(|_| field.unit.clone()));
+            columns.extend((0..block.components).map(|c| (name(c), field.unit.clone())));
         }
-        let quantities = |state: &State| {
-            let at = Instant::new(&state.u, &state.controls, state.load);
-            member.solid().model().quantities(&at).unwrap_or_default()
-        };
-        for (name, what, _) in quantities(&at.state) {
+        for (name, what, _) in quantities(member, &at.state) {
             let name = format!("{name}.{what}");
-            names.push(if names.contains(&name) { format!("contributions.{name}") } else { name });
-            labels.push(String::new());
+            let known = columns.iter().any(|(known, _)| *known == name);
+            columns.push((if known { format!("contributions.{name}") } else { name }, String::new()));
         }
-        let row = |state: &State| {
-            let report = &state.report;
-            let [kinetic, potential] = energies(member, state);
-            let mut row = vec![state.time, kinetic, potential, report.min_j, report.newton as f64];
-            for probe in &member.problem().probes {
-                row.extend_from_slice(&probe.displacement(&state.u, axes.len())[..axes.len()]);
-            }
-            let m = member.layout().at(&at.m, state.time).unwrap_or_default();
-            for block in member.reduced().layout_of_instant().blocks().iter().filter(|b| b.size() == b.components) {
-                row.extend_from_slice(block.of(&m));
-            }
-            row.extend(quantities(state).into_iter().map(|(.., value)| value));
-            row
-        };
-        let rows = at.states().par_iter().map(row).collect();
-        Self { names, units: labels, rows }
+        let (names, units) = columns.into_iter().unzip();
+        Self { names, units, rows: vec![] }
+    }
+
+    fn add(&mut self, member: CaseMember<'_>, m: &[f64], state: &State) {
+        let (report, [kinetic, potential]) = (&state.report, energies(member, state));
+        let mut row = vec![state.time, kinetic, potential, report.min_j, report.newton as f64];
+        let dim = member.mesh().dim();
+        for probe in &member.problem().probes {
+            row.extend_from_slice(&probe.displacement(&state.u, dim)[..dim]);
+        }
+        let m = member.layout().at(m, state.time).unwrap_or_default();
+        for block in member.reduced().layout_of_instant().blocks().iter().filter(|block| is_uniform(block)) {
+            row.extend_from_slice(block.of(&m));
+        }
+        row.extend(quantities(member, state).into_iter().map(|(.., value)| value));
+        self.rows.push(row);
     }
 
     fn csv(&self) -> String {
@@ -226,9 +265,9 @@ impl Table {
     /// Charts over the time: displacements of probes, energies, controls.
     fn charts(&self, member: CaseMember<'_>, out: &Directory) -> Result<Vec<String>, RunError> {
         let probes = member.problem().probes.len() * member.mesh().dim();
-        let controls = member.fields().filter(|(block, _)| block.size() == block.components);
+        let controls = member.fields().filter(|(block, _)| is_uniform(block));
         let controls: usize = controls.map(|(block, _)| block.components).sum();
-        let first = 5;
+        let first = 5; // behind the columns that every motion has
         let parts = [
             ("motion.svg", "displacement", first..first + probes),
             ("energies.svg", "energy", 1..3),

@@ -2,6 +2,7 @@
 
 use super::ensemble_progress::EnsembleProgress;
 use super::error::{Exit, RunError};
+use super::motion;
 use super::spectrum_request::SpectrumRequest;
 use super::states::Shown;
 use super::{OnTrial, Options, number};
@@ -235,6 +236,20 @@ impl<'c> Session<'c> {
         let (found, warnings) = self.timed("inspect", |session| session.look_into(session.console, what, point));
         self.warnings.extend(warnings);
         found
+    }
+
+    /// The motions of a problem in time, with what deserves attention in them.
+    pub fn motions(&mut self, point: &EnsemblePoint) -> Result<Vec<motion::Record>, RunError> {
+        let records = motion::records(self, point)?;
+        motion::warnings(&self.problem, &records).into_iter().for_each(|warning| self.warn(warning));
+        Ok(records)
+    }
+
+    /// Says how the motions went, and puts that into the result.
+    pub fn report_motions(&mut self, records: &[motion::Record], point: &EnsemblePoint) {
+        for (index, entry) in motion::report(self, records, point).into_iter().enumerate() {
+            self.put_of_member(index, "time", entry);
+        }
     }
 
     /// Looks into the states and says what deserves attention there; whoever asks keeps the warnings.

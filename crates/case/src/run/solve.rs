@@ -52,14 +52,15 @@ fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, R
         point = session.timed("descent", |session| minimum::descend(session, point))?;
     }
     let found = session.inspect(motion::state_name(&session.problem), &point);
-    motion::inspect(session, &point);
+    let records = session.motions(&point)?;
     report(session, &point, &found)?;
+    session.report_motions(&records, &point);
     let modes = match analysis {
         Analysis::Modes(count) => session.timed("modes", |session| modes::find(session, &point, *count))?,
         _ => Vec::new(),
     };
     modes::report(session, &modes);
-    session.timed("write", |session| write(session, &point, &found, &modes))?;
+    session.timed("write", |session| write(session, &point, (&found, &records), &modes))?;
     let exit = match analysis {
         Analysis::Equilibria(count) => equilibria::run(session, &point, *count)?,
         _ => Exit::Done,
@@ -98,26 +99,27 @@ pub(super) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[
     drop(reports);
     session.put_all(entries);
     session.put("controls", controls);
-    motion::report(session, point);
     session.put("load_steps", json!(point.members.iter().map(|at| at.state.report.load_steps).max()));
     say(session, point);
     Ok(())
 }
 
 fn say(session: &Session<'_>, point: &EnsemblePoint) {
-    let states = || point.members.iter().flat_map(|at| at.states());
+    let states = || point.members.iter().map(|at| &at.state);
     let (console, result) = (session.console, session.result_value());
     let mut work = SolveReport::default();
-    states().for_each(|state| work.add_work(&state.report));
+    point.members.iter().for_each(|at| work.add_work(&at.work));
     if work.newton == 0 && states().all(|state| state.u.iter().all(|u| *u == 0.0)) {
         console.say("equilibrium the state of rest: nothing deforms the body at the start controls");
     }
+    let of_steps =
+        format!(" in {} load steps ({} cut)", states().map(|state| state.report.load_steps).sum::<usize>(), work.cuts);
+    let moves = motion::is_motion(&session.problem);
     console.say(format!(
-        "{:<12}{} Newton iterations in {} load steps ({} cut), {} factorisations ({} reused), residual {}",
-        if motion::is_motion(&session.problem) { "work" } else { "equilibrium" },
+        "{:<12}{} Newton iterations{}, {} factorisations ({} reused), residual {}",
+        if moves { "work" } else { "equilibrium" },
         work.newton,
-        states().map(|state| state.report.load_steps).sum::<usize>(),
-        work.cuts,
+        if moves { "" } else { of_steps.as_str() },
         work.factorisations,
         work.reused,
         scientific(states().map(|state| state.report.residual).fold(0.0, f64::max), 1)
@@ -315,7 +317,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 fn write(
     session: &mut Session<'_>,
     point: &EnsemblePoint,
-    found: &[Inspection],
+    (found, records): (&[Inspection], &[motion::Record]),
     modes: &[Modes],
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
@@ -332,7 +334,7 @@ fn write(
             files.extend(write()?);
             continue;
         }
-        let ghosts = motion::ghosts(member, at)?;
+        let ghosts = motion::ghosts(records, member, at)?;
         let drawing = Drawing {
             title: title(member),
             subtitle: subtitle(session, at.min_j()) + &picture::legend(&shot),
@@ -349,9 +351,7 @@ fn write(
     }
     files.extend(write_targets(problem, &out)?);
     files.extend(write_collections(problem, "start", &out)?);
-    if motion::is_motion(problem) {
-        files.extend(motion::write(problem, point, &out)?);
-    }
+    files.extend(motion::write(problem, records, point, &out)?);
     say_files(session, files);
     Ok(())
 }

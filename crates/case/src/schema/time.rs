@@ -21,6 +21,8 @@ object! {
         pub velocity: Option<VectorField> as VELOCITY,
         /// How mass is distributed.
         pub mass: MassKind = MassKind::Consistent,
+        /// Megabytes that the states of a motion may take, of each member; those that do not fit are computed again for the derivative, to the same bits.
+        pub memory: Option<f64> as POSITIVE,
         /// Rayleigh damping of the whole body.
         pub rayleigh: Option<Rayleigh>,
     }

@@ -99,7 +99,7 @@ impl EnsembleBuilder {
         let mut products = Vec::new();
         for (index, member) in members.iter().enumerate() {
             let failed = |e| EnsembleError::member(&member.name, e);
-            member.problem.solid().check().map_err(|e| failed(ControlError::from(e)))?;
+            member.problem.check_body().map_err(failed)?;
             if blocks.iter().any(|block| block.owner == index) {
                 products.push((index, member.problem.build_inner_product().map_err(failed)?));
             }

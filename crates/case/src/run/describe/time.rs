@@ -25,9 +25,16 @@ pub(in crate::run) fn time(problem: &CaseProblem) -> Vec<Line> {
     };
     let velocity = if time.velocity.is_some() { ", with a given velocity" } else { ", at rest" };
     let mut out = vec![line("time", steps), line("time", format!("begins at {begin}{velocity}"))];
-    let kept = problem.members().map(|member| member.reduced().motion_bytes()).sum::<usize>() as f64 / 1e6;
+    let footprints = problem.members().filter_map(|member| member.reduced().motion_footprint().ok().flatten());
+    let (bytes, again) = footprints.fold((0, 0), |(b, r), one| (b + one.bytes, r + one.recomputed_steps));
+    let kept = bytes as f64 / 1e6;
+    let again =
+        if again > 0 { format!(", {} steps computed again for a derivative", grouped(again)) } else { String::new() };
     let shown = time.steps() / time.stride() + 1;
-    out.push(line("time", format!("the states of a motion take {kept:.1} MB; {} are written", count(shown, "state"))));
+    out.push(line(
+        "time",
+        format!("the states of a motion take {kept:.1} MB{again}; {} are written", count(shown, "state")),
+    ));
     if let Some(damping) = &time.rayleigh {
         let (mass, stiffness) = (quantity(damping.mass, Dimension::RATE, units), of(damping.stiffness));
         out.push(line("time", format!("Rayleigh damping: {mass} of the mass, {stiffness} of the stiffness at rest")));

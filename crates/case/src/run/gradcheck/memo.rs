@@ -107,7 +107,8 @@ impl<'a> Memo<'a> {
         let of = |part: &nastic_control::Member| {
             let problem = part.problem();
             let own = problem.term_names().iter().position(|term| term == name)?;
-            Some(problem.costs()[own].stages())
+            // costs of a motion stand behind those of states, and have one stage
+            Some(problem.costs().get(own).map_or(1, |cost| cost.stages()))
         };
         self.ensemble.members().iter().filter_map(of).max().unwrap_or(1)
     }

@@ -51,8 +51,8 @@ pub(super) fn report(
 ) -> Result<Vec<Inspection>, RunError> {
     let FinishedRun { start, best, work, .. } = ended;
     let found = session.inspect("optimum", &best.point);
-    motion::inspect(session, &best.point);
-    motion::report(session, &best.point);
+    let records = session.motions(&best.point)?;
+    session.report_motions(&records, &best.point);
     let problem = &session.problem;
     let reports = member_report::of_inspected(problem, &best.point, &found);
     let mut reports = reports.map_err(|error| session.member_failed(error))?;
@@ -100,7 +100,9 @@ pub(super) fn report(
     session.console.say("");
     table_of_starts::say(session, entries_of_starts, index);
     say(session, (ended, diagnosis), resumable);
-    session.timed("write", |session| write(session, (ended, diagnosis), &found, (index, entries_of_starts.len())))?;
+    session.timed("write", |session| {
+        write(session, (ended, diagnosis), (&found, &records), (index, entries_of_starts.len()))
+    })?;
     Ok(found)
 }
 
@@ -213,7 +215,7 @@ pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteratio
 fn write(
     session: &mut Session<'_>,
     (ended, diagnosis): (&FinishedRun, Option<&Diagnosis>),
-    found: &[Inspection],
+    (found, records): (&[Inspection], &[motion::Record]),
     (best_start, starts): (usize, usize),
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
@@ -238,7 +240,7 @@ fn write(
         let others = problem.members().filter(|other| other.load_case() == member.load_case()).skip(1);
         let others = others.take(picture::SCENARIOS).map(|other| Ok((title(other), shot(&best.point, other)?)));
         let mean = problem.has_scenarios().then(|| mean(session, member.load_case().unwrap_or(""), &best.point));
-        let moving = motion::ghosts(member, &best.point.members[member.index()])?;
+        let moving = motion::ghosts(records, member, &best.point.members[member.index()])?;
         let drawing = Drawing {
             title: title(member),
             subtitle: subtitle(session, best)
@@ -266,9 +268,7 @@ fn write(
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
     files.extend(write_collections(problem, "optimum", &out)?);
-    if motion::is_motion(problem) {
-        files.extend(motion::write(problem, &best.point, &out)?);
-    }
+    files.extend(motion::write(problem, records, &best.point, &out)?);
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::has_lines(member))));
     files.extend(super::super::solve::target_files(problem));
     let number = if several { format!("start_{best_start}_") } else { String::new() };
