@@ -33,6 +33,22 @@ fn bad_input_is_two_and_tells_every_problem() {
 }
 
 #[test]
+fn modes_are_asked_for_by_their_number() {
+    let place = Place::new(&BAR.replace("\"law\":", "\"density\": \"1100 kg/m^3\", \"law\":"));
+    let output = place.nastic(&["modes", "case.json", "--count", "2", "--undeformed"]);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let told = text(&output.stdout);
+    assert!(told.contains("about the undeformed body") && told.matches(" Hz ").count() == 2, "{told}");
+    assert!(place.path("out/case/start.vtu").exists());
+    let output = place.nastic(&["modes", "case.json", "--json"]);
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["modes"]["frequencies"].as_array().unwrap().len(), 6, "{answer}");
+    let output = Place::new(BAR).nastic(&["modes", "case.json"]);
+    assert_eq!(code(&output), 2);
+    assert!(text(&output.stderr).contains("give every material a \"density\""), "{}", text(&output.stderr));
+}
+
+#[test]
 fn a_failed_solve_is_three() {
     let place = Place::new(BAR);
     let output = place.nastic(&["solve", "case.json", "--set", "supports/0/displacement={\"x\": 0}"]);

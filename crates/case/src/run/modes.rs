@@ -125,6 +125,9 @@ fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> 
 /// What the scheme and the Rayleigh damping of a motion make of the modes.
 fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<Seen> {
     let (time, timeline) = (member.case().time.as_ref()?, member.reduced().timeline()?);
+    if timeline.scheme().is_quasi_static() {
+        return None; // nothing vibrates in its steps
+    }
     let rayleigh = time.rayleigh.as_ref().map_or((0.0, 0.0), |damping| (damping.mass, damping.stiffness));
     let of = |mode: &VibrationMode| match mode.kind() {
         ModeKind::Vibration { angular_frequency: w } => timeline.scheme().modal_damping(time.step, w, rayleigh).ok(),

@@ -39,12 +39,16 @@ impl Scheme {
     /// trapezoidal rule 1.
     ///
     /// # Errors
-    /// An `h w` that is not positive and finite, a `d/w` that is negative or not finite.
+    /// An `h w` that is not positive and finite, a `d/w` that is negative or not finite; a scheme without inertia.
     pub fn amplification(&self, hw: f64, damping: f64) -> Result<AmplificationFactor, FemError> {
         if !(hw.is_finite() && hw > 0.0 && damping.is_finite() && damping >= 0.0) {
             let what = format!(
                 "a mode with h w = {hw} and d/w = {damping}: take an h w above zero and a d/w of at least zero, both finite"
             );
+            return Err(FemError::Meaningless { what });
+        }
+        if self.is_quasi_static() {
+            let what = format!("the amplification factor of {}: without inertia nothing vibrates", self.name());
             return Err(FemError::Meaningless { what });
         }
         let eigenvalues = self.amplification_matrix(hw, damping).complex_eigenvalues();
