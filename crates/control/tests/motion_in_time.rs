@@ -44,8 +44,12 @@ fn raised(by: f64) -> Target {
 }
 
 fn flicked(scheme: Scheme) -> Done<Reduced> {
+    flicked_in(scheme, MotionMemory::All)
+}
+
+fn flicked_in(scheme: Scheme, memory: MotionMemory) -> Done<Reduced> {
     Ok(Reduced::new(arm(1e5)?)
-        .in_time(timeline(scheme)?.from_rest())?
+        .in_time(timeline(scheme)?.from_rest().segments_of(2).keep(memory))?
         .control_in_time("tension", Space::Cell, knots(Interpolation::Linear)?)?
         .cost(Tracking::surface("x+", raised(0.1)))?)
 }
@@ -156,7 +160,8 @@ fn derivatives_of_all_costs_of_motions_are_right() -> Done {
     assert_taylor(&problem, &m, "all")
 }
 
-/// Same bits from one thread and from many; a run goes on from a checkpoint to the bit.
+/// Same bits from one thread and from many; a run goes on from a checkpoint to the bit, also where motions keep few states, with which
+/// it is the same run.
 #[test]
 fn motions_give_the_same_bits() -> Done {
     let m = |problem: &Reduced| wave(problem.layout().len(), -1e4);
@@ -168,17 +173,24 @@ fn motions_give_the_same_bits() -> Done {
     };
     assert_eq!(run(1)?, run(2)?);
 
-    let problem = flicked(Scheme::bdf2())?;
     let optimizer = Lbfgs::default().within(Bounds::new(-4e4, 4e4)?).tolerance(1e-8).max_iterations(6);
-    let mut run = optimizer.start(&problem, -1e3)?;
-    (0..3).for_each(|_| {
-        run.step(&mut ());
-    });
-    let bytes = run.checkpoint().to_bytes();
-    let mut resumed = optimizer.resume(&problem, &RunState::from_bytes(&bytes)?)?;
-    run.run(&mut ());
-    resumed.run(&mut ());
-    assert_eq!(run.save().to_bytes(), resumed.save().to_bytes());
+    let mut ends = Vec::new();
+    for memory in [MotionMemory::All, MotionMemory::Checkpoints(2)] {
+        let problem = flicked_in(Scheme::bdf2(), memory)?;
+        let mut run = optimizer.start(&problem, -1e3)?;
+        (0..3).for_each(|_| {
+            run.step(&mut ());
+        });
+        let bytes = run.checkpoint().to_bytes();
+        let mut resumed = optimizer.resume(&problem, &RunState::from_bytes(&bytes)?)?;
+        run.run(&mut ());
+        let stop = resumed.run(&mut ());
+        assert!(run.save().to_bytes() == resumed.save().to_bytes(), "{memory:?}");
+        let best = resumed.finish(stop);
+        ends.push((best.m.iter().map(|m| m.to_bits()).collect::<Vec<_>>(), best.cost.to_bits()));
+    }
+    assert_eq!(ends[0], ends[1]);
+    let problem = flicked(Scheme::bdf2())?;
     // what is not near does not matter: a motion depends on m alone
     let near = problem.at(&wave(problem.layout().len(), -2e4))?;
     let alone = problem.evaluate(&m(&problem), &Request::default(), &mut Default::default())?;

@@ -1,7 +1,8 @@
 //! [`MotionMemory`]: how much memory the states of a motion may take.
 
 /// What is kept of a motion for its derivative. The rest is computed again, and comes out the same, to the bit: neither costs nor
-/// derivatives depend on it, but the time a derivative takes does (see [`MotionFootprint`]).
+/// derivatives depend on it, but the time a derivative takes does (see [`MotionFootprint`]). Of each point: an optimiser holds up to
+/// three, of which those whose derivative was taken keep their beginning alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MotionMemory {
     /// All states.
