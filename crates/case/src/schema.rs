@@ -49,8 +49,8 @@ pub use catalogue::Input;
 pub use constraint::{Constraint, KeepOut};
 pub use control::{Cells, Control, ControlsFile, Space, Start};
 pub use cost::{
-    ControlNorm, ControlRate, ControlSmoothness, Cost, Exponential, Inverse, Penetration, Phi, SmoothedHausdorff,
-    Stage, Stages, Target, Tracking,
+    ActuationWork, ControlNorm, ControlRate, ControlSmoothness, Cost, Exponential, Inverse, KineticEnergy, Penetration,
+    Phi, SmoothedHausdorff, Stage, Stages, Target, Tracking,
 };
 pub use direction::Direction;
 pub use expectation::{Command, Expectation};

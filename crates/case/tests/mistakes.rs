@@ -168,7 +168,8 @@ fn wrong_types_and_missing_keys_are_clear() {
         "",
         ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, orientation, curvature, \
          largest_stretch, compliance, obstacle, control_norm, control_smoothness, \
-         control_rate, pump_work)",
+         control_rate, \
+         kinetic_energy, actuation_work, pump_work)",
     );
     one(
         COMPLETE,

@@ -103,6 +103,8 @@ fn costs_and_controls_in_time_have_a_right_gradient() {
           { "kind": "tracking", "surface": "x+", "weight": 1e6, "when": { "at": ["10 ms", "20 ms"] }, "target": ["0.098", "Y", "Z"] },
           { "name": "late", "kind": "position", "point": [0.1, 0, 0], "weight": 1e6, "when": { "time_above": 0.1 }, "target": { "x": "0.095" } },
           { "kind": "control_rate", "of": "fibers", "weight": 1e-9 },
+          { "kind": "kinetic_energy", "weight": 1e3, "when": "integral" },
+          { "name": "spent", "kind": "actuation_work", "weight": 10 },
           { "kind": "control_norm", "of": "fibers", "weight": 1e-8 } ]"#;
     let text = case(STEPS, DENSE, &format!("{HELD}{FIBERS}{blocks}"));
     let place = Place::new();
@@ -111,7 +113,7 @@ fn costs_and_controls_in_time_have_a_right_gradient() {
     // Every second of the terms counts.
     let result = place.run(Command::Gradient, &text, &[]).unwrap().result;
     let terms = result["cost"]["terms"].as_object().unwrap();
-    assert_eq!(terms.len(), 5, "{terms:?}");
+    assert_eq!(terms.len(), 7, "{terms:?}");
     assert!(terms.values().all(|value| value.as_f64().unwrap() > 0.0), "{terms:?}");
     let optimum = place.run(Command::Optimize, &text, &["optimizer/max_iterations=5"]).unwrap();
     assert!(optimum.result["cost"]["total"].as_f64() < optimum.result["start"]["cost"]["total"].as_f64());

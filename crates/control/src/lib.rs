@@ -44,7 +44,7 @@ pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use reduced::Reduced;
 pub use snapshot::StateFields;
 pub use time::{
-    ControlRate, Interpolation, Knots, MotionFootprint, MotionMemory, RateLimit, Timeline, TrajectoryContext,
-    TrajectoryCost, TrajectoryPartials, When,
+    ActuationWork, ControlRate, Interpolation, KineticEnergy, Knots, MotionFootprint, MotionMemory, RateLimit,
+    Timeline, TrajectoryContext, TrajectoryCost, TrajectoryPartials, When,
 };
 pub use workspace::ReducedWorkspace;

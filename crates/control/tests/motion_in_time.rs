@@ -1,8 +1,8 @@
 //! Problems in time: values against closed forms, derivatives against differences, histories to the bit.
 
 use nastic_control::{
-    ControlNorm, ControlRate, Ensemble, Evaluated, Interpolation, Knots, MeanPosition, Metric, MotionMemory, RateLimit,
-    Reduced, Space, Target, Timeline, Tracking, When,
+    ActuationWork, ControlNorm, ControlRate, Ensemble, Evaluated, Interpolation, Knots, MeanPosition, Metric,
+    MotionMemory, RateLimit, Reduced, Space, Target, Timeline, Tracking, When,
 };
 use nastic_energy::{FiberTension, Magnet, MaxwellBranch, NeoHooke, Turgor};
 use nastic_fem::{Inertia, Scheme, Solid};
@@ -67,6 +67,44 @@ fn assert_taylor(problem: &Reduced, m: &[f64], what: &str) -> Done {
 
 fn wave(len: usize, amplitude: f64) -> Vec<f64> {
     (0..len).map(|i| amplitude * (1.0 + 0.8 * ((i * 37 % 11) as f64 / 11.0 - 0.5))).collect()
+}
+
+/// Without damping the actuations do the work that kinetic and stored energy gain, up to h^2; their derivatives are right.
+#[test]
+fn actuations_do_the_work_that_a_motion_gains() -> Done {
+    let body = || -> Done<Solid> {
+        Ok(Solid::new(box_mesh([0.5, 0.05, 0.05], [4, 1, 2], CellKind::Hex8)?)?
+            .material("body", NeoHooke::from_young_poisson(1e5, 0.3)?)?
+            .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
+            .clamp("x-")?
+            .inertia(Inertia::new("body", 1000.0))?)
+    };
+    let problem = |steps: usize| -> Done<Reduced> {
+        Ok(Reduced::new(body()?)
+            .in_time(Timeline::uniform(Scheme::implicit_midpoint(), 0.1, steps)?.from_rest())?
+            .control_in_time("tension", Space::Cell, Knots::every(0.05, 0.1, Interpolation::Linear)?)?
+            .trajectory_cost(ActuationWork::new(2.0)?)?
+            .trajectory_cost(KineticEnergy::new(When::End, 3.0)?)?
+            .trajectory_cost(KineticEnergy::new(When::Integral, 1.0)?)?)
+    };
+    let mut gaps = Vec::new();
+    for steps in [40, 80] {
+        let problem = problem(steps)?;
+        let m: Vec<f64> = (0..problem.layout().len()).map(|i| -3e4 * ((i * 5 % 7) as f64) / 7.0).collect();
+        let at = problem.at(&m)?;
+        let model = problem.solid().model();
+        let passive = problem.solid().controls();
+        let end = nastic_fem::Instant::new(&at.state.u, &passive, 1.0);
+        let stored = model.evaluate(&end, nastic_fem::Demand { energy: true, force: false })?.energy;
+        let kinetic = model.kinetic_energy(&at.state);
+        assert!((at.terms[1] / (3.0 * kinetic) - 1.0).abs() < 1e-14);
+        let work = at.terms[0] / 2.0;
+        println!("{steps} steps: work {work:.6e}, gained {:.6e}", kinetic + stored);
+        gaps.push((work - kinetic - stored).abs() / (kinetic + stored));
+    }
+    assert!(gaps[0] < 0.02 && gaps[1] < gaps[0] / 3.0, "{gaps:?}");
+    let problem = problem(8)?;
+    assert_taylor(&problem, &wave(problem.layout().len(), -2e4), "work and kinetic energy")
 }
 
 /// At rest a cost of states is a constant c: its integral is c T, three instants make 3 c, the time above c is half of T.

@@ -41,7 +41,7 @@ pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option
 
 /// Refuses what a constraint, which holds at the end of a motion, cannot take.
 fn check_at_end(cost: &Cost, context: &mut Context<'_>) -> Option<()> {
-    if cost.when().is_none() && !cost.uses_time() && !matches!(cost, Cost::ControlRate(_)) {
+    if cost.when().is_none() && !cost.uses_time() && !cost.is_of_motion() {
         return Some(());
     }
     let message = "a constraint holds at the end of a motion: leave \"when\" and the time out, or take a cost";

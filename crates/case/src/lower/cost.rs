@@ -3,7 +3,7 @@
 use super::array::{self, Entity};
 use super::context::Context;
 use super::named::key_of;
-use super::named_cost::{Named, NamedRate};
+use super::named_cost::{Named, NamedMotionTerm};
 use super::place::{self, Kind, Place};
 use super::time;
 use crate::expression::EvaluationError;
@@ -13,8 +13,8 @@ use crate::schema::{
 use crate::syntax::At;
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
-    ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, CostTarget, IntoCost, ObstaclePenetration, Phi,
-    Reduced, SmoothedHausdorff, Target, Tracking, When,
+    ActuationWork, ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, CostTarget, IntoCost,
+    KineticEnergy, ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Tracking, TrajectoryCost, When,
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
 use nastic_mesh::{GroupNames, Mesh};
@@ -80,15 +80,14 @@ pub(super) fn add(
     mut reduced: Reduced,
     context: &mut Context<'_>,
 ) -> Option<(Reduced, Vec<TargetShape>)> {
-    let (mut terms, mut shapes, mut rates) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut terms, mut shapes, mut of_motion) = (Vec::new(), Vec::new(), Vec::new());
     for (block, target) in case.costs.iter().zip(targets) {
         if block.weight() == 0.0 {
             context.warn(&INPUT, &block.at().key("weight"), "the weight is zero: the term is left out");
             continue;
         }
-        if let Block::ControlRate(block) = block {
-            let of = case.controls.iter().find(|control| control.name() == block.of)?;
-            rates.push((&block.at, context.take(&block.at, ControlRate::of(&of.of, block.weight))?, block));
+        if block.is_of_motion() {
+            of_motion.push((block, of_a_motion(case, block, context)?));
             continue;
         }
         let lowering = Lowering { case, reduced: &reduced, block };
@@ -100,11 +99,24 @@ pub(super) fn add(
     for (block, term) in terms {
         reduced = add_term(case, (block, term), reduced, context)?;
     }
-    for (at, cost, block) in rates {
-        let name = block.name.clone().unwrap_or_else(|| "control_rate".to_owned());
-        reduced = context.take(at, reduced.trajectory_cost(NamedRate { name, cost }))?;
+    for (block, cost) in of_motion {
+        let term = NamedMotionTerm { name: block.name().to_owned(), cost };
+        reduced = context.take(block.at(), reduced.trajectory_cost(term))?;
     }
     Some((reduced, shapes))
+}
+
+/// A term of a motion.
+fn of_a_motion(case: &Case, block: &Block, context: &mut Context<'_>) -> Option<Box<dyn TrajectoryCost>> {
+    let at = block.at();
+    Some(match block {
+        Block::ControlRate(block) => {
+            let of = case.controls.iter().find(|control| control.name() == block.of)?;
+            Box::new(context.take(at, ControlRate::of(&of.of, block.weight))?)
+        }
+        Block::KineticEnergy(own) => Box::new(context.take(at, KineticEnergy::new(time::when(block), own.weight))?),
+        _ => Box::new(context.take(at, ActuationWork::new(block.weight()))?),
+    })
 }
 
 /// A term, in a motion with the part of it over which it counts.
@@ -147,7 +159,7 @@ fn along_path(
 
 /// What the terms themselves have to say.
 pub(super) fn warn(case: &Case, reduced: &Reduced, context: &mut Context<'_>) {
-    let of_states = |block: &&Block| block.weight() != 0.0 && !matches!(block, Block::ControlRate(_));
+    let of_states = |block: &&Block| block.weight() != 0.0 && !block.is_of_motion();
     let terms = case.costs.iter().filter(of_states);
     for (block, cost) in terms.zip(reduced.costs()) {
         for warning in cost.warnings(reduced.solid()) {
@@ -183,7 +195,7 @@ impl Lowering<'_> {
                 Some(Box::new(context.take(&block.at, cost)?))
             }
             // Of a motion, not of a state.
-            Block::ControlRate(_) => None,
+            Block::ControlRate(_) | Block::KineticEnergy(_) | Block::ActuationWork(_) => None,
             Block::Added(block) => {
                 let inputs = uniform(block, context)?;
                 let given = choose_form(block.row.name, block.row.forms, &inputs);

@@ -1,8 +1,8 @@
 //! Terms of the cost under the names that the case gives them.
 
 use nastic_control::{
-    ControlError, ControlRate, Cost, CostContext, CostPoint, CostTarget, Layout, Smoothing, Timeline,
-    TrajectoryContext, TrajectoryCost, TrajectoryPartials,
+    ControlError, Cost, CostContext, CostPoint, CostTarget, Layout, Smoothing, Timeline, TrajectoryContext,
+    TrajectoryCost, TrajectoryPartials,
 };
 use nastic_fem::Solid;
 use std::sync::Arc;
@@ -50,20 +50,24 @@ impl Cost for Named {
     }
 }
 
-/// The rate of a control under the name the case gives it.
+/// A term of a motion under the name the case gives it.
 #[derive(Debug)]
-pub(super) struct NamedRate {
+pub(super) struct NamedMotionTerm {
     pub name: String,
-    pub cost: ControlRate,
+    pub cost: Box<dyn TrajectoryCost>,
 }
 
-impl TrajectoryCost for NamedRate {
+impl TrajectoryCost for NamedMotionTerm {
     fn name(&self) -> &str {
         &self.name
     }
 
     fn check(&self, layout: &Layout, timeline: &Timeline) -> Result<(), ControlError> {
         self.cost.check(layout, timeline)
+    }
+
+    fn needs_states(&self) -> bool {
+        self.cost.needs_states()
     }
 
     fn value(&self, at: &TrajectoryContext) -> Result<f64, ControlError> {

@@ -245,6 +245,8 @@ fn cost_line(head: &'static str, cost: &Cost) -> Line {
         Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
         Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
         Cost::ControlRate(block) => format!("weight/2 int int |d{}/dt|^2", block.of),
+        Cost::KineticEnergy(_) => "kinetic energy of the body".to_owned(),
+        Cost::ActuationWork(_) => "work that the actuations do".to_owned(),
         Cost::Added(block) => block.row.about.to_owned(),
     };
     let (name, kind) = (cost.name(), cost.kind());

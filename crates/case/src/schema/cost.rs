@@ -41,6 +41,10 @@ tagged! {
         "control_smoothness" => ControlSmoothness(ControlSmoothness),
         /// Rate of a control in time.
         "control_rate" => ControlRate(ControlRate),
+        /// Kinetic energy of the body.
+        "kinetic_energy" => KineticEnergy(KineticEnergy),
+        /// Work that the actuations do.
+        "actuation_work" => ActuationWork(ActuationWork),
     }
 }
 
@@ -241,6 +245,28 @@ object! {
     }
 }
 
+object! {
+    /// weight times the kinetic energy
+    pub struct KineticEnergy {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+        /// When it counts in a motion; at the end if left out.
+        pub when: Option<When>,
+    }
+}
+
+object! {
+    /// weight times the work that all actuations do from t = 0 to the end
+    pub struct ActuationWork {
+        /// Name in results; the kind if left out.
+        pub name: Option<String>,
+        /// Factor.
+        pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
+    }
+}
+
 impl Cost {
     /// Path of this block in the case.
     #[must_use]
@@ -257,6 +283,8 @@ impl Cost {
             Self::ControlNorm(block) => &block.at,
             Self::ControlSmoothness(block) => &block.at,
             Self::ControlRate(block) => &block.at,
+            Self::KineticEnergy(block) => &block.at,
+            Self::ActuationWork(block) => &block.at,
             Self::Added(block) => &block.at,
         }
     }
@@ -276,6 +304,8 @@ impl Cost {
             Self::ControlNorm(block) => &block.name,
             Self::ControlSmoothness(block) => &block.name,
             Self::ControlRate(block) => &block.name,
+            Self::KineticEnergy(block) => &block.name,
+            Self::ActuationWork(block) => &block.name,
             Self::Added(block) => &block.name,
         };
         own.as_deref().unwrap_or(self.kind())
@@ -296,6 +326,8 @@ impl Cost {
             Self::ControlNorm(block) => block.weight,
             Self::ControlSmoothness(block) => block.weight,
             Self::ControlRate(block) => block.weight,
+            Self::KineticEnergy(block) => block.weight,
+            Self::ActuationWork(block) => block.weight,
             Self::Added(block) => block.weight,
         }
     }
@@ -315,8 +347,15 @@ impl Cost {
             Self::ControlNorm(block) => block.when.as_ref(),
             Self::ControlSmoothness(block) => block.when.as_ref(),
             Self::Added(block) => block.when.as_ref(),
-            Self::ControlRate(_) => None,
+            Self::KineticEnergy(block) => block.when.as_ref(),
+            Self::ControlRate(_) | Self::ActuationWork(_) => None,
         }
+    }
+
+    /// Whether it is a term of a motion, not of states.
+    #[must_use]
+    pub fn is_of_motion(&self) -> bool {
+        matches!(self, Self::ControlRate(_) | Self::KineticEnergy(_) | Self::ActuationWork(_))
     }
 
     /// Whether its target changes in time.

@@ -1,6 +1,8 @@
 //! Problems in time: instants, controls between knots, costs of trajectories.
 
+mod actuation_work;
 mod control_rate;
+mod kinetic_energy;
 mod knots;
 mod memory;
 mod rate_limit;
@@ -8,7 +10,9 @@ mod schedule;
 mod timeline;
 mod trajectory_cost;
 
+pub use actuation_work::ActuationWork;
 pub use control_rate::ControlRate;
+pub use kinetic_energy::KineticEnergy;
 pub use knots::{Interpolation, Knots};
 pub use memory::{MotionFootprint, MotionMemory};
 pub use rate_limit::RateLimit;

@@ -2,7 +2,6 @@
 
 use super::{Blocks, block};
 use crate::schema::control::{Control, Start};
-use crate::schema::cost::Cost;
 use crate::schema::optimizer::Optimizer;
 use crate::schema::read::Reader;
 use crate::schema::time::Time;
@@ -30,8 +29,8 @@ fn check_static(blocks: &Blocks, reader: &mut Reader<'_>) {
         if cost.when().is_some() {
             reader.complain_at(&cost.at().key("when"), format!("the case is static: {GIVE}"));
         }
-        if let Cost::ControlRate(block) = cost {
-            reader.complain_at(&block.at, format!("the rate of a control where the case is static: {GIVE}"));
+        if cost.is_of_motion() {
+            reader.complain_at(cost.at(), format!("\"{}\" where the case is static: {GIVE}", cost.kind()));
         }
     }
 }

@@ -1,0 +1,104 @@
+//! [`ActuationWork`]: the work that the actuations do in a motion.
+
+use super::Timeline;
+use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
+use crate::cost::check_weight;
+use crate::error::ControlError;
+use crate::layout::Layout;
+use nastic_fem::{Controls, Demand, Instant, State};
+use nastic_numeric::vector::{axpy, dot};
+
+/// The energy that actuations spend: with `g(u; m) = r(u; m) - r(u; 0)` the internal force of the actuations,
+///
+/// ```text
+/// j = -weight sum_n (g_n + g_{n+1})/2 . (u_{n+1} - u_n)
+/// ```
+///
+/// the trapezoidal rule of `-int g . du`. Without dissipation it is what kinetic energy, stored energy and the potential of dead loads gain, up
+/// to an error of second order in the step. It counts from the state at t = 0 on, and what flows back counts as negative.
+///
+/// Units: the weight's times N m.
+#[derive(Debug, Clone)]
+pub struct ActuationWork {
+    weight: f64,
+}
+
+impl ActuationWork {
+    /// Of all actuations.
+    ///
+    /// # Errors
+    /// A weight that is not positive.
+    pub fn new(weight: f64) -> Result<Self, ControlError> {
+        Ok(ActuationWork { weight: check_weight("actuation_work", weight)? })
+    }
+}
+
+/// Without actuation and with it.
+fn pair<'a>(state: &'a State, passive: &'a Controls) -> [Instant<'a>; 2] {
+    [Instant::new(&state.u, passive, 1.0), Instant::new(&state.u, &state.controls, 1.0)]
+}
+
+/// g of every state.
+fn forces(at: &TrajectoryContext) -> Result<Vec<Vec<f64>>, ControlError> {
+    let (model, passive) = (at.solid.model(), at.solid.controls());
+    let demand = Demand { energy: false, force: true };
+    let of = |state: &State| {
+        let [without, with] = pair(state, &passive);
+        let mut force = model.evaluate(&with, demand)?.force;
+        axpy(-1.0, &model.evaluate(&without, demand)?.force, &mut force);
+        Ok(force)
+    };
+    at.trajectory.states().iter().map(of).collect()
+}
+
+/// `u_{n+1} - u_n`
+fn moves(at: &TrajectoryContext) -> Vec<Vec<f64>> {
+    let change = |pair: &[State]| pair[1].u.iter().zip(pair[0].u.iter()).map(|(b, a)| b - a).collect();
+    at.trajectory.states().windows(2).map(change).collect()
+}
+
+impl TrajectoryCost for ActuationWork {
+    fn name(&self) -> &str {
+        "actuation_work"
+    }
+
+    fn check(&self, _: &Layout, _: &Timeline) -> Result<(), ControlError> {
+        Ok(())
+    }
+
+    fn value(&self, at: &TrajectoryContext) -> Result<f64, ControlError> {
+        let forces = forces(at)?;
+        let work = |(n, du): (usize, Vec<f64>)| -0.5 * (dot(&forces[n], &du) + dot(&forces[n + 1], &du));
+        Ok(self.weight * moves(at).into_iter().enumerate().map(work).sum::<f64>())
+    }
+
+    fn add_partials(&self, at: &TrajectoryContext, out: &mut TrajectoryPartials) -> Result<(), ControlError> {
+        let (forces, moves) = (forces(at)?, moves(at));
+        let (model, passive, of_instant) = (at.solid.model(), at.solid.controls(), at.layout.of_instant());
+        for (n, state) in at.trajectory.states().iter().enumerate() {
+            let (t, len) = (at.timeline.instants()[n], state.u.len());
+            let mut by_u = vec![0.0; len];
+            // what g_n is multiplied by
+            let mut factor = vec![0.0; len];
+            for (k, sign) in [(n.checked_sub(1), -0.5), (Some(n), 0.5)] {
+                let Some((k, du)) = k.and_then(|k| Some((k, moves.get(k)?))) else { continue };
+                axpy(-0.5 * self.weight, du, &mut factor);
+                axpy(sign * self.weight, &forces[k], &mut by_u);
+                axpy(sign * self.weight, &forces[k + 1], &mut by_u);
+            }
+            for (at, sign) in pair(state, &passive).iter().zip([-1.0, 1.0]) {
+                let (mut tangent, mut image) = (model.matrix(), vec![0.0; len]);
+                model.add_tangent(at, &mut tangent)?;
+                tangent.multiply_transposed(&factor, &mut image, true);
+                axpy(sign, &image, &mut by_u);
+            }
+            let own = &mut out.states[n].u;
+            own.resize(len, 0.0);
+            axpy(1.0, &by_u, own);
+            let by_points = model.vjp(&pair(state, &passive)[1], &factor)?.controls;
+            let by_instant = of_instant.control_vjp(&at.layout.at(at.m, t)?, &by_points);
+            at.layout.add_at(t, &by_instant, &mut out.m);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,73 @@
+//! [`KineticEnergy`]: a cost of a body that moves.
+
+use super::Timeline;
+use super::schedule::{Schedule, When};
+use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
+use crate::cost::check_weight;
+use crate::error::ControlError;
+use crate::layout::Layout;
+use nastic_numeric::vector::axpy;
+
+/// `j = weight v . M v / 2` at the end, as an integral over the time, or at instants: a body that is to come to rest, or not to move.
+///
+/// Units: the weight's times N m (times s as an integral).
+#[derive(Debug, Clone)]
+pub struct KineticEnergy {
+    when: When,
+    weight: f64,
+}
+
+impl KineticEnergy {
+    /// At some part of the motion.
+    ///
+    /// # Errors
+    /// A weight that is not positive.
+    pub fn new(when: When, weight: f64) -> Result<Self, ControlError> {
+        Ok(KineticEnergy { when, weight: check_weight("kinetic_energy", weight)? })
+    }
+
+    fn schedule(&self, timeline: &Timeline) -> Result<Schedule, ControlError> {
+        Schedule::new(self.when.clone(), timeline)
+    }
+}
+
+impl TrajectoryCost for KineticEnergy {
+    fn name(&self) -> &str {
+        "kinetic_energy"
+    }
+
+    fn check(&self, _: &Layout, timeline: &Timeline) -> Result<(), ControlError> {
+        if timeline.scheme().is_quasi_static() {
+            let name = timeline.scheme().name();
+            let what = format!("the kinetic energy of a motion by {name}, which has none: leave it out");
+            return Err(ControlError::Cost { what });
+        }
+        self.schedule(timeline).map(drop)
+    }
+
+    fn value(&self, at: &TrajectoryContext) -> Result<f64, ControlError> {
+        let mut sum = 0.0;
+        let schedule = self.schedule(at.timeline)?;
+        for (n, weight) in &schedule.weights {
+            let state = &at.trajectory.states()[*n];
+            sum += weight * schedule.shape(self.weight * at.solid.model().kinetic_energy(state)).0;
+        }
+        Ok(sum)
+    }
+
+    fn add_partials(&self, at: &TrajectoryContext, out: &mut TrajectoryPartials) -> Result<(), ControlError> {
+        let (schedule, mass) = (self.schedule(at.timeline)?, at.solid.model().mass());
+        for (n, weight) in &schedule.weights {
+            let state = &at.trajectory.states()[*n];
+            let Some(velocity) = &state.velocity else { continue }; // at rest
+            let energy = self.weight * at.solid.model().kinetic_energy(state);
+            let v = at.solid.model().nodal(velocity);
+            let mut momentum = vec![0.0; v.len()];
+            mass.multiply(v, &mut momentum);
+            let by_velocity = &mut out.states[*n].velocity;
+            by_velocity.resize(state.u.len(), 0.0);
+            axpy(weight * schedule.shape(energy).1 * self.weight, &momentum, &mut by_velocity[..v.len()]);
+        }
+        Ok(())
+    }
+}
