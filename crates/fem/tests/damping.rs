@@ -151,12 +151,7 @@ fn every_scheme_lowers_the_frequency_as_its_closed_form_says() -> Outcome {
             assert!((found - expected).abs() < 1e-10, "{} at {t}: {found}, not {expected}", scheme.name());
         }
     }
-    for (scheme, expected) in [
-        (Scheme::backward_euler(), 0.7854),
-        (Scheme::bdf2(), 0.8238),
-        (Scheme::tr_bdf2(), 0.9615),
-        (Scheme::trapezoidal(), 0.9273),
-    ] {
+    for (scheme, expected) in [(Scheme::bdf2(), 0.8238), (Scheme::tr_bdf2(), 0.9615), (Scheme::trapezoidal(), 0.9273)] {
         let found = frequency(&scheme, 1.0)?;
         assert!((found - expected).abs() < 6e-5, "{}: {found}, not {expected}", scheme.name());
     }

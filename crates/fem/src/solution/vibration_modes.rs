@@ -98,7 +98,8 @@ impl Model {
     fn check_positive(&self, mass: &SparseMatrix) -> Result<(), FemError> {
         let diagonal = mass.diagonal();
         let free = |dof: &usize| !self.supports.fixed()[*dof];
-        let Some(dof) = (0..diagonal.len()).filter(free).find(|&dof| !(diagonal[dof] > 0.0)) else { return Ok(()) };
+        let massive = |mass: f64| mass.is_finite() && mass > 0.0;
+        let Some(dof) = (0..diagonal.len()).filter(free).find(|&dof| !massive(diagonal[dof])) else { return Ok(()) };
         let node = dof / self.discretization().dim();
         let what = format!("vibrations need a mass, but node {node} has none; give the body a density (inertia)");
         Err(FemError::Meaningless { what })
