@@ -47,8 +47,11 @@ fn mistakes_are_told_where_they_stand() {
     let told = |case: Value| problems(&case.to_string());
     let unknown = told(block(CellKind::Hex8, "mean_dilation"));
     assert!(unknown.contains("unknown formulation \"mean_dilation\": did you mean \"mean_dilatation\"?"), "{unknown}");
-    let kind = told(block(CellKind::Tet4, "mean_dilatation"));
-    assert!(kind.contains("materials/0/formulation") && kind.contains("hex8, quad4, tet10, tri6"), "{kind}");
+    let kind = told(block(CellKind::Hex20, "mean_dilatation"));
+    assert!(
+        kind.contains("materials/0/formulation") && kind.contains("hex8, quad4, tet10, tri6, tet4, tri3"),
+        "{kind}"
+    );
     let mut two = block(CellKind::Hex8, "mean_dilatation");
     two["materials"][1]["formulation"] = json!("standard");
     let two = told(two);

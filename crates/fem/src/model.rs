@@ -94,7 +94,7 @@ impl Model {
         if !held.is_empty() {
             self.supports.drive(name, &held)?;
         }
-        self.body.set_discretization(disc);
+        self.body.set_discretization(disc)?;
         self.others.push(contribution);
         Ok(())
     }

@@ -63,7 +63,8 @@ fn inf_sup(kind: CellKind, formulation: Formulation, n: usize) -> Outcome<InfSup
     let eigenvalues = both.symmetric_eigenvalues();
     let largest = eigenvalues.max();
     let positive: Vec<f64> = eigenvalues.iter().copied().filter(|e| *e > ZERO * largest).collect();
-    let pressures = mesh.cells() * if formulation == Formulation::LinearDilatation { dim + 1 } else { 1 };
+    let modes = if formulation == Formulation::LinearDilatation { dim + 1 } else { 1 };
+    let pressures = modes * solid(1.0, formulation)?.body().patches().count();
     let beta = positive.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
     Ok(InfSup { beta, spurious: pressures - 1 - positive.len() })
 }

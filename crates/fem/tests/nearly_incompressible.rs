@@ -79,7 +79,8 @@ fn cook((kind, formulation): Member, n: usize) -> Outcome<Problem> {
 /// Three meshes of the bar.
 fn meshes(kind: CellKind) -> [[usize; 3]; 3] {
     match kind {
-        CellKind::Hex8 | CellKind::Tet4 => [[12, 2, 2], [25, 5, 3], [50, 8, 6]],
+        CellKind::Tet4 => [[25, 5, 3], [50, 8, 6], [100, 16, 12]],
+        CellKind::Hex8 => [[12, 2, 2], [25, 5, 3], [50, 8, 6]],
         CellKind::Tet10 => [[6, 1, 1], [12, 2, 2], [28, 5, 4]],
         _ => [[6, 1, 1], [12, 2, 2], [24, 4, 3]],
     }

@@ -4,6 +4,7 @@ pub(crate) mod cell_fields;
 mod mass;
 mod nodal_fields;
 mod nodal_volumes;
+mod patches;
 pub(crate) mod quadrature_points;
 pub(crate) mod supports;
 
@@ -28,6 +29,8 @@ pub struct Discretization {
     /// Per kind of cell: the scatter map of every cell, one after the other.
     scatter: Vec<Vec<u32>>,
     corners: OnceLock<Option<Corners>>,
+    /// See [`patches`](patches::patches).
+    patches: OnceLock<Arc<Vec<u32>>>,
     /// Node sets coupled beyond those of cells.
     couplings: Vec<Vec<u32>>,
     /// Discretisations of the same mesh with more couplings, while somebody holds them.
@@ -42,13 +45,14 @@ impl Discretization {
     /// whose tangent has more blocks than 32 bits can name.
     pub fn new(mesh: Arc<Mesh>) -> Result<Arc<Self>, FemError> {
         let points = QuadraturePoints::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
-        Self::structured(mesh, Arc::new(points), Vec::new())
+        Self::structured(mesh, Arc::new(points), Vec::new(), OnceLock::new())
     }
 
     fn structured(
         mesh: Arc<Mesh>,
         points: Arc<QuadraturePoints>,
         couplings: Vec<Vec<u32>>,
+        patches: OnceLock<Arc<Vec<u32>>>,
     ) -> Result<Arc<Self>, FemError> {
         let cells = points.parts.iter().flat_map(|p| (0..p.cells.len()).map(|c| p.nodes_of(c)));
         let graph = Graph::from_cliques(mesh.points().len(), cells.chain(couplings.iter().map(Vec::as_slice)))?;
@@ -64,7 +68,18 @@ impl Discretization {
         };
         let scatter = points.parts.iter().map(of_part).collect::<Result<_, FemError>>()?;
         let (scalar, corners, coupled) = (OnceLock::new(), OnceLock::new(), Mutex::default());
-        Ok(Arc::new(Discretization { mesh, points, pattern, symbolic, scalar, scatter, corners, couplings, coupled }))
+        Ok(Arc::new(Discretization {
+            mesh,
+            points,
+            pattern,
+            symbolic,
+            scalar,
+            scatter,
+            corners,
+            patches,
+            couplings,
+            coupled,
+        }))
     }
 
     /// The discretisation of the same mesh in whose tangents these sets of nodes are coupled too; the same one where they
@@ -83,7 +98,7 @@ impl Discretization {
         if let Some(found) = known.iter().filter_map(Weak::upgrade).find(|disc| disc.couplings == couplings) {
             return Ok(found);
         }
-        let new = Self::structured(self.mesh.clone(), self.points.clone(), couplings)?;
+        let new = Self::structured(self.mesh.clone(), self.points.clone(), couplings, self.patches.clone())?;
         known.push(Arc::downgrade(&new));
         Ok(new)
     }
@@ -174,6 +189,11 @@ impl Discretization {
             Corners::new(self.mesh.points().len(), elements)
         };
         self.corners.get_or_init(make).as_ref()
+    }
+
+    /// The [patch](patches::patches) of every cell. Made when first asked for.
+    pub(crate) fn patches(&self) -> &[u32] {
+        self.patches.get_or_init(|| Arc::new(patches::patches(&self.mesh)))
     }
 
     /// A zero matrix of the tangent's pattern.

@@ -1,16 +1,19 @@
 //! [`Scratch`]: working memory of a loop over cells.
 
-use crate::discretization::quadrature_points::{CellGroup, gather_rows};
+use crate::discretization::quadrature_points::gather_rows;
 use crate::error::InvertedAt;
-use crate::kernels::cell_sweep::Cells;
+use crate::kernels::cells::Cells;
 use crate::kernels::dilatation::Dilatation;
+use crate::kernels::patch::Patch;
 use nastic_energy::Want;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
 
-/// Working memory of one task.
+/// Working memory of one task, of the cells and points of a [`Patch`].
 pub(crate) struct Scratch {
     pub g: Vec<f64>,
-    pub rows: Vec<f64>,
+    rows: Vec<f64>,
+    /// Quadrature weights.
+    pub weights: Vec<f64>,
     gradients: Vec<Mat3>,
     pub kinematics: Vec<Kinematics>,
     /// Gradient of another field, see [`Scratch::change_by`].
@@ -27,11 +30,12 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    pub fn new(part: &CellGroup, dim: usize) -> Self {
-        let points = part.table.points;
+    pub fn new(cells: Cells) -> Self {
+        let points = cells.part.table.points;
         Scratch {
-            g: vec![0.0; part.table.gradients.len()],
-            rows: vec![0.0; dim * part.table.width],
+            g: vec![0.0; cells.part.table.gradients.len()],
+            rows: vec![0.0; cells.row_length()],
+            weights: Vec::with_capacity(points),
             gradients: vec![Mat3::zeros(); points],
             kinematics: Vec::with_capacity(points),
             change: vec![Mat3::zeros(); points],
@@ -68,30 +72,42 @@ impl Scratch {
         }
     }
 
-    /// Shape gradients and kinematics of the c-th cell displaced by u.
-    pub fn move_to(&mut self, cells: Cells, c: usize, u: &[f64]) -> Result<(), InvertedAt> {
-        let Cells { part, kernel, dim } = cells;
-        let points = part.table.points;
-        kernel.gradients(&part.table.gradients, &part.inverse[c * points..(c + 1) * points], &mut self.g);
-        gather_rows(u, part.nodes_of(c), dim, part.table.width, &mut self.rows);
-        self.gradients.fill(Mat3::identity());
-        kernel.displacement_gradients(&self.g, &self.rows, &mut self.gradients);
+    /// Shape gradients, weights and kinematics of a patch displaced by u.
+    pub fn move_to(&mut self, cells: Cells, patch: Patch, u: &[f64]) -> Result<(), InvertedAt> {
+        let (part, points) = (cells.part, cells.part.table.points);
+        self.g.resize(patch.cells.len() * part.table.gradients.len(), 0.0);
+        self.weights.clear();
+        for (&c, g) in patch.cells.iter().zip(self.g.chunks_exact_mut(part.table.gradients.len())) {
+            let inverse = &part.inverse[c as usize * points..][..points];
+            cells.kernel.gradients(&part.table.gradients, inverse, g);
+            self.weights.extend_from_slice(cells.weights_of(c));
+        }
+        self.gradients.clear();
+        self.gradients.resize(patch.cells.len() * points, Mat3::identity());
+        add_gradients(cells, patch, (&self.g, &mut self.rows), u, &mut self.gradients);
         self.kinematics.clear();
         for (q, f) in self.gradients.iter().enumerate() {
-            let kinematics = Kinematics::new(*f).map_err(|inverted| InvertedAt {
-                cell: part.cells[c] as usize,
-                point: q,
-                jacobian: inverted.jacobian,
-                outside: None,
-            })?;
+            let refused = |jacobian| cells.inverted_at(patch, q, jacobian);
+            let kinematics = Kinematics::new(*f).map_err(|inverted| refused(inverted.jacobian))?;
             self.kinematics.push(kinematics);
         }
         Ok(())
     }
-    /// The gradient of another nodal field at the points of the cell that was moved to.
-    pub fn change_by(&mut self, cells: Cells, c: usize, v: &[f64]) {
-        gather_rows(v, cells.part.nodes_of(c), cells.dim, cells.part.table.width, &mut self.rows);
-        self.change.fill(Mat3::zeros());
-        cells.kernel.displacement_gradients(&self.g, &self.rows, &mut self.change);
+
+    /// The gradient of another nodal field at the points of the patch that was moved to.
+    pub fn change_by(&mut self, cells: Cells, patch: Patch, v: &[f64]) {
+        self.change.clear();
+        self.change.resize(patch.cells.len() * cells.part.table.points, Mat3::zeros());
+        add_gradients(cells, patch, (&self.g, &mut self.rows), v, &mut self.change);
+    }
+}
+
+/// Adds the gradient of a nodal field at the points of a patch, for which there are rows of one cell.
+fn add_gradients(cells: Cells, patch: Patch, (g, rows): (&[f64], &mut [f64]), nodal: &[f64], out: &mut [Mat3]) {
+    let table = &cells.part.table;
+    let each = g.chunks_exact(table.gradients.len()).zip(out.chunks_exact_mut(table.points));
+    for (&c, (g, out)) in patch.cells.iter().zip(each) {
+        gather_rows(nodal, cells.part.nodes_of(c as usize), cells.dim, table.width, rows);
+        cells.kernel.displacement_gradients(g, rows, out);
     }
 }

@@ -19,10 +19,10 @@
 
 use crate::contributions::body_energy::max_step::volume_step;
 use crate::discretization::Discretization;
-use crate::discretization::quadrature_points::{CellGroup, gather_rows, scatter_rows};
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::Cells;
+use crate::kernels::cells::Cells;
 use crate::kernels::kernel;
+use crate::kernels::patch::Patch;
 use crate::model::Model;
 use nastic_linear::{Factor, SparseMatrix};
 use nastic_numeric::vector::dot;
@@ -115,20 +115,20 @@ pub(crate) struct StepLimits {
 
 impl StepLimits {
     pub fn of(disc: &Discretization, u: &[f64], du: &[f64], parallel: bool) -> Self {
-        let of = |part: &CellGroup, cells: &[usize]| {
+        let of = |group: Cells, cells: &[u32]| {
             let mut found = Found::default();
-            each_point(disc, part, cells, u, du, |_, _, _, (_, g)| {
+            each_point(group, cells, u, du, |_, _, _, (_, g)| {
                 let longest = |g: &Mat3| volume_step(&Kinematics::rest(), g);
                 found.add(&Found { angle: axial(&g).norm(), straight: longest(&g), curved: longest(&symmetric(&g)) });
             });
             found
         };
         let mut worst = Found::default();
-        for part in &disc.points().parts {
-            let cells: Vec<usize> = (0..part.cells.len()).collect();
+        for group in Cells::all(disc) {
+            let cells: Vec<u32> = (0..group.part.cells.len() as u32).collect();
             let found: Vec<Found> = match parallel {
-                true => cells.par_chunks(CHUNK).map(|cells| of(part, cells)).collect(),
-                false => cells.chunks(CHUNK).map(|cells| of(part, cells)).collect(),
+                true => cells.par_chunks(CHUNK).map(|cells| of(group, cells)).collect(),
+                false => cells.chunks(CHUNK).map(|cells| of(group, cells)).collect(),
             };
             found.iter().for_each(|found| worst.add(found));
         }
@@ -166,31 +166,29 @@ fn misfit(
     turned: impl Fn(&Mat3, f64) -> Mat3 + Sync,
     parallel: bool,
 ) -> Vec<f64> {
-    let (dim, mut out) = (disc.dim(), vec![0.0; disc.dofs()]);
-    for part in &disc.points().parts {
-        let Some(kernel) = kernel(part.kind) else { continue };
-        let rows_of = |cells: &[usize]| {
-            let length = dim * kernel.width();
+    let mut out = vec![0.0; disc.dofs()];
+    for group in Cells::all(disc) {
+        let length = group.row_length();
+        let rows_of = |cells: &[u32]| {
             let mut rows = vec![0.0; length * cells.len()];
-            let mut targets = vec![Mat3::zeros(); part.table.points];
+            let mut targets = vec![Mat3::zeros(); group.part.table.points];
             let mut cell = 0;
-            each_point(disc, part, cells, u, du, |q, weight, shapes, (f, g)| {
+            each_point(group, cells, u, du, |q, weight, shapes, (f, g)| {
                 targets[q] = (turned(&g, s) * f - f - s * g * f) * weight;
                 if q + 1 == targets.len() {
-                    kernel.force(shapes, &targets, &mut rows[length * cell..length * (cell + 1)]);
+                    group.force(shapes, &targets, &mut rows[length * cell..length * (cell + 1)]);
                     cell += 1;
                 }
             });
             rows
         };
-        let cells: Vec<usize> = (0..part.cells.len()).collect();
+        let cells: Vec<u32> = (0..group.part.cells.len() as u32).collect();
         let rows: Vec<Vec<f64>> = match parallel {
             true => cells.par_chunks(CHUNK).map(rows_of).collect(),
             false => cells.chunks(CHUNK).map(rows_of).collect(),
         };
-        let width = kernel.width();
-        for (c, rows) in rows.iter().flat_map(|rows| rows.chunks_exact(dim * width)).enumerate() {
-            scatter_rows(rows, part.nodes_of(c), dim, width, &mut out);
+        for (c, rows) in cells.iter().zip(rows.iter().flat_map(|rows| rows.chunks_exact(length))) {
+            group.scatter(Patch::single(c), rows, &mut out);
         }
     }
     out
@@ -199,23 +197,18 @@ fn misfit(
 /// Calls with the number of every quadrature point in its cell, its weight, the cell's shape gradients, F, and
 /// `G = grad du F^-1`. Cells that are inverted (there are none at a state that was evaluated) count as unturned.
 fn each_point(
-    disc: &Discretization,
-    part: &CellGroup,
-    cells: &[usize],
+    group: Cells,
+    cells: &[u32],
     u: &[f64],
     du: &[f64],
     mut call: impl FnMut(usize, f64, &[f64], (Mat3, Mat3)),
 ) {
-    let Some(kernel) = kernel(part.kind) else { return };
-    let mut scratch = Scratch::new(part, disc.dim());
-    let mut steps = vec![Mat3::zeros(); part.table.points];
-    for &c in cells {
-        let sound = scratch.move_to(Cells { part, kernel, dim: disc.dim() }, c, u).is_ok();
-        gather_rows(du, part.nodes_of(c), disc.dim(), part.table.width, &mut scratch.rows);
-        steps.fill(Mat3::zeros());
-        kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut steps);
-        for (q, step) in steps.iter().enumerate() {
-            let weight = disc.points().weights()[part.first_point(c) + q];
+    let mut scratch = Scratch::new(group);
+    for c in cells {
+        let patch = Patch::single(c);
+        let sound = scratch.move_to(group, patch, u).is_ok();
+        scratch.change_by(group, patch, du);
+        for (q, (step, &weight)) in scratch.change.iter().zip(&scratch.weights).enumerate() {
             let pair = match scratch.kinematics.get(q).filter(|_| sound) {
                 // F^-1 = H^T / J
                 Some(at) => (*at.f(), step * at.h().transpose() / at.j()),

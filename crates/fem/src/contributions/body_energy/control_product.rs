@@ -2,12 +2,14 @@
 
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::assembly::slots;
+use crate::contributions::body_energy::tangent_product::weigh;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
-use crate::kernels::kernel;
-use nastic_energy::{PointBatch, Slots};
+use crate::kernels::cell_sweep::{CellWork, sweep};
+use crate::kernels::cells::Cells;
+use crate::kernels::patch::Patch;
+use nastic_energy::Slots;
 use nastic_tensor::Mat3;
 
 /// `out += dr/dm v`: at every point the change of stress `sum_k v_k dP/dm_k`, spread like a stress.
@@ -18,12 +20,9 @@ pub(super) fn add(
     out: &mut [f64],
     parallel: bool,
 ) -> Result<(), InvertedAt> {
-    let disc = body.discretization();
-    for part in &disc.points().parts {
-        let Some(kernel) = kernel(part.kind) else { continue };
-        let cells = Cells { part, kernel, dim: disc.dim() };
+    for (cells, patches) in body.groups() {
         let work = Product { body, cells, u: at.0, controls: at.1, v };
-        sweep(&work, parallel, |c, rows| cells.scatter(c, rows, out))?;
+        sweep(&work, patches, parallel, |patch, rows| cells.scatter(patch, rows, out))?;
     }
     Ok(())
 }
@@ -45,31 +44,26 @@ impl CellWork for Product<'_> {
     }
 
     fn room(&self) -> (Vec<f64>, usize) {
-        let rows = self.cells.rows();
-        let size = rows.len();
-        (rows, size)
+        (Vec::new(), self.cells.row_length())
     }
 
-    fn compute(&self, c: usize, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), InvertedAt> {
-        let (part, points) = (self.cells.part, self.cells.part.table.points);
-        let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        let composition = &self.body.compositions[self.body.of_cell[id] as usize];
-        rows.fill(0.0);
-        if composition.actuations.is_empty() {
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), InvertedAt> {
+        self.cells.clear_rows(patch, rows);
+        if !self.body.is_actuated(self.cells, patch) {
             return Ok(());
         }
-        self.body.kinematics(self.cells, c, self.u, scratch)?;
+        self.body.kinematics(self.cells, patch, self.u, scratch)?;
         scratch.clear_stress();
-        let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
-        for &k in &composition.actuations {
-            let (m, v) = (slots(self.controls, k, first, points), slots(self.v, k, first, points));
-            scratch.by_control.resize(points * m.width, Mat3::zeros());
-            self.body.actuations[k].law.stress_by_control(&at, m, &mut scratch.by_control);
-            add_weighted(&scratch.by_control, v, &mut scratch.stress);
+        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+            for &k in &self.body.composition_of(at.cell).actuations {
+                let (m, v) = (slots(self.controls, k, &at), slots(self.v, k, &at));
+                scratch.by_control.resize(at.len() * m.width, Mat3::zeros());
+                self.body.actuations[k].law.stress_by_control(&at, m, &mut scratch.by_control);
+                add_weighted(&scratch.by_control, v, &mut scratch.stress[range.clone()]);
+            }
         }
-        let weights = &self.body.discretization().points().weights()[first..first + points];
-        scratch.stress.iter_mut().zip(weights).for_each(|(stress, &w)| *stress *= w);
-        self.body.arithmetic_of(id).add_force(self.cells, scratch, &scratch.stress, rows);
+        weigh(&mut scratch.stress, &scratch.weights);
+        self.body.arithmetic_of(self.cells.first(patch)).add_force(self.cells, scratch, &scratch.stress, rows);
         Ok(())
     }
 }

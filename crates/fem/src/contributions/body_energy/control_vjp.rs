@@ -5,9 +5,9 @@ use crate::contributions::body_energy::assembly::slots;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
-use crate::kernels::kernel;
-use nastic_energy::PointBatch;
+use crate::kernels::cell_sweep::{CellWork, sweep};
+use crate::kernels::cells::Cells;
+use crate::kernels::patch::Patch;
 use nastic_tensor::Mat3;
 
 /// `int (dP/dm_k) : grad lambda dX`, split by point and slot, for every actuation.
@@ -18,23 +18,25 @@ pub(super) fn add(
     out: &mut Controls,
     parallel: bool,
 ) -> Result<(), InvertedAt> {
-    let disc = body.discretization();
-    for part in &disc.points().parts {
-        let Some(kernel) = kernel(part.kind) else { continue };
-        let cells = Cells { part, kernel, dim: disc.dim() };
+    for (cells, patches) in body.groups() {
         let work = ControlVjp { body, cells, u: at.0, controls: at.1, lambda };
-        sweep(&work, parallel, |c, values: &Vec<f64>| {
-            let mut values = values.as_slice();
-            for &k in &body.compositions[body.of_cell[part.cells[c] as usize] as usize].actuations {
-                let (width, first) = (at.1.slots(k), part.first_point(c));
-                let (own, rest) = values.split_at(width * part.table.points);
-                let sums = &mut out.values_mut(k)[width * first..][..own.len()];
-                sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-                values = rest;
-            }
-        })?;
+        sweep(&work, patches, parallel, |patch, values: &Vec<f64>| add_by_slot(body, cells, patch, values, out))?;
     }
     Ok(())
+}
+
+/// Adds values of the actuations of a patch, cell by cell and one actuation after the other, shape `[points][slots]`.
+pub(super) fn add_by_slot(body: &BodyEnergy, cells: Cells, patch: Patch, mut values: &[f64], out: &mut Controls) {
+    let (part, points) = (cells.part, cells.part.table.points);
+    for &c in patch.cells {
+        for &k in &body.composition_of(part.cells[c as usize] as usize).actuations {
+            let (width, first) = (out.slots(k), part.first_point(c as usize));
+            let (own, rest) = values.split_at(width * points);
+            let sums = &mut out.values_mut(k)[width * first..][..own.len()];
+            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            values = rest;
+        }
+    }
 }
 
 struct ControlVjp<'a> {
@@ -46,7 +48,7 @@ struct ControlVjp<'a> {
 }
 
 impl CellWork for ControlVjp<'_> {
-    /// Of the cell's actuations one after the other, shape `[points][slots]`.
+    /// See [`add_by_slot`].
     type Answer = Vec<f64>;
     type Error = InvertedAt;
 
@@ -59,26 +61,23 @@ impl CellWork for ControlVjp<'_> {
         (Vec::new(), slots * self.cells.part.table.points)
     }
 
-    fn compute(&self, c: usize, scratch: &mut Scratch, values: &mut Vec<f64>) -> Result<(), InvertedAt> {
-        let (part, points) = (self.cells.part, self.cells.part.table.points);
-        let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        let composition = &self.body.compositions[self.body.of_cell[id] as usize];
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, values: &mut Vec<f64>) -> Result<(), InvertedAt> {
         values.clear();
-        if composition.actuations.is_empty() {
+        if !self.body.is_actuated(self.cells, patch) {
             return Ok(());
         }
-        self.body.kinematics(self.cells, c, self.u, scratch)?;
-        self.body.arithmetic_of(id).change(self.cells, c, self.lambda, scratch);
-        let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
-        let weights = &self.body.discretization().points().weights()[first..first + points];
-        for &k in &composition.actuations {
-            let m = slots(self.controls, k, first, points);
-            scratch.by_control.resize(points * m.width, Mat3::zeros());
-            let by_control = &mut scratch.by_control[..];
-            self.body.actuations[k].law.stress_by_control(&at, m, by_control);
-            let at_points = by_control.chunks_exact(m.width).zip(&scratch.change).zip(weights);
-            for ((by_control, change), weight) in at_points {
-                values.extend(by_control.iter().map(|stress| weight * stress.dot(change)));
+        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        self.body.arithmetic_of(self.cells.first(patch)).change(self.cells, patch, self.lambda, scratch);
+        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+            for &k in &self.body.composition_of(at.cell).actuations {
+                let m = slots(self.controls, k, &at);
+                scratch.by_control.resize(at.len() * m.width, Mat3::zeros());
+                let by_control = &mut scratch.by_control[..];
+                self.body.actuations[k].law.stress_by_control(&at, m, by_control);
+                let changes = scratch.change[range.clone()].iter().zip(&scratch.weights[range.clone()]);
+                for (by_control, (change, weight)) in by_control.chunks_exact(m.width).zip(changes) {
+                    values.extend(by_control.iter().map(|stress| weight * stress.dot(change)));
+                }
             }
         }
         Ok(())

@@ -5,8 +5,6 @@ use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::Cells;
-use crate::kernels::kernel;
 use nastic_energy::{Evolution, Place};
 use nastic_tensor::Mat3;
 use rayon::prelude::*;
@@ -109,21 +107,19 @@ impl BodyEnergy {
 
     /// Adds `sum_q by_F : dF/du` at the points: nodal forces of stresses that carry their weights.
     fn add_forces(&self, u: &[f64], by_f: &[Mat3], nodal: &mut [f64]) -> Result<(), InvertedAt> {
-        for part in &self.disc.points().parts {
-            let Some(kernel) = kernel(part.kind) else { continue };
-            let cells = Cells { part, kernel, dim: self.disc.dim() };
-            let mut scratch = Scratch::new(part, self.disc.dim());
-            let mut rows = cells.rows();
-            for (c, &cell) in part.cells.iter().enumerate() {
-                let stress = &by_f[part.first_point(c)..][..part.table.points];
+        for (cells, patches) in self.groups() {
+            let (mut scratch, mut rows) = (Scratch::new(cells), Vec::new());
+            for patch in patches.iter() {
+                let of_cell = |&c: &u32| &by_f[cells.part.first_point(c as usize)..][..cells.part.table.points];
+                let stress = patch.cells.iter().flat_map(of_cell).copied().collect::<Vec<Mat3>>();
                 if stress.iter().all(|stress| *stress == Mat3::zeros()) {
                     continue;
                 }
-                let formulation = self.arithmetic_of(cell as usize);
-                formulation.kinematics(&self.disc, cells, c, u, &mut scratch)?;
-                rows.fill(0.0);
-                formulation.add_force(cells, &scratch, stress, &mut rows);
-                cells.scatter(c, &rows, nodal);
+                let formulation = self.arithmetic_of(cells.first(patch));
+                formulation.kinematics(&self.disc, cells, patch, u, &mut scratch)?;
+                cells.clear_rows(patch, &mut rows);
+                formulation.add_force(cells, &scratch, &stress, &mut rows);
+                cells.scatter(patch, &rows, nodal);
             }
         }
         Ok(())

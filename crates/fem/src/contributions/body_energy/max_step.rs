@@ -1,15 +1,13 @@
 //! The longest step along which no point of a body is inverted.
 
 use crate::contributions::body_energy::BodyEnergy;
-use crate::discretization::quadrature_points::gather_rows;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::Cells;
-use crate::kernels::kernel;
+use crate::kernels::patch::Patch;
 use nastic_tensor::{Kinematics, Mat3};
 use rayon::prelude::*;
 
-/// Cells of one task.
+/// Patches of one task.
 const CHUNK: usize = 128;
 
 /// The longest step `s <= 1` along which no point loses more than nine tenths of its volume on the way:
@@ -19,32 +17,25 @@ const CHUNK: usize = 128;
 ///
 /// The same holds of the determinant that laws see where their formulation projects it.
 pub(crate) fn max_step(body: &BodyEnergy, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
-    let disc = body.discretization();
-    let dim = disc.dim();
     let mut least: f64 = 1.0;
-    for part in &disc.points().parts {
-        let Some(kernel) = kernel(part.kind) else { continue };
-        let chunk = |cells: &[usize]| -> Result<f64, InvertedAt> {
-            let mut scratch = Scratch::new(part, dim);
-            let mut gradients = vec![Mat3::zeros(); part.table.points];
-            let mut least: f64 = 1.0;
-            for &c in cells {
-                let formulation = body.arithmetic_of(part.cells[c] as usize);
-                formulation.kinematics(disc, Cells { part, kernel, dim }, c, u, &mut scratch)?;
-                gather_rows(du, part.nodes_of(c), dim, part.table.width, &mut scratch.rows);
-                gradients.fill(Mat3::zeros());
-                kernel.displacement_gradients(&scratch.g, &scratch.rows, &mut gradients);
-                let volumes: Vec<[f64; 4]> =
-                    formulation.own(&scratch).iter().zip(&gradients).map(|(at, g)| volume_along(at, g)).collect();
+    for (cells, patches) in body.groups() {
+        let chunk = |patches: &[Patch]| -> Result<f64, InvertedAt> {
+            let (mut scratch, mut least) = (Scratch::new(cells), 1.0_f64);
+            for &patch in patches {
+                let formulation = body.arithmetic_of(cells.first(patch));
+                formulation.kinematics(body.discretization(), cells, patch, u, &mut scratch)?;
+                scratch.change_by(cells, patch, du);
+                let along = formulation.own(&scratch).iter().zip(&scratch.change);
+                let volumes: Vec<[f64; 4]> = along.map(|(at, g)| volume_along(at, g)).collect();
                 let projected = projected(&volumes, |values| formulation.projected(&scratch, values));
                 least = volumes.iter().chain(&projected).fold(least, |least, volume| least.min(step_of(*volume)));
             }
             Ok(least)
         };
-        let cells: Vec<usize> = (0..part.cells.len()).collect();
+        let patches: Vec<Patch> = patches.iter().collect();
         let steps: Vec<Result<f64, InvertedAt>> = match parallel {
-            true => cells.par_chunks(CHUNK).map(chunk).collect(),
-            false => cells.chunks(CHUNK).map(chunk).collect(),
+            true => patches.par_chunks(CHUNK).map(chunk).collect(),
+            false => patches.chunks(CHUNK).map(chunk).collect(),
         };
         for step in steps {
             least = least.min(step?);

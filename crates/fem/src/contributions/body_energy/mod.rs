@@ -5,7 +5,8 @@ use crate::contributions::{Contribution, Demand, Increment, Instant, SecondSensi
 use crate::discretization::Discretization;
 use crate::error::{FemError, InvertedAt, SecondDerivativeError};
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::Cells;
+use crate::kernels::cells::Cells;
+use crate::kernels::patch::{Patch, Patches};
 use assembly::Terms;
 use formulation::Formulation;
 use nastic_energy::{Actuation, EnergyTerm, Outside, PointBatch};
@@ -37,6 +38,8 @@ pub struct BodyEnergy {
     /// The distinct sets of terms, and which one each cell has.
     pub(crate) compositions: Vec<Composition>,
     pub(crate) of_cell: Vec<u32>,
+    /// By group of cells, those that their formulation takes together.
+    patches: Arc<Vec<Patches>>,
 }
 
 /// An actuation by name and place.
@@ -63,11 +66,27 @@ pub(crate) struct Composition {
 impl BodyEnergy {
     pub(crate) fn new(disc: Arc<Discretization>) -> Self {
         let of_cell = vec![0; disc.mesh().cells()];
-        BodyEnergy { disc, terms: vec![], actuations: vec![], compositions: vec![Composition::default()], of_cell }
+        let patches = Arc::new(disc.points().parts.iter().map(Patches::of_single_cells).collect());
+        let compositions = vec![Composition::default()];
+        BodyEnergy { disc, terms: vec![], actuations: vec![], compositions, of_cell, patches }
     }
 
-    pub(crate) fn set_discretization(&mut self, disc: Arc<Discretization>) {
+    /// Changes to a discretisation of the same mesh in whose tangents more nodes are coupled.
+    ///
+    /// # Errors
+    /// [`FemError::Structure`] where it does not couple what the formulations of the cells couple.
+    pub(crate) fn set_discretization(&mut self, disc: Arc<Discretization>) -> Result<(), FemError> {
+        let patch = |cell: u32| self.is_in_patch(cell).then(|| disc.patches()[cell as usize]);
+        let of_group = |group| Patches::new(group, patch, disc.pattern());
+        let patches = disc.points().parts.iter().map(of_group).collect::<Result<_, _>>()?;
+        self.patches = Arc::new(patches);
         self.disc = disc;
+        Ok(())
+    }
+
+    /// The cells by kind, with the patches that their formulations take together.
+    pub(crate) fn groups(&self) -> impl Iterator<Item = (Cells<'_>, &Patches)> {
+        self.patches.iter().enumerate().filter_map(|(p, patches)| Some((Cells::of(&self.disc, p)?, patches)))
     }
 
     /// The discretisation.
@@ -89,6 +108,18 @@ impl BodyEnergy {
     pub fn controls(&self) -> Controls {
         let points = self.disc.points().len();
         Controls::zeros(self.actuations.iter().map(|a| (a.law.slots().len(), points)))
+    }
+
+    pub(crate) fn composition_of(&self, cell: usize) -> &Composition {
+        &self.compositions[self.of_cell[cell] as usize]
+    }
+
+    /// Whether an actuation acts on a cell of a patch.
+    fn is_actuated(&self, cells: Cells, patch: Patch) -> bool {
+        patch.cells.iter().any(|&c| {
+            let cell = cells.part.cells[c as usize] as usize;
+            !self.composition_of(cell).actuations.is_empty()
+        })
     }
 
     pub(crate) fn add_term(&mut self, cells: &[u32], term: Arc<dyn EnergyTerm>) -> Result<(), FemError> {
@@ -131,12 +162,11 @@ impl BodyEnergy {
         Err(FemError::NoMaterial { mesh: mesh.name().to_owned(), count, first, regions })
     }
 
-    /// Shape gradients and kinematics of the c-th cell displaced by u, into the scratch: none that is inverted or beyond the
+    /// Shape gradients and kinematics of a patch displaced by u, into the scratch: none that is inverted or beyond the
     /// domain of a law.
-    fn kinematics(&self, cells: Cells, c: usize, u: &[f64], scratch: &mut Scratch) -> Result<(), InvertedAt> {
-        let (cell, first) = (cells.part.cells[c] as usize, cells.part.first_point(c));
-        self.arithmetic_of(cell).kinematics(&self.disc, cells, c, u, scratch)?;
-        self.check_domain(&PointBatch { kinematics: &scratch.kinematics, cell, first })
+    fn kinematics(&self, cells: Cells, patch: Patch, u: &[f64], scratch: &mut Scratch) -> Result<(), InvertedAt> {
+        self.arithmetic_of(cells.first(patch)).kinematics(&self.disc, cells, patch, u, scratch)?;
+        cells.batches(patch, &scratch.kinematics).try_for_each(|(_, at)| self.check_domain(&at))
     }
 
     /// Refuses what is beyond the domain of a law of the cell, passive or an actuation.

@@ -35,8 +35,9 @@ use crate::contributions::body_energy::assembly::slots;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
-use crate::kernels::kernel;
+use crate::kernels::cell_sweep::{CellWork, sweep};
+use crate::kernels::cells::{Cells, PatchMatrix};
+use crate::kernels::patch::Patch;
 use nastic_energy::{EnergyTerm, PointBatch, Response, Slots, Want};
 use nastic_linear::SparseMatrix;
 use nastic_tensor::{Inverted, Kinematics, Mat3, Tangent};
@@ -77,15 +78,17 @@ impl PointStrains {
         du: Option<&[f64]>,
         parallel: bool,
     ) -> Result<(Self, f64), InvertedAt> {
-        let (disc, mut next, mut largest) = (body.discretization(), self.clone(), 0.0_f64);
-        for part in &disc.points().parts {
-            let Some(kernel) = kernel(part.kind) else { continue };
-            let work = Extrapolate { body, cells: Cells { part, kernel, dim: disc.dim() }, u, du, from: self };
-            sweep(&work, parallel, |c, cell| {
-                let own = part.first_point(c)..part.first_point(c) + part.table.points;
-                next.c[own.clone()].copy_from_slice(&cell.c);
-                next.s[own].copy_from_slice(&cell.s);
-                largest = largest.max(cell.largest);
+        let (mut next, mut largest) = (self.clone(), 0.0_f64);
+        for (cells, patches) in body.groups() {
+            let (work, points) = (Extrapolate { body, cells, u, du, from: self }, cells.part.table.points);
+            sweep(&work, patches, parallel, |patch, strains| {
+                let of_cells = strains.c.chunks_exact(points).zip(strains.s.chunks_exact(points));
+                for (&cell, (c, s)) in patch.cells.iter().zip(of_cells) {
+                    let first = cells.part.first_point(cell as usize);
+                    next.c[first..][..points].copy_from_slice(c);
+                    next.s[first..][..points].copy_from_slice(s);
+                }
+                largest = largest.max(strains.largest);
             })?;
         }
         Ok((next, largest))
@@ -115,16 +118,11 @@ impl BodyEnergy {
         tangent: &mut SparseMatrix,
         parallel: bool,
     ) -> Result<(), InvertedAt> {
-        let disc = self.discretization();
-        for (p, part) in disc.points().parts.iter().enumerate() {
-            let Some(kernel) = kernel(part.kind) else { continue };
-            let scatter = disc.scatter(p);
-            let cells = Cells { part, kernel, dim: disc.dim() };
+        for (cells, patches) in self.groups() {
             let work = Linearised { body: self, cells, u, controls, strains };
-            let pairs = scatter.len() / part.cells.len();
-            sweep(&work, parallel, |c, (rows, matrix)| {
-                cells.scatter(c, rows, &mut total.force);
-                kernel.scatter(&scatter[c * pairs..(c + 1) * pairs], matrix, &mut tangent.values);
+            sweep(&work, patches, parallel, |patch, (rows, matrix)| {
+                cells.scatter(patch, rows, &mut total.force);
+                cells.scatter_matrix(patch, matrix, &mut tangent.values);
             })?;
         }
         Ok(())
@@ -198,7 +196,7 @@ struct Linearised<'a> {
 }
 
 impl CellWork for Linearised<'_> {
-    type Answer = (Vec<f64>, Vec<f64>);
+    type Answer = (Vec<f64>, PatchMatrix);
     type Error = InvertedAt;
 
     fn cells(&self) -> Cells<'_> {
@@ -206,48 +204,51 @@ impl CellWork for Linearised<'_> {
     }
 
     fn room(&self) -> (Self::Answer, usize) {
-        let (rows, matrix) = (self.cells.rows(), vec![0.0; self.cells.kernel.matrix_len()]);
-        let size = rows.len() + matrix.len();
-        ((rows, matrix), size)
+        (Self::Answer::default(), self.cells.row_length() + self.cells.kernel.matrix_len())
     }
 
-    fn compute(&self, c: usize, scratch: &mut Scratch, (rows, matrix): &mut Self::Answer) -> Result<(), InvertedAt> {
-        let (part, points) = (self.cells.part, self.cells.part.table.points);
-        let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        self.body.kinematics(self.cells, c, self.u, scratch)?;
+    fn compute(
+        &self,
+        patch: Patch,
+        scratch: &mut Scratch,
+        (rows, matrix): &mut Self::Answer,
+    ) -> Result<(), InvertedAt> {
+        self.body.kinematics(self.cells, patch, self.u, scratch)?;
         scratch.clear(Want::TANGENT);
-        let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
-        let mut out = Response { energy: &mut [], stress: &mut scratch.stress, tangent: &mut scratch.tangent };
-        for &k in &self.body.compositions[self.body.of_cell[id] as usize].actuations {
-            let m = slots(self.controls, k, first, points);
-            self.body.actuations[k].law.respond(&at, m, Want::TANGENT, &mut out);
-        }
-        let own = first..first + points;
-        let passive = self.body.second_stresses(id, first, &self.strains.c[own.clone()])?;
-        let weights = &self.body.discretization().points().weights()[own];
         // what bends with F where that is not affine in u: the extrapolated stress, as in the rest of the tangent
-        let mut geometric = scratch.stress.clone();
-        for (q, (s, cc)) in passive.iter().enumerate() {
-            let f = scratch.kinematics[q].f();
-            geometric[q] = (geometric[q] + f * self.strains.s[first + q]) * weights[q];
-            let left = f.transpose() * f - self.strains.c[first + q];
-            let (stress, tangent) = (&mut scratch.stress[q], &mut scratch.tangent[q]);
-            *stress += f * (s + apply(cc, &left));
-            tangent.add_metric(&self.strains.s[first + q]);
-            tangent.add(&Tangent::from_map(|g| f * apply(cc, &twice_symmetric(&(g.transpose() * f)))));
-            *stress *= weights[q];
-            tangent.0.iter_mut().for_each(|c| *c *= weights[q]);
+        let mut geometric = Vec::with_capacity(scratch.kinematics.len());
+        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+            let (stress, tangent) = (&mut scratch.stress[range.clone()], &mut scratch.tangent[range.clone()]);
+            let mut out = Response { energy: &mut [], stress, tangent };
+            for &k in &self.body.composition_of(at.cell).actuations {
+                let m = slots(self.controls, k, &at);
+                self.body.actuations[k].law.respond(&at, m, Want::TANGENT, &mut out);
+            }
+            let own = at.first..at.first + at.len();
+            let passive = self.body.second_stresses(at.cell, at.first, &self.strains.c[own])?;
+            for (q, (point, (s, cc))) in range.zip(passive.iter().enumerate()).map(|(q, (k, p))| (q, (at.first + k, p)))
+            {
+                let (f, weight) = (scratch.kinematics[q].f(), scratch.weights[q]);
+                let (stress, tangent) = (&mut scratch.stress[q], &mut scratch.tangent[q]);
+                geometric.push((*stress + f * self.strains.s[point]) * weight);
+                let left = f.transpose() * f - self.strains.c[point];
+                *stress += f * (s + apply(cc, &left));
+                tangent.add_metric(&self.strains.s[point]);
+                tangent.add(&Tangent::from_map(|g| f * apply(cc, &twice_symmetric(&(g.transpose() * f)))));
+                *stress *= weight;
+                tangent.0.iter_mut().for_each(|c| *c *= weight);
+            }
         }
-        rows.fill(0.0);
-        let formulation = self.body.arithmetic_of(id);
+        self.cells.clear_rows(patch, rows);
+        let formulation = self.body.arithmetic_of(self.cells.first(patch));
         formulation.add_force(self.cells, scratch, &scratch.stress, rows);
         scratch.stress.clone_from(&geometric);
-        formulation.tangent(self.cells, scratch, matrix);
+        formulation.tangent(self.cells, patch, scratch, matrix);
         Ok(())
     }
 }
 
-/// New C and S by cell: of u itself, or extrapolated along du.
+/// New C and S by patch: of u itself, or extrapolated along du.
 struct Extrapolate<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
@@ -256,48 +257,48 @@ struct Extrapolate<'a> {
     from: &'a PointStrains,
 }
 
-#[derive(Clone)]
-struct CellStrains {
+#[derive(Clone, Default)]
+struct PatchStrains {
     c: Vec<Mat3>,
     s: Vec<Mat3>,
     largest: f64,
 }
 
 impl CellWork for Extrapolate<'_> {
-    type Answer = CellStrains;
+    type Answer = PatchStrains;
     type Error = InvertedAt;
 
     fn cells(&self) -> Cells<'_> {
         self.cells
     }
 
-    fn room(&self) -> (CellStrains, usize) {
-        let zeros = vec![Mat3::zeros(); self.cells.part.table.points];
-        let size = 18 * zeros.len();
-        (CellStrains { c: zeros.clone(), s: zeros, largest: 0.0 }, size)
+    fn room(&self) -> (PatchStrains, usize) {
+        (PatchStrains::default(), 18 * self.cells.part.table.points)
     }
 
-    fn compute(&self, c: usize, scratch: &mut Scratch, new: &mut CellStrains) -> Result<(), InvertedAt> {
-        let part = self.cells.part;
-        let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        self.body.kinematics(self.cells, c, self.u, scratch)?;
-        for (out, k) in new.c.iter_mut().zip(&scratch.kinematics) {
-            *out = k.f().transpose() * k.f();
-        }
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, new: &mut PatchStrains) -> Result<(), InvertedAt> {
+        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        new.c.clear();
+        new.c.extend(scratch.kinematics.iter().map(|k| k.f().transpose() * k.f()));
+        new.s.clear();
         new.largest = 0.0;
-        let Some(du) = self.du else {
-            let passive = self.body.second_stresses(id, first, &new.c)?;
-            new.s.iter_mut().zip(&passive).for_each(|(out, (s, _))| *out = *s);
-            return Ok(());
-        };
-        self.body.arithmetic_of(id).change(self.cells, c, du, scratch);
-        let before = &self.from.c[first..first + part.table.points];
-        let passive = self.body.second_stresses(id, first, before)?;
-        for (q, (s, cc)) in passive.iter().enumerate() {
-            let (f, g) = (scratch.kinematics[q].f(), &scratch.change[q]);
-            new.c[q] += twice_symmetric(&(g.transpose() * f));
-            new.s[q] = s + apply(cc, &(new.c[q] - before[q]));
-            new.largest = new.largest.max(g.norm());
+        if let Some(du) = self.du {
+            self.body.arithmetic_of(self.cells.first(patch)).change(self.cells, patch, du, scratch);
+        }
+        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+            if self.du.is_none() {
+                let passive = self.body.second_stresses(at.cell, at.first, &new.c[range])?;
+                new.s.extend(passive.iter().map(|(s, _)| s));
+                continue;
+            }
+            let before = &self.from.c[at.first..][..at.len()];
+            let passive = self.body.second_stresses(at.cell, at.first, before)?;
+            for (q, ((s, cc), before)) in range.zip(passive.iter().zip(before)) {
+                let (f, g) = (scratch.kinematics[q].f(), &scratch.change[q]);
+                new.c[q] += twice_symmetric(&(g.transpose() * f));
+                new.s.push(s + apply(cc, &(new.c[q] - before)));
+                new.largest = new.largest.max(g.norm());
+            }
         }
         Ok(())
     }

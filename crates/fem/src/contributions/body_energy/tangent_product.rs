@@ -6,9 +6,10 @@ use crate::contributions::body_energy::formulation::StressJet;
 use crate::contributions::controls::Controls;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, Cells, sweep};
-use crate::kernels::kernel;
-use nastic_energy::{EnergyTerm, PointBatch, Response, Slots, Want};
+use crate::kernels::cell_sweep::{CellWork, sweep};
+use crate::kernels::cells::Cells;
+use crate::kernels::patch::Patch;
+use nastic_energy::{EnergyTerm, Response, Slots, Want};
 use nastic_tensor::Mat3;
 
 /// `out += K(u, m) v`: at every point the change of stress `dP/dF : F'(u) v`, spread like a stress, and what the stress has by `F''(u)`.
@@ -19,12 +20,9 @@ pub(super) fn add(
     out: &mut [f64],
     parallel: bool,
 ) -> Result<(), InvertedAt> {
-    let disc = body.discretization();
-    for part in &disc.points().parts {
-        let Some(kernel) = kernel(part.kind) else { continue };
-        let cells = Cells { part, kernel, dim: disc.dim() };
+    for (cells, patches) in body.groups() {
         let work = Product { body, cells, u: at.0, controls: at.1, v };
-        sweep(&work, parallel, |c, rows| cells.scatter(c, rows, out))?;
+        sweep(&work, patches, parallel, |patch, rows| cells.scatter(patch, rows, out))?;
     }
     Ok(())
 }
@@ -46,36 +44,32 @@ impl CellWork for Product<'_> {
     }
 
     fn room(&self) -> (Vec<f64>, usize) {
-        let rows = self.cells.rows();
-        let size = rows.len();
-        (rows, size)
+        (Vec::new(), self.cells.row_length())
     }
 
-    fn compute(&self, c: usize, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), InvertedAt> {
-        let (part, points) = (self.cells.part, self.cells.part.table.points);
-        let (id, first) = (part.cells[c] as usize, part.first_point(c));
-        self.body.kinematics(self.cells, c, self.u, scratch)?;
-        let formulation = self.body.arithmetic_of(id);
-        formulation.change(self.cells, c, self.v, scratch);
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), InvertedAt> {
+        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        let formulation = self.body.arithmetic_of(self.cells.first(patch));
+        formulation.change(self.cells, patch, self.v, scratch);
         scratch.clear_stress();
-        let at = PointBatch { kinematics: &scratch.kinematics, cell: id, first };
-        let composition = &self.body.compositions[self.body.of_cell[id] as usize];
-        for &t in &composition.terms {
-            self.body.terms[t].stress_change(&at, Slots::none(), &scratch.change, &mut scratch.stress);
+        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+            let composition = self.body.composition_of(at.cell);
+            let (change, stress) = (&scratch.change[range.clone()], &mut scratch.stress[range]);
+            for &t in &composition.terms {
+                self.body.terms[t].stress_change(&at, Slots::none(), change, stress);
+            }
+            for &k in &composition.actuations {
+                self.body.actuations[k].law.stress_change(&at, slots(self.controls, k, &at), change, stress);
+            }
         }
-        for &k in &composition.actuations {
-            let m = slots(self.controls, k, first, points);
-            self.body.actuations[k].law.stress_change(&at, m, &scratch.change, &mut scratch.stress);
-        }
-        let weights = &self.body.discretization().points().weights()[first..first + points];
-        weigh(&mut scratch.stress, weights);
-        rows.fill(0.0);
+        weigh(&mut scratch.stress, &scratch.weights);
+        self.cells.clear_rows(patch, rows);
         if formulation.is_affine() {
             formulation.add_force(self.cells, scratch, &scratch.stress, rows);
             return Ok(());
         }
-        let mut stress = self.body.stresses(&at, self.controls);
-        weigh(&mut stress, weights);
+        let mut stress = self.body.stresses(self.cells, patch, scratch, self.controls);
+        weigh(&mut stress, &scratch.weights);
         let jet = StressJet { along: [&scratch.dilatation.along, &[]], parts: [&stress, &scratch.stress, &[], &[]] };
         formulation.add_force_derivative(self.cells, scratch, jet, 1, rows);
         Ok(())
@@ -88,17 +82,18 @@ pub(super) fn weigh(stress: &mut [Mat3], weights: &[f64]) {
 }
 
 impl BodyEnergy {
-    /// P of all terms and actuations at the points of a cell.
-    pub(super) fn stresses(&self, at: &PointBatch, controls: &Controls) -> Vec<Mat3> {
-        let mut stress = vec![Mat3::zeros(); at.len()];
-        let mut out = Response { energy: &mut [], stress: &mut stress, tangent: &mut [] };
-        let composition = &self.compositions[self.of_cell[at.cell] as usize];
-        for &t in &composition.terms {
-            self.terms[t].respond(at, Slots::none(), Want::STRESS, &mut out);
-        }
-        for &k in &composition.actuations {
-            let m = slots(controls, k, at.first, at.len());
-            self.actuations[k].law.respond(at, m, Want::STRESS, &mut out);
+    /// P of all terms and actuations at the points of a patch that was moved to.
+    pub(super) fn stresses(&self, cells: Cells, patch: Patch, scratch: &Scratch, controls: &Controls) -> Vec<Mat3> {
+        let mut stress = vec![Mat3::zeros(); scratch.kinematics.len()];
+        for (range, at) in cells.batches(patch, &scratch.kinematics) {
+            let mut out = Response { energy: &mut [], stress: &mut stress[range], tangent: &mut [] };
+            let composition = self.composition_of(at.cell);
+            for &t in &composition.terms {
+                self.terms[t].respond(&at, Slots::none(), Want::STRESS, &mut out);
+            }
+            for &k in &composition.actuations {
+                self.actuations[k].law.respond(&at, slots(controls, k, &at), Want::STRESS, &mut out);
+            }
         }
         stress
     }

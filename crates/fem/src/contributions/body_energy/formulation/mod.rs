@@ -7,7 +7,8 @@ mod standard;
 use crate::discretization::Discretization;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::Cells;
+use crate::kernels::cells::{Cells, PatchMatrix};
+use crate::kernels::patch::Patch;
 use nastic_mesh::CellKind;
 use nastic_tensor::{Kinematics, Mat3};
 use projected_dilatation::ProjectedDilatation;
@@ -66,9 +67,14 @@ impl Formulation {
         use CellKind::{Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6};
         match self {
             Self::Standard => &[Tri3, Tri6, Quad4, Quad8, Quad9, Tet4, Tet10, Hex8, Hex20, Hex27],
-            Self::MeanDilatation => &[Hex8, Quad4, Tet10, Tri6],
+            Self::MeanDilatation => &[Hex8, Quad4, Tet10, Tri6, Tet4, Tri3],
             Self::LinearDilatation => &[Hex27, Quad9],
         }
+    }
+
+    /// Whether the quantities of a cell of this kind are those of a patch of such cells.
+    pub fn takes_patches(self, kind: CellKind) -> bool {
+        self == Self::MeanDilatation && matches!(kind, CellKind::Tri3 | CellKind::Tet4)
     }
 
     /// The one for nearly incompressible cells of a kind, if there is one.
@@ -99,18 +105,18 @@ pub(crate) struct StressJet<'a> {
     pub parts: [&'a [Mat3]; 4],
 }
 
-/// The arithmetic of a formulation, a cell at a time: `Fbar = F(u)` at its points, and the transposes of that,
+/// The arithmetic of a formulation, a patch at a time: `Fbar = F(u)` at its points, and the transposes of that,
 /// `dF = F'(u) v`, `f = F'(u)^T P`, `K = F'(u)^T (dP/dF) F'(u) + P : F''(u)`. Stresses and tangents carry their quadrature weights.
 pub(crate) trait CellFormulation: fmt::Debug + Send + Sync {
     /// Whether F is affine in u: `F'' = 0`.
     fn is_affine(&self) -> bool;
 
-    /// Shape gradients and kinematics of the c-th cell displaced by u, into the scratch. All that follows is about that cell.
+    /// Shape gradients and kinematics of a patch displaced by u, into the scratch. All that follows is about that patch.
     fn kinematics(
         &self,
         disc: &Discretization,
         cells: Cells,
-        c: usize,
+        patch: Patch,
         u: &[f64],
         scratch: &mut Scratch,
     ) -> Result<(), InvertedAt>;
@@ -122,7 +128,7 @@ pub(crate) trait CellFormulation: fmt::Debug + Send + Sync {
     fn projected(&self, scratch: &Scratch, values: &[f64]) -> Option<Vec<f64>>;
 
     /// The change of F along a nodal field v, and the gradient of v itself, into the scratch.
-    fn change(&self, cells: Cells, c: usize, v: &[f64], scratch: &mut Scratch);
+    fn change(&self, cells: Cells, patch: Patch, v: &[f64], scratch: &mut Scratch);
 
     /// `F''(u)(a, b)` of two fields whose gradients are given.
     fn second_change(&self, scratch: &Scratch, along: [&[Mat3]; 2]) -> Vec<Mat3>;
@@ -133,6 +139,6 @@ pub(crate) trait CellFormulation: fmt::Debug + Send + Sync {
     /// Adds a derivative of the nodal forces of a stress to rows: the first (1), the second (2) or the mixed one (3).
     fn add_force_derivative(&self, cells: Cells, scratch: &Scratch, jet: StressJet, which: usize, rows: &mut [f64]);
 
-    /// Sets the element matrix from the tangents and, unless F is affine, the stresses in the scratch. Tangents are overwritten.
-    fn tangent(&self, cells: Cells, scratch: &mut Scratch, matrix: &mut [f64]);
+    /// Sets the matrix of the patch from the tangents and, unless F is affine, the stresses in the scratch. Tangents are overwritten.
+    fn tangent(&self, cells: Cells, patch: Patch, scratch: &mut Scratch, matrix: &mut PatchMatrix);
 }

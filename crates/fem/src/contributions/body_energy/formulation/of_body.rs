@@ -4,9 +4,10 @@ use super::{CellFormulation, Formulation};
 use crate::contributions::body_energy::BodyEnergy;
 use crate::error::{FemError, InvertedAt};
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::Cells;
-use crate::kernels::kernel;
+use crate::kernels::cells::Cells;
+use crate::kernels::patch::{Patch, Patches};
 use nastic_tensor::Kinematics;
+use std::collections::BTreeMap;
 
 impl BodyEnergy {
     /// Chooses the formulation of cells.
@@ -23,7 +24,17 @@ impl BodyEnergy {
             }
         }
         self.extend(cells, |composition| composition.formulation = Some(formulation));
-        Ok(())
+        let disc = self.disc.with_couplings(&self.patches_of(cells))?;
+        self.set_discretization(disc)
+    }
+
+    /// The nodes of the patches that these cells are in by their formulation.
+    fn patches_of(&self, cells: &[u32]) -> Vec<Vec<u32>> {
+        let mut patches: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for &cell in cells.iter().filter(|&&cell| self.is_in_patch(cell)) {
+            patches.entry(self.disc.patches()[cell as usize]).or_default().push(cell);
+        }
+        patches.into_values().map(|cells| self.disc.mesh().nodes_of_cells(&cells)).collect()
     }
 
     /// The formulation of a cell.
@@ -31,8 +42,22 @@ impl BodyEnergy {
         self.compositions[self.of_cell[cell] as usize].formulation.unwrap_or_default()
     }
 
+    /// Whether its formulation takes a cell together with others.
+    pub(crate) fn is_in_patch(&self, cell: u32) -> bool {
+        self.formulation_of(cell as usize).takes_patches(self.disc.mesh().cell(cell as usize).kind)
+    }
+
     pub(crate) fn arithmetic_of(&self, cell: usize) -> &'static dyn CellFormulation {
         self.formulation_of(cell).of_cells()
+    }
+
+    /// The cells of the mesh that share a mean dilatation: one by itself, or a patch of several. Every cell is in one of them.
+    pub fn patches(&self) -> impl Iterator<Item = Vec<u32>> {
+        let of_group = |(cells, patches): (Cells<'_>, &Patches)| {
+            let patch = |patch: Patch| patch.cells.iter().map(|&c| cells.part.cells[c as usize]).collect();
+            patches.iter().map(patch).collect::<Vec<_>>()
+        };
+        self.groups().flat_map(of_group).collect::<Vec<_>>().into_iter()
     }
 
     /// What laws see at every quadrature point of a displaced body, in the order of its points.
@@ -40,15 +65,14 @@ impl BodyEnergy {
     /// # Errors
     /// [`InvertedAt`] where J <= 0.
     pub fn kinematics_of_laws(&self, u: &[f64]) -> Result<Vec<Kinematics>, InvertedAt> {
-        let disc = self.discretization();
-        let mut all = vec![Kinematics::rest(); disc.points().len()];
-        for part in &disc.points().parts {
-            let Some(kernel) = kernel(part.kind) else { continue };
-            let cells = Cells { part, kernel, dim: disc.dim() };
-            let mut scratch = Scratch::new(part, disc.dim());
-            for (c, &cell) in part.cells.iter().enumerate() {
-                self.arithmetic_of(cell as usize).kinematics(disc, cells, c, u, &mut scratch)?;
-                all[part.first_point(c)..][..part.table.points].copy_from_slice(&scratch.kinematics);
+        let mut all = vec![Kinematics::rest(); self.disc.points().len()];
+        for (cells, patches) in self.groups() {
+            let mut scratch = Scratch::new(cells);
+            for patch in patches.iter() {
+                self.arithmetic_of(cells.first(patch)).kinematics(&self.disc, cells, patch, u, &mut scratch)?;
+                for (_, at) in cells.batches(patch, &scratch.kinematics) {
+                    all[at.first..][..at.len()].copy_from_slice(at.kinematics);
+                }
             }
         }
         Ok(all)

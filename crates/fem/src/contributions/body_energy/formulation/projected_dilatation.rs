@@ -4,8 +4,9 @@ use super::{CellFormulation, StressJet};
 use crate::discretization::Discretization;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::Cells;
+use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::dilatation::{Dilatation, jets, matrix as matrix_of, part, rows as rows_of};
+use crate::kernels::patch::Patch;
 use nastic_tensor::{Kinematics, Mat3};
 
 /// `Fbar = (Jbar / J)^(1/d) F` with Jbar the L2 projection of J onto constants, or onto `1, X, Y, Z`; see
@@ -27,28 +28,24 @@ impl CellFormulation for ProjectedDilatation {
         &self,
         disc: &Discretization,
         cells: Cells,
-        c: usize,
+        patch: Patch,
         u: &[f64],
         scratch: &mut Scratch,
     ) -> Result<(), InvertedAt> {
-        scratch.move_to(cells, c, u)?;
-        let (part, first) = (cells.part, cells.part.first_point(c));
-        let weights = &disc.points().weights()[first..first + part.table.points];
-        let positions = if self.linear { positions(disc, cells, c) } else { Vec::new() };
+        scratch.move_to(cells, patch, u)?;
+        let positions = if self.linear { positions(disc, cells, patch) } else { Vec::new() };
         let dilatation = &mut scratch.dilatation;
-        dilatation.set_modes(cells.dim, weights, &positions, self.linear);
+        dilatation.set_modes(cells.dim, &scratch.weights, &positions, self.linear);
         dilatation.own.clone_from(&scratch.kinematics);
         let own: Vec<_> = dilatation.own.iter().map(|k| rows_of(k.f())).collect();
         let jacobians = dilatation.jacobians();
-        let refuse =
-            |point: usize, jacobian: f64| InvertedAt { cell: part.cells[c] as usize, point, jacobian, outside: None };
         if let Some(point) = jacobians.iter().position(|j| j.is_nan() || *j <= 0.0) {
-            return Err(refuse(point, jacobians[point]));
+            return Err(cells.inverted_at(patch, point, jacobians[point]));
         }
         scratch.kinematics.clear();
         for (point, f) in dilatation.modified(&own).iter().enumerate() {
-            let kinematics = Kinematics::new(matrix_of(f)).map_err(|inverted| refuse(point, inverted.jacobian))?;
-            scratch.kinematics.push(kinematics);
+            let kinematics = Kinematics::new(matrix_of(f));
+            scratch.kinematics.push(kinematics.map_err(|found| cells.inverted_at(patch, point, found.jacobian))?);
         }
         Ok(())
     }
@@ -61,8 +58,8 @@ impl CellFormulation for ProjectedDilatation {
         Some(scratch.dilatation.project(values))
     }
 
-    fn change(&self, cells: Cells, c: usize, v: &[f64], scratch: &mut Scratch) {
-        scratch.change_by(cells, c, v);
+    fn change(&self, cells: Cells, patch: Patch, v: &[f64], scratch: &mut Scratch) {
+        scratch.change_by(cells, patch, v);
         let dilatation = &mut scratch.dilatation;
         dilatation.along.clone_from(&scratch.change);
         let changed = dilatation.modified(&dilatation.along([&dilatation.along, &[]]));
@@ -79,36 +76,36 @@ impl CellFormulation for ProjectedDilatation {
         let own: Vec<_> = dilatation.own.iter().map(|k| rows_of(k.f())).collect();
         let stress: Vec<_> = stress.iter().map(rows_of).collect();
         let stress: Vec<Mat3> = dilatation.stress(&own, &stress).iter().map(matrix_of).collect();
-        cells.kernel.force(&scratch.g, &stress, rows);
+        cells.force(&scratch.g, &stress, rows);
     }
 
     fn add_force_derivative(&self, cells: Cells, scratch: &Scratch, jet: StressJet, which: usize, rows: &mut [f64]) {
         let dilatation = &scratch.dilatation;
         let stress = dilatation.stress(&dilatation.along(jet.along), &jets(jet.parts));
-        cells.kernel.force(&scratch.g, &part(&stress, which), rows);
+        cells.force(&scratch.g, &part(&stress, which), rows);
     }
 
-    fn tangent(&self, cells: Cells, scratch: &mut Scratch, matrix: &mut [f64]) {
+    fn tangent(&self, cells: Cells, patch: Patch, scratch: &mut Scratch, matrix: &mut PatchMatrix) {
         let factors = Factors::of(scratch);
         local_tangents(scratch, &factors);
-        cells.kernel.tangent(&scratch.g, &scratch.tangent, matrix, &mut scratch.work);
-        for [changes, forces] in coupled(cells, scratch, &factors) {
-            cells.kernel.add_symmetric_product(&changes, &forces, matrix);
+        cells.tangent(patch, (&scratch.g, &scratch.tangent), matrix, &mut scratch.work);
+        for [changes, forces] in coupled(cells, patch, scratch, &factors) {
+            cells.add_symmetric_product(patch, &changes, &forces, matrix);
         }
     }
 }
 
-/// Positions of the points of a cell.
-fn positions(disc: &Discretization, cells: Cells, c: usize) -> Vec<[f64; 3]> {
+/// Positions of the points of a patch.
+fn positions(disc: &Discretization, cells: Cells, patch: Patch) -> Vec<[f64; 3]> {
     let (part, points) = (cells.part, disc.mesh().points());
-    let at = |q: usize| {
+    let at = |(c, q): (u32, usize)| {
         let mut x = [0.0; 3];
-        for (&node, shape) in part.nodes_of(c).iter().zip(part.table.shapes_at(q)) {
+        for (&node, shape) in part.nodes_of(c as usize).iter().zip(part.table.shapes_at(q)) {
             x.iter_mut().zip(&points[node as usize]).for_each(|(x, p)| *x += shape * p);
         }
         x
     };
-    (0..part.table.points).map(at).collect()
+    patch.cells.iter().flat_map(|&c| (0..part.table.points).map(move |q| (c, q))).map(at).collect()
 }
 
 /// What second derivatives are made of at a point. With `x, y` the gradients of two fields, `G = F^-T`, `b = (ln Jbar)'` along a field,
@@ -170,12 +167,13 @@ fn local_tangents(scratch: &mut Scratch, factors: &Factors) {
 
 /// What couples the points: for every mode the nodal rows `B_i = sum_q w phi_i H : grad` of `(sum_q w phi_i J)'`, and `Y_i` such that
 /// the matrix has `B_i Y_i^T + Y_i B_i^T`.
-fn coupled(cells: Cells, scratch: &Scratch, factors: &Factors) -> Vec<[Vec<f64>; 2]> {
+fn coupled(cells: Cells, patch: Patch, scratch: &Scratch, factors: &Factors) -> Vec<[Vec<f64>; 2]> {
     let Scratch { dilatation, g, .. } = scratch;
     let modes: Vec<&[f64]> = dilatation.modes().collect();
     let rows = |stress: Vec<Mat3>| {
-        let mut rows = cells.rows();
-        cells.kernel.force(g, &stress, &mut rows);
+        let mut rows = Vec::new();
+        cells.clear_rows(patch, &mut rows);
+        cells.force(g, &stress, &mut rows);
         rows
     };
     let at_points = |mode: &[f64], of: &dyn Fn(usize) -> Mat3| {

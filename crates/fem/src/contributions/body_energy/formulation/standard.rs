@@ -4,7 +4,8 @@ use super::{CellFormulation, StressJet};
 use crate::discretization::Discretization;
 use crate::error::InvertedAt;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::Cells;
+use crate::kernels::cells::{Cells, PatchMatrix};
+use crate::kernels::patch::Patch;
 use nastic_tensor::{Kinematics, Mat3};
 
 /// `F = 1 + grad u` at every point.
@@ -20,11 +21,11 @@ impl CellFormulation for Standard {
         &self,
         _: &Discretization,
         cells: Cells,
-        c: usize,
+        patch: Patch,
         u: &[f64],
         scratch: &mut Scratch,
     ) -> Result<(), InvertedAt> {
-        scratch.move_to(cells, c, u)
+        scratch.move_to(cells, patch, u)
     }
 
     fn own<'a>(&self, scratch: &'a Scratch) -> &'a [Kinematics] {
@@ -35,8 +36,8 @@ impl CellFormulation for Standard {
         None
     }
 
-    fn change(&self, cells: Cells, c: usize, v: &[f64], scratch: &mut Scratch) {
-        scratch.change_by(cells, c, v);
+    fn change(&self, cells: Cells, patch: Patch, v: &[f64], scratch: &mut Scratch) {
+        scratch.change_by(cells, patch, v);
     }
 
     fn second_change(&self, scratch: &Scratch, _: [&[Mat3]; 2]) -> Vec<Mat3> {
@@ -44,14 +45,14 @@ impl CellFormulation for Standard {
     }
 
     fn add_force(&self, cells: Cells, scratch: &Scratch, stress: &[Mat3], rows: &mut [f64]) {
-        cells.kernel.force(&scratch.g, stress, rows);
+        cells.force(&scratch.g, stress, rows);
     }
 
     fn add_force_derivative(&self, cells: Cells, scratch: &Scratch, jet: StressJet, which: usize, rows: &mut [f64]) {
-        cells.kernel.force(&scratch.g, jet.parts[which], rows);
+        cells.force(&scratch.g, jet.parts[which], rows);
     }
 
-    fn tangent(&self, cells: Cells, scratch: &mut Scratch, matrix: &mut [f64]) {
-        cells.kernel.tangent(&scratch.g, &scratch.tangent, matrix, &mut scratch.work);
+    fn tangent(&self, cells: Cells, patch: Patch, scratch: &mut Scratch, matrix: &mut PatchMatrix) {
+        cells.tangent(patch, (&scratch.g, &scratch.tangent), matrix, &mut scratch.work);
     }
 }

@@ -1,0 +1,183 @@
+//! Patches of linear simplices: cells that share one mean dilatation.
+
+use nastic_mesh::{CellKind, Mesh};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+/// The patch of every cell, named by the first of its cells. Patches are sets of linear simplices (tri3, tet4) that are connected by
+/// facets; cells of other kinds are by themselves.
+///
+/// Most patches are stars, all cells at a node. One after the other the cells at a node that are connected and have no patch become one: the most
+/// there are, of several stars the one with the most facets to patches already there, of those the one of the first node. A star has at least
+/// three quarters as many cells as there are at its nodes on average. Each cell that is left joins the patch beyond most of its
+/// facets, of several the smallest. Patches end where regions do, so that all cells of one have the same laws, and a region consists of whole patches.
+///
+/// Stars that lie close to each other meet at few nodes, a node between them in no more than d + 1. It then moves volume from any of
+/// them to any other, so that displacements determine all pressures. Stars in the order of nodes alone leave gaps, and inf-sup values fall with the mesh
+/// (docs/development/verification.md).
+///
+/// Sources: patches of cells with one mean dilatation, there two triangles or eight tetrahedra, in de Souza Neto, Andrade Pires, Owen, "F-bar-based linear triangles and
+/// tetrahedra for finite strain analysis of nearly incompressible solids", IJNME 62 (2005); pressures between which nodes move volume in Stenberg,
+/// "Analysis of mixed finite element methods for the Stokes problem: a unified approach", Math. Comp. 42 (1984), the macroelement condition.
+pub(crate) fn patches(mesh: &Mesh) -> Vec<u32> {
+    let mut division = Division::of(mesh);
+    for (class, cells) in classes(mesh).values().enumerate() {
+        cells.iter().for_each(|&cell| division.class[cell as usize] = class as u32);
+        division.cut_stars(mesh, class as u32, cells);
+        division.join(cells);
+    }
+    division.by_first_cell()
+}
+
+/// The linear simplices by the block and the regions they are in.
+fn classes(mesh: &Mesh) -> BTreeMap<(usize, Vec<usize>), Vec<u32>> {
+    let mut regions = vec![Vec::new(); mesh.cells()];
+    for (region, cells) in mesh.regions().values().enumerate() {
+        cells.iter().for_each(|&cell| regions[cell as usize].push(region));
+    }
+    let mut classes: BTreeMap<_, Vec<u32>> = BTreeMap::new();
+    let blocks = mesh.blocks().iter().enumerate();
+    let of_cells = blocks.flat_map(|(number, block)| block.iter().map(move |_| (number, block.kind)));
+    for (cell, ((block, kind), regions)) in of_cells.zip(regions).enumerate() {
+        if matches!(kind, CellKind::Tri3 | CellKind::Tet4) {
+            classes.entry((block, regions)).or_default().push(cell as u32);
+        }
+    }
+    classes
+}
+
+/// No patch yet, no class.
+const NONE: u32 = u32::MAX;
+
+/// Cells at a node that could be a patch, ranked.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Star {
+    cells: usize,
+    /// Towards patches.
+    facets: usize,
+    node: Reverse<u32>,
+}
+
+struct Division {
+    /// By cell: a number of its patch.
+    patch: Vec<u32>,
+    /// By cell: which cells may be in one patch.
+    class: Vec<u32>,
+    /// Cells beyond the facets of each cell.
+    neighbours: Vec<Vec<u32>>,
+    /// Cells at each node, ascending.
+    around: Vec<Vec<u32>>,
+}
+
+impl Division {
+    fn of(mesh: &Mesh) -> Self {
+        let mut neighbours = vec![Vec::new(); mesh.cells()];
+        for (one, other) in mesh.neighbours() {
+            neighbours[one.cell as usize].push(other.cell);
+            neighbours[other.cell as usize].push(one.cell);
+        }
+        let mut around = vec![Vec::new(); mesh.points().len()];
+        for cell in 0..mesh.cells() {
+            mesh.cell(cell).nodes.iter().for_each(|&node| around[node as usize].push(cell as u32));
+        }
+        Self { patch: vec![NONE; mesh.cells()], class: vec![NONE; mesh.cells()], neighbours, around }
+    }
+
+    /// Cuts stars out of the cells of a class.
+    fn cut_stars(&mut self, mesh: &Mesh, class: u32, cells: &[u32]) {
+        let mut stars: BinaryHeap<Star> = BinaryHeap::new();
+        let mut at_node = vec![0; mesh.points().len()];
+        cells.iter().for_each(|&cell| mesh.cell(cell as usize).nodes.iter().for_each(|&n| at_node[n as usize] += 1));
+        let is_large = |division: &Self, star: &Star| {
+            let whole = division.around[star.node.0 as usize].iter().copied();
+            let whole: Vec<u32> = whole.filter(|&cell| division.class[cell as usize] == class).collect();
+            let nodes = mesh.nodes_of_cells(&whole);
+            let sum: usize = nodes.iter().map(|&node| at_node[node as usize]).sum();
+            4 * star.cells * nodes.len() >= 3 * sum
+        };
+        let look_at = |division: &Self, nodes: Vec<u32>, stars: &mut BinaryHeap<Star>| {
+            let of_nodes = nodes.into_iter().map(|node| division.star(node, class).0);
+            stars.extend(of_nodes.filter(|star| star.cells > 0 && is_large(division, star)));
+        };
+        look_at(self, mesh.nodes_of_cells(cells), &mut stars);
+        while let Some(best) = stars.pop() {
+            let (star, cells) = self.star(best.node.0, class);
+            // another star has been cut beside it since, and what it is now is among the others
+            if star != best {
+                continue;
+            }
+            cells.iter().for_each(|&cell| self.patch[cell as usize] = cells[0]);
+            let mut changed: Vec<u32> =
+                cells.iter().flat_map(|&cell| &self.neighbours[cell as usize]).copied().collect();
+            changed.extend(&cells);
+            look_at(self, mesh.nodes_of_cells(&changed), &mut stars);
+        }
+    }
+
+    /// The cells of a class at a node that have no patch and are connected by facets: the most of them.
+    fn star(&self, node: u32, class: u32) -> (Star, Vec<u32>) {
+        let free = |cell: &u32| self.class[*cell as usize] == class && self.patch[*cell as usize] == NONE;
+        let mut left: Vec<u32> = self.around[node as usize].iter().copied().filter(free).collect();
+        let mut largest = Vec::new();
+        while let Some(&first) = left.first() {
+            let mut part = vec![first];
+            let mut next = 0;
+            while let Some(&cell) = part.get(next) {
+                let beyond = self.neighbours[cell as usize].iter().filter(|cell| left.contains(cell));
+                let new: Vec<u32> = beyond.copied().filter(|cell| !part.contains(cell)).collect();
+                part.extend(new);
+                next += 1;
+            }
+            left.retain(|cell| !part.contains(cell));
+            if part.len() > largest.len() {
+                largest = part;
+            }
+        }
+        largest.sort_unstable();
+        let beyond = largest.iter().flat_map(|&cell| &self.neighbours[cell as usize]);
+        let facets =
+            beyond.filter(|&&cell| self.class[cell as usize] == class && self.patch[cell as usize] != NONE).count();
+        (Star { cells: largest.len(), facets, node: Reverse(node) }, largest)
+    }
+
+    /// Gives the cells without a patch to those beside them, all that border on one at a time.
+    fn join(&mut self, cells: &[u32]) {
+        let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
+        let assigned = cells.iter().map(|&cell| self.patch[cell as usize]).filter(|&patch| patch != NONE);
+        assigned.for_each(|patch| *sizes.entry(patch).or_default() += 1);
+        let mut left: Vec<u32> = cells.iter().copied().filter(|&cell| self.patch[cell as usize] == NONE).collect();
+        while let Some(&first) = left.first() {
+            let mut found: Vec<(u32, u32)> =
+                left.iter().filter_map(|&cell| Some((cell, self.patch_beside(cell, &sizes)?))).collect();
+            if found.is_empty() {
+                found.push((first, first));
+            }
+            for (cell, patch) in found {
+                self.patch[cell as usize] = patch;
+                *sizes.entry(patch).or_default() += 1;
+            }
+            left.retain(|&cell| self.patch[cell as usize] == NONE);
+        }
+    }
+
+    /// The patch beyond most facets of a cell; of several the smallest.
+    fn patch_beside(&self, cell: u32, sizes: &BTreeMap<u32, usize>) -> Option<u32> {
+        let mut facets: BTreeMap<u32, usize> = BTreeMap::new();
+        for &other in &self.neighbours[cell as usize] {
+            let patch = self.patch[other as usize];
+            if patch != NONE && self.class[other as usize] == self.class[cell as usize] {
+                *facets.entry(patch).or_default() += 1;
+            }
+        }
+        let size = |patch: &u32| sizes.get(patch).copied().unwrap_or_default();
+        facets.into_iter().max_by_key(|(patch, count)| (*count, Reverse(size(patch)))).map(|(patch, _)| patch)
+    }
+
+    /// Patches by the first of their cells.
+    fn by_first_cell(self) -> Vec<u32> {
+        let mut first: BTreeMap<u32, u32> = BTreeMap::new();
+        let each = self.patch.into_iter().enumerate();
+        each.map(|(cell, patch)| if patch == NONE { cell as u32 } else { *first.entry(patch).or_insert(cell as u32) })
+            .collect()
+    }
+}
