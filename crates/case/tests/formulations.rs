@@ -4,8 +4,9 @@
 
 mod common;
 
-use common::{Place, problems};
+use common::{Heard, Place, problems};
 use nastic_case::catalogue::Catalogue;
+use nastic_case::console::Console;
 use nastic_case::schema::{Command, json_schema};
 use nastic_fem::Formulation;
 use nastic_mesh::CellKind;
@@ -35,11 +36,22 @@ fn every_formulation_solves_and_is_shown() {
             let materials = &checked["materials"];
             assert_eq!(materials[0]["formulation"], formulation.name());
             assert_eq!(materials[1]["formulation"], Value::Null, "a law that names none has that of the others");
+            let told = checked_lines(&place, &case);
+            let shown =
+                format!("; formulation {formulation}{}", if formulation.takes_patches(kind) { " over " } else { "\n" });
+            assert!(told.contains(&shown), "{kind}: {told}");
             let solved =
                 place.run(Command::Solve, &case, &[]).unwrap_or_else(|error| panic!("{formulation} {kind}: {error}"));
             assert!(solved.result["min_J"].as_f64().unwrap() > 0.5, "{formulation} {kind}");
         }
     }
+}
+
+/// What `check` prints.
+fn checked_lines(place: &Place, case: &str) -> String {
+    let heard = Heard::default();
+    place.run_with(Command::Check, case, &Console::new(heard.clone()), &place.options(&[])).unwrap();
+    heard.text()
 }
 
 #[test]

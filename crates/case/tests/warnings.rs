@@ -56,7 +56,7 @@ fn locking_elements() {
     }
     // what helps is named, and then there is nothing to tell
     let nearly = with(&soft, r#""poisson": 0.3"#, r#""poisson": 0.499"#);
-    for element in ["quad4", "tri6"] {
+    for element in ["quad4", "tri6", "tri3"] {
         let case = with(&nearly, "quad9", element);
         let told = warnings(&case);
         assert!(told.contains("take \"formulation\": \"mean_dilatation\" in the material"), "{element}: {told}");

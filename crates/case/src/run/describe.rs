@@ -32,7 +32,7 @@ use nastic_fem::Formulation;
 use nastic_mesh::{CellKind, GroupNames};
 use nastic_opt::Constrained;
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A line under a heading.
 pub(super) struct Line {
@@ -118,11 +118,24 @@ pub(super) fn materials(problem: &CaseProblem) -> Vec<Line> {
         let units = problem.units();
         let values = parameters(&material.parameters, &catalogue_of(material.law.forms), units);
         let formulation = material.formulation.map(|chosen| format!("; formulation {chosen}")).unwrap_or_default();
+        let formulation = formulation + &patches(problem, material);
         let (region, law) = (&material.region, material.law);
         let inertia = time::inertia(material, units);
         line("materials", format!("{region}: {} ({}); {values}{formulation}{inertia}", law.name, law.about))
     };
     problem.case.materials.iter().map(of).collect()
+}
+
+/// The patches that the formulation of a material takes together; nothing where it takes cells by themselves.
+fn patches(problem: &CaseProblem, material: &crate::schema::Material) -> String {
+    let cells = material.formulation.and_then(|_| problem.mesh().cells_of(&material.region).ok()).unwrap_or_default();
+    let cells: BTreeSet<u32> = cells.into_iter().collect();
+    let patches = problem.solid().body().patches();
+    let own = patches.filter(|patch| patch.len() > 1 && patch.first().is_some_and(|first| cells.contains(first)));
+    let sizes: Vec<usize> = own.map(|patch| patch.len()).collect();
+    let (Some(least), Some(most)) = (sizes.iter().min(), sizes.iter().max()) else { return String::new() };
+    let patches = if sizes.len() == 1 { "patch" } else { "patches" };
+    format!(" over {} {patches} of {least} to {most} cells", grouped(sizes.len()))
 }
 
 pub(super) fn controls(problem: &CaseProblem) -> Vec<Line> {

@@ -2,7 +2,7 @@
 
 use nastic_mesh::{CellKind, Mesh};
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 /// The patch of every cell, named by the first of its cells. Patches are sets of linear simplices (tri3, tet4) that are connected by
 /// facets; cells of other kinds are by themselves.
@@ -140,37 +140,40 @@ impl Division {
         (Star { cells: largest.len(), facets, node: Reverse(node) }, largest)
     }
 
-    /// Gives the cells without a patch to those beside them, all that border on one at a time.
+    /// Gives the cells of a class without a patch to those beside them, the smallest patch first; where none is beside them one of them
+    /// becomes a patch.
     fn join(&mut self, cells: &[u32]) {
-        let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
-        let assigned = cells.iter().map(|&cell| self.patch[cell as usize]).filter(|&patch| patch != NONE);
-        assigned.for_each(|patch| *sizes.entry(patch).or_default() += 1);
-        let mut left: Vec<u32> = cells.iter().copied().filter(|&cell| self.patch[cell as usize] == NONE).collect();
+        let mut patches: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        let mut left: BTreeSet<u32> = BTreeSet::new();
+        for &cell in cells {
+            match self.patch[cell as usize] {
+                NONE => drop(left.insert(cell)),
+                patch => patches.entry(patch).or_default().push(cell),
+            }
+        }
+        let mut smallest: BTreeSet<(usize, u32)> = patches.iter().map(|(patch, cells)| (cells.len(), *patch)).collect();
         while let Some(&first) = left.first() {
-            let mut found: Vec<(u32, u32)> =
-                left.iter().filter_map(|&cell| Some((cell, self.patch_beside(cell, &sizes)?))).collect();
-            if found.is_empty() {
-                found.push((first, first));
-            }
-            for (cell, patch) in found {
-                self.patch[cell as usize] = patch;
-                *sizes.entry(patch).or_default() += 1;
-            }
-            left.retain(|&cell| self.patch[cell as usize] == NONE);
+            let (patch, cell) = match smallest.pop_first() {
+                Some((_, patch)) => match self.beside(patches.get(&patch).map_or(&[], Vec::as_slice), &left) {
+                    Some(cell) => (patch, cell),
+                    None => continue,
+                },
+                None => (first, first),
+            };
+            left.remove(&cell);
+            self.patch[cell as usize] = patch;
+            let cells = patches.entry(patch).or_default();
+            cells.push(cell);
+            smallest.insert((cells.len(), patch));
         }
     }
 
-    /// The patch beyond most facets of a cell; of several the smallest.
-    fn patch_beside(&self, cell: u32, sizes: &BTreeMap<u32, usize>) -> Option<u32> {
+    /// The cell of a set that shares most facets with a patch, of several the first.
+    fn beside(&self, patch: &[u32], left: &BTreeSet<u32>) -> Option<u32> {
         let mut facets: BTreeMap<u32, usize> = BTreeMap::new();
-        for &other in &self.neighbours[cell as usize] {
-            let patch = self.patch[other as usize];
-            if patch != NONE && self.class[other as usize] == self.class[cell as usize] {
-                *facets.entry(patch).or_default() += 1;
-            }
-        }
-        let size = |patch: &u32| sizes.get(patch).copied().unwrap_or_default();
-        facets.into_iter().max_by_key(|(patch, count)| (*count, Reverse(size(patch)))).map(|(patch, _)| patch)
+        let beyond = patch.iter().flat_map(|&cell| &self.neighbours[cell as usize]);
+        beyond.filter(|cell| left.contains(cell)).for_each(|&cell| *facets.entry(cell).or_default() += 1);
+        facets.into_iter().max_by_key(|(cell, count)| (*count, Reverse(*cell))).map(|(cell, _)| cell)
     }
 
     /// Patches by the first of their cells.
