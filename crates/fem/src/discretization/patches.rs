@@ -7,18 +7,18 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 /// The patch of every cell, named by the first of its cells. Patches are sets of linear simplices (tri3, tet4) that are connected by
 /// facets; cells of other kinds are by themselves.
 ///
-/// Most patches are stars, all cells at a node. One after the other the cells at a node that are connected and have no patch become one: the most
-/// there are, of several stars the one with the most facets to patches already there, of those the one of the first node. A star has at least
-/// three quarters as many cells as there are at its nodes on average. Each cell that is left joins the patch beyond most of its
-/// facets, of several the smallest. Patches end where regions do, so that all cells of one have the same laws, and a region consists of whole patches.
+/// Most patches are stars: all cells at a node. One star after the other is cut, of the cells at a node that have no patch and are connected: the one of
+/// the most cells, of several the one with the most facets to earlier patches, of those the one of the first node. A star has at
+/// least three quarters of the cells that there are at its nodes on average. Cells that are left are joined to patches beside them, the smallest of which takes
+/// the next one. Patches end where regions do: laws act on whole patches.
 ///
-/// Stars that lie close to each other meet at few nodes, a node between them in no more than d + 1. It then moves volume from any of
-/// them to any other, so that displacements determine all pressures. Stars in the order of nodes alone leave gaps, and inf-sup values fall with the mesh
-/// (docs/development/verification.md).
+/// Why stars, and why close to each other: in a regular mesh most nodes between stars belong to d + 1 of them. Such a node moves volume from any of
+/// these to any other, so that displacements determine all pressures (the macroelement condition). Smaller patches, or stars in the order of
+/// nodes, have inf-sup values that fall with the mesh (docs/development/verification.md).
 ///
-/// Sources: patches of cells with one mean dilatation, there two triangles or eight tetrahedra, in de Souza Neto, Andrade Pires, Owen, "F-bar-based linear triangles and
-/// tetrahedra for finite strain analysis of nearly incompressible solids", IJNME 62 (2005); pressures between which nodes move volume in Stenberg,
-/// "Analysis of mixed finite element methods for the Stokes problem: a unified approach", Math. Comp. 42 (1984), the macroelement condition.
+/// Sources: de Souza Neto, Andrade Pires, Owen, "F-bar-based linear triangles and tetrahedra for finite strain analysis of nearly incompressible
+/// solids", IJNME 62 (2005): patches, there of two triangles or eight tetrahedra. Stenberg, "Analysis of mixed finite element methods for the
+/// Stokes problem: a unified approach", Math. Comp. 42 (1984): the condition.
 pub(crate) fn patches(mesh: &Mesh) -> Vec<u32> {
     let mut division = Division::of(mesh);
     for (class, cells) in classes(mesh).values().enumerate() {
@@ -86,32 +86,28 @@ impl Division {
     /// Cuts stars out of the cells of a class.
     fn cut_stars(&mut self, mesh: &Mesh, class: u32, cells: &[u32]) {
         let mut stars: BinaryHeap<Star> = BinaryHeap::new();
-        let mut at_node = vec![0; mesh.points().len()];
-        cells.iter().for_each(|&cell| mesh.cell(cell as usize).nodes.iter().for_each(|&n| at_node[n as usize] += 1));
-        let is_large = |division: &Self, star: &Star| {
-            let whole = division.around[star.node.0 as usize].iter().copied();
-            let whole: Vec<u32> = whole.filter(|&cell| division.class[cell as usize] == class).collect();
-            let nodes = mesh.nodes_of_cells(&whole);
-            let sum: usize = nodes.iter().map(|&node| at_node[node as usize]).sum();
-            4 * star.cells * nodes.len() >= 3 * sum
-        };
-        let look_at = |division: &Self, nodes: Vec<u32>, stars: &mut BinaryHeap<Star>| {
-            let of_nodes = nodes.into_iter().map(|node| division.star(node, class).0);
-            stars.extend(of_nodes.filter(|star| star.cells > 0 && is_large(division, star)));
-        };
-        look_at(self, mesh.nodes_of_cells(cells), &mut stars);
-        while let Some(best) = stars.pop() {
-            let (star, cells) = self.star(best.node.0, class);
-            // another star has been cut beside it since, and what it is now is among the others
-            if star != best {
-                continue;
-            }
+        let mut changed = mesh.nodes_of_cells(cells);
+        loop {
+            let looked_at = changed.iter().map(|&node| self.star(node, class).0);
+            stars.extend(looked_at.filter(|star| star.cells > 0 && self.is_large(mesh, star, class)));
+            // those that have lost cells since they were looked at are among the others as what they are now
+            let current = |best: Star| Some(self.star(best.node.0, class)).filter(|(star, _)| *star == best);
+            let Some((_, cells)) = std::iter::from_fn(|| stars.pop()).find_map(current) else { return };
             cells.iter().for_each(|&cell| self.patch[cell as usize] = cells[0]);
-            let mut changed: Vec<u32> =
-                cells.iter().flat_map(|&cell| &self.neighbours[cell as usize]).copied().collect();
-            changed.extend(&cells);
-            look_at(self, mesh.nodes_of_cells(&changed), &mut stars);
+            let beside = cells.iter().flat_map(|&cell| &self.neighbours[cell as usize]);
+            changed = mesh.nodes_of_cells(&beside.chain(&cells).copied().collect::<Vec<u32>>());
         }
+    }
+
+    /// Whether a star has three quarters of the cells that there are at its nodes on average.
+    fn is_large(&self, mesh: &Mesh, star: &Star, class: u32) -> bool {
+        let at_node = |node: u32| {
+            let around = self.around[node as usize].iter().copied();
+            around.filter(|&cell| self.class[cell as usize] == class).collect::<Vec<u32>>()
+        };
+        let nodes = mesh.nodes_of_cells(&at_node(star.node.0));
+        let sum: usize = nodes.iter().map(|&node| at_node(node).len()).sum();
+        4 * star.cells * nodes.len() >= 3 * sum
     }
 
     /// The cells of a class at a node that have no patch and are connected by facets: the most of them.
