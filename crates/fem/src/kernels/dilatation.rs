@@ -1,6 +1,6 @@
-//! [`Dilatation`]: deformation gradients whose determinant is projected onto a few modes of the cell.
+//! [`Dilatation`]: deformation gradients whose determinant is projected onto a few modes of the cell or patch.
 //!
-//! With `J = det F` at the points of a cell, their weights w, and modes that are orthonormal there, `sum_q w_q phi_i phi_j = delta_ij`,
+//! With `J = det F` at its points, their weights w, and modes that are orthonormal there, `sum_q w_q phi_i phi_j = delta_ij`,
 //!
 //! ```text
 //! Jbar_q = sum_i phi_i(q) sum_r w_r phi_i(r) J_r
@@ -23,7 +23,7 @@ use nastic_tensor::{Kinematics, Mat3};
 /// A 3x3 matrix by rows.
 pub(crate) type Square<T> = [[T; 3]; 3];
 
-/// The modes of one cell with its kinematics.
+/// The modes of one patch with its kinematics.
 #[derive(Debug, Default)]
 pub(crate) struct Dilatation {
     /// Shape `[mode][point]`.
@@ -45,7 +45,7 @@ struct Point<T> {
 }
 
 impl Dilatation {
-    /// Modes of the constant, and with `linear` of the positions too, orthonormal in the reference measure of the cell.
+    /// Modes of the constant, and with `linear` of the positions too, orthonormal in the reference measure of the patch.
     pub fn set_modes(&mut self, dim: usize, weights: &[f64], positions: &[[f64; 3]], linear: bool) {
         self.dim = dim;
         self.weights.clear();

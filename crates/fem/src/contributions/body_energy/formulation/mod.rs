@@ -30,7 +30,9 @@ pub enum Formulation {
     /// `F = 1 + grad u` at every point: the displacement formulation.
     #[default]
     Standard,
-    /// Jbar is the mean of J over the cell: one pressure per cell.
+    /// Jbar is the mean of J over the cell, of tet4 and tri3 over a patch of cells ([`BodyEnergy::patches`]): one pressure for each.
+    ///
+    /// [`BodyEnergy::patches`]: crate::BodyEnergy::patches
     MeanDilatation,
     /// Jbar is the L2 projection of J onto `1, X, Y, Z` of the cell: a linear pressure, discontinuous between cells.
     LinearDilatation,
@@ -54,7 +56,7 @@ impl Formulation {
         match self {
             Self::Standard => "Displacements alone: laws see F at every point.",
             Self::MeanDilatation => {
-                "For nearly incompressible bodies: laws see the mean change of volume of a cell (Q1/P0 of hex8 and quad4, P2/P0 of tet10 and tri6)."
+                "For nearly incompressible bodies: laws see the mean change of volume of a cell (Q1/P0 of hex8 and quad4, P2/P0 of tet10 and tri6), of a patch of cells of tet4 and tri3."
             }
             Self::LinearDilatation => {
                 "For nearly incompressible bodies: laws see the change of volume of a cell projected onto linear functions (Q2/P1 of hex27 and quad9)."
@@ -72,7 +74,7 @@ impl Formulation {
         }
     }
 
-    /// Whether the quantities of a cell of this kind are those of a patch of such cells.
+    /// Whether it takes cells of this kind together, in patches.
     pub fn takes_patches(self, kind: CellKind) -> bool {
         self == Self::MeanDilatation && matches!(kind, CellKind::Tri3 | CellKind::Tet4)
     }

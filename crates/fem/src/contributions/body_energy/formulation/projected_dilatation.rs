@@ -1,4 +1,4 @@
-//! [`ProjectedDilatation`]: the determinant of F projected onto functions of the cell.
+//! [`ProjectedDilatation`]: the determinant of F projected onto functions of the cell, or of a patch of cells.
 
 use super::{CellFormulation, StressJet};
 use crate::discretization::Discretization;
