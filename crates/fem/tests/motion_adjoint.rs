@@ -278,7 +278,7 @@ fn every_instant(kind: CellKind, dissipation: Dissipation) -> Outcome {
 
 #[test]
 fn a_linearised_step_has_no_adjoint_with_viscous_laws() -> Outcome {
-    let solid = driven(Dissipation::Maxwell)?;
+    let solid = driven(CellKind::Quad4, Dissipation::Maxwell)?;
     let mut run = begin(&solid, Start::Equilibrium, controls(&solid, 0, (0, 0.0)))?;
     let step = [StepTo { dt: H, controls: controls(&solid, 1, (0, 0.0)) }];
     solid.model().advance(&mut run, &Scheme::linearly_implicit_euler(), &step, &STRICT, &mut Workspace::default())?;
