@@ -198,7 +198,15 @@ fn mistakes_are_told_with_what_to_write() {
             case(STEPS, DENSE, &control(r#", "in_time": { "every": "5 ms" }, "rate": "1 kPa""#)),
             "unit of the wrong kind: \"1 kPa\"",
         ),
-        (case(STEPS, DENSE, &control(r#", "upper": "1 kPa * t / (1 s)""#)), "upper"),
+        (
+            case(
+                STEPS,
+                DENSE,
+                &control(r#", "in_time": { "every": "5 ms" }, "start": "-1 kPa""#)
+                    .replace("\"-1 kPa\", \"upper\"", "\"-1 MPa * t / (1 s)\", \"upper\""),
+            ),
+            "at t = 0 lies outside what is allowed",
+        ),
         (case(STEPS, &format!(r#"{DENSE}, "poisson": "0.3 * t / (1 s)""#), HELD), "poisson"),
         (
             case(

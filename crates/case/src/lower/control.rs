@@ -341,8 +341,8 @@ impl Lowering<'_> {
         let at = self.control.at.key(key);
         let values = match bound {
             Parameter::Formula(formula) => {
-                let values: Result<_, _> = self.block.map.positions().iter().map(|x| formula.at(*x)).collect();
-                context.take(&at, values)?
+                let values = context.take(&at, self.in_time(formula))?;
+                return Some(Some(Limit::Each(values)));
             }
             Parameter::Array(file) => self.values_of_file(file, &at, context)?,
             Parameter::Cells(_) => {

@@ -21,10 +21,7 @@ impl Lowering<'_> {
         let (positions, knots) = (self.block.map.positions(), self.block.values_in_time());
         match &self.control.start {
             None => Some(vec![0.0; self.block.len()]),
-            Some(Start::Scalar(formula)) => {
-                let values: Result<Vec<_>, _> = self.instants().iter().map(|t| over(positions, formula, *t)).collect();
-                context.take(&at, values).map(|values| values.concat())
-            }
+            Some(Start::Scalar(formula)) => context.take(&at, self.in_time(formula)),
             Some(Start::Vector(entries)) => {
                 let at_instant = |t: &f64| {
                     let entries: Vec<Formula> = entries.iter().map(|entry| entry.at_time(*t)).collect();
@@ -51,6 +48,17 @@ impl Lowering<'_> {
                 Some(start::on_sphere(&mut Random::new(*seed), norm, count, dim).concat())
             }
         }
+    }
+
+    /// The values of a formula at all knots and unknowns.
+    pub(super) fn in_time(&self, formula: &Formula) -> Result<Vec<f64>, EvaluationError> {
+        let positions = self.block.map.positions();
+        let at_instant = |t: &f64| {
+            let formula = formula.at_time(*t);
+            positions.iter().map(|x| formula.at(*x)).collect::<Result<Vec<_>, _>>()
+        };
+        let values: Result<Vec<_>, _> = self.instants().iter().map(at_instant).collect();
+        values.map(|values| values.concat())
     }
 
     /// The instants of the values in time.
@@ -173,10 +181,4 @@ impl Lowering<'_> {
         let allowed = &outside.allowed;
         format!("the start {} at {place} lies outside what is allowed: {allowed}", outside.value)
     }
-}
-
-/// The values of a formula at an instant.
-fn over(positions: &[[f64; 3]], formula: &Formula, t: f64) -> Result<Vec<f64>, EvaluationError> {
-    let formula = formula.at_time(t);
-    positions.iter().map(|x| formula.at(*x)).collect()
 }

@@ -141,7 +141,7 @@ const TOLD: usize = 3;
 /// Rigid motions of a body without supports.
 const RIGID: usize = 6;
 
-/// The lowest vibrations about the state that a motion begins at, as its steps move them: said, and as the result has them.
+/// The lowest vibrations about the state that a motion begins at (undeformed and without controls, if it begins at rest), as its steps move them: said, and as the result has them.
 pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &State) -> Option<Value> {
     if member.reduced().timeline()?.scheme().is_quasi_static() {
         return None;
@@ -149,7 +149,11 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
     let (solid, how) = (member.solid(), SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() });
     let free = solid.supports().fixed().iter().filter(|&&fixed| !fixed).count();
     let wanted = if solid.check().is_ok() { TOLD } else { TOLD + RIGID };
-    let modes = match solid.model().vibration_modes(begin, wanted.min(free), &how) {
+    // stresses of actuations in a body at rest are no equilibrium
+    let from_rest = member.case().time.as_ref().is_some_and(|time| time.start == Beginning::Rest);
+    let rest = from_rest.then(|| solid.rest());
+    let about = rest.as_ref().unwrap_or(begin);
+    let modes = match solid.model().vibration_modes(about, wanted.min(free), &how) {
         Ok(modes) => modes,
         Err(error) => {
             session.console.say(format!("damping     of the lowest modes not known: {error}"));

@@ -23,9 +23,9 @@ object! {
         /// Value to start from; zero if left out. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
         pub start: Option<Start> as ANY_IN_TIME,
         /// Least value of a scalar; unbounded if left out, of a muscle 0. A tension contracts below zero.
-        pub lower: Option<Parameter>,
+        pub lower: Option<Parameter> as ANY_IN_TIME,
         /// Largest value of a scalar; the law's convexity bound if left out. A tension lengthens above zero.
-        pub upper: Option<Parameter>,
+        pub upper: Option<Parameter> as ANY_IN_TIME,
         /// Length every vector must have.
         pub norm: Option<f64> as POSITIVE_FIELD,
         /// Length no vector may exceed.

@@ -41,6 +41,14 @@ impl Parameter {
     }
 }
 
+impl Parameter {
+    /// Whether it changes in time.
+    #[must_use]
+    pub fn uses_time(&self) -> bool {
+        matches!(self, Self::Formula(formula) if formula.uses_time())
+    }
+}
+
 impl Read for Parameter {
     fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
         match &node.value {

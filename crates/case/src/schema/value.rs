@@ -62,7 +62,7 @@ fn unexpected_time(formula: &Formula, want: Want, reader: &Reader<'_>) -> Option
     let text = quoted(formula.text());
     if !want.in_time {
         return Some(format!(
-            "{text} depends on the time t, which this does not: starts of controls, values of actuations and targets may"
+            "{text} depends on the time t, which this does not: starts and bounds of controls, values of actuations and targets may"
         ));
     }
     let still = reader.document.root().find("time").is_none();

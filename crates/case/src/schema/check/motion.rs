@@ -2,6 +2,7 @@
 
 use super::{Blocks, block};
 use crate::schema::control::{Control, Start};
+use crate::schema::field::Parameter;
 use crate::schema::optimizer::Optimizer;
 use crate::schema::read::Reader;
 use crate::schema::time::Time;
@@ -37,10 +38,12 @@ fn check_static(blocks: &Blocks, reader: &mut Reader<'_>) {
 
 fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
     for control in controls(blocks) {
-        if control.in_time.is_none() && control.start.as_ref().is_some_and(Start::uses_time) {
-            let message =
-                "the start depends on the time t, and the control does not: give \"in_time\": { \"every\": \"50 ms\" }";
-            reader.complain_at(&control.at.key("start"), message);
+        let start = control.start.as_ref().is_some_and(Start::uses_time);
+        let bound = |bound: &Option<Parameter>| bound.as_ref().is_some_and(Parameter::uses_time);
+        let used = [("start", start), ("lower", bound(&control.lower)), ("upper", bound(&control.upper))];
+        for (key, _) in used.into_iter().filter(|(_, uses)| *uses && control.in_time.is_none()) {
+            let message = "depends on the time t, and the control does not: give \"in_time\": { \"every\": \"50 ms\" }";
+            reader.complain_at(&control.at.key(key), format!("the {key} {message}"));
         }
         let Some(in_time) = &control.in_time else { continue };
         let parts = time.end / in_time.every;
