@@ -1,8 +1,8 @@
 //! Problems in time: values against closed forms, derivatives against differences, histories to the bit.
 
 use nastic_control::{
-    ActuationWork, ControlNorm, ControlRate, Ensemble, Evaluated, Interpolation, Knots, MeanPosition, Metric,
-    MotionMemory, RateLimit, Reduced, Space, Target, Timeline, Tracking, When,
+    ActuationWork, ControlNorm, ControlRate, Ensemble, Evaluated, Interpolation, KineticEnergy, Knots, MeanPosition,
+    Metric, MotionMemory, RateLimit, Reduced, Space, Target, Timeline, Tracking, When,
 };
 use nastic_energy::{FiberTension, Magnet, MaxwellBranch, NeoHooke, Turgor};
 use nastic_fem::{Inertia, Scheme, Solid};
