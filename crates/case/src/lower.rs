@@ -36,6 +36,7 @@ mod support;
 mod survey;
 mod tension;
 mod time;
+mod time_table;
 mod variant;
 
 pub(crate) use actuation::CONTRACTION;
@@ -248,13 +249,26 @@ fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &
     survey::names(document, &mesh, context);
     let probes = probe::locate(case, &mesh, context);
     let scenarios = scenario::scenarios(case, document, &disc, context)?;
-    let variants = match variant::all(case, document, &scenarios, context) {
+    let mut variants = match variant::all(case, document, &scenarios, context) {
         Ok(variants) => variants,
         Err(problems) => {
             context.found.problems.extend(problems.list().iter().cloned());
             return None;
         }
     };
+    let mut resolved = Vec::new();
+    for variant in &mut variants {
+        let mut own = context.variant(&variant.document);
+        let mut case = variant.case.clone();
+        time_table::resolve(&mut case, &mut own);
+        resolved.push((case, own.found));
+    }
+    let found = variants.iter_mut().zip(resolved).map(|(variant, (case, found))| {
+        variant.case = case;
+        (variant.name.clone(), found)
+    });
+    let found = found.collect();
+    context.found.absorb(found);
     let mut contexts: Vec<Context<'_>> = variants.iter().map(|variant| context.variant(&variant.document)).collect();
     let built = build(case, &variants, &disc, &mut contexts);
     let found = contexts.into_iter().map(|context| context.found);

@@ -38,6 +38,7 @@ mod shape_cost;
 mod spring;
 mod support;
 mod time;
+mod time_table;
 mod timing;
 mod units;
 mod value;
@@ -72,6 +73,7 @@ pub use shape_cost::{Compliance, Coordinates, Curvature, LargestStretch, Orienta
 pub use spring::{Ground, Spring, SpringEnd};
 pub use support::{Along, Axis, Displacement, Fix, Support};
 pub use time::{Beginning, KelvinVoigt, MassKind, Maxwell, Rayleigh, Time};
+pub use time_table::TimeTable;
 pub use timing::{InTime, KnotInterpolation, When};
 pub use value::Vector;
 

@@ -25,6 +25,14 @@ const DENSE: &str = r#", "density": "1000 kg/m^3""#;
 const HELD: &str = r#", "supports": [ { "surface": "x-", "fix": "all" } ]"#;
 const FIBERS: &str =
     r#", "actuation": [ { "name": "fibers", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0]"#;
+/// A control in time with this start.
+fn control_text(start: &str) -> String {
+    format!(
+        r#" }} ], "controls": [ {{ "of": "fibers", "space": "uniform", "lower": "-50 kPa", "upper": 0,
+        "start": {start}, "in_time": {{ "every": "10 ms" }} }} ]"#
+    )
+}
+
 const STEPS: &str = r#""end": "20 ms", "step": "1 ms""#;
 
 fn tip(result: &Value) -> Vec<f64> {
@@ -61,6 +69,29 @@ fn a_value_in_time_and_a_control_in_time_are_the_same() {
     assert!(a[0] < -1e-3 && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} {b:?}");
     assert_eq!(controlled["controls"]["fibers"]["instants"], serde_json::json!([0.0, 0.01, 0.02]));
     assert_eq!(controlled["controls"]["fibers"]["values"][2], -2e4);
+    // from a table, linear between its rows
+    let place = Place::new();
+    place.write("pump.csv", "t, air, tension\n0, 7, 0\n0.01, 8, -1e4\n0.04, 9, -4e4\n");
+    let table = r#"{ "file": "pump.csv", "column": "tension" }"#;
+    for text in [
+        case(STEPS, DENSE, &format!(r#"{HELD}{FIBERS}, "tension": {table} }} ]"#)),
+        case(STEPS, DENSE, &format!("{HELD}{FIBERS}{}", control_text(table))),
+    ] {
+        let c = tip(&place.run(Command::Solve, &text, &[]).unwrap().result);
+        assert!(a.iter().zip(&c).all(|(a, c)| (a - c).abs() < 1e-12), "{a:?} {c:?}");
+    }
+    for (content, column, wanted) in [
+        ("t,a\n0,1\n1,x\n", "a", "line 3: \"x\" in column \"a\" is no number"),
+        ("t,a\n0,1\n0,2\n", "a", "line 3: t = 0 does not lie behind 0"),
+        ("t,a\n0,1\n", "b", "no column \"b\"; it has: t, a"),
+        ("", "a", "the file is empty"),
+    ] {
+        place.write("pump.csv", content);
+        let table = format!(r#"{{ "file": "pump.csv", "column": "{column}" }}"#);
+        let text = case(STEPS, DENSE, &format!(r#"{HELD}{FIBERS}, "tension": {table} }} ]"#));
+        let error = place.run(Command::Check, &text, &[]).unwrap_err().to_string();
+        assert!(error.contains(wanted), "{error}");
+    }
     // a vector too, of a magnet in a field that turns
     let magnet = r#", "actuation": [ { "name": "magnet", "kind": "magnet", "region": "body", "remanence": [0.05, 0, 0],
         "field": ["0 T", "20 mT * sin(50 * t / (1 s))", "0 T"] } ]"#;

@@ -20,7 +20,7 @@ use crate::evaluated::Evaluated;
 use crate::inner_product::{Metric, inner_product};
 use crate::layout::Layout;
 use crate::map::Space;
-use crate::time::When;
+use crate::time::{Timeline, When};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Begin, FemError, Progress, Solid, SolveOptions, SolveReport, State};
 use nastic_opt::{InnerProduct, Request};
@@ -248,7 +248,8 @@ impl Reduced {
 
     /// A motion from a given state needs no support.
     pub(crate) fn check_body(&self) -> Result<(), ControlError> {
-        let moves = self.motion.as_ref().is_some_and(|motion| motion.timeline.begin() == Begin::Given);
+        let from_given = |timeline: &Timeline| timeline.begin() == Begin::Given && !timeline.scheme().is_quasi_static();
+        let moves = self.timeline().is_some_and(from_given);
         match self.solid.check() {
             Err(FemError::RigidMotion { .. }) if moves => Ok(()),
             checked => Ok(checked?),

@@ -131,6 +131,24 @@ impl Model {
         of_body.chain(own).collect()
     }
 
+    /// The controls with relaxed viscous laws: their internal variables act no more.
+    pub fn relaxed(&self, controls: &Controls) -> Controls {
+        self.with_zeros(controls, |slots| slots.is_empty())
+    }
+
+    /// The controls without actuation; internal variables stay as they are.
+    pub fn unactuated(&self, controls: &Controls) -> Controls {
+        self.with_zeros(controls, |slots| !slots.is_empty())
+    }
+
+    fn with_zeros(&self, controls: &Controls, which: impl Fn(&[Slot]) -> bool) -> Controls {
+        let mut out = controls.clone();
+        for (k, _) in self.controllable().iter().enumerate().filter(|(_, own)| which(own.slots)) {
+            out.values_mut(k).fill(0.0);
+        }
+        out
+    }
+
     /// Controls of this model, all zero.
     pub fn controls(&self) -> Controls {
         let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| (c.slots().len(), 1));

@@ -7,6 +7,7 @@ use super::program::{Op, Step};
 use super::token::CaseProblem;
 use crate::quantity::{Dimension, Units};
 use crate::syntax::quoted;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// A number, or a formula of the reference coordinates X, Y, Z and the time t; values are in the case's units.
@@ -18,6 +19,8 @@ pub struct Formula {
     constant: Option<f64>,
     /// The time at which a formula of t is evaluated.
     time: f64,
+    /// Values over the time instead of steps.
+    table: Option<Arc<[(f64, f64)]>>,
 }
 
 /// A text that is no formula, or contradicts itself.
@@ -37,7 +40,7 @@ impl Formula {
     #[must_use]
     pub fn number(value: f64) -> Self {
         let steps = vec![Step { op: Op::Plain(value), column: 1 }];
-        Self { text: value.to_string(), steps, kind: None, constant: Some(value), time: 0.0 }
+        Self { text: value.to_string(), steps, kind: None, constant: Some(value), time: 0.0, table: None }
     }
 
     /// Reads a text; its units become numbers of the system `units`.
@@ -58,7 +61,7 @@ impl Formula {
                 |(fault, column): (super::Fault, usize)| refuse(CaseProblem { column, message: fault.to_string() });
             Some(evaluate(&steps, [0.0; 3], 0.0).map_err(fault)?)
         };
-        Ok(Self { text: text.to_string(), steps, kind: Some(kind), constant, time: 0.0 })
+        Ok(Self { text: text.to_string(), steps, kind: Some(kind), constant, time: 0.0, table: None })
     }
 
     /// Refuses a formula whose units or coordinates make it something else than `wanted`.
@@ -85,9 +88,19 @@ impl Formula {
         self.constant
     }
 
+    /// Values over the time in the case's units, `(t, value)` by ascending times, at least one: linear between them, constant before the first
+    /// and behind the last.
+    #[must_use]
+    pub(crate) fn over_time(text: &str, table: Arc<[(f64, f64)]>) -> Self {
+        Self { text: text.to_owned(), steps: vec![], kind: None, constant: None, time: 0.0, table: Some(table) }
+    }
+
     /// Whether it changes in time.
     #[must_use]
     pub fn uses_time(&self) -> bool {
+        if self.table.is_some() {
+            return true;
+        }
         self.steps.iter().any(|step| step.op == Op::Time)
     }
 
@@ -109,6 +122,9 @@ impl Formula {
     ///
     /// Division by zero, roots of negative numbers and the like, with the column and the point.
     pub fn at(&self, point: [f64; 3]) -> Result<f64, EvaluationError> {
+        if let Some(table) = &self.table {
+            return Ok(interpolated(table, self.time));
+        }
         match self.constant {
             Some(value) => Ok(value),
             None => evaluate(&self.steps, point, self.time).map_err(|(fault, column)| EvaluationError {
@@ -119,6 +135,16 @@ impl Formula {
                 time: self.uses_time().then_some(self.time),
             }),
         }
+    }
+}
+
+/// Linear between the rows, constant beyond them.
+fn interpolated(table: &[(f64, f64)], t: f64) -> f64 {
+    let behind = table.partition_point(|(time, _)| *time < t);
+    match (behind.checked_sub(1).and_then(|k| table.get(k)), table.get(behind)) {
+        (Some((t0, a)), Some((t1, b))) => a + (b - a) * (t - t0) / (t1 - t0),
+        (Some((_, value)), None) | (None, Some((_, value))) => *value,
+        (None, None) => f64::NAN,
     }
 }
 

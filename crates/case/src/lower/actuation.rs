@@ -184,6 +184,8 @@ fn columns(value: &Fixed, (points, at): (&SamplePoints<'_>, &At), context: &mut 
             let vectors = points.vectors(value, at, context)?;
             (0..3).map(|k| vectors.iter().map(|v| v[k]).collect()).collect()
         }
+        // one that could not be read was complained about
+        Fixed::Table(_) => return None,
     })
 }
 
@@ -217,6 +219,14 @@ fn fix_in_time(
     let instants = reduced.timeline()?.instants().to_vec();
     let each: Option<Vec<_>> = instants.iter().map(|t| sampled(&at_time(value, *t), context)).collect();
     let each = each?;
+    let values = || each.iter().flatten().flatten().copied();
+    let most = values().fold(f64::NEG_INFINITY, f64::max);
+    let limit = reduced.solid().body().fiber_limit(index);
+    // that at t = 0 was looked at already
+    let at_zero = each.first().into_iter().flatten().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+    if let Some(limit) = limit.filter(|limit| most > *limit && at_zero <= *limit) {
+        context.warn(&CONVEXITY, at, beyond_limit(most, limit, context.units));
+    }
     if let Some(key) = only_pulls
         && each.iter().flatten().flatten().any(|value| *value < 0.0)
     {

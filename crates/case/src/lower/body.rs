@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::variant::Variant;
 use super::{actuation, control, inertia, load, material, optimizer, spring, support, time};
-use crate::schema::{Beginning, Case};
+use crate::schema::{Beginning, Case, Time};
 use crate::syntax::At;
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid};
@@ -31,7 +31,8 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
 
 /// Every cell has a material, no rigid motion is left free unless the body begins to move from rest.
 fn check_complete(case: &Case, solid: &Solid, context: &mut Context<'_>) {
-    let from_rest = case.time.as_ref().is_some_and(|time| time.start == Beginning::Rest);
+    let moves = |time: &Time| time.scheme.scheme().is_ok_and(|scheme| !scheme.is_quasi_static());
+    let from_rest = case.time.as_ref().is_some_and(|time| time.start == Beginning::Rest && moves(time));
     if let Err(error) = solid.check() {
         if from_rest && matches!(error, FemError::RigidMotion { .. }) {
             return;

@@ -30,6 +30,8 @@ impl Lowering<'_> {
                 let values: Result<Vec<_>, _> = self.instants().iter().map(at_instant).collect();
                 context.take(&at, values).map(|values| values.concat().concat())
             }
+            // one that could not be read was complained about
+            Some(Start::Table(_)) => None,
             Some(Start::Array(file)) => self.values_of_file(file, &at, context).map(|values| values.repeat(knots)),
             Some(Start::Controls(file)) => {
                 let name = self.case_name.map_or_else(String::new, |case| format!("{case}.")) + self.control.name();

@@ -14,7 +14,8 @@ use crate::syntax::At;
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
     ActuationWork, ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, CostTarget, IntoCost,
-    KineticEnergy, ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Tracking, TrajectoryCost, When,
+    KineticEnergy, ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Timeline, Tracking, TrajectoryCost,
+    When,
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
 use nastic_mesh::{GroupNames, Mesh};
@@ -90,7 +91,10 @@ pub(super) fn add(
             of_motion.push((block, of_a_motion(case, block, context)?));
             continue;
         }
-        let lowering = Lowering { case, reduced: &reduced, block };
+        // shown is where a target that moves is at the end
+        let end = reduced.timeline().map_or(0.0, Timeline::end);
+        let at_end = block.at_time(end);
+        let lowering = Lowering { case, reduced: &reduced, block: &at_end };
         let Some(cost) = lowering.lower(target, context) else { continue };
         let shape = cost.target(reduced.solid());
         shapes.extend(shape.map(|shape| TargetShape::of(block.at().clone(), block.name(), shape)));
@@ -151,7 +155,8 @@ fn along_path(
         let cost = lowering.lower(None, context)?;
         made.push((t, Named::new(block.name(), cost)));
     }
-    let at = |t: f64| made.iter().find(|(instant, _)| *instant == t).map(|(_, cost)| cost.clone());
+    let place = |t: f64| made.binary_search_by(|(instant, _): &(f64, Named)| instant.total_cmp(&t)).ok();
+    let at = |t: f64| place(t).map(|k| made[k].1.clone());
     let missing = || ControlError::Cost { what: "a target at no instant of the motion".to_owned() };
     let added = reduced.cost_along(when, |t| at(t).ok_or_else(missing));
     context.take(&block.at().key("when"), added)

@@ -40,6 +40,11 @@ impl Lowering<'_> {
 
     pub(super) fn compliance(&self, block: &schema::Compliance, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
         let solid = self.reduced.solid();
+        if self.case.time.is_some() {
+            let message = "the compliance of a body in motion: it is that of an equilibrium; take a static case";
+            context.complain(&block.at, message);
+            return None;
+        }
         if ["gauss_newton", "newton_cg"].contains(&self.case.optimizer.method.name()) {
             let message = "a compliance has no second derivatives, which the method of this case needs: take \"lbfgs\"";
             context.complain(&block.at, message);

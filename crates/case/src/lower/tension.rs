@@ -64,17 +64,21 @@ pub(super) fn joint_excess<'f>(
     body: &Reduced,
     bounds: impl Iterator<Item = Option<&'f Bounds>>,
 ) -> Option<ExcessTension> {
-    let mut most = vec![0.0; body.layout().len()];
-    for (block, bounds) in body.layout().blocks().iter().zip(bounds) {
+    // Of a control in time the largest over its knots.
+    let instant = body.layout_of_instant();
+    let mut most = vec![0.0; instant.len()];
+    for ((block, own), bounds) in body.layout().blocks().iter().zip(instant.blocks()).zip(bounds) {
         let Some(bounds) = bounds else { continue };
         for i in 0..block.len() {
             let (_, upper) = bounds.at(i);
             // What has no bound is told of by itself.
-            most[block.first + i] = if upper.is_finite() { upper } else { 0.0 };
+            let upper = if upper.is_finite() { upper } else { 0.0 };
+            let place = &mut most[own.first + i % own.size()];
+            *place = if i < own.size() { upper } else { place.max(upper) };
         }
     }
     let energy = body.solid().body();
-    let excess = energy.excess_tension(&body.layout().to_points(&most).ok()?)?;
+    let excess = energy.excess_tension(&instant.to_points(&most).ok()?)?;
     let largest = energy.actuations().iter().position(|attached| attached.name == excess.actuation)?;
     let alone = energy.fiber_limit(largest).is_some_and(|limit| excess.tension > limit);
     (!alone && !excess.beside.is_empty()).then_some(excess)

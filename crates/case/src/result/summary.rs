@@ -209,12 +209,24 @@ fn contributions(member: CaseMember<'_>, state: &State) -> Result<Map<String, Va
     Ok(out)
 }
 
+/// The potential of passive laws, actuations and loads at a state of a motion, with relaxed viscous laws.
+pub(crate) fn potential(member: CaseMember<'_>, state: &State) -> f64 {
+    let model = member.solid().model();
+    let relaxed = model.relaxed(&state.controls);
+    let at = Instant::new(&state.u, &relaxed, 1.0);
+    model.evaluate(&at, Demand { energy: true, force: false }).map_or(f64::NAN, |sums| sums.energy)
+}
+
 /// `min_J`, `potential`, probes, what contributions report: what a state says without another factor.
 pub(crate) fn shape(member: CaseMember<'_>, state: &State) -> Map<String, Value> {
     let mut out = Map::new();
     out.insert("min_J".into(), json!(state.report.min_j));
     out.insert("residual".into(), json!(state.report.residual));
-    out.insert("potential".into(), json!(state.report.energy));
+    let potential = match member.reduced().timeline() {
+        None => state.report.energy,
+        Some(_) => potential(member, state),
+    };
+    out.insert("potential".into(), json!(potential));
     out.insert("probes".into(), probes(member, state));
     if let Ok(found) = contributions(member, state).map(|found| (!found.is_empty()).then_some(found)) {
         out.extend(found.map(|found| ("contributions".to_owned(), Value::Object(found))));

@@ -138,8 +138,6 @@ fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<Seen> {
 
 /// Lowest modes of a motion that are told.
 const TOLD: usize = 3;
-/// Rigid motions of a body without supports.
-const RIGID: usize = 6;
 
 /// The lowest vibrations about the state that a motion begins at (undeformed and without controls, if it begins at rest), as its steps move them: said, and as the result has them.
 pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &State) -> Option<Value> {
@@ -148,7 +146,8 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
     }
     let (solid, how) = (member.solid(), SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() });
     let free = solid.supports().fixed().iter().filter(|&&fixed| !fixed).count();
-    let wanted = if solid.check().is_ok() { TOLD } else { TOLD + RIGID };
+    let rigid = if member.mesh().dim() == 3 { 6 } else { 3 };
+    let wanted = if solid.check().is_ok() { TOLD } else { TOLD + rigid };
     // stresses of actuations in a body at rest are no equilibrium
     let from_rest = member.case().time.as_ref().is_some_and(|time| time.start == Beginning::Rest);
     let rest = from_rest.then(|| solid.rest());

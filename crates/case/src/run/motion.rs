@@ -11,10 +11,11 @@ use crate::result::csv::quoted;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::snapshot;
+use crate::result::summary;
 use crate::schema::Time;
 use crate::warning::Warning;
-use nastic_control::{ControlBlock, EnsemblePoint, Evaluated, StateFields};
-use nastic_fem::{Demand, Instant, State};
+use nastic_control::{ControlBlock, ControlError, EnsemblePoint, Evaluated, StateFields};
+use nastic_fem::{Instant, State};
 use nastic_io::write_atomically;
 use nastic_mesh::Snapshot;
 use nastic_picture::{Chart, Curve};
@@ -65,7 +66,7 @@ fn record(session: &Session<'_>, member: CaseMember<'_>, at: &Evaluated) -> Resu
     let mut table = Table::head(member, at);
     let mut shown = Vec::new();
     let mut each = |n: usize, state: &State| {
-        table.add(member, &at.m, state);
+        table.add(member, &at.m, state)?;
         if n.is_multiple_of(stride) || n == steps {
             shown.push(state.clone());
         }
@@ -133,7 +134,11 @@ fn entry(session: &Session<'_>, time: &Time, record: &Record) -> Value {
         "mass": time.mass.name(), "written": record.shown.len(),
         "energies": { "start": both(start), "end": both(end) },
     });
-    if let Some(damping) = record.shown.first().and_then(|state| modes::damping(session, member, state)) {
+    // scenarios differ little in this
+    let lead = member.part().scenario() == 0;
+    if let Some(damping) =
+        record.shown.first().filter(|_| lead).and_then(|state| modes::damping(session, member, state))
+    {
         entry["damping"] = damping;
     }
     entry
@@ -187,10 +192,7 @@ pub(super) fn ghosts(
 
 /// Kinetic energy, and the potential of stresses, actuations and loads.
 fn energies(member: CaseMember<'_>, state: &State) -> [f64; 2] {
-    let model = member.solid().model();
-    let at = Instant::new(&state.u, &state.controls, 1.0);
-    let demand = Demand { energy: true, force: false };
-    [model.kinetic_energy(state), model.evaluate(&at, demand).map_or(f64::NAN, |sums| sums.energy)]
+    [member.solid().model().kinetic_energy(state), summary::potential(member, state)]
 }
 
 /// One value in space, or one vector.
@@ -239,19 +241,20 @@ impl Table {
         Self { names, units, rows: vec![] }
     }
 
-    fn add(&mut self, member: CaseMember<'_>, m: &[f64], state: &State) {
+    fn add(&mut self, member: CaseMember<'_>, m: &[f64], state: &State) -> Result<(), ControlError> {
         let (report, [kinetic, potential]) = (&state.report, energies(member, state));
         let mut row = vec![state.time, kinetic, potential, report.min_j, report.newton as f64];
         let dim = member.mesh().dim();
         for probe in &member.problem().probes {
             row.extend_from_slice(&probe.displacement(&state.u, dim)[..dim]);
         }
-        let m = member.layout().at(m, state.time).unwrap_or_default();
+        let m = member.layout().at(m, state.time)?;
         for block in member.reduced().layout_of_instant().blocks().iter().filter(|block| is_uniform(block)) {
             row.extend_from_slice(block.of(&m));
         }
         row.extend(quantities(member, state).into_iter().map(|(.., value)| value));
         self.rows.push(row);
+        Ok(())
     }
 
     fn csv(&self) -> String {

@@ -6,6 +6,7 @@ use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, 
 use crate::schema::field::{Parameter, VectorField};
 use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
+use crate::schema::time_table::TimeTable;
 use crate::schema::value::{Vector, described_text};
 use crate::syntax::{At, Node, Property};
 use nastic_energy::catalogue::ActuationRow;
@@ -57,6 +58,8 @@ pub enum Fixed {
     Scalar(Parameter),
     /// Of a remanence, a field.
     Vector(VectorField),
+    /// Of either, over the time.
+    Table(TimeTable),
 }
 
 impl PartialEq for Actuation {
@@ -125,6 +128,7 @@ impl Actuation {
             None => false,
             Some(Fixed::Scalar(value)) => value.constant() != Some(0.0),
             Some(Fixed::Vector(value)) => value.constant() != Some([0.0; 3]),
+            Some(Fixed::Table(_)) => true,
         }
     }
 }
@@ -287,6 +291,9 @@ fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Defini
 }
 
 fn read_fixed(slot: &SlotName, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Fixed> {
+    if TimeTable::is_named_by(node) {
+        return TimeTable::read_for(Some(slot.vector), node, at, reader).map(Fixed::Table);
+    }
     if slot.vector {
         VectorField::read(node, at, slot.want.in_time(), reader).map(Fixed::Vector)
     } else {

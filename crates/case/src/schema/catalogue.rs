@@ -4,8 +4,9 @@ use crate::expression::dimension_of;
 use crate::quantity::Want;
 use crate::schema::direction;
 use crate::schema::field::{Parameter, VectorField, check_unit};
-use crate::schema::json::{Definitions, annotated};
+use crate::schema::json::{Definitions, annotated, any_of};
 use crate::schema::read::{Read, Reader};
+use crate::schema::time_table::TimeTable;
 use crate::syntax::{At, Node, Property};
 use nastic_energy::SlotGroup;
 use nastic_energy::catalogue::{self, ActuationRow, Takes};
@@ -185,11 +186,12 @@ pub(crate) fn slot_schema(slot: &SlotName, definitions: &mut Definitions) -> Jso
         _ => "",
     };
     let about = format!("The {} where it is no control.{sign}", slot.key);
-    let schema = if slot.vector {
+    let own = if slot.vector {
         VectorField::schema(slot.want, definitions)
     } else {
         Parameter::schema(slot.want, definitions)
     };
+    let schema = any_of(vec![own, TimeTable::schema(slot.want, definitions)]);
     annotated(schema, &about, None)
 }
 

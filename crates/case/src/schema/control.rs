@@ -6,6 +6,7 @@ use crate::schema::direction::Direction;
 use crate::schema::field::{ArrayFile, Parameter};
 use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::read::{Read, Reader};
+use crate::schema::time_table::TimeTable;
 use crate::schema::timing::InTime;
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Property, Value, quoted};
@@ -93,6 +94,8 @@ pub enum Start {
     Array(ArrayFile),
     /// The values of an earlier `controls.json`.
     Controls(ControlsFile),
+    /// Values over the time.
+    Table(TimeTable),
     /// Random directions of the control's norm, from this seed.
     Random(u64),
 }
@@ -139,6 +142,7 @@ impl Start {
         match self {
             Self::Scalar(formula) => formula.uses_time(),
             Self::Vector(entries) => entries.iter().any(Formula::uses_time),
+            Self::Table(_) => true,
             Self::Array(_) | Self::Controls(_) | Self::Random(_) => false,
         }
     }
@@ -150,6 +154,9 @@ impl Read for Start {
             Value::Array(_) => entries(node, at, want, reader).map(Self::Vector),
             Value::Object(members) if members.iter().any(|member| member.key == "random") => {
                 RandomStart::read(node, at, want, reader).map(|start| Self::Random(start.random))
+            }
+            Value::Object(_) if TimeTable::is_named_by(node) => {
+                TimeTable::read_for(None, node, at, reader).map(Self::Table)
             }
             Value::Object(members) if is_controls_file(members) => {
                 ControlsFile::read(node, at, want, reader).map(Self::Controls)
@@ -165,6 +172,7 @@ impl Read for Start {
             vector::<Formula>(want, definitions),
             ArrayFile::schema(want, definitions),
             ControlsFile::schema(want, definitions),
+            TimeTable::schema(want, definitions),
             RandomStart::schema(want, definitions),
         ])
     }

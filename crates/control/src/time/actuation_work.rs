@@ -8,7 +8,8 @@ use crate::layout::Layout;
 use nastic_fem::{Controls, Demand, Instant, State};
 use nastic_numeric::vector::{axpy, dot};
 
-/// The energy that actuations spend: with `g(u; m) = r(u; m) - r(u; 0)` the internal force of the actuations,
+/// The energy that actuations spend: with `g(u; m) = r(u; m) - r(u; 0)` the internal force of the actuations
+/// (viscous forces are in both),
 ///
 /// ```text
 /// j = -weight sum_n (g_n + g_{n+1})/2 . (u_{n+1} - u_n)
@@ -33,16 +34,17 @@ impl ActuationWork {
     }
 }
 
-/// Without actuation and with it.
+/// Without actuation and with it; viscous laws hold the same in both, so that they cancel.
 fn pair<'a>(state: &'a State, passive: &'a Controls) -> [Instant<'a>; 2] {
     [Instant::new(&state.u, passive, 1.0), Instant::new(&state.u, &state.controls, 1.0)]
 }
 
 /// g of every state.
 fn forces(at: &TrajectoryContext) -> Result<Vec<Vec<f64>>, ControlError> {
-    let (model, passive) = (at.solid.model(), at.solid.controls());
+    let model = at.solid.model();
     let demand = Demand { energy: false, force: true };
     let of = |state: &State| {
+        let passive = model.unactuated(&state.controls);
         let [without, with] = pair(state, &passive);
         let mut force = model.evaluate(&with, demand)?.force;
         axpy(-1.0, &model.evaluate(&without, demand)?.force, &mut force);
@@ -74,9 +76,10 @@ impl TrajectoryCost for ActuationWork {
 
     fn add_partials(&self, at: &TrajectoryContext, out: &mut TrajectoryPartials) -> Result<(), ControlError> {
         let (forces, moves) = (forces(at)?, moves(at));
-        let (model, passive, of_instant) = (at.solid.model(), at.solid.controls(), at.layout.of_instant());
+        let (model, of_instant) = (at.solid.model(), at.layout.of_instant());
         for (n, state) in at.trajectory.states().iter().enumerate() {
             let (t, len) = (at.timeline.instants()[n], state.u.len());
+            let passive = model.unactuated(&state.controls);
             let mut by_u = vec![0.0; len];
             // what g_n is multiplied by
             let mut factor = vec![0.0; len];

@@ -57,6 +57,7 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
             let value = match fixed {
                 Fixed::Scalar(value) => scalar(value, Dimension::NONE, units),
                 Fixed::Vector(value) => vector_field(value),
+                Fixed::Table(table) => format!("{} of {} over the time", table.names().join(", "), table.file),
             };
             out.push(line("actuation", format!("  fixed {key} {value}")));
         }

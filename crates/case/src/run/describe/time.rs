@@ -30,7 +30,7 @@ pub(in crate::run) fn time(problem: &CaseProblem) -> Vec<Line> {
     let kept = bytes as f64 / 1e6;
     let again =
         if again > 0 { format!(", {} steps computed again for a derivative", grouped(again)) } else { String::new() };
-    let shown = time.steps() / time.stride() + 1;
+    let shown = time.steps().div_ceil(time.stride()) + 1;
     out.push(line(
         "time",
         format!("the states of a motion take {kept:.1} MB{again}; {} are written", count(shown, "state")),

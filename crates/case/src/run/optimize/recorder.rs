@@ -159,7 +159,7 @@ impl<'s> Recorder<'s> {
         // The start, which a resumed run tells of once more, and the point of a new stage have none before them.
         let fresh = trial.iteration == 0 || trial.reason.is_revaluation();
         if motion::is_motion(self.problem) {
-            return Some(false); // a motion is unique where equilibria are not
+            return Some(false); // a motion from a given state is unique where equilibria are not
         }
         let before = self.before.replace(Before::new(point)).filter(|_| !fresh);
         let Some(before) = before else { return Some(false) };

@@ -55,6 +55,9 @@ fn check_vector(control: &Control, reader: &mut Reader<'_>) {
     }
     let start = control.at.key("start");
     match &control.start {
+        Some(Start::Table(table)) if table.columns.is_none() => {
+            reader.complain_at(&start, format!("\"{}\" is a vector: give two or three \"columns\"", control.of));
+        }
         Some(Start::Scalar(_)) => {
             reader.complain_at(&start, format!("\"{}\" is a vector: give two or three entries", control.of));
         }
@@ -85,7 +88,8 @@ fn check_scalar(control: &Control, slot: &SlotName, reader: &mut Reader<'_>) {
             reader.complain_at(&control.at.key(key), message);
         }
     }
-    if let Some(Start::Vector(_) | Start::Random(_)) = control.start {
+    let several = matches!(&control.start, Some(Start::Table(table)) if table.columns.is_some());
+    if several || matches!(control.start, Some(Start::Vector(_) | Start::Random(_))) {
         reader.complain_at(&control.at.key("start"), format!("\"{}\" is a scalar: give one value", control.of));
     }
 }

@@ -46,6 +46,15 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
             reader.complain_at(&control.at.key(key), format!("the {key} {message}"));
         }
         let Some(in_time) = &control.in_time else { continue };
+        let steps = in_time.every / time.step;
+        if (steps - steps.round()).abs() > 1e-6 * steps || steps < 0.5 {
+            let message = format!(
+                "{} is no multiple of the step {}: a knot between steps is seen by none",
+                in_time.every, time.step
+            );
+            reader.complain_at(&in_time.at.key("every"), message);
+            continue;
+        }
         let parts = time.end / in_time.every;
         if (parts - parts.round()).abs() > 1e-6 * parts || parts < 0.5 {
             let near = time.end / parts.ceil();

@@ -1,0 +1,72 @@
+//! Values over the time from CSV files, as formulas of t.
+
+use super::context::Context;
+use crate::expression::Formula;
+use crate::schema::{Case, Fixed, Parameter, Start, TimeTable, VectorField};
+use crate::syntax::{At, quoted};
+
+/// Puts what the files say in the place of their names; one that cannot be read is complained about and left.
+pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
+    for control in &mut case.controls {
+        let Some(Start::Table(table)) = &control.start else { continue };
+        if let Some(formulas) = formulas(table, &control.at.key("start"), context) {
+            control.start = Some(match <[Formula; 1]>::try_from(formulas) {
+                Ok([formula]) => Start::Scalar(formula),
+                Err(several) => Start::Vector(several),
+            });
+        }
+    }
+    for actuation in &mut case.actuation {
+        for (key, fixed) in &mut actuation.fixed {
+            let Fixed::Table(table) = fixed else { continue };
+            if let Some(formulas) = formulas(table, &actuation.at.key(key), context) {
+                *fixed = match <[Formula; 1]>::try_from(formulas) {
+                    Ok([formula]) => Fixed::Scalar(Parameter::Formula(formula)),
+                    Err(several) => Fixed::Vector(VectorField::Formulas(several)),
+                };
+            }
+        }
+    }
+}
+
+fn formulas(table: &TimeTable, at: &At, context: &mut Context<'_>) -> Option<Vec<Formula>> {
+    let path = context.file(&table.file);
+    let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()));
+    let text = context.take(&at.key("file"), text)?;
+    let columns = columns(&text, &table.names()).map_err(|why| format!("{}: {why}", table.file));
+    let columns = context.take(&at.key("file"), columns)?;
+    let named =
+        |(name, rows): (&str, Vec<(f64, f64)>)| Formula::over_time(&format!("{name} of {}", table.file), rows.into());
+    Some(table.names().into_iter().zip(columns).map(named).collect())
+}
+
+/// The columns over that of the time.
+fn columns(text: &str, names: &[&str]) -> Result<Vec<Vec<(f64, f64)>>, String> {
+    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let (_, head) = lines.next().ok_or("the file is empty; its first line names the columns, one of them \"t\"")?;
+    let head: Vec<&str> = head.split(',').map(|name| name.trim().trim_matches('"')).collect();
+    let place = |name: &str| {
+        let known = || format!("no column {}; it has: {}", quoted(name), head.join(", "));
+        head.iter().position(|column| *column == name).ok_or_else(known)
+    };
+    let (t, wanted) = (place("t")?, names.iter().map(|name| place(name)).collect::<Result<Vec<_>, _>>()?);
+    let mut out: Vec<Vec<(f64, f64)>> = wanted.iter().map(|_| Vec::new()).collect();
+    for (number, line) in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let value = |column: usize| {
+            let cell = cells.get(column).map_or("", |cell| cell.trim());
+            let value = cell.parse::<f64>().ok().filter(|value| value.is_finite());
+            value.ok_or_else(|| {
+                format!("line {}: {} in column \"{}\" is no number", number + 1, quoted(cell), head[column])
+            })
+        };
+        let time = value(t)?;
+        for (rows, &column) in out.iter_mut().zip(&wanted) {
+            if let Some((before, _)) = rows.last().filter(|(before, _)| *before >= time) {
+                return Err(format!("line {}: t = {time} does not lie behind {before}", number + 1));
+            }
+            rows.push((time, value(column)?));
+        }
+    }
+    if out.iter().any(Vec::is_empty) { Err("no line of numbers below the names".to_owned()) } else { Ok(out) }
+}
