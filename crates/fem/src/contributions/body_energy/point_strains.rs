@@ -326,12 +326,14 @@ mod tests {
         let members = [
             (CellKind::Hex8, Formulation::Standard),
             (CellKind::Hex8, Formulation::MeanDilatation),
+            (CellKind::Tet4, Formulation::MeanDilatation),
             (CellKind::Hex27, Formulation::LinearDilatation),
         ];
         for (law, (kind, formulation)) in laws.iter().flat_map(|law| members.map(|member| (law, member))) {
             let mut model = Model::new(Discretization::new(Arc::new(box_mesh([1.0; 3], [2, 1, 1], kind)?))?);
-            model.body.add_term(&[0, 1], law.clone())?;
-            model.body.set_formulation(&[0, 1], formulation)?;
+            let cells: Vec<u32> = (0..model.discretization().mesh().cells() as u32).collect();
+            model.body.add_term(&cells, law.clone())?;
+            model.body.set_formulation(&cells, formulation)?;
             let mut random = Random::new(3);
             let u: Vec<f64> = (0..model.unknowns().len()).map(|_| 0.06 * random.symmetric()).collect();
             let (controls, mut expected, mut tangent) = (model.controls(), model.matrix(), model.matrix());
