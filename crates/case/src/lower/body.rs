@@ -42,6 +42,12 @@ fn check_complete(case: &Case, solid: &Solid, context: &mut Context<'_>) {
             FemError::NoMaterial { .. } => "materials",
             _ => "mesh",
         };
-        context.complain(&At::root().key(block), error);
+        let message = match (&error, &case.time) {
+            (FemError::RigidMotion { .. }, Some(_)) => {
+                format!("{error}; or let it move from rest: \"start\": \"rest\" in \"time\", by a scheme with inertia")
+            }
+            _ => error.to_string(),
+        };
+        context.complain(&At::root().key(block), message);
     }
 }

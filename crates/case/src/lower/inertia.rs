@@ -4,8 +4,11 @@ use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
 use super::place;
+use crate::quantity::Dimension;
+use crate::run::short;
 use crate::schema::{Case, MassKind, Material, Parameter};
 use crate::syntax::At;
+use crate::warning::UNITS;
 use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch};
 use nastic_fem::{Inertia, Solid};
 use nastic_tensor::Vec3;
@@ -28,7 +31,18 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     }
 }
 
+/// Materials are between these, kg/m^3: foams and heavy metals.
+const USUAL: std::ops::RangeInclusive<f64> = 10.0..=30_000.0;
+
 fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
+    for material in &case.materials {
+        let density = material.density.map(|density| context.units.in_si(density, Dimension::DENSITY));
+        if let Some(strange) = density.filter(|density| !USUAL.contains(density)) {
+            let message =
+                format!("a density of {} kg/m^3 is no usual one: give its unit, as in \"1000 kg/m^3\"", short(strange));
+            context.warn(&UNITS, &material.at.key("density"), message);
+        }
+    }
     let dense = case.materials.iter().filter_map(|material| Some((material, material.density?)));
     let inertia = dense.fold(None, |inertia: Option<Inertia>, (material, density)| {
         Some(match inertia {

@@ -161,18 +161,22 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
     };
     let (seen, units) = (seen(member, &modes)?, session.problem.units());
     let mut head = "damping";
-    for (mode, seen) in modes.iter().zip(&seen.modes) {
+    for (k, (mode, seen)) in modes.iter().zip(&seen.modes).enumerate() {
         let Some(seen) = seen else { continue };
         let frequency = per_second(mode, units) / TAU;
         let ratio =
             seen.frequency.map_or_else(|| "none".to_owned(), |ratio| format!("{} Hz", short(frequency * ratio)));
         session.console.say(format!(
-            "{head:<12}{} Hz, seen as {ratio}: Rayleigh damping d/w {}, with that of the steps {}",
+            "{head:<12}mode {}: {} Hz, seen as {ratio}; d/w of Rayleigh damping {}, with that of the steps {}",
+            k + 1,
             short(frequency),
             short(seen.physical),
             short(seen.effective)
         ));
         head = "";
+    }
+    if member.case().materials.iter().any(|material| !material.maxwell.is_empty() || material.kelvin_voigt.is_some()) {
+        session.console.say("            without what viscous laws add: these are the relaxed body's");
     }
     let mut entry = in_steps(&seen);
     entry["frequencies"] = modes.iter().map(|mode| json!(per_second(mode, units) / TAU)).collect();

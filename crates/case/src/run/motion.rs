@@ -296,6 +296,6 @@ impl Table {
 
 /// The options of `solve` that look at one equilibrium.
 pub(super) fn refused(problem: &CaseProblem, what: &str) -> RunError {
-    let message = format!("{what} looks at equilibria, and this case moves: take \"time\" out, as by --set time=null");
+    let message = format!("{what} looks at equilibria, and this case moves: take \"time\" out of it");
     problem.complain("time", message).into()
 }

@@ -90,6 +90,11 @@ const HINTS: &[Hint] = &[
     hint("materials", &["k", "kappa", "bulk_modulus"], "write \"bulk\", with \"shear\""),
     hint("materials", &["g", "shear_modulus"], "write \"shear\", with \"bulk\""),
     hint("materials", &["c10", "c01", "d1", "c1", "c2"], RUBBER),
+    hint("maxwell", &["tau", "time", "relaxation_time", "t"], "write \"relaxation\": \"60 ms\""),
+    hint("maxwell", &["g", "mu", "modulus", "shear_modulus"], "write \"shear\": \"50 kPa\""),
+    hint("rayleigh", &["beta", "a1", "k"], "write \"stiffness\": \"1 ms\""),
+    hint("rayleigh", &["alpha", "a0", "m"], "write \"mass\": \"0.5 / (1 s)\""),
+    hint("time", &["rho", "density"], "a \"density\" stands in \"materials\""),
     hint("materials", &["rho", "mass"], "write \"density\": \"1000 kg/m^3\""),
     hint("materials", &["gravity", "weight"], WEIGHT),
     hint(

@@ -7,6 +7,7 @@ use crate::schema::optimizer::Optimizer;
 use crate::schema::read::Reader;
 use crate::schema::time::Time;
 use crate::syntax::At;
+use nastic_fem::Scheme;
 
 pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
     if reader.document.root().find("time").is_none() {
@@ -62,10 +63,35 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
             reader.complain_at(&in_time.at.key("every"), message);
         }
     }
+    check_scheme(time, blocks, reader);
+    for actuation in &blocks.actuation {
+        let refused =
+            actuation.kind() == "motion" || ["volume", "pull"].iter().any(|key| actuation.fixed.contains_key(key));
+        if refused {
+            let message = "surfaces that are moved, added volumes and the pull of tendons do not go with \"time\" yet";
+            reader.complain_at(&actuation.at, message);
+        }
+    }
     let optimizer: Option<Optimizer> = block(reader, "optimizer");
     let method = optimizer.map(|optimizer| optimizer.method.name());
     if let Some(method) = method.filter(|method| ["gauss_newton", "newton_cg"].contains(method)) {
         let message = format!("\"{method}\" needs second derivatives, which motions do not have: take \"lbfgs\"");
         reader.complain_at(&At::root().key("optimizer").key("method"), message);
+    }
+}
+
+/// What a scheme cannot begin with.
+fn check_scheme(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
+    let (Ok(scheme), true) = (time.scheme.scheme(), time.velocity.is_some()) else { return };
+    let name = scheme.name();
+    let accelerated = scheme.needs_acceleration() || scheme.start().is_some_and(Scheme::needs_acceleration);
+    if scheme.is_quasi_static() {
+        let message = format!("\"{name}\" has no inertia, and so no velocity: leave it out, or take \"tr_bdf2\"");
+        reader.complain_at(&time.at.key("velocity"), message);
+    } else if accelerated && blocks.materials.iter().any(|material| material.kelvin_voigt.is_some()) {
+        let message = format!(
+            "\"{name}\" begins with an acceleration, which is not known of a body that moves and has \"kelvin_voigt\" damping: take \"backward_euler\""
+        );
+        reader.complain_at(&time.at.key("velocity"), message);
     }
 }
