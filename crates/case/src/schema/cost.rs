@@ -380,7 +380,7 @@ impl Cost {
                     entries.iter_mut().for_each(|entry| *entry = entry.at_time(t));
                 }
             }
-            Self::Position(block) => block.target = block.target.at_time(t),
+            Self::Position(block) => *block.target = block.target.at_time(t),
             _ => {}
         }
         own

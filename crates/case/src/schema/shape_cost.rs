@@ -22,7 +22,7 @@ object! {
         /// A point of the body, at rest.
         pub point: Option<Vector> as LENGTH,
         /// Where it shall be; components left out are free.
-        pub target: Coordinates,
+        pub target: Box<Coordinates>,
         /// Factor.
         pub weight: f64 as ANY_NOT_NEGATIVE = 1.0,
         /// When it counts in a motion; at the end if left out.

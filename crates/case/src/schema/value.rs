@@ -196,6 +196,21 @@ impl<T: Read> Read for Option<T> {
     }
 }
 
+/// Large blocks of enums.
+impl<T: Read> Read for Box<T> {
+    fn absent() -> Option<Self> {
+        T::absent().map(Self::new)
+    }
+
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        T::read(node, at, want, reader).map(Self::new)
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        T::schema(want, definitions)
+    }
+}
+
 /// Entries that cannot be read are complained about and left out, so that the others are still checked.
 impl<T: Read> Read for Vec<T> {
     fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
