@@ -67,7 +67,11 @@ fn sentence(result: &Value) -> String {
     let newton = result["newton_iterations"].as_u64();
     let work = newton.map_or_else(String::new, |n| format!(" with {}", count(n, "Newton iteration")));
     let several = result["ramp"].is_object() || result["path"].is_object() || result["equilibria"].is_object();
-    let what = if several { "Equilibria were found" } else { "The equilibrium was found" };
+    let what = match several {
+        true => "Equilibria were found",
+        false if result["time"].is_object() => "The motion was computed",
+        false => "The equilibrium was found",
+    };
     format!("{what}{work}.{took}")
 }
 
