@@ -16,7 +16,9 @@ rm -rf "$out"/case_*
 mkdir -p "$out"
 
 # Longer than 30 s; the others are run by --quick too.
-slow_cases=(petal)
+slow_cases=(petal walk lift)
+# These end at their limit of iterations, exit code 4.
+limited_cases=(walk lift)
 slow_examples=(robust_turgor t_magnet petal)
 
 is_in() { # WORD LIST...
@@ -43,7 +45,9 @@ case_met() { # NAME
   grep -q '"expect"' "$file" || { echo "$file has no \"expect\""; return 1; }
   grep -q '"command": "solve"' "$file" && command=solve
   target/release/nastic "$command" "$file" --quiet --out "$out/case_$1" || status=$?
-  [ "$status" = 0 ] || return
+  if [ "$status" != 0 ]; then
+    [ "$status" = 4 ] && is_in "$1" "${limited_cases[@]}" || return
+  fi
   [ "$(wc -c <"$out/case_$1/report.html")" -lt 5000000 ] || { echo "the page of $1 has 5 MB or more"; return 1; }
   [ "$1" != arch ] || target/release/nastic solve "$file" --path --quiet --out "$out/case_arch_path"
 }
