@@ -256,18 +256,12 @@ fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &
             return None;
         }
     };
-    let mut resolved = Vec::new();
+    let mut found = Vec::new();
     for variant in &mut variants {
         let mut own = context.variant(&variant.document);
-        let mut case = variant.case.clone();
-        time_table::resolve(&mut case, &mut own);
-        resolved.push((case, own.found));
+        time_table::resolve(&mut variant.case, &mut own);
+        found.push((variant.name.clone(), own.found));
     }
-    let found = variants.iter_mut().zip(resolved).map(|(variant, (case, found))| {
-        variant.case = case;
-        (variant.name.clone(), found)
-    });
-    let found = found.collect();
     context.found.absorb(found);
     let mut contexts: Vec<Context<'_>> = variants.iter().map(|variant| context.variant(&variant.document)).collect();
     let built = build(case, &variants, &disc, &mut contexts);

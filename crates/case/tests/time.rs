@@ -215,7 +215,35 @@ fn mistakes_are_told_with_what_to_write() {
         ),
         (case(r#""end": "20 mm", "step": "1 ms""#, DENSE, HELD), "is a length, a time is wanted (s, ms)"),
         (case(STEPS, r#", "density": "1000 kg/m^2""#, HELD), "a density is wanted (kg/m^3)"),
-        (case(STEPS, DENSE, ""), "supports: "),
+        (case(STEPS, DENSE, ""), "or let it move from rest: \"start\": \"rest\" in \"time\""),
+        (
+            case(&format!(r#"{STEPS}, "scheme": "quasi_static", "velocity": [0, 0, "1 m/s"]"#), DENSE, HELD),
+            "time/velocity: \"quasi_static\" has no inertia",
+        ),
+        (
+            case(&format!(r#"{STEPS}, "scheme": "quasi_static", "start": "rest""#), "", ""),
+            "supports: the supports leave",
+        ),
+        (
+            case(
+                &format!(r#"{STEPS}, "velocity": [0, 0, "1 m/s"]"#),
+                &format!(r#"{DENSE}, "kelvin_voigt": {{ "shear": "5 Pa * 1 s" }}"#),
+                HELD,
+            ),
+            "begins with an acceleration",
+        ),
+        (
+            case(
+                STEPS,
+                DENSE,
+                r#", "actuation": [ { "name": "grip", "kind": "motion", "surface": "x-", "translation": [0, 0, 0.01] } ]"#,
+            ),
+            "surfaces that are moved, added volumes and the pull of tendons do not go with \"time\"",
+        ),
+        (
+            case(STEPS, DENSE, &control(r#", "in_time": { "every": "0.5 ms" }"#)),
+            "0.0005 is no multiple of the step 0.001",
+        ),
         (
             case(STEPS, DENSE, &control(r#", "start": "-1 kPa * t / (1 s)""#)),
             "the start depends on the time t, and the control does not",
@@ -295,4 +323,36 @@ fn weight_is_the_same_as_a_body_force() {
         weight(r#""loads": [ { "region": "body", "body_force": [0, 0, -9810] } ]"#),
     );
     assert!(a[2] < -1e-4 && a == b, "{a:?} {b:?}");
+}
+
+/// What springs of viscous laws hold for the moment is no potential: with all nodes prescribed it is that of the equilibrium.
+#[test]
+fn the_potential_is_that_of_the_relaxed_body() {
+    let stretched = r#", "supports": [ { "surface": "x-", "fix": "all" },
+        { "surface": "x+", "fix": ["y", "z"], "displacement": { "x": "10 mm" } } ]"#;
+    let time = format!(r#"{STEPS}, "scheme": "quasi_static", "start": "rest""#);
+    let viscous =
+        r#", "maxwell": [ { "shear": "0.1 MPa", "relaxation": "1 s" } ], "kelvin_voigt": { "shear": "50 Pa * 1 s" }"#;
+    let moving = case(&time, viscous, stretched).replace("[4, 1, 1]", "[1, 1, 1]");
+    let still = moving.replace(&format!(r#""time": {{ {time} }}"#), r#""output": {}"#);
+    let (moving, still) = (solve(&moving), solve(&still));
+    let exact = still["potential"].as_f64().unwrap();
+    for found in [&moving["potential"], &moving["time"]["energies"]["end"]["potential"]] {
+        assert!((found.as_f64().unwrap() / exact - 1.0).abs() < 1e-12 && exact > 1e-3, "{found} {exact}");
+    }
+}
+
+/// A target that moves is shown where it is at the end; unusual densities and tensions beyond the law at any instant are warned of.
+#[test]
+fn the_end_is_shown_and_all_instants_are_looked_at() {
+    let cost = r#", "costs": [ { "kind": "tracking", "surface": "x+", "target": ["X + 1 m/s * t", "Y", "Z"], "when": "integral" } ]"#;
+    let problem = common::lower(&case(STEPS, DENSE, &format!("{HELD}{cost}"))).unwrap();
+    let target = &problem.member(0).targets()[0];
+    let moved: Vec<f64> = target.displacement.iter().filter(|(_, matters)| *matters).map(|(u, _)| u[0]).collect();
+    assert!(moved.len() == 4 && moved.iter().all(|u| (u - 0.02).abs() < 1e-15), "{moved:?}");
+    let text = common::warnings(&case(STEPS, r#", "density": 1.07"#, HELD));
+    assert!(text.contains("materials/0/density: a density of 1.07 kg/m^3 is no usual one"), "{text}");
+    let late = format!(r#"{HELD}{FIBERS}, "tension": "20 MPa * t / (1 s)" }} ]"#);
+    let text = common::warnings(&case(STEPS, DENSE, &late));
+    assert!(text.contains("actuation/0/tension: a tension of 400000"), "{text}");
 }

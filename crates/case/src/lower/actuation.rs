@@ -118,7 +118,8 @@ fn takes(row: &ActuationRow, constant: &str, given: &BTreeMap<&'static str, Inpu
 /// Sets the fixed values; `None` after a complaint that leaves no problem to go on with.
 pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
     for actuation in case.actuation.iter().filter(|actuation| is_built(&actuation.name, &reduced)).collect::<Vec<_>>() {
-        for (key, value) in &actuation.fixed {
+        // a table that could not be read was complained about
+        for (key, value) in actuation.fixed.iter().filter(|(_, value)| !matches!(value, Fixed::Table(_))) {
             if let Some(control) = case.controls.iter().find(|control| controls(&control.of, actuation, key)) {
                 let message = format!("{} controls this: remove the fixed value, or the control", control.at);
                 context.complain(&actuation.at.key(key), message);

@@ -104,11 +104,7 @@ impl<'a> TangentSystems<'a> {
         b: &[f64],
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
-        let mut work = LinearWork::default();
-        let x = self.solver.solve(&configuration.system(matrix), b, FULL_STEP, &mut work);
-        report.add_linear(&work);
-        x
+        self.solve_to(FULL_STEP, matrix, u, b, Transposition::No, report)
     }
 
     /// `K^T x = b` for several right-hand sides, with the tangent as it stands at u; it may be indefinite.
