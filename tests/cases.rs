@@ -198,7 +198,7 @@ fn mistakes_about_a_tendon_are_told() {
         ("set", flexor, "[\"root\", [100, 8, 3]]", vec!["actuation/0", "guide 0", "\"root\" not found"]),
         ("unit", flexor, &with("\"5 N\""), vec!["actuation/0/spacing", "a length is wanted"]),
         ("sign", flexor, &with("-5"), vec!["actuation/0/spacing", "must be positive"]),
-        ("pull", flexor, &with("5, \"pull\": 3"), vec!["actuation/0", "missing key \"stiffness\""]),
+        ("pull", flexor, &with("5, \"pull\": 3"), vec!["actuation/0", "its tension and by its pull: keep one"]),
         (
             "both",
             flexor,
@@ -248,6 +248,27 @@ fn tendons_are_drawn_in_by_lengths() {
     let out = command(Command::Solve, &path, "pulled", &set).unwrap();
     let extensor = &out.result["contributions"]["extensor"];
     assert_eq!((extensor["slack"].as_f64(), extensor["tension"].as_f64()), (Some(1.0), Some(0.0)), "{extensor}");
+}
+
+/// The same by tendons that cannot stretch: their pulls are what the lengths lack.
+#[test]
+fn tendons_that_cannot_stretch_find_the_same_end() {
+    let mut text = std::fs::read_to_string(shipped("tendon_finger.json")).unwrap();
+    text = text.replace("\"1 N\", \"upper\": \"15 N\"", "\"1 mm\", \"lower\": 0, \"upper\": 30");
+    for name in ["flexor", "extensor"] {
+        text = text.replace(&format!("\"of\": \"{name}\""), &format!("\"of\": \"{name}.pull\""));
+    }
+    let text = text.split("\"expect\"").next().unwrap().to_owned() + "\"output\": { \"directory\": \"out\" } }";
+    let path = scratch("rigid").join("case.json");
+    std::fs::write(&path, text).unwrap();
+    let outcome = command(Command::Optimize, &path, "rigid", &[]).unwrap();
+    let tendon = |name: &str, what: &str| outcome.result["contributions"][name][what].as_f64().unwrap();
+    for (name, tension, length) in [("flexor", 7.7983, 80.013), ("extensor", 2.2566, 97.026)] {
+        let found = (tendon(name, "tension"), tendon(name, "length"));
+        println!("{name}: {found:?}, pull {}, iterations {}", tendon(name, "pull"), outcome.result["iterations"]);
+        assert!((found.0 - tension).abs() < 0.01 && (found.1 - length).abs() < 0.02, "{name}: {found:?}");
+        assert!((found.1 - 100.0 + tendon(name, "pull")).abs() < 1e-9, "{name}");
+    }
 }
 
 #[test]

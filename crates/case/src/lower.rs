@@ -4,6 +4,7 @@
 //! [`Ensemble`] of members, one for every load case of every scenario; a plain case is an ensemble of one.
 
 mod actuation;
+mod adaptive_steps;
 mod array;
 mod assembled;
 mod bending;
@@ -40,12 +41,14 @@ mod time_table;
 mod variant;
 
 pub(crate) use actuation::CONTRACTION;
+pub use adaptive_steps::StepsError;
 pub use assembled::AssemblyError;
 pub(crate) use assembled::{Admission, Assembled, ControlProblem};
 pub use control::{Admitted, ControlField};
 pub(crate) use control_grid::grid_cells;
 pub use cost::TargetShape;
 pub use member::CaseMember;
+pub(crate) use mesh::again as mesh_again;
 pub use probe::LocatedProbe;
 pub(crate) use variant::file_name;
 
@@ -97,6 +100,8 @@ pub struct CaseProblem {
     differences: Vec<Map<String, Value>>,
     /// Whether a program made the problem, and `document` says only what it is.
     of_program: bool,
+    /// Whether the time steps are those that were found.
+    has_steps: bool,
 }
 
 impl CaseProblem {
@@ -105,12 +110,17 @@ impl CaseProblem {
     /// # Errors
     /// All problems found, each with its path and line.
     pub fn lower(document: Document, cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
+        Self::lower_through(document, cancel, &[])
+    }
+
+    /// The same, with the instants of the time steps of every member, where they were found.
+    fn lower_through(document: Document, cancel: Arc<AtomicBool>, instants: &[Vec<f64>]) -> Result<Self, Diagnostics> {
         let case = match Case::read_all(&document) {
             Reading { case: Some(case), problems } if problems.is_empty() => case,
             Reading { case, problems } => return Err(all_problems(case.as_ref(), problems, &document)),
         };
         let mut context = Context::new(&document, case.units);
-        let lowered = members(&case, &document, cancel, &mut context);
+        let lowered = members(&case, &document, (cancel, instants), &mut context);
         let files = context.files();
         let Found { problems, warnings, notes } = context.found;
         let Lowered { ensemble, labels, differences, controls, probes, ordering } = match (lowered, problems.is_empty())
@@ -120,7 +130,7 @@ impl CaseProblem {
         };
         let warnings = warnings.iter().map(|(kind, told)| Warning::at(kind, told)).collect();
         let control::Lowered { controls, start, set, .. } = controls;
-        let of_program = false;
+        let (of_program, has_steps) = (false, false);
         Ok(Self {
             case,
             ensemble,
@@ -136,6 +146,7 @@ impl CaseProblem {
             differences,
             document,
             of_program,
+            has_steps,
         })
     }
 
@@ -237,7 +248,12 @@ struct Lowered {
 }
 
 /// Everything but the case's own words; `None` after a complaint.
-fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &mut Context<'_>) -> Option<Lowered> {
+fn members(
+    case: &Case,
+    document: &Document,
+    (cancel, instants): (Arc<AtomicBool>, &[Vec<f64>]),
+    context: &mut Context<'_>,
+) -> Option<Lowered> {
     let Some(mesh) = mesh::body(case, context) else {
         // What else is missing is told along with it.
         cost::load_targets(case, context);
@@ -257,6 +273,9 @@ fn members(case: &Case, document: &Document, cancel: Arc<AtomicBool>, context: &
         }
     };
     let mut found = Vec::new();
+    for (variant, instants) in variants.iter_mut().zip(instants) {
+        variant.instants = Some(instants.clone());
+    }
     for variant in &mut variants {
         let mut own = context.variant(&variant.document);
         time_table::resolve(&mut variant.case, &mut own);

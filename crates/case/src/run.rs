@@ -34,6 +34,7 @@ mod spectrum_request;
 mod states;
 mod study;
 mod sweep;
+mod time_steps;
 
 pub use analysis::Analysis;
 pub use error::{Exit, RunError};
@@ -166,7 +167,7 @@ fn execute(mut session: Session<'_>, options: &Options) -> Result<(Outcome, Opti
     conclude(session, exit, options.analysis.has_one_state())
 }
 
-/// Goes on with an optimisation from the last checkpoint in its output directory. The result is that of [`run`] without
+/// Goes on with an optimisation, or with the motion of a `solve` that was stopped, from the last checkpoint in its output directory. The result is that of [`run`] without
 /// interruption, to the bit but for times and the entry `resumed`. Directory and overrides are those of the checkpoint: `out` and `set` of
 /// the options are not looked at.
 ///
@@ -185,8 +186,13 @@ pub fn resume(
         session.explain = options.explain;
         session.spectrum = options.spectrum;
         session.on_trial = options.on_trial.clone();
-        let optimizer = session.problem.optimizer()?;
-        let exit = optimize::resume(&mut session, optimizer.as_ref(), position);
+        let exit = match position {
+            resume::Place::Motion(checkpoint) => solve::resume(&mut session, checkpoint),
+            resume::Place::Optimization(position) => {
+                let optimizer = session.problem.optimizer()?;
+                optimize::resume(&mut session, optimizer.as_ref(), position)
+            }
+        };
         conclude(session, exit, true).map(|(outcome, _)| outcome)
     })
 }
@@ -226,9 +232,11 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.put("warnings", json!(warnings));
     session.put("error", json!(error.to_string()));
     session.put("exit", json!(error.exit().code()));
-    if let RunError::Forward { member, error, file } = error {
+    if let RunError::Forward { member, error, file } = error.cause() {
         if file.is_some() {
-            session.put("files", json!(["failure.vtu"]));
+            let mut files = session.result_value()["files"].as_array().cloned().unwrap_or_default();
+            files.push(json!("failure.vtu"));
+            session.put("files", json!(files));
         }
         if let ControlError::State(state) = error.as_ref() {
             let one = session.problem.members().find(|one| one.name() == *member);
@@ -282,6 +290,7 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
     session.put("exit", json!(exit.code()));
     report::write_result(&mut session)?;
     optimize::record_end(&session)?;
+    motion::record_end(&session)?;
     if let Some(out) = &session.out {
         session.console.say(format!("results     {}", out.path().display()));
         let page = out.file(nastic_report::FILE);

@@ -45,7 +45,15 @@ pub const WARNINGS: &[&WarningKind] = &[
     &NOT_VERIFIED,
     &INSIDE_OBSTACLE,
     &BETWEEN_NODES,
+    &STEP_ERROR,
 ];
+
+/// Time steps that were found for another motion.
+pub const STEP_ERROR: WarningKind = WarningKind {
+    code: "step_error",
+    about: "time steps that were found at the start controls are too long for the motion at the optimum",
+    advice: "begin again from the optimum (\"start\": { \"file\": \".../controls.json\" }): its steps are found anew; or allow a larger tolerance",
+};
 
 /// More than a material bears.
 pub const EXTREME_DEFORMATION: WarningKind = WarningKind {

@@ -9,6 +9,7 @@ use nastic_case::catalogue::Catalogue;
 use nastic_case::console::Console;
 use nastic_case::run::{Exit, Options, Outcome, resume};
 use nastic_case::schema::Command;
+use nastic_mesh::{CellKind, Snapshot, box_mesh};
 use serde_json::Value;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -192,6 +193,37 @@ fn obstacles_are_drawn() {
     assert!((top + 0.3).abs() < 1e-9, "the wall ends at its plane: {top}");
     let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
     assert_eq!(page.matches(r#""label":"obstacle""#).count(), 2);
+}
+
+/// A box from a mesh file is the box by its corners, and is drawn; other files are refused where they stand.
+#[test]
+fn an_obstacle_may_be_a_mesh() {
+    let ball = r#"{ "sphere": { "center": [0.6, 0.1, 0.43], "radius": 0.15 } }"#;
+    let run = |shape: &str, element: CellKind| {
+        let place = Place::new();
+        let at = |x: [f64; 3]| [x[0] + 0.5, x[1] - 0.1, x[2] + 0.3];
+        let rock = box_mesh([0.2, 0.4, 0.2], [2, 3, 2], element).unwrap().mapped(at).unwrap();
+        nastic_io::write_vtu(place.path("rock.vtu"), &Snapshot::new(rock)).unwrap();
+        let options = place.options(&["optimizer/max_iterations=3", "expect={}"]);
+        let case = with(KEEP_OUT, ball, shape);
+        place.run_with(Command::Optimize, &case, &Console::silent(), &options).map(|found| (found.result, place))
+    };
+    let formula = r#"{ "box": { "low": [0.5, -0.1, 0.3], "high": [0.7, 0.3, 0.5] } }"#;
+    let (by_formula, _) = run(formula, CellKind::Tet4).unwrap();
+    let (by_mesh, place) = run(r#"{ "mesh": "rock.vtu" }"#, CellKind::Tet4).unwrap();
+    let cost = |result: &Value| number(&result["cost"]["total"]);
+    assert!((cost(&by_mesh) / cost(&by_formula) - 1.0).abs() < 1e-9, "{} {}", cost(&by_mesh), cost(&by_formula));
+    let violation = |result: &Value| number(&result["constraints"]["groups"]["ball"]["violation"]);
+    assert!(violation(&by_mesh) > 0.0 && (violation(&by_mesh) - violation(&by_formula)).abs() < 1e-9);
+    let drawn = nastic_io::read_snapshot(place.path("out/obstacle_1.vtu")).unwrap().mesh;
+    assert_eq!(drawn.cells(), 72);
+    let scaled = r#"{ "mesh": { "file": "rock.vtu", "scale": 0.5 } }"#;
+    assert!(cost(&run(scaled, CellKind::Hex8).unwrap().0) != cost(&by_mesh));
+    let Err(curved) = run(r#"{ "mesh": "rock.vtu" }"#, CellKind::Hex20) else { panic!("curved") };
+    let told = curved.to_string();
+    assert!(told.contains("constraints/0/obstacle/shape/mesh") && told.contains("linear cells"), "{told}");
+    let Err(missing) = run(r#"{ "mesh": "stone.vtu" }"#, CellKind::Hex8) else { panic!("missing") };
+    assert!(missing.to_string().contains("stone.vtu"), "{missing}");
 }
 
 /// Taylor tests of the constraint beside those of the cost, whatever the size of the cost.

@@ -213,6 +213,15 @@ fn mistakes_are_told_with_what_to_write() {
             case(r#""end": "20 ms", "dt": "1 ms", "step": "1 ms""#, DENSE, HELD),
             "time/dt: unknown key \"dt\": write \"step\"",
         ),
+        (case(&format!(r#"{STEPS}, "memory": 1e-3"#), DENSE, HELD), "time/memory: 0.001 MB are too few"),
+        (
+            case(&format!(r#"{STEPS}, "scheme": "bdf2", "gamma": 0.5"#), DENSE, HELD),
+            "time/gamma: is a parameter of \"newmark\", and the scheme is \"bdf2\"",
+        ),
+        (
+            case(&format!(r#"{STEPS}, "scheme": "newmark", "beta": 0.2"#), DENSE, HELD),
+            "time/scheme: Newmark's scheme with beta = 0.2, gamma = 0.6: take 2 beta >= gamma >= 1/2",
+        ),
         (case(r#""end": "20 mm", "step": "1 ms""#, DENSE, HELD), "is a length, a time is wanted (s, ms)"),
         (case(STEPS, r#", "density": "1000 kg/m^2""#, HELD), "a density is wanted (kg/m^3)"),
         (case(STEPS, DENSE, ""), "or let it move from rest: \"start\": \"rest\" in \"time\""),
@@ -236,9 +245,9 @@ fn mistakes_are_told_with_what_to_write() {
             case(
                 STEPS,
                 DENSE,
-                r#", "actuation": [ { "name": "grip", "kind": "motion", "surface": "x-", "translation": [0, 0, 0.01] } ]"#,
+                r#", "supports": [ { "surface": "x-", "displacement": { "x": "1 mm * sin(20 * t / (1 s))" } } ]"#,
             ),
-            "surfaces that are moved, added volumes and the pull of tendons do not go with \"time\"",
+            "supports/0/displacement/x: \"1 mm * sin(20 * t / (1 s))\" depends on the time t, which supports do not",
         ),
         (
             case(STEPS, DENSE, &control(r#", "in_time": { "every": "0.5 ms" }"#)),
@@ -308,6 +317,34 @@ fn mistakes_are_told_with_what_to_write() {
         let found = problems(&still(text));
         assert!(found.contains(wanted), "{found}\nwanted: {wanted}");
     }
+}
+
+/// Newmark's scheme with beta = 1/4, gamma = 1/2 is the trapezoidal rule, its defaults are those of the catalogue; memory that is told to
+/// suffice does.
+#[test]
+fn schemes_have_parameters() {
+    let motion = |scheme: &str| {
+        let time =
+            format!(r#"{STEPS}, "scheme": {scheme}, "start": "rest", "velocity": ["10 * X * 1 m/s / (1 m)", 0, 0]"#);
+        tip(&solve(&case(&time, DENSE, HELD)))
+    };
+    let trapezoidal = motion(r#""trapezoidal""#);
+    for (scheme, same) in [
+        (r#""newmark", "beta": 0.25, "gamma": 0.5"#, true),
+        (r#""newmark", "gamma": 0.5"#, true),
+        (r#""newmark""#, false),
+        (r#""newmark", "gamma": 0.6"#, false),
+        (r#""generalized_alpha", "rho": 0.5"#, false),
+    ] {
+        let found = motion(scheme);
+        let gap = (found[0] - trapezoidal[0]).abs();
+        assert!(trapezoidal[0].abs() > 1e-3 && (gap < 1e-9) == same, "{scheme}: {gap:e} {trapezoidal:?}");
+    }
+    let [default, written] = [r#""generalized_alpha""#, r#""generalized_alpha", "rho": 0.8"#].map(motion);
+    assert_eq!(default, written);
+    let text = problems(&case(&format!(r#"{STEPS}, "memory": 1e-3"#), DENSE, HELD));
+    let least: f64 = text.split("at least ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(problems(&case(&format!(r#"{STEPS}, "memory": {least}"#), DENSE, HELD)).is_empty(), "{text}");
 }
 
 #[test]

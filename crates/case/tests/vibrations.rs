@@ -144,6 +144,29 @@ fn modes_of_a_motion_are_told_as_its_steps_show_them() {
     assert!((found["in_steps"]["damping"][0].as_f64().unwrap() - 0.5 / w).abs() < 1e-12, "{found}");
 }
 
+/// The ten lowest modes of `siere` are as they are, the next one is damped as by backward Euler; it has no derivative.
+#[test]
+fn exact_modes_are_told_as_they_are() {
+    let place = Place::new();
+    let time = r#""time": { "end": "100 ms", "step": "50 ms", "scheme": "siere" }, "probes""#;
+    let case = with(&strip(), r#""probes""#, time);
+    let (result, _) = modes(&place, &case, lowest(11), &["controls/0/start=0 Pa"]);
+    let seen = |key: &str, k: usize| result["modes"]["in_steps"][key][k].as_f64().unwrap();
+    for k in 0..10 {
+        assert_eq!((seen("damping_seen", k), seen("frequency_ratio", k)), (0.0, 1.0));
+    }
+    let t = 0.05 * TAU * result["modes"]["frequencies"][10].as_f64().unwrap();
+    assert!((seen("damping_seen", 10) - (1.0 + t * t).ln() / t).abs() < 1e-10);
+    let solved = place.run(Command::Solve, &case, &["controls/0/start=0 Pa"]).unwrap();
+    assert_eq!(solved.exit, Exit::Done);
+    for command in [Command::Optimize, Command::Gradcheck] {
+        let costs = r#""costs": [ { "kind": "control_norm", "of": "swelling", "weight": 1 } ], "probes""#;
+        let refused = place.run(command, &with(&case, r#""probes""#, costs), &[]).unwrap_err();
+        assert_eq!(refused.exit(), Exit::BadInput);
+        assert!(refused.to_string().contains("\"siere\" has no derivative"), "{refused}");
+    }
+}
+
 #[test]
 fn what_has_no_such_modes_is_refused() {
     let place = Place::new();

@@ -57,11 +57,11 @@ pub enum Command {
     /// result.json, report.html. Ctrl-C or SIGTERM stops after the trial at hand and keeps what was found; nastic resume goes on.
     /// Load cases and scenarios have files of their own, and scenarios.pvd collects the latter.
     Optimize(Optimize),
-    /// Go on with an interrupted optimisation from the last checkpoint in its output directory
+    /// Go on with an interrupted optimisation, or the motion of a solve, from the last checkpoint in its output directory
     ///
-    /// The result is that of an optimisation without interruption, to the bit, however the program ended: by Ctrl-C,
+    /// The result is that of a run without interruption, to the bit, however the program ended: by Ctrl-C,
     /// SIGTERM or kill -9, or for lack of space. The case file and the files it names must be as they were; overrides
-    /// (--set) are those of the optimisation.
+    /// (--set) are those of the run.
     Resume(Resume),
     /// Run a case once for every value of --set PATH=A,B,C, and make a table of all runs
     ///
@@ -169,10 +169,10 @@ pub enum SweptCommand {
     Solve,
 }
 
-/// An optimisation that was interrupted.
+/// A run that was interrupted.
 #[derive(Debug, Args)]
 pub struct Resume {
-    /// The output directory of the optimisation
+    /// The output directory of the optimisation or solve
     #[arg(value_name = "DIR")]
     pub directory: PathBuf,
     #[command(flatten)]

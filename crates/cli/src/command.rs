@@ -238,7 +238,7 @@ fn as_json(command: &str, error: &RunError) -> Value {
         out["problems"] = list.collect();
     }
     if error.exit() == Exit::ForwardFailed
-        && let RunError::Forward { file: Some(file), .. } = error
+        && let RunError::Forward { file: Some(file), .. } = error.cause()
     {
         out["last_good_state"] = json!(file.display().to_string());
     }

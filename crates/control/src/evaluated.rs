@@ -2,7 +2,8 @@
 
 use crate::constraint::ConstraintPoint;
 use crate::cost::CostPoint;
-use nastic_fem::{Controls, Recording, SolveReport, Solver, State};
+use crate::state_bytes::{read_report, read_state, write_report, write_state};
+use nastic_fem::{Controls, Recording, SolveReport, State};
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use std::sync::Arc;
@@ -41,6 +42,19 @@ pub struct MotionRun {
     pub accuracy: f64,
     /// The smallest J at a quadrature point, over all states.
     pub min_j: f64,
+    /// The step with the largest estimated error, of a scheme that estimates it.
+    pub error: Option<StepError>,
+    /// Whether it went on from a place that an earlier program left: the states before are not there.
+    pub resumed: bool,
+}
+
+/// The estimated error of a time step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepError {
+    /// What the step adds to the error of the displacement, the largest at any node, in the unit of length.
+    pub error: f64,
+    /// The end of the step.
+    pub time: f64,
 }
 
 /// The adjoint displacement `K(u*) lambda = -d(j + y . c)/du` and the work of its solve.
@@ -153,89 +167,3 @@ pub(crate) struct Expected {
 }
 
 const MAGIC: &str = "nastic-point-5";
-
-/// All but the controls, which follow from the control vector.
-fn write_state(state: &State, out: &mut Writer) {
-    let State { u, controls: _, load, time, velocity, acceleration, internal, report } = state;
-    out.floats(u);
-    out.float(*load);
-    out.float(*time);
-    for rate in [velocity, acceleration] {
-        out.count(usize::from(rate.is_some()));
-        rate.iter().for_each(|rate| out.floats(rate));
-    }
-    out.floats(internal);
-    write_report(report, out);
-}
-
-fn read_state(input: &mut Reader<'_>, controls: Controls) -> Result<State, SavedRunError> {
-    Ok(State {
-        u: Arc::new(input.floats()?),
-        controls: Arc::new(controls),
-        load: input.float()?,
-        time: input.float()?,
-        velocity: if input.flag()? { Some(Arc::new(input.floats()?)) } else { None },
-        acceleration: if input.flag()? { Some(Arc::new(input.floats()?)) } else { None },
-        internal: Arc::new(input.floats()?),
-        report: read_report(input)?,
-    })
-}
-
-/// A report of work as bytes.
-pub fn write_report(report: &SolveReport, out: &mut Writer) {
-    let SolveReport {
-        solver,
-        newton,
-        factorisations,
-        reused,
-        back_substitutions,
-        hierarchies,
-        cycles,
-        load_steps,
-        cuts,
-        residual,
-        min_j,
-        energy,
-        restarts,
-        shifted,
-    } = *report;
-    out.count(match solver {
-        Solver::Direct => 0,
-        Solver::Multigrid => 1,
-        Solver::General => 2,
-    });
-    for count in
-        [newton, factorisations, reused, back_substitutions, hierarchies, cycles, load_steps, cuts, restarts, shifted]
-    {
-        out.count(count);
-    }
-    [residual, min_j, energy].into_iter().for_each(|x| out.float(x));
-}
-
-/// The report that [`write_report`] wrote.
-///
-/// # Errors
-/// Bytes that end early, or an unknown linear solver.
-pub fn read_report(input: &mut Reader<'_>) -> Result<SolveReport, SavedRunError> {
-    Ok(SolveReport {
-        solver: match input.number()? {
-            0 => Solver::Direct,
-            1 => Solver::Multigrid,
-            2 => Solver::General,
-            _ => return Err(input.damaged("an unknown linear solver")),
-        },
-        newton: input.number()?,
-        factorisations: input.number()?,
-        reused: input.number()?,
-        back_substitutions: input.number()?,
-        hierarchies: input.number()?,
-        cycles: input.number()?,
-        load_steps: input.number()?,
-        cuts: input.number()?,
-        restarts: input.number()?,
-        shifted: input.number()?,
-        residual: input.float()?,
-        min_j: input.float()?,
-        energy: input.float()?,
-    })
-}

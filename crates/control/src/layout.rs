@@ -34,6 +34,8 @@ pub struct ControlBlock {
     pub weight: f64,
     /// Of a control in time: its knots.
     pub knots: Option<Arc<Knots>>,
+    /// Whether it moves a surface that it holds.
+    pub holds: bool,
 }
 
 impl ControlBlock {
@@ -222,15 +224,29 @@ impl Layout {
         if let Some(other) = self.blocks.iter().find(|b| overlaps(b)) {
             return Err(ControlError::ControlledTwice { name: of.to_owned(), other: other.name.clone() });
         }
-        let map = match solid.model().controllable()[actuation] {
+        let controllable = solid.model().controllable()[actuation];
+        let map = match controllable {
             Controllable { regions: Some(regions), .. } => ControlMap::new(solid.discretization(), regions, space)?,
             Controllable { measure, .. } if space == Space::Uniform => ControlMap::whole(measure),
             _ => return Err(ControlError::OneNumber { name: of.to_owned(), space: space.name() }),
         };
         let (map, components) = (Arc::new(map), if direction.is_some() { 1 } else { slots });
         let (name, first, length, weight, knots) = (of.to_owned(), self.len, None, 1.0, None);
-        let block =
-            ControlBlock { name, actuation, slot, components, direction, map, first, unit, length, weight, knots };
+        let holds = controllable.holds;
+        let block = ControlBlock {
+            name,
+            actuation,
+            slot,
+            components,
+            direction,
+            map,
+            first,
+            unit,
+            length,
+            weight,
+            knots,
+            holds,
+        };
         self.len += block.len();
         self.blocks.push(block);
         Ok(&self.blocks[self.blocks.len() - 1])

@@ -17,6 +17,7 @@ mod map;
 mod reduced;
 mod scaling;
 mod snapshot;
+mod state_bytes;
 mod state_predictor;
 mod time;
 mod total_variation;
@@ -35,16 +36,17 @@ pub use ensemble::{
     Measured, Member,
 };
 pub use error::ControlError;
-pub use evaluated::{AdjointState, Evaluated, MotionRun, read_report, write_report};
+pub use evaluated::{AdjointState, Evaluated, MotionRun, StepError};
 pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::{ControlBlock, Layout};
 pub use map::{ControlMap, SPACES, Space, SpaceRow};
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
-pub use reduced::Reduced;
+pub use reduced::{AdaptiveSteps, Reduced};
 pub use snapshot::StateFields;
+pub use state_bytes::{read_report, read_whole_state, write_report, write_whole_state};
 pub use time::{
-    ActuationWork, ControlRate, Interpolation, KineticEnergy, Knots, MotionFootprint, MotionMemory, RateLimit,
-    Timeline, TrajectoryContext, TrajectoryCost, TrajectoryPartials, When,
+    ActuationWork, ControlRate, Interpolation, KineticEnergy, Knots, MotionFootprint, MotionMemory, MotionObserver,
+    RateLimit, Timeline, TrajectoryContext, TrajectoryCost, TrajectoryPartials, When,
 };
 pub use workspace::ReducedWorkspace;

@@ -1,13 +1,16 @@
 //! [`Reduced`]: the cost as a function of the controls alone.
 
+mod adaptive_steps;
 mod constrained;
 mod in_time;
 mod motion;
 mod motion_derivative;
+mod motion_progress;
 mod objective;
 mod second_order;
 mod sensitivity;
 
+pub use adaptive_steps::AdaptiveSteps;
 pub(crate) use constrained::Lagrangian;
 pub(crate) use in_time::Motion;
 pub(crate) use objective::work_summary;
@@ -20,7 +23,7 @@ use crate::evaluated::Evaluated;
 use crate::inner_product::{Metric, inner_product};
 use crate::layout::Layout;
 use crate::map::Space;
-use crate::time::{Timeline, When};
+use crate::time::{MotionObserver, Timeline, When};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Begin, FemError, Progress, Solid, SolveOptions, SolveReport, State};
 use nastic_opt::{InnerProduct, Request};
@@ -297,6 +300,24 @@ impl Reduced {
         self.evaluate_typed(m, &Request { accuracy: AT_REST, ..Request::default() }, &mut ReducedWorkspace::default())
     }
 
+    /// The same as [`evaluate`](nastic_opt::Objective::evaluate), with an observer who is told of a motion while it runs; of a problem that is
+    /// not one in time nothing is told.
+    ///
+    /// # Errors
+    /// As there, with their type; what the observer returns; bytes to go on from that are damaged or of another problem.
+    pub fn observe(
+        &self,
+        m: &[f64],
+        how: &Request<'_, Evaluated>,
+        observer: &dyn MotionObserver,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Evaluated, ControlError> {
+        match &self.motion {
+            Some(motion) => self.evaluate_motion(motion, (m, how), Some(observer), workspace),
+            None => self.evaluate_typed(m, how, workspace),
+        }
+    }
+
     pub(crate) fn evaluate_typed(
         &self,
         m: &[f64],
@@ -304,7 +325,7 @@ impl Reduced {
         workspace: &mut ReducedWorkspace,
     ) -> Result<Evaluated, ControlError> {
         if let Some(motion) = &self.motion {
-            return self.evaluate_motion(motion, m, how, workspace);
+            return self.evaluate_motion(motion, (m, how), None, workspace);
         }
         let controls = self.layout.to_points(m)?;
         let guess = match how.near {

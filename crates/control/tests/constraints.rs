@@ -5,7 +5,7 @@ use nastic_control::{
 };
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::Solid;
-use nastic_mesh::{CellKind, box_mesh};
+use nastic_mesh::{CellKind, box_mesh, rectangle};
 use nastic_opt::{
     AugmentedLagrangian, AugmentedRun, Bounds, Constrained, Domain, Lbfgs, Objective, Options, Outcome, Problem,
     Reason, Stop, Taylor, Trial,
@@ -76,7 +76,17 @@ fn derivatives_of_the_augmented_lagrangian() -> Done {
     let capsule = Obstacle::capsule([1.0, -0.1, -1.0], [1.2, -0.1, 1.0], 0.8);
     taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", capsule))?, "capsule")?;
     let brick = Obstacle::aligned_box([0.9, -0.9, -0.9], [2.0, -0.1, 2.0]);
-    taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", brick).clearance(0.5))?, "box")?;
+    taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", brick.clone()).clearance(0.5))?, "box")?;
+    let meshed =
+        box_mesh([1.1, 0.8, 2.9], [2, 1, 3], CellKind::Tet4)?.mapped(|x| [x[0] + 0.9, x[1] - 0.9, x[2] - 0.9])?;
+    let meshed = Obstacle::solid(&meshed)?;
+    for x in [[0.8, 0.1, 0.3], [1.2, -0.4, 0.1], [0.7, 0.05, -1.1]] {
+        assert!((meshed.distance(&x) - brick.distance(&x)).abs() < 1e-14);
+    }
+    taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", meshed.clone()).clearance(0.5))?, "mesh")?;
+    let refused = ObstacleDistance::nodes("x+", Obstacle::solid(&rectangle([1.0; 2], [1, 1], CellKind::Quad4)?)?);
+    let told = bar(3e5, 0.2)?.constrain(refused).err().ok_or("in the plane")?.to_string();
+    assert!(told.contains("2 dimensions and the body 3"), "{told}");
     let still = || Tracking::surface("y+", Target::position(|x| x)).weight(10.0);
     taylor(bar(3e5, 0.2)?.constrain(CostLimit::at_most(still(), 1e-4).scale(1e-2))?, "tracking")?;
     let both = bar(3e5, 0.2)?

@@ -52,4 +52,4 @@ pub use time::owed::StatePartials;
 pub use time::recording::{Recording, RecordingCounts};
 pub use time::reverse_sweep::{ReverseSweep, Swept, SweptInstant};
 pub use time::scheme::Scheme;
-pub use time::trajectory::{Begin, StepTo, Trajectory};
+pub use time::trajectory::{Begin, StepRecord, StepTo, Trajectory};

@@ -1,6 +1,7 @@
 //! [`Model`]: a discrete problem, the sum of contributions on supported unknowns.
 
 mod held;
+mod inequalities;
 
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::point_strains::PointStrains;
@@ -44,6 +45,8 @@ pub struct Controllable<'a> {
     pub cells: Option<&'a [u32]>,
     /// Size of what it acts on, where that is no set of cells.
     pub measure: f64,
+    /// Whether it holds unknowns of the body, and moves them.
+    pub holds: bool,
 }
 
 /// How many unknowns there are.
@@ -120,6 +123,7 @@ impl Model {
             regions: Some(&a.regions),
             cells: Some(&a.cells),
             measure: 0.0,
+            holds: false,
         });
         let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| Controllable {
             name: c.name(),
@@ -127,6 +131,7 @@ impl Model {
             regions: None,
             cells: None,
             measure: c.measure(),
+            holds: !c.held().is_empty(),
         });
         of_body.chain(own).collect()
     }

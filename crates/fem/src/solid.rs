@@ -290,9 +290,10 @@ impl Solid {
     ///
     /// # Errors
     /// A guide outside the body, guides that coincide, numbers that are not positive; a name that is taken.
-    pub fn tendon(self, tendon: Tendon) -> Result<Self, FemError> {
+    pub fn tendon(mut self, tendon: Tendon) -> Result<Self, FemError> {
         let contribution = tendon.on(self.mesh())?;
-        self.contribution(contribution)
+        self.model.add(contribution)?;
+        Ok(self)
     }
 
     /// Puts a surface on an elastic foundation.

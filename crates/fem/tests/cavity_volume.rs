@@ -10,7 +10,7 @@ use common::shells::{INNER, deformed_radius, pressure, shell};
 use common::{Outcome, largest, noise, regular};
 use nastic_energy::MooneyRivlin;
 use nastic_fem::{
-    Cavity, FemError, Instant, PathOptions, Scheme, Solid, SolveOptions, State, StateError, StepTo, Trajectory,
+    Cavity, FemError, Instant, PathOptions, Scheme, Solid, SolveOptions, State, StateError, StepTo, Tendon, Trajectory,
     Workspace,
 };
 use nastic_mesh::{CellKind, Mesh, RawMesh};
@@ -214,6 +214,28 @@ fn volumes_and_pressures_lead_to_the_same_state() -> Outcome {
         // The pressure is the derivative of the stored energy by the volume.
         assert_eq!(solid.negative_pivots(&found)?, 0);
     }
+    Ok(())
+}
+
+/// Volumes beside tendons that cannot stretch, one taut and one slack: the pressures and the tension found, given, make the same state.
+#[test]
+fn volumes_go_with_tendons_that_cannot_stretch() -> Outcome {
+    let tendon = |name: &str, y: f64| Tendon::through(name, [[0.0, y, 2.0], [2.5, y, 2.0], [5.0, y, 2.0]]).spacing(0.5);
+    let held = body(CellKind::Hex8, 1, &["left", "right"])?
+        .tendon(tendon("front", 0.5).inextensible())?
+        .tendon(tendon("back", 2.5).inextensible())?;
+    let state = solve(&held, &[-0.05, 0.2, 0.1, -0.5], None)?;
+    let all = held.model().quantities(&Instant::new(&state.u, &state.controls, 1.0))?;
+    let tension = |name: &str| all.iter().find(|(of, what, _)| of == name && *what == "tension").map(|found| found.2);
+    let (front, back) = (tension("front").ok_or("no tension")?, tension("back").ok_or("no tension")?);
+    let pressures = ["left", "right"].map(|name| room(&held, &state, name).map_or(f64::NAN, |found| found[0]));
+    assert!(front > 0.01 && back == 0.0 && held.negative_pivots(&state)? == 0, "{front}, {back}");
+    let driven = body(CellKind::Hex8, 1, &[])?.tendon(tendon("front", 0.5))?.tendon(tendon("back", 2.5))?;
+    let same = solve(&driven, &[pressures[0], pressures[1], front, 0.0], None)?;
+    let u = held.model().nodal(&state.u);
+    let apart = norm(&sub(u, &same.u)) / norm(u);
+    println!("{pressures:?}, {front}: {apart:.1e}, {} Newton", state.report.newton);
+    assert!(apart < 1e-9, "{apart:e}");
     Ok(())
 }
 

@@ -125,7 +125,7 @@ fn derivatives_with_few_states_have_the_same_bits() -> Outcome {
 /// Every scheme, over 18 steps in segments of four; its last one is short. A linearised step has no adjoint beside viscous laws.
 #[test]
 fn every_scheme_may_keep_few_states() -> Outcome {
-    for (scheme, _) in schemes()? {
+    for (scheme, _) in schemes()?.into_iter().filter(|(scheme, _)| scheme.has_adjoint()) {
         let solid = if scheme.is_linearised() { elastic()? } else { body()? };
         let all = run(&solid, scheme.clone(), Checkpoints::all(18, 4)?)?;
         let few = run(&solid, scheme.clone(), Checkpoints::at_most(2, 18, 4)?)?;

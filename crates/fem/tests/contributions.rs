@@ -104,7 +104,7 @@ fn a_broken_contract_is_told() -> Outcome {
             Ok(())
         }
     }
-    let right = Oscillators { mass: 0.3, damping: 0.2, stiffness: 1.5 };
+    let right = Oscillators { mass: 0.3, damping: 0.2, stiffness: 1.5, spread: 0.0 };
     let first = ["potential", "forces of others", "force_scale", "tangent", "controls", "velocity", "acceleration"];
     let second = ["change of K^T lambda", "change of the derivative", "dr/dm v"];
     for wrong in first.into_iter().chain(second).chain(["mass"]) {
@@ -202,7 +202,7 @@ fn steps_are_those_of_backward_euler() -> Outcome {
     let solid = Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
         .material("body", NeoHooke::new(1e-9, 0.0)?)?
         .clamp("x-")?
-        .contribution(Oscillators { mass, damping, stiffness })?;
+        .contribution(Oscillators { mass, damping, stiffness, spread: 0.0 })?;
     let mut trajectory = Trajectory::from_given(solid.rest());
     let mut controls = solid.controls();
     controls.values_mut(0)[0] = 0.01;

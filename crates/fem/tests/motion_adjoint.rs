@@ -59,7 +59,7 @@ impl Dissipation {
 
     /// Viscous laws give no second derivatives, which the adjoint of a linearised step takes.
     fn goes_with(self, scheme: &Scheme) -> bool {
-        !scheme.is_linearised() || matches!(self, Self::None | Self::Rayleigh)
+        scheme.has_adjoint() && (!scheme.is_linearised() || matches!(self, Self::None | Self::Rayleigh))
     }
 }
 

@@ -61,6 +61,9 @@ fn a_hinged_bar_swings_from_the_horizontal() -> Outcome {
             100.0 * loss
         );
         assert!(min_j > 0.9 && restarts == 0, "{}", scheme.name());
+        // 409 and 983 where every stage begins at the one before instead of where its acceleration leads
+        let most = [("backward_euler", 380), ("tr_bdf2", 800)].into_iter().find(|(name, _)| *name == scheme.name());
+        assert!(most.is_none_or(|(_, most)| newton < most), "{}: {newton} Newton iterations", scheme.name());
         // the far end, 1 m from the hinge, passed the lowest place, and the bar swung to the other side
         assert!(lowest < -0.95 && largest(&run.end().u) < 2.3, "{}: {lowest}", scheme.name());
         losses.push((scheme.name(), loss));

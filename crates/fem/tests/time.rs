@@ -43,7 +43,10 @@ fn every_scheme_has_its_order() -> Outcome {
             solid = solid.rayleigh_damping(0.1, 0.02)?;
         }
         let thrown = nodal(solid.mesh(), |x| 0.5 * Vec3::new(0.3 * x.x, x.x * x.x, 0.0));
-        for (scheme, order) in schemes()?.iter().filter(|(_, order)| *order > 0) {
+        // two of the eight modes exactly, in the place of the ten that the catalogue has; and all of them
+        let others = [(Scheme::siere(2)?, 1), (Scheme::siere(8)?, 2)];
+        let general = schemes()?.into_iter().filter(|(scheme, order)| *order > 0 && scheme.exact_modes() == 0);
+        for (scheme, order) in &general.chain(others).collect::<Vec<_>>() {
             let end = |count: usize| -> Outcome<Vec<f64>> {
                 let run = motion(&solid, scheme, moving(&solid, thrown.clone()), count, 0.8 / count as f64)?;
                 Ok(run.end().u.iter().chain(velocity(run.end())).copied().collect())

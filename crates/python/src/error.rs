@@ -1,5 +1,6 @@
 //! Errors as the exceptions of `nastic.errors`.
 
+use nastic_case::lower::StepsError;
 use nastic_case::run::{Exit, RunError};
 use nastic_case::syntax::Diagnostics;
 use nastic_control::{ControlError, EnsembleError};
@@ -40,7 +41,7 @@ pub(crate) fn problems(py: Python<'_>, found: &Diagnostics) -> PyErr {
 
 /// The exception of a command that has no result.
 pub(crate) fn of_run(py: Python<'_>, error: &RunError) -> PyErr {
-    match error {
+    match error.cause() {
         RunError::Input(found) => problems(py, found),
         RunError::Forward { member, error: source, file } => {
             let file = file.as_ref().map(|file| file.display().to_string());
@@ -53,8 +54,16 @@ pub(crate) fn of_run(py: Python<'_>, error: &RunError) -> PyErr {
                 Exit::NotWritten => "OutputError",
                 _ => "Error",
             };
-            exception(py, class, other.to_string(), &PyDict::new(py))
+            exception(py, class, error.to_string(), &PyDict::new(py))
         }
+    }
+}
+
+/// The exception of time steps that could not be found.
+pub(crate) fn of_steps(py: Python<'_>, error: &StepsError) -> PyErr {
+    match error {
+        StepsError::Input(found) => problems(py, found),
+        StepsError::Motion { error: source, .. } => solve(py, error.to_string(), "", code(source), None),
     }
 }
 

@@ -108,6 +108,11 @@ impl Problem {
         let flag = cancel.clone();
         let lowered = py.detach(|| threads.install(|| CaseProblem::lower(document, flag)));
         let mut problem = lowered.map_err(|found| error::problems(py, &found))?;
+        if problem.lacks_steps() {
+            let flag = cancel.clone();
+            let found = py.detach(|| threads.install(|| problem.with_adaptive_steps(accuracy, flag)));
+            (problem, _) = found.map_err(|error| error::of_steps(py, &error))?;
+        }
         problem.refuse_unstable_if_asked();
         let missing = match () {
             () if problem.start.is_empty() => Some(("controls", "a problem needs controls, and the case has none")),

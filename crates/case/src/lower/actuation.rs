@@ -10,12 +10,13 @@ use crate::expression::{Formula, dimension_of};
 use crate::schema::{Actuation, Case, Fixed, Input, Means, Parameter as Number, VectorField, vector_at};
 use crate::syntax::At;
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
-use nastic_control::Reduced;
+use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
 use nastic_energy::{Dielectric, Place, Turgor};
 use nastic_fem::Solid;
 use nastic_mesh::GroupNames;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for actuation in &case.actuation {
@@ -173,8 +174,7 @@ fn fix_slot(
     if !uses_time(value) {
         return Some(reduced);
     }
-    let sampled = |value: &Fixed, context: &mut Context<'_>| columns(value, (&points, &at), context);
-    fix_in_time((value, &at), (index, first, only_pulls.then_some(key)), reduced, sampled, context)
+    fix_in_time((value, &at), (index, first, only_pulls.then_some(key)), reduced, points.places(), context)
 }
 
 /// The values at the points, component by component.
@@ -198,44 +198,45 @@ fn uses_time(value: &Fixed) -> bool {
     }
 }
 
-/// The value at an instant.
-fn at_time(value: &Fixed, t: f64) -> Fixed {
-    match value {
-        Fixed::Scalar(Number::Formula(formula)) => Fixed::Scalar(Number::Formula(formula.at_time(t))),
-        Fixed::Vector(VectorField::Formulas(entries)) => {
-            Fixed::Vector(VectorField::Formulas(entries.iter().map(|entry| entry.at_time(t)).collect()))
-        }
-        other => other.clone(),
-    }
-}
-
-/// Lets the slots from `first` on follow a value that changes in time.
+/// Lets the slots from `first` on follow a value that changes in time, at the places of the points.
 fn fix_in_time(
     (value, at): (&Fixed, &At),
     (index, first, only_pulls): (usize, usize, Option<&str>),
     mut reduced: Reduced,
-    sampled: impl Fn(&Fixed, &mut Context<'_>) -> Option<Vec<Vec<f64>>>,
+    places: Vec<[f64; 3]>,
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
+    let formulas: Vec<Formula> = match value {
+        Fixed::Scalar(Number::Formula(formula)) => vec![formula.clone()],
+        Fixed::Vector(VectorField::Formulas(entries)) => {
+            (0..3).map(|k| entries.get(k).cloned().unwrap_or_else(|| Formula::number(0.0))).collect()
+        }
+        _ => return None,
+    };
     let instants = reduced.timeline()?.instants().to_vec();
-    let each: Option<Vec<_>> = instants.iter().map(|t| sampled(&at_time(value, *t), context)).collect();
-    let each = each?;
-    let values = || each.iter().flatten().flatten().copied();
-    let most = values().fold(f64::NEG_INFINITY, f64::max);
+    let places = Arc::new(places);
     let limit = reduced.solid().body().fiber_limit(index);
-    // that at t = 0 was looked at already
-    let at_zero = each.first().into_iter().flatten().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
-    if let Some(limit) = limit.filter(|limit| most > *limit && at_zero <= *limit) {
-        context.warn(&CONVEXITY, at, beyond_limit(most, limit, context.units));
-    }
-    if let Some(key) = only_pulls
-        && each.iter().flatten().flatten().any(|value| *value < 0.0)
-    {
-        context.complain(at, must_pull(key));
-        return None;
-    }
-    for component in 0..each.first().map_or(0, Vec::len) {
-        let values: Vec<Vec<f64>> = each.iter().map(|columns| columns[component].clone()).collect();
+    for (component, formula) in formulas.into_iter().enumerate() {
+        let places = places.clone();
+        let values = move |t: f64| {
+            let formula = formula.at_time(t);
+            places.iter().map(|place| formula.at(*place)).collect::<Result<Vec<f64>, _>>()
+        };
+        let each = instants.iter().map(|t| values(*t)).collect::<Result<Vec<_>, _>>();
+        let each = context.take(at, each)?;
+        let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let all = each.iter().map(|values| most(values)).fold(f64::NEG_INFINITY, f64::max);
+        // that at t = 0 was looked at already
+        if let Some(limit) = limit.filter(|limit| all > *limit && most(&each[0]) <= *limit) {
+            context.warn(&CONVEXITY, at, beyond_limit(all, limit, context.units));
+        }
+        if let Some(key) = only_pulls
+            && each.iter().flatten().any(|value| *value < 0.0)
+        {
+            context.complain(at, must_pull(key));
+            return None;
+        }
+        let values = move |t: f64| values(t).map_err(|error| ControlError::Cost { what: error.to_string() });
         let fixed = reduced.fix_in_time(index, first + component, values);
         reduced = context.take(at, fixed)?;
     }
@@ -275,14 +276,7 @@ fn fix_number(
     if !uses_time(value) {
         return Some(reduced);
     }
-    let sampled = |value: &Fixed, context: &mut Context<'_>| {
-        let numbers = everywhere(value);
-        if numbers.is_none() {
-            context.complain(&at, "the value is not finite at some instant");
-        }
-        Some(numbers?.into_iter().map(|number| vec![number]).collect())
-    };
-    fix_in_time((value, &at), (index, slot, only_pulls.then_some(key)), reduced, sampled, context)
+    fix_in_time((value, &at), (index, slot, only_pulls.then_some(key)), reduced, vec![[0.0; 3]], context)
 }
 
 /// The value of a contribution as a whole, one number or one vector, at the formula's instant; none of a field.

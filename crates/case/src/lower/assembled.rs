@@ -107,6 +107,7 @@ impl CaseProblem {
             labels,
             differences,
             of_program: true,
+            has_steps: true,
         })
     }
 }

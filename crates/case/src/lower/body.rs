@@ -23,7 +23,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
         check_complete(case, &solid, context);
     }
     let reduced = Reduced::new(solid).metric(optimizer::metric(case));
-    let reduced = time::apply(case, reduced, context)?;
+    let reduced = time::apply(case, variant.instants.as_deref(), reduced, context)?;
     let reduced = actuation::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
     context.is_sound().then_some(reduced)
@@ -31,7 +31,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
 
 /// Every cell has a material, no rigid motion is left free unless the body begins to move from rest.
 fn check_complete(case: &Case, solid: &Solid, context: &mut Context<'_>) {
-    let moves = |time: &Time| time.scheme.scheme().is_ok_and(|scheme| !scheme.is_quasi_static());
+    let moves = |time: &Time| time.built_scheme().is_ok_and(|scheme| !scheme.is_quasi_static());
     let from_rest = case.time.as_ref().is_some_and(|time| time.start == Beginning::Rest && moves(time));
     if let Err(error) = solid.check() {
         if from_rest && matches!(error, FemError::RigidMotion { .. }) {

@@ -18,8 +18,8 @@ use std::sync::Arc;
 /// Depths below this share of the body's diagonal are rounding.
 const ROUNDING: f64 = 1e-9;
 
-pub(super) fn obstacle(shape: &Shape) -> Obstacle {
-    match shape {
+pub(super) fn obstacle(shape: &Shape, context: &mut Context<'_>) -> Option<Obstacle> {
+    Some(match shape {
         Shape::Sphere(sphere) => Obstacle::sphere(sphere.center.xyz(), sphere.radius),
         Shape::HalfSpace(half) => Obstacle::half_space(half.point.xyz(), half.normal.xyz()),
         // In plane strain z is left out: the box is there at every z.
@@ -30,7 +30,12 @@ pub(super) fn obstacle(shape: &Shape) -> Obstacle {
         }
         Shape::Box(block) => Obstacle::aligned_box(block.low.xyz(), block.high.xyz()),
         Shape::Capsule(capsule) => Obstacle::capsule(capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
-    }
+        Shape::Mesh(source) => {
+            let at = super::mesh::place(source);
+            let mesh = super::mesh::load(source, &at, context)?;
+            return context.take(&at, Obstacle::solid(&mesh));
+        }
+    })
 }
 
 /// Target meshes of bounded functionals, by constraint.
@@ -89,7 +94,7 @@ fn distance(block: &KeepOut, reduced: &Reduced, context: &mut Context<'_>) -> Op
     let solid = reduced.solid();
     let place = Place::of(&block.surface, &block.region, &block.nodes)?;
     place.nodes(solid.mesh(), &block.at, context)?;
-    let shape = obstacle(&block.shape);
+    let shape = obstacle(&block.shape, context)?;
     let distance = match place.kind {
         Kind::Surface => ObstacleDistance::surface(place.names, shape),
         Kind::Region => ObstacleDistance::region(place.names, shape),
@@ -106,7 +111,8 @@ fn look_at_rest(
     context: &mut Context<'_>,
 ) {
     let (mesh, dim, supports) = (solid.mesh(), solid.discretization().dim(), solid.supports());
-    let (shape, unit) = (obstacle(&keep_out.shape), context.units.length().symbol);
+    let Some(shape) = obstacle(&keep_out.shape, context) else { return };
+    let unit = context.units.length().symbol;
     let tolerance = ROUNDING * mesh.diagonal();
     let (mut held, mut free) = (Vec::new(), Vec::new());
     for &node in nodes.unwrap_or_default() {

@@ -9,7 +9,7 @@ use super::variant::Variant;
 use crate::expression::Formula;
 use crate::quantity::Dimension;
 use crate::result::snapshot::RESERVED;
-use crate::schema::{Case, Cells, Control, Parameter, Space as SpaceBlock, Start};
+use crate::schema::{Beginning, Case, Cells, Control, Parameter, Space as SpaceBlock, Start};
 use crate::syntax::At;
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
 use nastic_control::{ControlBlock, RateLimit, Reduced, Space};
@@ -202,6 +202,7 @@ impl Lowering<'_> {
         let start = self.start(context);
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
         let start = self.settle(start, set.as_ref(), context)?;
+        self.check_at_rest(bounds.as_ref(), context)?;
         let unit = crate::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
         // the only controls that are plain numbers are angles
         let unit = if unit.is_none() { "rad".to_owned() } else { context.units.label(unit) };
@@ -215,6 +216,19 @@ impl Lowering<'_> {
         }
         let name = self.case_name.map_or_else(|| array.clone(), |case| format!("{case}.{array}"));
         Some((ControlField { at, name, array, load_case: None, unit, admitted, bounds, limit }, start, set))
+    }
+
+    /// Refuses controls that may move a held surface at t = 0, where the body is at rest.
+    fn check_at_rest(&self, bounds: Option<&Bounds>, context: &mut Context<'_>) -> Option<()> {
+        let begins = self.case.time.as_ref().filter(|time| time.start == Beginning::Rest);
+        let still = |bounds: &Bounds| (0..self.block.size()).all(|entry| bounds.at(entry) == (0.0, 0.0));
+        if begins.is_none() || !self.block.holds || bounds.is_some_and(still) {
+            return Some(());
+        }
+        let message = "may move its surface away at t = 0, where a body that begins at rest is undeformed: give \"in_time\", a \"direction\" and \
+                       bounds that are 0 there, as \"upper\": \"20 mm * min(t / 50 ms, 1)\", or begin at the equilibrium, \"start\" in \"time\"";
+        context.complain(&self.control.at, message);
+        None
     }
 
     /// The slot, where it only pulls.

@@ -34,6 +34,11 @@ impl<'a> SamplePoints<'a> {
         Self { case, mesh, sampling, positions, wanted }
     }
 
+    /// Where formulas are evaluated: at points that do not matter, at the place of one that does.
+    pub fn places(&self) -> Vec<[f64; 3]> {
+        self.fill(self.positions.clone())
+    }
+
     /// A number: uniform where it is constant, else one value per point.
     pub fn number(&self, value: &Parameter, at: &At, context: &mut Context<'_>) -> Option<Field<f64>> {
         if let Some(value) = value.constant() {

@@ -51,7 +51,7 @@ fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         })
     });
     let Some(inertia) = inertia else {
-        let needed = case.time.as_ref().and_then(|time| time.scheme.scheme().ok());
+        let needed = case.time.as_ref().and_then(|time| time.built_scheme().ok());
         if needed.is_some_and(|scheme| !scheme.is_quasi_static()) {
             let message = "a motion needs masses: give every material a \"density\", as in \"1000 kg/m^3\"";
             context.complain(&At::root().key("materials"), message);

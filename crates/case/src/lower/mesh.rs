@@ -1,5 +1,6 @@
 //! Meshes of a case: from files, or generated.
 
+use super::CaseProblem;
 use super::context::Context;
 use crate::schema::{BoxMesh, Case, MeshFile, MeshSource};
 use crate::syntax::At;
@@ -13,7 +14,12 @@ pub(super) fn body(case: &Case, context: &mut Context<'_>) -> Option<Arc<Mesh>> 
 
 /// Where the body's mesh stands in the case.
 pub(super) fn at(case: &Case) -> At {
-    match &case.mesh {
+    place(&case.mesh)
+}
+
+/// Where a mesh stands.
+pub(super) fn place(source: &MeshSource) -> At {
+    match source {
         MeshSource::File(file) => file.at.clone(),
         MeshSource::Box(block) => block.at.clone(),
     }
@@ -31,6 +37,11 @@ pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> O
         MeshSource::Box(block) => format!("{:?} {:?} {}", block.size, block.cells, block.element.0.name()),
     };
     context.mesh(key, |context| make(source, at, context))
+}
+
+/// The same mesh once more, for a drawing.
+pub(crate) fn again(source: &MeshSource, problem: &CaseProblem) -> Option<Arc<Mesh>> {
+    load(source, &place(source), &mut Context::new(&problem.document, *problem.units()))
 }
 
 /// A mesh that a program made.

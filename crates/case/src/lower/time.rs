@@ -2,19 +2,27 @@
 
 use super::array::{self, Entity};
 use super::context::Context;
-use crate::schema::{self, Beginning, Case, InTime, KnotInterpolation, VectorField, vector_at};
+use crate::run::short;
+use crate::schema::{self, Beginning, Case, InTime, KnotInterpolation, Time, VectorField, vector_at};
 use nastic_control::{Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
-use nastic_fem::Solid;
+use nastic_fem::{Checkpoints, Solid};
 
-/// Makes the problem one in time, where the case says so.
-pub(super) fn apply(case: &Case, reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
+/// Makes the problem one in time, where the case says so; `found`: the instants of steps that were found.
+pub(super) fn apply(
+    case: &Case,
+    found: Option<&[f64]>,
+    reduced: Reduced,
+    context: &mut Context<'_>,
+) -> Option<Reduced> {
     let Some(time) = &case.time else { return Some(reduced) };
-    let scheme = context.take(&time.at.key("scheme"), time.scheme.scheme())?;
-    let mut timeline = context.take(&time.at, Timeline::uniform(scheme, time.end, time.steps()))?;
+    let scheme = context.take(&time.at.key("scheme"), time.built_scheme())?;
+    let instants = found.map_or_else(|| required(case, time), <[f64]>::to_vec);
+    let mut timeline = context.take(&time.at, Timeline::through(scheme, instants))?;
     if time.start == Beginning::Rest {
         timeline = timeline.from_rest();
     }
     if let Some(megabytes) = time.memory {
+        check_memory(time, &timeline, reduced.solid(), context)?;
         timeline = timeline.keep(MotionMemory::AtMost { bytes: (megabytes * 1e6) as usize });
     }
     if time.velocity.is_some() {
@@ -23,7 +31,55 @@ pub(super) fn apply(case: &Case, reduced: Reduced, context: &mut Context<'_>) ->
     context.take(&time.at, reduced.in_time(timeline))
 }
 
-/// The velocity at t = 0 of every node, zero where the body is held.
+/// Whether `memory` suffices for the least that a motion takes.
+fn check_memory(time: &Time, timeline: &Timeline, solid: &Solid, context: &mut Context<'_>) -> Option<()> {
+    let (at, megabytes) = (time.at.key("memory"), time.memory?);
+    let (steps, segment, scheme) = (timeline.steps(), timeline.segment(), timeline.scheme());
+    let least = context.take(&at, Checkpoints::at_most(1, steps, segment))?.bytes(solid.model(), scheme);
+    let all = context.take(&at, Checkpoints::all(steps, segment))?.bytes(solid.model(), scheme);
+    if megabytes * 1e6 >= least.min(all) as f64 {
+        return Some(());
+    }
+    // rounded up, so that what is told suffices
+    let told = |bytes: usize| short((bytes as f64 / 1e4).ceil() / 100.0);
+    let message = format!(
+        "{} MB are too few for the states of a motion: it takes at least {} MB (the states of {} steps and of one from which the others are \
+         computed again), with all its states {} MB",
+        short(megabytes),
+        told(least.min(all)),
+        segment.min(steps),
+        told(all)
+    );
+    context.complain(&at, message);
+    None
+}
+
+/// The instants that steps have to lead through: beside a tolerance also the knots of controls, and where costs count.
+fn required(case: &Case, time: &Time) -> Vec<f64> {
+    let mut out = time.instants();
+    if time.tolerance.is_some() {
+        for in_time in case.controls.iter().filter_map(|control| control.in_time.as_ref()) {
+            let parts = (time.end / in_time.every).round().max(1.0) as usize;
+            out.extend((0..=parts).map(|k| time.end * k as f64 / parts as f64));
+        }
+        for cost in &case.costs {
+            if let Some(schema::When::At(instants)) = cost.when() {
+                out.extend(instants.iter().filter(|t| (0.0..=time.end).contains(*t)));
+            }
+        }
+        out.sort_by(f64::total_cmp);
+        out.dedup_by(|later, earlier| *later - *earlier <= SAME * time.end);
+        // the end itself, if an instant just before it was kept
+        out.pop();
+        out.push(time.end);
+    }
+    out
+}
+
+/// Instants closer than this share of the whole time are one.
+const SAME: f64 = 1e-9;
+
+/// The velocity at t = 0 of every node, zero where supports hold the body still.
 fn velocity(case: &Case, solid: &Solid, context: &mut Context<'_>) -> Option<Vec<f64>> {
     let time = case.time.as_ref()?;
     let (at, field, mesh) = (time.at.key("velocity"), time.velocity.as_ref()?, solid.mesh());
@@ -48,7 +104,7 @@ fn velocity(case: &Case, solid: &Solid, context: &mut Context<'_>) -> Option<Vec
         return None;
     }
     let mut flat: Vec<f64> = values.iter().flat_map(|v| v[..dim].to_vec()).collect();
-    solid.supports().clear(&mut flat);
+    (0..flat.len()).filter(|dof| solid.supports().holds_still(*dof)).for_each(|dof| flat[dof] = 0.0);
     flat.resize(solid.model().unknowns().len(), 0.0);
     Some(flat)
 }

@@ -28,6 +28,8 @@ pub(super) struct Variant {
     pub case: Case,
     /// With the values of this member, for messages.
     pub document: Document,
+    /// The instants of its time steps, where they were found.
+    pub instants: Option<Vec<f64>>,
 }
 
 /// All members, scenario by scenario, load case by load case.
@@ -92,7 +94,18 @@ fn make(
     }
     let (stem, case_stem) = stems(scenario.name.as_ref().map(|_| index), block.map(|_| case_name.as_str()));
     let weight = block.map_or(1.0, |block| block.weight);
-    Ok(Variant { scenario: index, load_case, case_name, weight, name, stem, case_stem, case: own, document })
+    Ok(Variant {
+        scenario: index,
+        load_case,
+        case_name,
+        weight,
+        name,
+        stem,
+        case_stem,
+        case: own,
+        document,
+        instants: None,
+    })
 }
 
 /// The case with other values.

@@ -1,4 +1,4 @@
-//! `checkpoint.bin`: bytes that are complete and of this program, or refused.
+//! `checkpoint.bin` and its like: bytes that are complete and of this program, or refused.
 //!
 //! Layout, integers little-endian with 64 bits: the magic word, the version of the format, the length n of the content,
 //! its checksum (FNV-1a), n bytes of content.
@@ -9,20 +9,20 @@ use nastic_io::{WriteError, write_atomically};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// The file's name.
+/// The name of the file of an optimisation.
 pub(crate) const NAME: &str = "checkpoint.bin";
 
 const MAGIC: &[u8] = b"nastic-checkpoint";
 const VERSION: u64 = 1;
 const HEADER: usize = MAGIC.len() + 3 * 8;
 
-/// Why an optimisation cannot be resumed.
+/// Why a run cannot be resumed.
 #[derive(Debug, Error)]
 pub enum CheckpointError {
     /// There is no checkpoint.
     #[error(
         "{} has no checkpoint.bin: resume takes the output directory of an optimisation whose case does not \
-         set output/checkpoint to 0",
+         set output/checkpoint to 0, or of a motion that solve was stopped in",
         directory.display()
     )]
     Missing {
@@ -76,7 +76,7 @@ pub enum CheckpointError {
         what: String,
     },
     /// Written by another version of the program, which may not give the same bits.
-    #[error("{} was written by nastic {found}, this is nastic {}: use that version, or begin anew with nastic optimize --restart",
+    #[error("{} was written by nastic {found}, this is nastic {}: use that version, or begin anew with nastic optimize --restart (nastic solve)",
         file.display(), env!("CARGO_PKG_VERSION"))]
     Program {
         /// The file.
@@ -92,7 +92,7 @@ pub enum CheckpointError {
     },
     /// The case, or a file it names, is another than when the optimisation began.
     #[error(
-        "the case changed since the optimisation in {} began: {}; put it back, or begin anew with nastic optimize --restart",
+        "the case changed since the run in {} began: {}; put it back, or begin anew with nastic optimize --restart (nastic solve)",
         directory.display(),
         what.join("; ")
     )]
@@ -104,9 +104,9 @@ pub enum CheckpointError {
     },
 }
 
-/// Writes content to the file of a directory; the earlier one stays until this one is complete.
-pub(crate) fn write(directory: &Directory, content: &[u8]) -> Result<(), WriteError> {
-    write_atomically(directory.file(NAME), |out| {
+/// Writes content to a file of a directory; the earlier one stays until this one is complete.
+pub(crate) fn write(directory: &Directory, name: &str, content: &[u8]) -> Result<(), WriteError> {
+    write_atomically(directory.file(name), |out| {
         out.write_all(MAGIC)?;
         for number in [VERSION, content.len() as u64, Fingerprint::of_bytes(content)] {
             out.write_all(&number.to_le_bytes())?;
@@ -115,9 +115,9 @@ pub(crate) fn write(directory: &Directory, content: &[u8]) -> Result<(), WriteEr
     })
 }
 
-/// The content of the file of a directory.
-pub(crate) fn read(directory: &Path) -> Result<Vec<u8>, CheckpointError> {
-    let file = directory.join(NAME);
+/// The content of a file of a directory.
+pub(crate) fn read(directory: &Path, name: &str) -> Result<Vec<u8>, CheckpointError> {
+    let file = directory.join(name);
     let mut bytes = match std::fs::read(&file) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {

@@ -12,9 +12,19 @@ const NAMED: usize = 10;
 
 /// The last equilibrium on the way, where there is one.
 pub(crate) fn last_state(error: &StateError) -> Option<&State> {
-    match error {
-        StateError::Inverted { last, .. } | StateError::NoConvergence { last, .. } => Some(last),
+    match of_solve(error) {
+        StateError::Inverted { last, .. }
+        | StateError::NoConvergence { last, .. }
+        | StateError::EndOfStep { last, .. } => Some(last),
         _ => None,
+    }
+}
+
+/// Of a time step why its solve failed.
+fn of_solve(error: &StateError) -> &StateError {
+    match error {
+        StateError::InStep { source, .. } => source,
+        other => other,
     }
 }
 
@@ -25,7 +35,11 @@ pub(crate) fn entries(member: CaseMember<'_>, error: &StateError) -> Map<String,
     if !member.name().is_empty() {
         out.insert("member".into(), json!(member.name()));
     }
-    match error {
+    if let StateError::InStep { time, dt, .. } | StateError::EndOfStep { time, dt, .. } = error {
+        out.insert("t".into(), json!(time));
+        out.insert("step".into(), json!(dt));
+    }
+    match of_solve(error) {
         StateError::NoConvergence { load, cuts, newton, residual, reached, cause, .. } => {
             out.insert("load".into(), json!(load));
             out.insert("reached".into(), json!(reached));
@@ -83,7 +97,7 @@ pub(crate) fn snapshot(
         }
         out = out.with_cells("min_J", 1, lowest)?.with_cells("failure_rank", 1, rank)?;
     }
-    if let StateError::Inverted { at, .. } = error {
+    if let StateError::Inverted { at, .. } | StateError::EndOfStep { at, .. } = of_solve(error) {
         let mut failed = vec![0.0; cells];
         failed[at.cell] = 1.0;
         out = out.with_cells("failed", 1, failed)?;

@@ -1,8 +1,9 @@
 //! Obstacles as bodies to be drawn.
 
-use crate::lower::{CaseMember, CaseProblem};
+use crate::lower::{CaseMember, CaseProblem, mesh_again};
 use crate::schema::{Constraint, Cost, Shape};
 use nastic_mesh::{CellKind, Mesh, Snapshot, box_mesh};
+use std::sync::Arc;
 
 /// Cells per direction; odd, so that a layer in the middle can be stretched.
 const CELLS: usize = 11;
@@ -18,9 +19,12 @@ pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
         Cost::Obstacle(block) => Some(block.shape.clone()),
         _ => None,
     };
-    let mut meshes: Vec<Mesh> = Vec::new();
+    let mut meshes: Vec<Arc<Mesh>> = Vec::new();
     let shapes = case.constraints.iter().filter_map(of_constraint).chain(case.costs.iter().filter_map(of_cost));
-    for mesh in shapes.filter_map(|shape| mesh(&shape, member.mesh())) {
+    for mesh in shapes.filter_map(|shape| match &shape {
+        Shape::Mesh(source) => mesh_again(source, member.problem()),
+        shape => mesh(shape, member.mesh()).map(Arc::new),
+    }) {
         if !meshes.iter().any(|known| known.points() == mesh.points()) {
             meshes.push(mesh);
         }
@@ -55,6 +59,7 @@ fn mesh(shape: &Shape, body: &Mesh) -> Option<Mesh> {
         Shape::Sphere(sphere) => (sphere.center.xyz(), sphere.center.xyz(), sphere.radius),
         Shape::Capsule(capsule) => (capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
         Shape::Box(block) => return brick(block.low.xyz(), block.high.xyz()),
+        Shape::Mesh(_) => return None,
         Shape::HalfSpace(half) => return plate(half.point.xyz(), half.normal.xyz(), body),
     };
     let along: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);

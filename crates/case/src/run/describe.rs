@@ -178,14 +178,15 @@ fn admitted(field: &ControlField) -> String {
 
 pub(super) fn supports(problem: &CaseProblem) -> Vec<Line> {
     let (solid, units) = (problem.solid(), problem.units());
-    let held = solid.supports().fixed().iter().filter(|fixed| **fixed).count();
-    let moved = solid.supports().values().iter().filter(|value| **value != 0.0).count();
+    let held: Vec<usize> =
+        (0..).zip(solid.supports().fixed()).filter(|(_, fixed)| **fixed).map(|(dof, _)| dof).collect();
+    let moved = held.iter().filter(|dof| !solid.supports().holds_at_rest(**dof)).count();
     let total = solid.discretization().dofs();
     let mut out = vec![line(
         "supports",
         format!(
             "{} of {} displacement components held, {} of them moved; {}",
-            grouped(held),
+            grouped(held.len()),
             grouped(total),
             grouped(moved),
             if solid.check().is_ok() { "no rigid motion is free" } else { "rigid motions are free" }

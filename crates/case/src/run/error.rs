@@ -86,6 +86,14 @@ pub enum RunError {
         /// Where the last good state was written.
         file: Option<PathBuf>,
     },
+    /// The same of a motion, or its end by a signal; what it found is kept.
+    #[error("{source}; {kept}")]
+    Motion {
+        /// What ended it.
+        source: Box<RunError>,
+        /// How far it came, and where that is.
+        kept: String,
+    },
     /// The optimiser could not begin.
     #[error("the optimisation cannot begin: {0}")]
     Start(#[from] nastic_opt::RunError),
@@ -171,6 +179,16 @@ impl RunError {
             Self::Taylor(_) => Exit::BadInput,
             Self::Write(_) | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,
             Self::Cancelled => Exit::NotConverged,
+            Self::Motion { source, .. } => source.exit(),
+        }
+    }
+
+    /// What ended a motion; every other error itself.
+    #[must_use]
+    pub fn cause(&self) -> &Self {
+        match self {
+            Self::Motion { source, .. } => source.cause(),
+            other => other,
         }
     }
 }

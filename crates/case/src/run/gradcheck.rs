@@ -49,6 +49,7 @@ impl GradientTest {
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
+    session.find_steps()?;
     let began = std::time::Instant::now();
     session.console.pass("solving at the start control");
     let memo = Memo::new(&session.problem.ensemble, &session.problem.start, ACCURACY);

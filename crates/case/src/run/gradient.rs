@@ -16,6 +16,7 @@ use nastic_opt::{Objective, Verdict};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
+    session.find_steps()?;
     let mut workspace = EnsembleWorkspace::default();
     let mut point = session.evaluate_start(&mut workspace)?;
     let derivative =

@@ -125,15 +125,18 @@ fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> 
 /// What the scheme and the Rayleigh damping of a motion make of the modes.
 fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<Seen> {
     let (time, timeline) = (member.case().time.as_ref()?, member.reduced().timeline()?);
-    if timeline.scheme().is_quasi_static() {
-        return None; // nothing vibrates in its steps
+    if timeline.scheme().is_quasi_static() || member.problem().lacks_steps() {
+        return None; // nothing vibrates in its steps, or they are not known
     }
+    let step = time.step.unwrap_or_else(|| timeline.longest_step());
     let rayleigh = time.rayleigh.as_ref().map_or((0.0, 0.0), |damping| (damping.mass, damping.stiffness));
-    let of = |mode: &VibrationMode| match mode.kind() {
-        ModeKind::Vibration { angular_frequency: w } => timeline.scheme().modal_damping(time.step, w, rayleigh).ok(),
-        _ => None,
+    let of = |(k, mode): (usize, &VibrationMode)| {
+        let ModeKind::Vibration { angular_frequency: w } = mode.kind() else { return None };
+        let seen = timeline.scheme().modal_damping(step, w, rayleigh).ok()?;
+        let exact = ModalDamping { effective: seen.physical, frequency: seen.frequency.map(|_| 1.0), ..seen };
+        Some(if k < timeline.scheme().exact_modes() { exact } else { seen })
     };
-    Some(Seen { scheme: timeline.scheme().name(), step: time.step, modes: modes.iter().map(of).collect() })
+    Some(Seen { scheme: timeline.scheme().name(), step, modes: modes.iter().enumerate().map(of).collect() })
 }
 
 /// Lowest modes of a motion that are told.

@@ -1,38 +1,36 @@
 //! Motions as results: `motion_0000.vtu` .. with `motion.pvd`, `motion.csv` and charts of every step, the entry `time`.
 
+mod checkpoint;
+mod recorder;
+mod solved;
+mod table;
+
+pub(super) use checkpoint::{MotionCheckpoint, NAME as CHECKPOINT};
+pub(super) use solved::solve;
+
 use super::error::RunError;
 use super::modes;
 use super::number::{count, quantity, short};
 use super::session::Session;
-use super::solve::title;
+use super::time_steps;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::quantity::Dimension;
-use crate::result::csv::quoted;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::snapshot;
 use crate::result::summary;
-use crate::schema::Time;
+use crate::schema::{Command, Time};
 use crate::warning::Warning;
-use nastic_control::{ControlBlock, ControlError, EnsemblePoint, Evaluated, StateFields};
-use nastic_fem::{Instant, State};
+use nastic_control::{ControlError, EnsemblePoint, Evaluated, StateFields, Timeline};
+use nastic_fem::State;
 use nastic_io::write_atomically;
 use nastic_mesh::Snapshot;
-use nastic_picture::{Chart, Curve};
 use rayon::prelude::*;
 use serde_json::{Value, json};
-
-/// Columns of a table of a motion, one row for every step.
-struct Table {
-    names: Vec<String>,
-    units: Vec<String>,
-    rows: Vec<Vec<f64>>,
-}
+use table::{ENERGY, Table};
 
 /// Instants drawn as glass behind the end of a motion.
 const GHOSTS: usize = 4;
-/// Curves of a chart.
-const CURVES: usize = 6;
 
 /// What a state is called in messages.
 pub(super) fn state_name(problem: &CaseProblem) -> &'static str {
@@ -48,38 +46,80 @@ pub(super) fn is_motion(problem: &CaseProblem) -> bool {
 pub(super) struct Record {
     /// Index of the member.
     member: usize,
-    table: Table,
+    /// Its control vector.
+    m: Vec<f64>,
+    is_shown: Vec<bool>,
+    table: Option<Table>,
     shown: Vec<State>,
 }
 
+impl Record {
+    /// Of a motion without a state.
+    fn new(member: CaseMember<'_>, m: Vec<f64>) -> Self {
+        let (time, timeline) = (member.case().time.as_ref(), member.reduced().timeline());
+        let is_shown = time.zip(timeline).map_or_else(Vec::new, |(time, timeline)| time.shown(timeline.instants()));
+        Self { member: member.index(), m, is_shown, table: None, shown: Vec::new() }
+    }
+
+    /// The n-th state was reached.
+    fn add(&mut self, member: CaseMember<'_>, n: usize, state: &State) -> Result<(), ControlError> {
+        self.table.get_or_insert_with(|| Table::head(member, state)).add(member, &self.m, state)?;
+        if self.is_shown.get(n) == Some(&true) {
+            self.shown.push(state.clone());
+        }
+        Ok(())
+    }
+
+    /// The number of the last state, and its instant.
+    fn reached(&self) -> Option<(usize, f64)> {
+        let rows = &self.table.as_ref()?.rows;
+        Some((rows.len() - 1, *rows.last()?.first()?))
+    }
+
+    /// The states so far.
+    fn states(&self) -> usize {
+        self.table.as_ref().map_or(0, |table| table.rows.len())
+    }
+}
+
+impl Session<'_> {
+    /// The motions of a problem in time, with what deserves attention in them.
+    pub fn motions(&mut self, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
+        let records = records(self, point)?;
+        self.warn_of_motions(&records);
+        Ok(records)
+    }
+
+    /// Says what deserves attention in motions.
+    pub fn warn_of_motions(&mut self, records: &[Record]) {
+        warnings(&self.problem, records).into_iter().for_each(|warning| self.warn(warning));
+    }
+
+    /// Says how the motions went, and puts that into the result.
+    pub fn report_motions(&mut self, records: &[Record], point: &EnsemblePoint) {
+        for (index, entry) in report(self, records, point).into_iter().enumerate() {
+            self.put_of_member(index, "time", entry);
+        }
+    }
+}
+
 /// The motions of all members. One that keeps few states in memory runs once more.
-pub(super) fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
+fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
     if !is_motion(&session.problem) {
         return Ok(vec![]);
     }
-    let members = session.problem.members().zip(&point.members);
-    members.map(|(member, at)| record(session, member, at)).collect()
-}
-
-fn record(session: &Session<'_>, member: CaseMember<'_>, at: &Evaluated) -> Result<Record, RunError> {
-    let (steps, stride) = member.case().time.as_ref().map_or((0, 1), |time| (time.steps(), time.stride()));
-    let mut table = Table::head(member, at);
-    let mut shown = Vec::new();
-    let mut each = |n: usize, state: &State| {
-        table.add(member, &at.m, state)?;
-        if n.is_multiple_of(stride) || n == steps {
-            shown.push(state.clone());
-        }
-        Ok(())
+    let record = |(member, at): (CaseMember<'_>, &Evaluated)| {
+        let mut record = Record::new(member, at.m.clone());
+        let all = member.reduced().for_each_state(at, &mut |n, state| record.add(member, n, state));
+        all.map_err(|error| session.member_failed((member.index(), error)))?;
+        Ok(record)
     };
-    let all = member.reduced().for_each_state(at, &mut each);
-    all.map_err(|error| session.member_failed((member.index(), error)))?;
-    Ok(Record { member: member.index(), table, shown })
+    session.problem.members().zip(&point.members).map(record).collect()
 }
 
 /// Looks into the states that are written, beside the last one, which is looked into with all others; what deserves attention is told
 /// once for each kind, with the first instant that has it.
-pub(super) fn warnings(problem: &CaseProblem, records: &[Record]) -> Vec<Warning> {
+fn warnings(problem: &CaseProblem, records: &[Record]) -> Vec<Warning> {
     records.iter().flat_map(|record| warnings_of(problem.member(record.member), record)).collect()
 }
 
@@ -105,22 +145,41 @@ fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
 }
 
 /// The entry `time` of the result, and lines about the motions.
-pub(super) fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> Vec<Value> {
+fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> Vec<Value> {
     let Some(time) = &session.problem.case.time else { return vec![] };
     let units = session.problem.units();
     let of = |value: f64| quantity(value, Dimension::TIME, units);
+    let steps = session.problem.members().filter_map(|member| member.reduced().timeline()).map(Timeline::steps).max();
+    let each = match time.step {
+        Some(step) => format!("of {}", of(step)),
+        None => format!("of at most {}", of(longest(session))),
+    };
     session.console.say(format!(
-        "motion      {} of {} to {} by {}, {} cut",
-        count(time.steps(), "step"),
-        of(time.step),
+        "motion      {} {each} to {} by {}, {} cut",
+        count(steps.unwrap_or(0), "step"),
         of(time.end),
         time.scheme.name(),
         count(point.members.iter().map(|at| at.work.cuts).sum::<usize>(), "step")
     ));
-    records.iter().map(|record| entry(session, time, record)).collect()
+    if let Some(error) =
+        point.members.iter().filter_map(|at| at.motion.as_ref()?.error).map(|error| error.error).reduce(f64::max)
+    {
+        let error = quantity(error, Dimension::LENGTH, units);
+        session
+            .console
+            .say(format!("            a step adds at most {error} to the error of displacements, by its estimate"));
+    }
+    let member = |record: &Record| entry(session, time, record, &point.members[record.member]);
+    records.iter().map(member).collect()
 }
 
-fn entry(session: &Session<'_>, time: &Time, record: &Record) -> Value {
+/// The longest step of any member.
+fn longest(session: &Session<'_>) -> f64 {
+    let timelines = session.problem.members().filter_map(|member| member.reduced().timeline());
+    timelines.map(Timeline::longest_step).fold(0.0, f64::max)
+}
+
+fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) -> Value {
     let (member, unit) = (session.problem.member(record.member), session.problem.units().label(ENERGY));
     let ends = [record.shown.first(), record.shown.last()].map(|state| state.map(|state| energies(member, state)));
     let [start, end] = ends.map(Option::unwrap_or_default);
@@ -130,10 +189,13 @@ fn entry(session: &Session<'_>, time: &Time, record: &Record) -> Value {
     console.say(format!("energy      at t = 0: {}; at the end: {} ({unit}){name}", pair(start), pair(end)));
     let both = |[kinetic, potential]: [f64; 2]| json!({ "kinetic": kinetic, "potential": potential });
     let mut entry = json!({
-        "end": time.end, "step": time.step, "steps": time.steps(), "scheme": time.scheme.name(),
+        "end": time.end, "steps": record.states().saturating_sub(1), "scheme": time.scheme.name(),
         "mass": time.mass.name(), "written": record.shown.len(),
         "energies": { "start": both(start), "end": both(end) },
     });
+    for (key, value) in time_steps::entries(session, member, time, at) {
+        entry[key] = value;
+    }
     // scenarios differ little in this
     let lead = member.part().scenario() == 0;
     if let Some(damping) =
@@ -145,15 +207,10 @@ fn entry(session: &Session<'_>, time: &Time, record: &Record) -> Value {
 }
 
 /// Writes the files of all members; their names.
-pub(super) fn write(
-    problem: &CaseProblem,
-    records: &[Record],
-    point: &EnsemblePoint,
-    out: &Directory,
-) -> Result<Vec<String>, RunError> {
+pub(super) fn write(problem: &CaseProblem, records: &[Record], out: &Directory) -> Result<Vec<String>, RunError> {
     let mut files = Vec::new();
-    for Record { member, table, shown } in records {
-        let (member, m) = (problem.member(*member), &point.members[*member].m);
+    for record in records {
+        let (member, Some(table)) = (problem.member(record.member), &record.table) else { continue };
         let (csv, pvd) = (member.file("motion.csv"), member.file("motion.pvd"));
         let text = table.csv();
         write_atomically(out.file(&csv), |out| out.write_all(text.as_bytes()))?;
@@ -162,9 +219,9 @@ pub(super) fn write(
         let stem = member.file("motion_");
         out.remove_numbered(&stem);
         let mut shots = Vec::new();
-        for (k, state) in shown.iter().enumerate() {
+        for (k, state) in record.shown.iter().enumerate() {
             let name = format!("{stem}{k:04}");
-            out.write_state(&name, &snapshot::snapshot(member, &StateFields::new(state, m))?)?;
+            out.write_state(&name, &snapshot::snapshot(member, &StateFields::new(state, &record.m))?)?;
             shots.push((state.time, format!("{name}.vtu")));
         }
         nastic_io::write_pvd(out.file(&pvd), &shots)?;
@@ -195,103 +252,22 @@ fn energies(member: CaseMember<'_>, state: &State) -> [f64; 2] {
     [member.solid().model().kinetic_energy(state), summary::potential(member, state)]
 }
 
-/// One value in space, or one vector.
-fn is_uniform(block: &ControlBlock) -> bool {
-    block.size() == block.components
+/// Removes the checkpoint of a motion that has come to its end, after all results are written.
+pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
+    match &session.out {
+        Some(out) if session.command == Command::Solve => Ok(out.remove(CHECKPOINT)?),
+        _ => Ok(()),
+    }
 }
 
-/// What contributions report.
-fn quantities(member: CaseMember<'_>, state: &State) -> Vec<(String, &'static str, f64)> {
-    let at = Instant::new(&state.u, &state.controls, state.load);
-    member.solid().model().quantities(&at).unwrap_or_default()
-}
-
-const AXES: [&str; 3] = ["x", "y", "z"];
-const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
-
-impl Table {
-    /// Without rows.
-    fn head(member: CaseMember<'_>, at: &Evaluated) -> Self {
-        let (units, energy) = (member.problem().units(), member.problem().units().label(ENERGY));
-        let first = [
-            ("t", units.time().symbol),
-            ("kinetic_energy", &energy),
-            ("potential", &energy),
-            ("min_J", ""),
-            ("newton_iterations", ""),
-        ];
-        let mut columns: Vec<(String, String)> = first.map(|(name, unit)| (name.to_owned(), unit.to_owned())).into();
-        for probe in &member.problem().probes {
-            let axes = AXES.iter().take(member.mesh().dim());
-            columns.extend(axes.map(|axis| (format!("{}.{axis}", probe.name), units.length().symbol.to_owned())));
-        }
-        for (block, field) in member.fields().filter(|(block, _)| is_uniform(block)) {
-            let name = |c: usize| match block.components {
-                1 => field.array.clone(),
-                _ => format!("{}.{}", field.array, AXES[c]),
-            };
-            columns.extend((0..block.components).map(|c| (name(c), field.unit.clone())));
-        }
-        for (name, what, _) in quantities(member, &at.state) {
-            let name = format!("{name}.{what}");
-            let known = columns.iter().any(|(known, _)| *known == name);
-            columns.push((if known { format!("contributions.{name}") } else { name }, String::new()));
-        }
-        let (names, units) = columns.into_iter().unzip();
-        Self { names, units, rows: vec![] }
-    }
-
-    fn add(&mut self, member: CaseMember<'_>, m: &[f64], state: &State) -> Result<(), ControlError> {
-        let (report, [kinetic, potential]) = (&state.report, energies(member, state));
-        let mut row = vec![state.time, kinetic, potential, report.min_j, report.newton as f64];
-        let dim = member.mesh().dim();
-        for probe in &member.problem().probes {
-            row.extend_from_slice(&probe.displacement(&state.u, dim)[..dim]);
-        }
-        let m = member.layout().at(m, state.time)?;
-        for block in member.reduced().layout_of_instant().blocks().iter().filter(|block| is_uniform(block)) {
-            row.extend_from_slice(block.of(&m));
-        }
-        row.extend(quantities(member, state).into_iter().map(|(.., value)| value));
-        self.rows.push(row);
-        Ok(())
-    }
-
-    fn csv(&self) -> String {
-        let mut text = self.names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(",") + "\n";
-        for row in &self.rows {
-            text += &(row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(",") + "\n");
-        }
-        text
-    }
-
-    /// Charts over the time: displacements of probes, energies, controls.
-    fn charts(&self, member: CaseMember<'_>, out: &Directory) -> Result<Vec<String>, RunError> {
-        let probes = member.problem().probes.len() * member.mesh().dim();
-        let controls = member.fields().filter(|(block, _)| is_uniform(block));
-        let controls: usize = controls.map(|(block, _)| block.components).sum();
-        let first = 5; // behind the columns that every motion has
-        let parts = [
-            ("motion.svg", "displacement", first..first + probes),
-            ("energies.svg", "energy", 1..3),
-            ("controls.svg", "control", first + probes..first + probes + controls),
-        ];
-        let mut files = Vec::new();
-        for (file, what, columns) in parts.into_iter().filter(|(.., columns)| !columns.is_empty()) {
-            let unit = &self.units[columns.start];
-            let same = columns.clone().all(|c| self.units[c] == *unit);
-            let upwards = if same { format!("{what} ({unit})") } else { what.to_owned() };
-            let mut chart = Chart::new(&title(member), &format!("t ({})", self.units[0]), &upwards);
-            for c in columns.take(CURVES) {
-                let label = if same { self.names[c].clone() } else { format!("{} ({})", self.names[c], self.units[c]) };
-                chart = chart.curve(Curve::new(&label, self.rows.iter().map(|row| (row[0], row[c], true))));
-            }
-            let name = member.file(file);
-            chart.write(out.file(&name))?;
-            files.push(name);
-        }
-        Ok(files)
-    }
+/// Refuses schemes without an adjoint where derivatives are wanted.
+pub(super) fn check_adjoint(problem: &CaseProblem) -> Result<(), RunError> {
+    let timelines = problem.members().filter_map(|member| member.reduced().timeline().cloned());
+    let Some(scheme) = timelines.map(|line| line.scheme().clone()).find(|scheme| !scheme.has_adjoint()) else {
+        return Ok(());
+    };
+    let message = format!("\"{}\" has no derivative: \"solve\" takes it; here take \"tr_bdf2\"", scheme.name());
+    Err(problem.complain("time/scheme", message).into())
 }
 
 /// The options of `solve` that look at one equilibrium.

@@ -69,10 +69,12 @@ fn may_replace(out: &Directory) -> Result<(), RunError> {
 
 fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, RunError> {
     session.require(true, true)?;
+    session.find_steps()?;
     if let Some(out) = &session.out {
         out.remove_old_iterations();
         // It belongs to an earlier command, and would stand beside the files of this one.
         out.remove("result.json")?;
+        out.remove(super::motion::CHECKPOINT)?;
     }
     warn_of_own_files(session);
     let journal = SharedJournal::new(Journal::begin(session)?);
@@ -126,6 +128,7 @@ pub(super) fn resume(
     session.put("resumed", json!({ "start": from.start, "iteration": from.iteration }));
     // Nothing was evaluated yet.
     let Some(position) = position else { return run(session, optimizer) };
+    session.find_steps()?;
     warn_of_own_files(session);
     session.put("gradient_check", position.gradient_check.clone());
     let journal = SharedJournal::new(Journal::resume(session, from)?);

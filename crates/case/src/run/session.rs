@@ -2,10 +2,9 @@
 
 use super::ensemble_progress::EnsembleProgress;
 use super::error::{Exit, RunError};
-use super::motion;
 use super::spectrum_request::SpectrumRequest;
 use super::states::Shown;
-use super::{OnTrial, Options, number};
+use super::{OnTrial, Options, motion, number};
 use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
@@ -19,7 +18,7 @@ use crate::result::smoothing;
 use crate::schema::Command;
 use crate::syntax::{Diagnostics, Document};
 use crate::warning::Warning;
-use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
+use nastic_control::{AdaptiveSteps, ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, StateError, peak_memory};
 use nastic_opt::{Failed, Objective, Request};
 use nastic_report::case_name;
@@ -60,6 +59,8 @@ pub(super) struct Session<'c> {
     pub on_trial: OnTrial,
     /// The states that were found.
     pub shown: Option<Shown>,
+    /// Of a case with a tolerance of time steps those of every member, once they were found.
+    pub steps: Vec<AdaptiveSteps>,
     result: Map<String, Value>,
     phases: Vec<(&'static str, f64)>,
     began: Instant,
@@ -99,15 +100,15 @@ impl<'c> Session<'c> {
         Ok(session)
     }
 
-    /// Goes on with an optimisation whose case was read and whose directory is claimed.
+    /// Goes on with a command whose case was read and whose directory is claimed.
     pub fn resume(
-        document: Document,
+        (command, document): (Command, Document),
         settings: Vec<String>,
         out: Directory,
         cancel: Arc<AtomicBool>,
         console: &'c Console,
     ) -> Result<Self, RunError> {
-        let mut session = Self::of(Command::Optimize, document, settings, cancel, console, Instant::now())?;
+        let mut session = Self::of(command, document, settings, cancel, console, Instant::now())?;
         session.out = Some(out);
         Ok(session)
     }
@@ -138,15 +139,7 @@ impl<'c> Session<'c> {
         if command == Command::Optimize {
             problem.refuse_unstable_if_asked();
         }
-        if problem.members().nth(1).is_some() {
-            problem.ensemble.watch(EnsembleProgress::new(&problem, console).watcher());
-        } else {
-            let terminal = console.clone();
-            problem.ensemble.watch_solves(move |_, Progress { load, newton, residual, .. }| {
-                let line = format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}");
-                terminal.progress(*newton, line);
-            });
-        }
+        watch(&mut problem, console);
         let ordering = problem.ordering.as_secs_f64();
         let mut session = Self {
             command,
@@ -164,6 +157,7 @@ impl<'c> Session<'c> {
             ended: false,
             on_trial: OnTrial::default(),
             shown: None,
+            steps: Vec::new(),
             result: Map::new(),
             phases: vec![("read", began.elapsed().as_secs_f64() - ordering), ("ordering", ordering)],
             began,
@@ -236,20 +230,6 @@ impl<'c> Session<'c> {
         let (found, warnings) = self.timed("inspect", |session| session.look_into(session.console, what, point));
         self.warnings.extend(warnings);
         found
-    }
-
-    /// The motions of a problem in time, with what deserves attention in them.
-    pub fn motions(&mut self, point: &EnsemblePoint) -> Result<Vec<motion::Record>, RunError> {
-        let records = motion::records(self, point)?;
-        motion::warnings(&self.problem, &records).into_iter().for_each(|warning| self.warn(warning));
-        Ok(records)
-    }
-
-    /// Says how the motions went, and puts that into the result.
-    pub fn report_motions(&mut self, records: &[motion::Record], point: &EnsemblePoint) {
-        for (index, entry) in motion::report(self, records, point).into_iter().enumerate() {
-            self.put_of_member(index, "time", entry);
-        }
     }
 
     /// Looks into the states and says what deserves attention there; whoever asks keeps the warnings.
@@ -358,7 +338,7 @@ impl<'c> Session<'c> {
             let message = format!("\"{command}\" needs costs, and the case has none");
             return Err(self.problem.complain("costs", message).into());
         }
-        Ok(())
+        if controls && costs { motion::check_adjoint(&self.problem) } else { Ok(()) }
     }
 
     /// The error of an evaluation that failed; the last good state of the member at fault is kept on disk.
@@ -427,6 +407,19 @@ impl<'c> Session<'c> {
         let (Some(out), Some(last)) = (&self.out, failure::last_state(error)) else { return Ok(None) };
         out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
         Ok(Some(out.file(name)))
+    }
+}
+
+/// Lets the terminal show how solves go.
+pub(super) fn watch(problem: &mut CaseProblem, console: &Console) {
+    if problem.members().nth(1).is_some() {
+        problem.ensemble.watch(EnsembleProgress::new(problem, console).watcher());
+    } else {
+        let terminal = console.clone();
+        problem.ensemble.watch_solves(move |_, Progress { load, newton, residual, .. }| {
+            let line = format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}");
+            terminal.progress(*newton, line);
+        });
     }
 }
 

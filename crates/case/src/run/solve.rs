@@ -3,6 +3,7 @@
 mod equilibria;
 mod minimum;
 mod modes;
+mod moving;
 mod path;
 mod ramp;
 mod ramp_failure;
@@ -10,6 +11,7 @@ mod ramp_jumps;
 mod series;
 
 pub(super) use modes::with_fields as with_modes;
+pub(super) use moving::resume;
 
 use super::analysis::Analysis;
 use super::error::{Exit, RunError};
@@ -35,6 +37,9 @@ pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit
     if let Some(option) = analysis.option().filter(|_| motion::is_motion(&session.problem)) {
         return Err(motion::refused(&session.problem, option));
     }
+    if motion::is_motion(&session.problem) {
+        return moving::run(session, None);
+    }
     match analysis {
         Analysis::Equilibrium | Analysis::Minimum | Analysis::Modes(_) | Analysis::Equilibria(_) => {
             equilibrium(session, analysis)
@@ -52,15 +57,13 @@ fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, R
         point = session.timed("descent", |session| minimum::descend(session, point))?;
     }
     let found = session.inspect(motion::state_name(&session.problem), &point);
-    let records = session.motions(&point)?;
     report(session, &point, &found)?;
-    session.report_motions(&records, &point);
     let modes = match analysis {
         Analysis::Modes(count) => session.timed("modes", |session| modes::find(session, &point, *count))?,
         _ => Vec::new(),
     };
     modes::report(session, &modes);
-    session.timed("write", |session| write(session, &point, (&found, &records), &modes))?;
+    session.timed("write", |session| write(session, &point, (&found, &[]), &modes))?;
     let exit = match analysis {
         Analysis::Equilibria(count) => equilibria::run(session, &point, *count)?,
         _ => Exit::Done,
@@ -351,7 +354,7 @@ fn write(
     }
     files.extend(write_targets(problem, &out)?);
     files.extend(write_collections(problem, "start", &out)?);
-    files.extend(motion::write(problem, records, point, &out)?);
+    files.extend(motion::write(problem, records, &out)?);
     say_files(session, files);
     Ok(())
 }

@@ -28,8 +28,8 @@ const FORCE: &str = "forces stand in \"loads\", per reference area or volume: { 
 const MUSCLE: &str = "a muscle is an actuation of the \"kind\": \"muscle\" with a \"region\" and a \"direction\"; a \
     positive \"contraction\" pulls";
 const CHAMBER: &str = "an air chamber is an actuation of the \"kind\": \"cavity\", with the \"surface\" of its walls";
-const TENDON: &str = "a cable is an actuation of the \"kind\": \"tendon\" with the \"points\" that it passes; its control is the \"tension\", \
-    with a \"stiffness\" the \"pull\"";
+const TENDON: &str = "a cable is an actuation of the \"kind\": \"tendon\" with the \"points\" that it passes; its control is the \"tension\" (\"of\": \"NAME\") \
+    or the \"pull\" (\"of\": \"NAME.pull\"), with a \"stiffness\" the pull alone";
 const SPRING: &str = "a spring stands in \"springs\": [ { \"from\": [0, 0, 5], \"to\": { \"ground\": [0, 0, 9] }, \
     \"stiffness\": \"2 N/mm\" } ]; an elastic bed of a surface is a \"foundation\" in \"supports\"";
 const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with the vectors \"remanence\" (mu0 \

@@ -1,5 +1,6 @@
-//! Obstacles: shapes by formulas.
+//! Obstacles: shapes by formulas, and meshed ones.
 
+use crate::schema::mesh::MeshSource;
 use crate::schema::value::Vector;
 
 choice! {
@@ -13,6 +14,8 @@ choice! {
         "capsule" => Capsule(Capsule),
         /// All points between two corners.
         "box" => Box(AlignedBox),
+        /// All points in the cells of a mesh: linear ones.
+        "mesh" => Mesh(MeshSource),
     }
 }
 

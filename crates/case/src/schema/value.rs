@@ -27,7 +27,7 @@ impl Read for Formula {
                 return None;
             }
         };
-        if let Some(why) = unexpected_time(&formula, want, reader) {
+        if let Some(why) = unexpected_time(&formula, (at, want), reader) {
             reader.complain(node, at, why);
             return None;
         }
@@ -55,11 +55,17 @@ impl Read for Formula {
 }
 
 /// Why a formula cannot be one of the time here.
-fn unexpected_time(formula: &Formula, want: Want, reader: &Reader<'_>) -> Option<String> {
+fn unexpected_time(formula: &Formula, (at, want): (&At, Want), reader: &Reader<'_>) -> Option<String> {
     if !formula.uses_time() {
         return None;
     }
     let text = quoted(formula.text());
+    if !want.in_time && at.as_str().starts_with("supports/") {
+        return Some(format!(
+            "{text} depends on the time t, which supports do not: a surface that moves in time is an actuation, {{ \"name\": \"base\", \"kind\": \"motion\", \
+             \"surface\": \"x-\", \"translation\": [\"5 mm * sin(20 * t / (1 s))\", 0, 0] }}"
+        ));
+    }
     if !want.in_time {
         return Some(format!(
             "{text} depends on the time t, which this does not: starts and bounds of controls, values of actuations and targets may"

@@ -54,7 +54,7 @@ impl ObstacleDistance {
 
 impl IntoConstraint for ObstacleDistance {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Constraint>, ControlError> {
-        self.obstacle.check(self.clearance)?;
+        self.obstacle.check(self.clearance, solid.discretization().dim())?;
         let (points, nodes) = self.place.points(solid)?;
         let between = match points {
             BodyPoints::Points(_) => Some(points),

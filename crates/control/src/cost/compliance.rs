@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// proves no stability.
 ///
 /// Derivatives: `dc/du = -(v . K v)_u`, `dc/dm = -(v . K v)_m`, the second derivatives of `v . r` along v: third derivatives of the
-/// energy. There are no second partials, which would take fourth ones. Cavities of given volume keep it: K is then the bordered tangent.
+/// energy. There are no second partials, which would take fourth ones. Cavities of given volume keep it, and taut tendons that cannot stretch their length: K is then the bordered tangent.
 /// Units: length over force, in plane strain per unit of depth. Source: docs/model.md section 5.
 #[derive(Clone, Debug)]
 pub struct Compliance {
@@ -112,8 +112,7 @@ impl Bound {
         let mut product = vec![0.0; v.len()];
         if !model.tangent_product(at, v, &mut product)? {
             if model.unknowns().scalars > 0 {
-                let what =
-                    "a compliance beside a cavity of given volume needs contributions that give `add_tangent_product`";
+                let what = "a compliance beside a cavity of given volume or a tendon that cannot stretch needs contributions that give `add_tangent_product`";
                 return Err(ControlError::Cost { what: what.to_owned() });
             }
             let mut matrix = model.matrix();

@@ -4,13 +4,14 @@ use super::body_points::{BodyPoints, Place};
 use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
 use crate::error::ControlError;
 use nastic_fem::Solid;
-use nastic_mesh::GroupNames;
+use nastic_mesh::spatial::{Feature, Polyhedron, SurfacePoint};
+use nastic_mesh::{GroupNames, Mesh};
 use nastic_numeric::vector::{dot, norm};
 use std::sync::Arc;
 
 /// A shape in space with its signed distance d(x): positive outside, negative inside, `|grad d| = 1`. In plane strain its section
 /// with the plane z = 0 counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Obstacle {
     /// `d(x) = |x - center| - radius`
     Sphere {
@@ -41,6 +42,9 @@ pub enum Obstacle {
         /// The corner with the largest ones.
         high: [f64; 3],
     },
+    /// A meshed solid with flat faces: `d(x) = +-|x - p(x)|`, p the nearest point of its surface. The derivative of d jumps where the
+    /// nearest face changes inside of it, and in front of its concave edges.
+    Solid(Arc<Polyhedron>),
 }
 
 /// The signed distance of a point: `d`, `grad d`, and what its second derivative takes.
@@ -87,6 +91,15 @@ impl Obstacle {
         Obstacle::Box { low, high }
     }
 
+    /// The cells of a mesh: linear ones.
+    ///
+    /// # Errors
+    /// As [`Polyhedron::of`].
+    pub fn solid(mesh: &Mesh) -> Result<Self, ControlError> {
+        let solid = Polyhedron::of(mesh, None).map_err(|error| ControlError::Cost { what: error.to_string() })?;
+        Ok(Obstacle::Solid(Arc::new(solid)))
+    }
+
     /// Its signed distance at x: positive outside.
     pub fn distance(&self, x: &[f64; 3]) -> f64 {
         self.at(x).value
@@ -109,11 +122,12 @@ impl Obstacle {
                 around(&nearest, x, *radius, straight)
             }
             Obstacle::Box { low, high } => from_box(low, high, x),
+            Obstacle::Solid(solid) => from_surface(&solid.nearest(*x)),
         }
     }
 
     /// Checks its numbers, and the distance to keep from it.
-    pub(crate) fn check(&self, clearance: f64) -> Result<(), ControlError> {
+    pub(crate) fn check(&self, clearance: f64, dim: usize) -> Result<(), ControlError> {
         let complain = |what: String| Err(ControlError::Cost { what });
         if !clearance.is_finite() {
             return complain(format!("an obstacle has the clearance {clearance}; clearances are finite lengths"));
@@ -123,10 +137,19 @@ impl Obstacle {
             Obstacle::HalfSpace { point, normal } => ([*point, *normal].concat(), 1.0),
             Obstacle::Capsule { ends, radius } => (ends.concat(), *radius),
             Obstacle::Box { low, high } => ([*low, *high].concat(), 1.0),
+            Obstacle::Solid(_) => (Vec::new(), 1.0),
         };
         if numbers.iter().any(|x| !x.is_finite()) {
             return complain(format!(
                 "the obstacle {self:?} is not finite; a half-space needs a normal that is not zero"
+            ));
+        }
+        if let Obstacle::Solid(solid) = self
+            && solid.dim() != dim
+        {
+            let found = solid.dim();
+            return complain(format!(
+                "the mesh of an obstacle has {found} dimensions and the body {dim}: take the same"
             ));
         }
         if let Obstacle::HalfSpace { normal, .. } = self
@@ -166,6 +189,18 @@ fn from_box(low: &[f64; 3], high: &[f64; 3], x: &[f64; 3]) -> Distance {
     let straight = std::array::from_fn(|i| if edge == Some(i) { 1.0 } else { 0.0 });
     let found = around(&nearest, x, 0.0, straight);
     if beyond.len() == 1 { Distance { curvature: 0.0, ..found } } else { found }
+}
+
+/// Before a face without curvature; inside, where the nearest edges are concave, with a negative one.
+fn from_surface(near: &SurfacePoint) -> Distance {
+    let SurfacePoint { distance: value, normal, on, .. } = *near;
+    let (curvature, straight) = match on {
+        Feature::Face => (0.0, [0.0; 3]),
+        Feature::Edge(axis) => (1.0, axis),
+        Feature::Corner => (1.0, [0.0; 3]),
+    };
+    let curvature = if value == 0.0 { 0.0 } else { curvature / value };
+    Distance { value, normal, curvature, straight }
 }
 
 fn around(center: &[f64; 3], x: &[f64; 3], radius: f64, straight: [f64; 3]) -> Distance {
@@ -225,7 +260,7 @@ impl ObstaclePenetration {
 
 impl IntoCost for ObstaclePenetration {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
-        self.obstacle.check(self.clearance)?;
+        self.obstacle.check(self.clearance, solid.discretization().dim())?;
         let weight = check_weight("obstacle", self.weight)?;
         let (points, _) = self.place.points(solid)?;
         Ok(Box::new(Bound { points: Arc::new(points), obstacle: self.obstacle, clearance: self.clearance, weight }))

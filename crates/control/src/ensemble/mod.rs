@@ -22,6 +22,7 @@ pub use report::Measured;
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
 use crate::reduced::AT_REST;
+use crate::time::MotionObserver;
 use crate::workspace::ReducedWorkspace;
 use blocks::{gather, scatter};
 use nastic_fem::Progress;
@@ -217,11 +218,29 @@ impl Ensemble {
         how: &Request<'_, EnsemblePoint>,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<EnsemblePoint, EnsembleError> {
+        self.observe(m, how, &[], workspace)
+    }
+
+    /// The same as [`evaluate`](nastic_opt::Objective::evaluate), with an observer of the motion of each member: [`Reduced::observe`](crate::Reduced::observe).
+    ///
+    /// # Errors
+    /// As there, with their type.
+    pub fn observe(
+        &self,
+        m: &[f64],
+        how: &Request<'_, EnsemblePoint>,
+        observers: &[&dyn MotionObserver],
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<EnsemblePoint, EnsembleError> {
         self.check_len(m)?;
         let members = self.side_by_side(workspace, |index, member, workspace| {
             let near = how.near.and_then(|point| point.members.get(index));
             let request = Request { near, accuracy: how.accuracy, stage: how.stage };
-            let outcome = member.problem.evaluate_typed(&gather(&self.blocks, member, m), &request, workspace);
+            let own = gather(&self.blocks, member, m);
+            let outcome = match observers.get(index) {
+                Some(observer) => member.problem.observe(&own, &request, *observer, workspace),
+                None => member.problem.evaluate_typed(&own, &request, workspace),
+            };
             self.tell(index, &outcome);
             outcome
         })?;

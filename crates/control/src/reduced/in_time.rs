@@ -5,7 +5,9 @@ use crate::cost::IntoCost;
 use crate::error::ControlError;
 use crate::layout::Layout;
 use crate::map::Space;
-use crate::time::{Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When};
+use crate::time::{
+    FixedInTime, Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When,
+};
 use nastic_fem::Checkpoints;
 use nastic_opt::ConstraintGroup;
 
@@ -20,8 +22,8 @@ pub(crate) struct Motion {
     /// Costs of the whole motion, behind those of states.
     pub costs: Vec<Box<dyn TrajectoryCost>>,
     pub rates: Vec<RateLimit>,
-    /// Slots that follow given values: actuation, slot, values at the points for each instant.
-    pub fixed: Vec<(usize, usize, Vec<Vec<f64>>)>,
+    /// Slots that follow given values.
+    pub fixed: Vec<FixedInTime>,
 }
 
 impl Reduced {
@@ -161,20 +163,23 @@ impl Reduced {
         Ok(self)
     }
 
-    /// Lets a slot that is not controlled follow given values at the points, for every instant.
+    /// Lets a slot that is not controlled follow given values: `values(t)` at the points at an instant. They are asked for once at every
+    /// instant of the timeline, and beyond those where [steps are found](Self::adaptive_steps).
     ///
     /// # Errors
-    /// A problem without time; values of the wrong number or length, or that are not finite.
-    pub fn fix_in_time(mut self, actuation: usize, slot: usize, values: Vec<Vec<f64>>) -> Result<Self, ControlError> {
-        let instants = self.needs_time("values in time")?.timeline.instants().len();
-        if values.len() != instants {
-            let what = format!("values in time at {} instants where the motion has {instants}", values.len());
-            return Err(ControlError::Cost { what });
-        }
+    /// A problem without time; what `values` returns; values of the wrong length, or that are not finite.
+    pub fn fix_in_time(
+        mut self,
+        actuation: usize,
+        slot: usize,
+        values: impl Fn(f64) -> Result<Vec<f64>, ControlError> + Send + Sync + 'static,
+    ) -> Result<Self, ControlError> {
+        let instants = self.needs_time("values in time")?.timeline.instants();
+        let fixed = FixedInTime::new((actuation, slot), values, instants)?;
         let mut controls = self.solid.controls();
-        values.iter().try_for_each(|at_points| controls.set(actuation, slot, at_points))?;
+        (0..instants.len()).try_for_each(|n| fixed.put(n, &mut controls))?;
         if let Some(motion) = &mut self.motion {
-            motion.fixed.push((actuation, slot, values));
+            motion.fixed.push(fixed);
         }
         Ok(self)
     }

@@ -2,17 +2,15 @@
 
 use super::Reduced;
 use super::in_time::Motion;
+use super::motion_progress::{InstantValues, Progress};
 use crate::cost::CostPoint;
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, MotionRun};
-use crate::time::TrajectoryContext;
+use crate::time::{MotionObserver, TrajectoryContext};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Begin, Controls, Recording, SolveOptions, SolveReport, State, StepTo, Trajectory};
 use nastic_opt::Request;
 use std::sync::Arc;
-
-/// What is told of a state: its number, and itself.
-pub(super) type Each<'a> = dyn FnMut(usize, &State) -> Result<(), ControlError> + 'a;
 
 impl Reduced {
     /// The step to the n-th instant.
@@ -25,9 +23,7 @@ impl Reduced {
     /// The controls at the points at the n-th instant.
     fn controls_at(&self, motion: &Motion, m: &[f64], n: usize) -> Result<Controls, ControlError> {
         let mut fixed = self.layout.fixed().clone();
-        for (actuation, slot, values) in &motion.fixed {
-            fixed.set(*actuation, *slot, &values[n])?;
-        }
+        motion.fixed.iter().try_for_each(|values| values.put(n, &mut fixed))?;
         motion.layout.to_points_over(fixed, &self.layout.at(m, motion.timeline.instants()[n])?)
     }
 
@@ -35,41 +31,63 @@ impl Reduced {
     pub(super) fn evaluate_motion(
         &self,
         motion: &Motion,
-        m: &[f64],
-        how: &Request<'_, Evaluated>,
+        (m, how): (&[f64], &Request<'_, Evaluated>),
+        observer: Option<&dyn MotionObserver>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Evaluated, ControlError> {
-        let mut values = InstantValues::new(motion);
-        let (mut work, mut min_j) = (SolveReport::default(), f64::INFINITY);
-        let recording = self.run_motion(motion, (m, how.accuracy), workspace, &mut |n, state| {
-            work.add_work(&state.report);
-            min_j = min_j.min(state.report.min_j);
-            self.add_values(motion, (n, state), (m, how.stage), &mut values)
+        let resumed = observer.and_then(MotionObserver::resume);
+        let (mut found, from) = match &resumed {
+            Some(bytes) => {
+                let read = Progress::from_bytes(bytes, motion, &self.solid);
+                let (found, from) = read.map_err(|error| ControlError::Cost { what: error.to_string() })?;
+                (found, Some(from))
+            }
+            None => (Progress::new(motion), None),
+        };
+        let segment = motion.timeline.segment();
+        // the first steps of a scheme over two may have an estimate where others have none
+        let estimates = motion.timeline.scheme().estimates_error();
+        let is_resumable = !motion.costs.iter().any(|cost| cost.needs_states());
+        let recording = self.run_motion(motion, (m, how.accuracy), from, workspace, &mut |n, recording| {
+            let part = recording.part();
+            found.add(part, estimates.then(|| self.solid.model().last_step_error(part)).flatten());
+            self.add_values(motion, (n, part.end()), (m, how.stage), &mut found.values)?;
+            let Some(observer) = observer else { return Ok(()) };
+            observer.reached(n, part.end())?;
+            if is_resumable && (n.is_multiple_of(segment) || n == motion.timeline.steps()) {
+                observer.resumable(n, &|| found.to_bytes(part, motion.timeline.scheme()));
+            }
+            Ok(())
         })?;
-        let run = MotionRun { recording, accuracy: how.accuracy, min_j };
+        let Progress { values, mut work, min_j, error } = found;
+        let run = MotionRun { recording, accuracy: how.accuracy, min_j, error, resumed: resumed.is_some() };
         let state = run.recording.part().end().clone();
         work.solver = state.report.solver;
         self.valued_motion(motion, (run, state, work), (m, how.stage), values)
     }
 
-    /// Runs it from t = 0 and tells of every state.
+    /// Runs it from t = 0, or from the end of a part of it, and calls at every state.
     fn run_motion(
         &self,
         motion: &Motion,
         (m, accuracy): (&[f64], f64),
+        from: Option<Trajectory>,
         workspace: &mut ReducedWorkspace,
-        each: &mut Each<'_>,
+        each: &mut dyn FnMut(usize, &Recording) -> Result<(), ControlError>,
     ) -> Result<Recording, ControlError> {
         workspace.clear();
-        let options = self.solve_options(accuracy);
-        let begin = self.beginning(motion, m, &options, workspace)?;
-        each(0, begin.end())?;
-        let model = self.solid.model();
-        let mut recording = Recording::new(begin, motion.timeline.scheme().clone(), self.checkpoints(motion)?);
-        for n in 1..=motion.timeline.steps() {
+        let (options, model) = (self.solve_options(accuracy), self.solid.model());
+        let is_new = from.is_none();
+        let part = from.map_or_else(|| self.beginning(motion, m, &options, workspace), Ok)?;
+        let done = part.first() + part.states().len() - 1;
+        let mut recording = Recording::new(part, motion.timeline.scheme().clone(), self.checkpoints(motion)?);
+        if is_new {
+            each(0, &recording)?;
+        }
+        for n in done + 1..=motion.timeline.steps() {
             let to = self.step_to(motion, m, n)?;
             recording.advance(model, &to, &options, &mut workspace.solve)?;
-            each(n, recording.part().end())?;
+            each(n, &recording)?;
         }
         self.forget(workspace);
         Ok(recording)
@@ -87,7 +105,7 @@ impl Reduced {
         Ok(Some(trajectory.end().clone()))
     }
 
-    fn beginning(
+    pub(super) fn beginning(
         &self,
         motion: &Motion,
         m: &[f64],
@@ -120,8 +138,10 @@ impl Reduced {
         each: &mut dyn FnMut(usize, &State) -> Result<(), ControlError>,
     ) -> Result<(), ControlError> {
         match (&self.motion, &point.motion) {
-            (Some(motion), Some(run)) if !run.recording.keeps_all() => {
-                self.run_motion(motion, (&point.m, run.accuracy), &mut ReducedWorkspace::default(), each).map(drop)
+            (Some(motion), Some(run)) if run.resumed || !run.recording.keeps_all() => {
+                let each = &mut |n: usize, recording: &Recording| each(n, recording.part().end());
+                self.run_motion(motion, (&point.m, run.accuracy), None, &mut ReducedWorkspace::default(), each)
+                    .map(drop)
             }
             _ => point.states().iter().enumerate().try_for_each(|(n, state)| each(n, state)),
         }
@@ -206,35 +226,5 @@ impl Reduced {
         let at_instant = self.layout.at(m, motion.timeline.instants()[n])?;
         let context = self.context(state, &at_instant, stage);
         call(cost.at(&context)?.as_ref())
-    }
-}
-
-/// For each instant the costs that count there, each with its place among the instants of that cost.
-pub(super) fn counting(motion: &Motion) -> Vec<Vec<(usize, usize)>> {
-    let mut counting = vec![Vec::new(); motion.timeline.instants().len()];
-    for (k, schedule) in motion.schedules.iter().enumerate() {
-        schedule.weights.iter().enumerate().for_each(|(place, (n, _))| counting[*n].push((k, place)));
-    }
-    counting
-}
-
-/// Values of the costs of states, by cost and place.
-struct InstantValues {
-    counting: Vec<Vec<(usize, usize)>>,
-    values: Vec<Vec<f64>>,
-}
-
-impl InstantValues {
-    fn new(motion: &Motion) -> Self {
-        let values = motion.schedules.iter().map(|schedule| vec![0.0; schedule.weights.len()]).collect();
-        InstantValues { counting: counting(motion), values }
-    }
-
-    /// Their sums over the motion.
-    fn terms(&self, motion: &Motion) -> Vec<f64> {
-        let sum = |(schedule, values): (&crate::time::Schedule, &Vec<f64>)| {
-            schedule.weights.iter().zip(values).fold(0.0, |sum, ((_, weight), j)| sum + weight * schedule.shape(*j).0)
-        };
-        motion.schedules.iter().zip(&self.values).map(sum).collect()
     }
 }

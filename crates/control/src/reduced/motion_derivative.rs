@@ -1,7 +1,7 @@
 //! The derivative of a problem in time, by one reverse sweep over the motion.
 
 use super::in_time::Motion;
-use super::motion::counting;
+use super::motion_progress::counting;
 use super::{Lagrangian, Reduced};
 use crate::cost::Partials;
 use crate::error::ControlError;
@@ -148,6 +148,10 @@ impl Reduced {
         of: Functional<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
+        if run.resumed {
+            let what = "the states of a motion that was resumed are not all there: evaluate it anew for its derivative";
+            return Err(ControlError::Cost { what: what.to_owned() });
+        }
         let swept = self.sweep_motion(motion, (point, run), of, workspace);
         self.forget(workspace);
         swept

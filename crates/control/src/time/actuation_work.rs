@@ -18,6 +18,10 @@ use nastic_numeric::vector::{axpy, dot};
 /// the trapezoidal rule of `-int g . du`. Without dissipation it is what kinetic energy, stored energy and the potential of dead loads gain, up
 /// to an error of second order in the step. It counts from the state at t = 0 on, and what flows back counts as negative.
 ///
+/// The work of surfaces that are held and moved ([`Motion`](nastic_fem::Motion)) is not in it: it takes reactions with the accelerations
+/// of held nodes, which not every scheme approximates. Beside given motions it is the work of the other actuations; beside controlled ones,
+/// which would drive the body for nothing, it is refused.
+///
 /// Units: the weight's times N m.
 #[derive(Debug, Clone)]
 pub struct ActuationWork {
@@ -32,6 +36,17 @@ impl ActuationWork {
     pub fn new(weight: f64) -> Result<Self, ControlError> {
         Ok(ActuationWork { weight: check_weight("actuation_work", weight)? })
     }
+}
+
+/// Refuses controls that move surfaces.
+fn check_moved(layout: &Layout) -> Result<(), ControlError> {
+    let Some(block) = layout.blocks().iter().find(|block| block.holds) else { return Ok(()) };
+    let what = format!(
+        "\"actuation_work\" does not count the work of a surface that is moved: the control \"{}\" would drive the body for nothing; let it \
+         follow given values, or limit it by a \"control_rate\" instead",
+        block.name
+    );
+    Err(ControlError::Cost { what })
 }
 
 /// Without actuation and with it; viscous laws hold the same in both, so that they cancel.
@@ -64,11 +79,12 @@ impl TrajectoryCost for ActuationWork {
         "actuation_work"
     }
 
-    fn check(&self, _: &Layout, _: &Timeline) -> Result<(), ControlError> {
-        Ok(())
+    fn check(&self, layout: &Layout, _: &Timeline) -> Result<(), ControlError> {
+        check_moved(layout)
     }
 
     fn value(&self, at: &TrajectoryContext) -> Result<f64, ControlError> {
+        check_moved(at.layout)?; // of controls that were added later
         let forces = forces(at)?;
         let work = |(n, du): (usize, Vec<f64>)| -0.5 * (dot(&forces[n], &du) + dot(&forces[n + 1], &du));
         Ok(self.weight * moves(at).into_iter().enumerate().map(work).sum::<f64>())

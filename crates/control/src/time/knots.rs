@@ -64,6 +64,11 @@ impl Knots {
         false
     }
 
+    /// The knots.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
     /// The last instant.
     pub fn end(&self) -> f64 {
         self.times[self.times.len() - 1]

@@ -2,9 +2,11 @@
 
 mod actuation_work;
 mod control_rate;
+mod fixed_in_time;
 mod kinetic_energy;
 mod knots;
 mod memory;
+mod observer;
 mod rate_limit;
 mod schedule;
 mod timeline;
@@ -12,9 +14,11 @@ mod trajectory_cost;
 
 pub use actuation_work::ActuationWork;
 pub use control_rate::ControlRate;
+pub(crate) use fixed_in_time::FixedInTime;
 pub use kinetic_energy::KineticEnergy;
 pub use knots::{Interpolation, Knots};
 pub use memory::{MotionFootprint, MotionMemory};
+pub use observer::MotionObserver;
 pub use rate_limit::RateLimit;
 pub(crate) use schedule::Schedule;
 pub use schedule::When;

@@ -104,6 +104,11 @@ impl Timeline {
         self.instants.len() - 1
     }
 
+    /// The length of the longest step.
+    pub fn longest_step(&self) -> f64 {
+        self.instants.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+    }
+
     /// What the first state is.
     pub fn begin(&self) -> Begin {
         self.begin

@@ -70,7 +70,9 @@ impl Model {
         let mut systems = TangentSystems::new(self, how.parallel, solver);
         if self.unknowns().scalars > 0 {
             let system = self.saddle_point(state, how.parallel)?;
-            let (lambda, _) = system.solve(&mut systems, self.nodal(&state.u), &columns, EXACT, &mut report)?;
+            let u = self.nodal(&state.u);
+            system.prepare(&mut systems, u, &mut report)?;
+            let (lambda, _) = system.solve(&mut systems, u, &columns, EXACT, &mut report)?;
             return Ok(Adjoint { lambda, report });
         }
         if let [b] = columns[..]
@@ -117,7 +119,8 @@ impl Model {
     ///
     /// Under constraints `g(u) = 0` that of the tangent on the null space of `dg/du`: the negative eigenvalues of `[K B; B^T 0]` less
     /// one for each constraint. 0 then means stable while the constraints hold, though the body may be unstable under the
-    /// multipliers (pressures) as given loads.
+    /// multipliers (pressures, tensions) as given loads. Inequalities that do not act (slack tendons) are left out; those at their onset count as
+    /// acting.
     ///
     /// On a body that is solved by multigrid, 0 means that conjugate gradients with a right-hand side of fixed random
     /// numbers converged to 1e-8 and met no negative curvature; only where they did meet it is a factor made to count.
@@ -153,12 +156,16 @@ impl Model {
         Ok(systems.negative_pivots(matrix, &state.u)?)
     }
 
-    /// The bordered tangent at a state.
+    /// The bordered tangent at a state, with the constraints that act there.
     pub(crate) fn saddle_point(&self, state: &State, parallel: bool) -> Result<SaddlePoint, StateError> {
-        let tangent = self.bordered_tangent(&self.instant(state, None, parallel));
+        let at = self.instant(state, None, parallel);
         let last = || Box::new(state.clone());
-        let tangent = tangent.map_err(|at| StateError::Inverted { at, load: state.load, cuts: 0, last: last() })?;
-        Ok(SaddlePoint::new(self, tangent))
+        let found = self.bordered_tangent(&at).and_then(|tangent| Ok((tangent, self.acting(&at)?)));
+        let (tangent, acting) =
+            found.map_err(|at| StateError::Inverted { at, load: state.load, cuts: 0, last: last() })?;
+        let mut system = SaddlePoint::new(self, tangent);
+        system.set_acting(&acting, false);
+        Ok(system)
     }
 
     /// The tangent K(u, m) at a state, supports not eliminated.

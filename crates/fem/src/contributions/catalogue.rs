@@ -130,13 +130,18 @@ pub const CATALOGUE: &[Entry] = &[
     },
     Entry {
         name: "tendon",
-        form: Some(tendon::TENSION),
+        form: Some(tendon::INEXTENSIBLE),
         example: || block()?.tendon(Tendon::through("tendon", TENDON)),
     },
     Entry {
         name: "tendon",
-        form: Some(tendon::PULL),
+        form: Some(tendon::ELASTIC),
         example: || block()?.tendon(Tendon::through("tendon", TENDON).spacing(0.8).stiffness(50.0)),
+    },
+    Entry {
+        name: "tendon that cannot stretch",
+        form: None,
+        example: || block()?.tendon(Tendon::through("tendon that cannot stretch", TENDON).spacing(0.8).inextensible()),
     },
     Entry {
         name: "spring",

@@ -77,6 +77,19 @@ pub struct TimeStep {
     pub acceleration: (f64, Vec<f64>),
     /// The state before.
     pub before: State,
+    /// Where the end is extrapolated from the stage that this belongs to: what the prescribed unknowns follow from.
+    pub(crate) end: Option<ExtrapolatedEnd>,
+}
+
+/// The end of a step whose displacement is `u = alpha w + b`, w that of its stage: prescribed unknowns are in their place at the end, so
+/// that `w_D = (u_D(m) - b)/alpha` with the controls m of the end.
+#[derive(Debug, Clone)]
+pub(crate) struct ExtrapolatedEnd {
+    pub alpha: f64,
+    /// b
+    pub rest: Vec<f64>,
+    /// m
+    pub controls: Controls,
 }
 
 impl TimeStep {
@@ -86,7 +99,7 @@ impl TimeStep {
         let v = before.velocity.as_deref();
         let acceleration = velocity.iter().enumerate().map(|(i, b)| (b - v.map_or(0.0, |v| v[i])) / dt).collect();
         let (c_v, c_a) = (1.0 / dt, 1.0 / (dt * dt));
-        TimeStep { dt, velocity: (c_v, velocity), acceleration: (c_a, acceleration), before: before.clone() }
+        TimeStep { dt, velocity: (c_v, velocity), acceleration: (c_a, acceleration), before: before.clone(), end: None }
     }
 
     /// The velocity at a displacement.

@@ -43,9 +43,11 @@ pub use tendon::Tendon;
 ///
 /// Vectors are flat, `dim * node + component`, supported unknowns included; behind them the multipliers of all constraints.
 ///
-/// A contribution may hold the body to equality constraints `g_k(u; controls) = 0`. Its potential is then `-sum_k p_k g_k`, with
+/// A contribution may hold the body to constraints `g_k(u; controls) = 0`. Its potential is then `-sum_k p_k g_k`, with
 /// a multiplier `p_k` each, which is an unknown ([`Instant::multiplier`]): the residual by it is `-g_k`, and the tangent gets a border
-/// ([`add_border`](Self::add_border)). Equilibria are saddle points of the whole potential.
+/// ([`add_border`](Self::add_border)). Equilibria are saddle points of the whole potential. Where they are inequalities
+/// ([`has_inequalities`](Self::has_inequalities)), `g_k >= 0` with `p_k >= 0` and `p_k g_k = 0`, it gives all that as if they were
+/// equations: whether one acts is decided where equilibria are sought and derived.
 pub trait Contribution: Debug + Send + Sync {
     /// What it is called in messages and results.
     fn name(&self) -> &str;
@@ -134,6 +136,11 @@ pub trait Contribution: Debug + Send + Sync {
     /// Number of its constraints, each with a multiplier.
     fn constraints(&self) -> usize {
         0
+    }
+
+    /// Whether its constraints are inequalities `g_k >= 0`, with `p_k >= 0` and `p_k g_k = 0`.
+    fn has_inequalities(&self) -> bool {
+        false
     }
 
     /// Whether its constraints can be fulfilled under these controls.

@@ -102,9 +102,14 @@ impl Supports {
         &self.fixed
     }
 
+    /// Whether an unknown is held, and by no control.
+    pub fn holds_still(&self, dof: usize) -> bool {
+        self.fixed[dof] && !self.driven.contains_key(&(dof as u32))
+    }
+
     /// Whether an unknown is held at zero, and by no control.
     pub fn holds_at_rest(&self, dof: usize) -> bool {
-        self.fixed[dof] && self.value[dof] == 0.0 && !self.driven.contains_key(&(dof as u32))
+        self.holds_still(dof) && self.value[dof] == 0.0
     }
 
     /// The prescribed value of each unknown at load 1 (0 where free, and where controls decide).

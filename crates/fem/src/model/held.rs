@@ -6,6 +6,10 @@ use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::Sensitivities;
 use crate::error::{FemError, InvertedAt};
+use crate::solution::state::State;
+
+/// How far a held surface may be from its place where a motion goes on, as a share of the size of the body: rounding.
+const IN_PLACE: f64 = 1e-10;
 
 impl Model {
     /// The displacement of all held unknowns under these controls and a multiple of the prescribed displacements; 0 elsewhere.
@@ -33,36 +37,56 @@ impl Model {
     /// [`InvertedAt`] where J <= 0.
     pub fn sensitivities(&self, at: &Instant, by_u: &[f64], lambda: &[f64]) -> Result<Sensitivities, InvertedAt> {
         let mut found = self.vjp(at, lambda)?;
-        self.add_held_sensitivity(at, by_u, lambda, &mut found)?;
+        if let Some(force) = self.held_force(at, by_u, lambda)? {
+            self.add_prescribed_vjp(at, &force, &mut found);
+        }
         Ok(found)
     }
 
-    /// Refuses surfaces that controls move, whose accelerations steps in time do not know.
-    pub(crate) fn refuse_motions(&self) -> Result<(), FemError> {
-        let Some(moves) = self.others.iter().find(|contribution| !contribution.held().is_empty()) else {
-            return Ok(());
-        };
-        let what = format!(
-            "the motion \"{}\" is not there yet in steps in time; hold its surface by supports, or take springs to ground",
-            moves.name()
-        );
-        Err(FemError::Meaningless { what })
+    /// Refuses a state whose surfaces are not where its controls hold them.
+    pub(crate) fn check_held(&self, state: &State) -> Result<(), FemError> {
+        let size = self.discretization().mesh().diagonal();
+        let mut found = Ok(());
+        let mut prescribed = vec![0.0; self.unknowns().len()];
+        self.each_held(&Instant::new(&[], &state.controls, 1.0), |contribution, at| {
+            contribution.prescribe(at, &mut prescribed);
+            let gap = |dof: &u32| (prescribed[*dof as usize] - state.u[*dof as usize]).abs();
+            let largest = contribution.held().iter().map(gap).fold(0.0, f64::max);
+            if found.is_ok() && largest > IN_PLACE * size {
+                let what = format!(
+                    "at t = {} a node of the motion \"{}\" is {largest:.3e} away from where its controls hold it: begin at the equilibrium \
+                     under the first controls, or with controls that hold it where the body is",
+                    state.time,
+                    contribution.name()
+                );
+                found = Err(FemError::Meaningless { what });
+            }
+        });
+        found
     }
 
-    fn add_held_sensitivity(
+    /// The derivative of a functional by the held unknowns D, `(by_u + K^T lambda)_D` and zero elsewhere; `None` where controls hold none.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where J <= 0.
+    pub(crate) fn held_force(
         &self,
         at: &Instant,
         by_u: &[f64],
         lambda: &[f64],
-        into: &mut Sensitivities,
-    ) -> Result<(), InvertedAt> {
-        if self.others.iter().all(|contribution| contribution.held().is_empty()) {
-            return Ok(());
+    ) -> Result<Option<Vec<f64>>, InvertedAt> {
+        if self.held_by().is_none() {
+            return Ok(None);
         }
         let mut force = self.bordered_tangent(at)?.multiply_transposed(lambda, at.parallel);
         force.iter_mut().zip(by_u).for_each(|(f, j)| *f += j);
-        self.each_held(at, |contribution, at| contribution.prescribed_vjp(at, &force, into));
-        Ok(())
+        force.iter_mut().zip(self.supports.fixed()).filter(|(_, fixed)| !**fixed).for_each(|(f, _)| *f = 0.0);
+        Ok(Some(force))
+    }
+
+    /// Adds what they owe to the controls of an instant, `force . du_D/dm`.
+    pub(crate) fn add_prescribed_vjp(&self, at: &Instant, force: &[f64], into: &mut Sensitivities) {
+        self.each_held(at, |contribution, at| contribution.prescribed_vjp(at, force, into));
     }
 
     /// The name of a contribution whose held unknowns have a second derivative along a change of the controls.
@@ -74,6 +98,11 @@ impl Model {
             }
         });
         found
+    }
+
+    /// The name of a contribution that holds unknowns at values of its controls, if there is one.
+    pub(crate) fn held_by(&self) -> Option<&str> {
+        self.others.iter().find(|contribution| !contribution.held().is_empty()).map(|contribution| contribution.name())
     }
 
     fn each_held(&self, at: &Instant, mut call: impl FnMut(&dyn Contribution, &Instant)) {

@@ -1,4 +1,4 @@
-//! Newton's method for an equilibrium under equality constraints: a saddle point of the potential with multipliers.
+//! Newton's method for an equilibrium under constraints: a saddle point of the potential with multipliers.
 //!
 //! With the potential `P(u)`, constraints `g(u) = 0` and their multipliers p, the step solves
 //!
@@ -15,25 +15,28 @@
 //! M(u) = P(u) - q g(u) + c/2 |g(u)|^2,    c |g|^2 = |a|, or 3 |a| where a < 0,    a = du . K du
 //! ```
 //!
+//! Of inequalities `g >= 0`, `p >= 0`, `p g = 0` the step solves the linearised ones (sequential quadratic programming, `constrained_step`):
+//! those that do not act get `q = 0` and leave the system. Multipliers stay positive along a step, since q is, and what counts of an
+//! inequality with `q = 0` is its violation `min(0, g)`.
+//!
 //! Where the inertia is another, the step is taken as long as the residual falls (the equilibrium may be a saddle, which the state's
 //! inertia tells), else K is shifted until the inertia is right. Source: Nocedal & Wright, "Numerical Optimization" (2006),
-//! sections 18.3 to 18.5.
+//! sections 18.1 to 18.5.
 
 use crate::contributions::Sums;
 use crate::error::InvertedAt;
+use crate::solution::constrained_step::{Linearised, start_positive};
 use crate::solution::newton::{ARMIJO, COLLAPSE, LOST, Newton, RESOLUTION, ROUNDING, Stop, moved};
 use crate::solution::rotation_corrected_step::{GradientFit, StepLimits};
 use crate::solution::saddle_point::SaddlePoint;
 use crate::solution::state::SolveReport;
-use crate::solution::tangent_systems::{FULL_STEP, TangentSystems};
+use crate::solution::tangent_systems::TangentSystems;
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
 use nastic_numeric::vector::{axpy, dot, max_abs, norm};
 
 /// A step that leaves less than this share of the residual is taken whatever the potential.
 const FALLS: f64 = 0.5;
-/// Shifts of K, as shares of its mean diagonal: the least, from one to the next, the largest.
-const SHIFTS: (f64, f64, f64) = (1e-8, 8.0, 1e3);
 
 /// Where an iteration stands.
 struct Iterate<'a> {
@@ -65,6 +68,8 @@ impl Newton<'_> {
         report: &mut SolveReport,
     ) -> Result<Curvature, Stop> {
         let mut systems = TangentSystems::new(self.model, self.options.parallel, solver);
+        let inequalities = self.model.inequalities();
+        start_positive(&inequalities, &mut u[self.model.discretization().dofs()..]);
         let mut now = self.evaluate(u)?;
         let mut jump = self.jump(u);
         let mut before = f64::INFINITY;
@@ -78,7 +83,7 @@ impl Newton<'_> {
             if iteration >= LOST.0 && report.shifted - shifted >= LOST.1 {
                 break;
             }
-            let (residual, relative) = self.residual(&now);
+            let (mut residual, relative) = self.residual(&now);
             self.record(&now, relative, report);
             let stagnates = relative <= ROUNDING && relative > 0.5 * before;
             if jump.is_none() && (relative <= self.options.accuracy || stagnates) {
@@ -86,6 +91,7 @@ impl Newton<'_> {
             }
             before = relative;
             let tangent = self.model.bordered_tangent(&self.at(u))?;
+            let scales = self.put_slack(u, &inequalities, &mut residual)?;
             let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
             if let Some(jump) = &jump {
                 let mut all = jump.clone();
@@ -101,7 +107,9 @@ impl Newton<'_> {
                 _ if error.is_lack_of_memory() => Stop::Linear(error),
                 _ => Stop::Slow { residual: relative },
             };
-            let (mut step, negative) = self.step(&system, &mut systems, u, &rhs, report).map_err(failed)?;
+            let problem = Linearised { u, rhs: &rhs, inequalities: &inequalities, scales: &scales };
+            let (mut step, negative) =
+                self.constrained_step(&mut system, &mut systems, &problem, report).map_err(failed)?;
             report.newton += 1;
             let here = Iterate { u, now: &now, relative, scale };
             let (length, next) = if let Some(jump) = jump.take() {
@@ -114,7 +122,7 @@ impl Newton<'_> {
             } else if let Some(found) = self.residual_falls(&here, &step)? {
                 found
             } else {
-                step = self.shifted_step(&mut system, &mut systems, u, &rhs, report).map_err(failed)?;
+                step = self.shifted_step(&mut system, &mut systems, &problem, report).map_err(failed)?;
                 self.merit_search(&here, &step, &mut fit)?
             };
             last = if negative == Some(0) { Curvature::Positive } else { Curvature::Negative };
@@ -129,41 +137,6 @@ impl Newton<'_> {
             }
         }
         Err(Stop::Slow { residual: self.residual(&now).1 })
-    }
-
-    fn step(
-        &self,
-        system: &SaddlePoint,
-        systems: &mut TangentSystems,
-        u: &[f64],
-        rhs: &[f64],
-        report: &mut SolveReport,
-    ) -> Result<(Vec<f64>, Option<usize>), LinearError> {
-        let (mut steps, negative) = system.solve(systems, self.model.nodal(u), &[rhs], FULL_STEP, report)?;
-        Ok((steps.pop().unwrap_or_default(), negative))
-    }
-
-    /// With K shifted until it is positive definite on the null space of the constraints' derivatives.
-    fn shifted_step(
-        &self,
-        system: &mut SaddlePoint,
-        systems: &mut TangentSystems,
-        u: &[f64],
-        rhs: &[f64],
-        report: &mut SolveReport,
-    ) -> Result<Vec<f64>, LinearError> {
-        report.shifted += 1;
-        let (mut shift, growth, most) = SHIFTS;
-        let mut added = 0.0;
-        while shift <= most {
-            system.shift(shift - added);
-            added = shift;
-            if let (step, Some(0)) = self.step(system, systems, u, rhs, report)? {
-                return Ok(step);
-            }
-            shift *= growth;
-        }
-        Err(LinearError::Shift)
     }
 
     /// The prescribed components move at once or not at all.
@@ -232,16 +205,16 @@ impl Newton<'_> {
     /// At the multiplier `p + dp`, where the residual is `r + B dp`.
     fn merit(&self, here: &Iterate, step: &[f64]) -> Result<Merit, InvertedAt> {
         let dofs = self.model.discretization().dofs();
-        let at_new = self.evaluate(&self.with_multipliers(here.u, step, 1.0))?;
+        let at_new = self.evaluate(&self.with_new_multipliers(here.u, here.u, step))?;
         let (mut force, _) = self.residual(&at_new);
         force.truncate(dofs);
         let slope = dot(&force, self.model.nodal(step));
-        let relative: Vec<f64> = violations(here.now, dofs).map(|(g, scale)| g / scale).collect();
+        let relative: Vec<f64> = violations(&at_new, dofs).map(|(g, scale)| g / scale).collect();
         let size = norm(&relative).powi(2);
         let bent = if slope < 0.0 { slope.abs() } else { 3.0 * slope.abs() };
         let weight = bent / size;
         let weight = if weight.is_finite() { weight } else { 0.0 };
-        let weights: Vec<f64> = violations(here.now, dofs).map(|(_, scale)| weight / (scale * scale)).collect();
+        let weights: Vec<f64> = violations(&at_new, dofs).map(|(_, scale)| weight / (scale * scale)).collect();
         let noise = 64.0 * f64::EPSILON * here.scale;
         let start = merit_at(&at_new, &weights, dofs);
         // of c/2 |g|^2 along a step on whose linear model g vanishes
@@ -261,7 +234,7 @@ impl Newton<'_> {
         let mut length = longest;
         for _ in 0..30 {
             let trial = path(length);
-            let at_new = self.with_multipliers(&trial, step, 1.0 - length);
+            let at_new = self.with_new_multipliers(&trial, here.u, step);
             let sound = self.evaluate(&at_new).ok().filter(|next| next.min_j >= COLLAPSE * here.now.min_j);
             let Some(next) = sound else {
                 length *= 0.5;
@@ -278,11 +251,11 @@ impl Newton<'_> {
         Err(Stop::Slow { residual: here.relative })
     }
 
-    /// u with so much of the step's change of the multipliers.
-    fn with_multipliers(&self, u: &[f64], step: &[f64], share: f64) -> Vec<f64> {
+    /// A displacement with the multipliers of the whole step.
+    fn with_new_multipliers(&self, u: &[f64], from: &[f64], step: &[f64]) -> Vec<f64> {
         let dofs = self.model.discretization().dofs();
-        let mut out = u.to_vec();
-        axpy(share, &step[dofs..], &mut out[dofs..]);
+        let mut out = self.model.nodal(u).to_vec();
+        out.extend(moved(&from[dofs..], &step[dofs..], 1.0));
         out
     }
 }

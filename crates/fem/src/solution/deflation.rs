@@ -83,7 +83,7 @@ impl Model {
         watch: &mut dyn FnMut(&Equilibrium),
     ) -> Result<Equilibria, StateError> {
         self.check()?;
-        let instead = "hold the multipliers found (pressures) as controls and look for equilibria there";
+        let instead = "hold the multipliers found (pressures, tensions) as controls and look for equilibria there";
         self.refuse_constraints("other equilibria by deflation", instead)?;
         self.check_state(known)?;
         if count == 0 {

@@ -44,7 +44,7 @@ impl Model {
     /// last saddle where no lower equilibrium is found.
     pub fn descend(&self, state: &State, how: &SolveOptions, workspace: &mut Workspace) -> Result<Descent, StateError> {
         self.check()?;
-        let instead = "hold the multipliers found (pressures) as controls and descend there";
+        let instead = "hold the multipliers found (pressures, tensions) as controls and descend there";
         self.refuse_constraints("a descent from a saddle", instead)?;
         self.check_state(state)?;
         if state.load != 1.0 || !self.has_potential() {

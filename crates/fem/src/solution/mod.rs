@@ -1,8 +1,10 @@
 //! From controls to an equilibrium: load steps, Newton's method, tangent systems.
 
+mod active_set;
 mod arc_length;
 pub(crate) mod connection;
 mod constrained_newton;
+mod constrained_step;
 mod continuation;
 pub(crate) mod deflation;
 pub(crate) mod descent;

@@ -42,7 +42,7 @@ impl Model {
     }
 
     /// The smallest eigenpairs of the tangent by a mass without fixed unknowns.
-    pub(super) fn lowest_modes(
+    pub(crate) fn lowest_modes(
         &self,
         state: &State,
         mass: MassMatrix,
@@ -50,8 +50,7 @@ impl Model {
         how: &SolveOptions,
     ) -> Result<Eigenpairs, StateError> {
         self.check_state(state)?;
-        let instead =
-            "the number of negative pivots is counted; for modes, hold the multipliers found (pressures) as controls";
+        let instead = "the number of negative pivots is counted; for modes, hold the multipliers found (pressures, tensions) as controls";
         self.refuse_constraints("modes", instead)?;
         let mut matrix = self.tangent_at(&self.instant(state, None, how.parallel), state)?;
         eliminate(self, &mut matrix);

@@ -20,7 +20,7 @@ pub(crate) struct Newton<'a> {
     pub load: f64,
     /// The time step that ends at this equilibrium, if it is one.
     pub time_step: Option<&'a TimeStep>,
-    /// For the report alone: where on the path this is.
+    /// Where on the path this is.
     pub path: f64,
     pub options: &'a SolveOptions<'a>,
 }
@@ -171,8 +171,11 @@ impl Newton<'_> {
         Instant { step: self.time_step, parallel, ..Instant::new(u, controls, load) }
     }
 
+    /// Energy and residual, without those of inequalities that are slack.
     pub(super) fn evaluate(&self, u: &[f64]) -> Result<Sums, InvertedAt> {
-        self.model.evaluate(&self.at(u), Demand { energy: true, force: true })
+        let mut sums = self.model.evaluate(&self.at(u), Demand { energy: true, force: true })?;
+        self.model.leave_out_slack(u, &mut sums);
+        Ok(sums)
     }
 
     /// The tangent at u in the memory of the one before.
@@ -186,10 +189,21 @@ impl Newton<'_> {
     /// What the prescribed components still have to move; `None` when they are in place.
     pub(super) fn jump(&self, u: &[f64]) -> Option<Vec<f64>> {
         let supports = &self.model.supports;
-        let prescribed = self.model.prescribed(self.controls, self.load);
+        let prescribed = self.prescribed();
         let wanted = supports.fixed().iter().zip(&prescribed).zip(u);
         let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { v - u } else { 0.0 }).collect();
         jump.iter().any(|&d| d != 0.0).then_some(jump)
+    }
+
+    /// Where the prescribed components are wanted: those of an extrapolated end are on the way from the state before to that end.
+    fn prescribed(&self) -> Vec<f64> {
+        let Some((step, end)) = self.time_step.and_then(|step| Some((step, step.end.as_ref()?))) else {
+            return self.model.prescribed(self.controls, self.load);
+        };
+        let controls = step.before.controls.blend(&end.controls, self.path);
+        let mut w = self.model.prescribed(&controls, self.load);
+        w.iter_mut().zip(&end.rest).for_each(|(w, b)| *w = (*w - b) / end.alpha);
+        w
     }
 
     /// Free residual, and its norm relative to the norm of the sums of absolute forces; of constraints each relative to its own scale.

@@ -9,10 +9,11 @@ use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use crate::solution::workspace::Workspace;
+use crate::time::modal_step::ModalStep;
 use nastic_linear::LinearSolver;
 
 impl Model {
-    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole. The report tells the residual that
+    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part in modes that move otherwise. The report tells the residual that
     /// is left.
     ///
     /// # Errors
@@ -22,6 +23,7 @@ impl Model {
         controls: &Controls,
         from: &State,
         (how, time_step): (&SolveOptions, &TimeStep),
+        modes: Option<&ModalStep>,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.check_controls(controls)?;
@@ -30,7 +32,7 @@ impl Model {
         }
         let newton = self.newton(controls, 1.0, Some(time_step), 1.0, how);
         let mut report = SolveReport { load_steps: 1, ..SolveReport::default() };
-        let found = newton.iterate(&from.u, self.linear_solver(how, workspace), &mut report);
+        let found = newton.iterate(&from.u, modes, self.linear_solver(how, workspace), &mut report);
         match found {
             Ok(u) => Ok(State::equilibrium(u, controls.clone(), 1.0, report)),
             Err(stop) => {
@@ -46,7 +48,13 @@ impl Model {
 }
 
 impl Newton<'_> {
-    fn iterate(&self, u: &[f64], solver: &mut dyn LinearSolver, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
+    fn iterate(
+        &self,
+        u: &[f64],
+        modes: Option<&ModalStep>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, Stop> {
         let mut systems = TangentSystems::new(self.model, self.options.parallel, solver);
         let (residual, _) = self.residual(&self.evaluate(u)?);
         let jump = self.jump(u);
@@ -57,6 +65,9 @@ impl Newton<'_> {
         let mut step = systems.solve_definite(&matrix, u, &rhs, report)?;
         if let Some(jump) = &jump {
             self.prescribe(&mut step, jump);
+        }
+        if let Some(modes) = modes {
+            modes.replace(&mut step);
         }
         let end = moved(u, &step, 1.0);
         let next = self.evaluate(&end)?;

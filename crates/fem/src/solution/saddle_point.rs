@@ -9,7 +9,7 @@ use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use nalgebra::DMatrix;
 use nastic_linear::solver::{Accuracy, Border};
 use nastic_linear::{LinearError, SparseMatrix};
-use nastic_numeric::vector::{dot, norm};
+use nastic_numeric::vector::{axpy, dot, norm};
 
 /// The second derivatives `[K B; B^T 0]` of a potential under constraints: K by the displacement, `B = -dg/du`.
 #[derive(Debug, Clone)]
@@ -63,7 +63,8 @@ impl BorderedTangent {
     }
 }
 
-/// The system `[K B; B^T 0] [x; p] = [f; g]` with the supports eliminated, ready for block elimination.
+/// The system `[K B; B^T 0] [x; p] = [f; g]` with the supports eliminated, ready for block elimination; a constraint that does not act
+/// has no part in it, its multiplier is 0.
 ///
 /// K is singular where the multiplier has an extremum along a path of equilibria (the pressure of a balloon), though the
 /// whole is regular. So for every constraint a spring holds the component j that its column has most of: with `k = K_jj > 0` and
@@ -73,43 +74,87 @@ impl BorderedTangent {
 /// (K + k e_j e_j^T) x + B p - k e_j q = f,    B^T x = g,    -k x_j + k q = 0
 /// ```
 ///
-/// whose first block is regular there. The spring adds one positive eigenvalue to the inertia. Columns are scaled to the
-/// size of those of K, so that constraints count like forces in the residual of the whole.
+/// whose first block is regular there, whichever of them act. The spring adds one positive eigenvalue to the inertia. Columns are scaled to
+/// the size of those of K, so that constraints count like forces in the residual of the whole.
 #[derive(Debug)]
 pub(crate) struct SaddlePoint {
     matrix: SparseMatrix,
-    border: Border,
+    /// Columns of B, scaled.
+    columns: Vec<Vec<f64>>,
+    /// Of every spring the component j and the stiffness k.
+    springs: Vec<(usize, f64)>,
     /// Factor of every column.
     scales: Vec<f64>,
+    acting: Vec<bool>,
+    /// Whether constraints yield a little, `B^T x - c p = g`.
+    softened: bool,
 }
 
+/// The compliance c of constraints that yield, of scaled columns over the mean diagonal of K.
+const COMPLIANCE: f64 = 1e-6;
+
 impl SaddlePoint {
+    /// With all constraints.
     pub fn new(model: &Model, tangent: BorderedTangent) -> Self {
-        let BorderedTangent { mut matrix, columns: mut border } = tangent;
-        border.iter_mut().for_each(|column| model.supports.clear(column));
+        let BorderedTangent { mut matrix, mut columns } = tangent;
+        columns.iter_mut().for_each(|column| model.supports.clear(column));
         eliminate(model, &mut matrix);
         let diagonal = matrix.diagonal();
         let size = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len().max(1) as f64;
         let scale = |column: &Vec<f64>| Some(size / norm(column)).filter(|scale| scale.is_finite()).unwrap_or(1.0);
-        let scales: Vec<f64> = border.iter().map(scale).collect();
-        let scalars = scales.len();
-        let mut springs = vec![0.0; diagonal.len()];
-        let mut corner = DMatrix::zeros(2 * scalars, 2 * scalars);
-        let mut held = Vec::with_capacity(scalars);
-        for (k, (column, scale)) in border.iter_mut().zip(&scales).enumerate() {
+        let scales: Vec<f64> = columns.iter().map(scale).collect();
+        let mut added = vec![0.0; diagonal.len()];
+        let mut springs = Vec::with_capacity(scales.len());
+        for (column, scale) in columns.iter_mut().zip(&scales) {
             column.iter_mut().for_each(|b| *b *= scale);
             let larger = |at: usize, j: usize| if column[j].abs() > column[at].abs() { j } else { at };
             let at = (0..column.len()).fold(0, larger);
             let stiffness = diagonal[at].abs();
-            springs[at] += stiffness;
-            let mut row = vec![0.0; column.len()];
-            row[at] = -stiffness;
-            held.push(row);
-            corner[(scalars + k, scalars + k)] = stiffness;
+            added[at] += stiffness;
+            springs.push((at, stiffness));
         }
-        border.extend(held);
-        matrix.add_diagonal(&springs);
-        SaddlePoint { matrix, border: Border { rows: border.clone(), columns: border, corner }, scales }
+        matrix.add_diagonal(&added);
+        let acting = vec![true; scales.len()];
+        SaddlePoint { matrix, columns, springs, scales, acting, softened: false }
+    }
+
+    /// Sets which constraints act, by constraint, and whether they yield a little: then those that depend on each other have multipliers,
+    /// too.
+    pub fn set_acting(&mut self, acting: &[bool], softened: bool) {
+        self.acting.copy_from_slice(acting);
+        self.softened = softened;
+    }
+
+    /// `B_k . v` of a constraint.
+    pub fn slope(&self, constraint: usize, v: &[f64]) -> f64 {
+        dot(&self.columns[constraint], v) / self.scales[constraint]
+    }
+
+    /// Adds a multiple of a column `B_k`.
+    pub fn add_column(&self, constraint: usize, factor: f64, out: &mut [f64]) {
+        axpy(factor / self.scales[constraint], &self.columns[constraint], out);
+    }
+
+    /// Indices of the constraints that act.
+    fn members(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.acting.len()).filter(|&k| self.acting[k])
+    }
+
+    fn border(&self) -> Border {
+        let mut columns: Vec<Vec<f64>> = self.members().map(|k| self.columns[k].clone()).collect();
+        let (acting, unknowns) = (columns.len(), self.matrix.diagonal().len());
+        let mut corner = DMatrix::zeros(acting + self.springs.len(), acting + self.springs.len());
+        if self.softened {
+            // a column is as long as the mean diagonal of K is large
+            columns.iter().enumerate().for_each(|(k, column)| corner[(k, k)] = -COMPLIANCE * norm(column));
+        }
+        for (k, &(at, stiffness)) in self.springs.iter().enumerate() {
+            let mut row = vec![0.0; unknowns];
+            row[at] = -stiffness;
+            columns.push(row);
+            corner[(acting + k, acting + k)] = stiffness;
+        }
+        Border { rows: columns.clone(), columns, corner }
     }
 
     /// Adds `shift` times the mean diagonal of K to its diagonal.
@@ -119,8 +164,19 @@ impl SaddlePoint {
         self.matrix.add_to_diagonal(shift * mean);
     }
 
-    /// The solutions for right-hand sides over all unknowns, zero on supports, and the number of negative eigenvalues beyond one
-    /// for each constraint, as the factor at hand tells it: 0 where K is positive definite on the null space of `B^T`.
+    /// Factorises K for solutions with several sets of acting constraints.
+    pub fn prepare(
+        &self,
+        systems: &mut TangentSystems,
+        u: &[f64],
+        report: &mut SolveReport,
+    ) -> Result<(), LinearError> {
+        systems.prepare(&self.matrix, u, report)
+    }
+
+    /// The solutions for right-hand sides over all unknowns, zero on supports and for multipliers of constraints that do not act, once it is
+    /// [prepared](Self::prepare), and the number of negative eigenvalues beyond one for each constraint that acts, as the factor at hand tells
+    /// it: 0 where K is positive definite on the null space of `B^T`, `None` where rounding decides.
     pub fn solve(
         &self,
         systems: &mut TangentSystems,
@@ -129,22 +185,24 @@ impl SaddlePoint {
         accuracy: Accuracy,
         report: &mut SolveReport,
     ) -> Result<(Vec<Vec<f64>>, Option<usize>), LinearError> {
-        let scalars = self.scales.len();
         let split = |b: &&[f64]| {
-            let (f, g) = b.split_at(b.len() - scalars);
-            let g = g.iter().zip(&self.scales).map(|(g, scale)| g * scale).chain(vec![0.0; scalars]).collect();
+            let (f, g) = b.split_at(b.len() - self.scales.len());
+            let g = self.members().map(|k| g[k] * self.scales[k]).chain(vec![0.0; self.springs.len()]).collect();
             (f.to_vec(), g)
         };
         let rhs: Vec<(Vec<f64>, Vec<f64>)> = rhs.iter().map(split).collect();
-        let (solved, negative) = systems.eliminate_border(&self.matrix, u, &self.border, &rhs, accuracy, report)?;
+        let (solved, negative) = systems.eliminate_border(&self.matrix, u, &self.border(), &rhs, accuracy, report)?;
         let whole = |(mut x, y): (Vec<f64>, Vec<f64>)| {
-            x.extend(y.iter().zip(&self.scales).map(|(y, scale)| y * scale));
+            let mut p = vec![0.0; self.scales.len()];
+            self.members().zip(&y).for_each(|(k, y)| p[k] = y * self.scales[k]);
+            x.extend(p);
             x
         };
-        Ok((solved.into_iter().map(whole).collect(), negative.map(|negative| negative.saturating_sub(scalars))))
+        let beyond = |negative: usize| negative.saturating_sub(self.members().count());
+        Ok((solved.into_iter().map(whole).collect(), negative.map(beyond)))
     }
 
-    /// Negative eigenvalues beyond one for each constraint, K counted by a factor in double precision: the directions within the
+    /// Negative eigenvalues beyond one for each constraint that acts, K counted by a factor in double precision: the directions within the
     /// constraints in which the potential falls.
     pub fn negative(
         &self,
@@ -152,7 +210,7 @@ impl SaddlePoint {
         u: &[f64],
         report: &mut SolveReport,
     ) -> Result<usize, LinearError> {
-        let negative = systems.bordered_inertia(&self.matrix, u, &self.border, report)?;
-        Ok(negative.saturating_sub(self.scales.len()))
+        let negative = systems.bordered_inertia(&self.matrix, u, &self.border(), report)?;
+        Ok(negative.saturating_sub(self.members().count()))
     }
 }

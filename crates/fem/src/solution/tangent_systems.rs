@@ -195,8 +195,9 @@ impl<'a> TangentSystems<'a> {
         found
     }
 
-    /// The same for several right-hand sides, and the number of negative eigenvalues of the whole, `None` where rounding decides the
-    /// sign of one. K is counted by the factor that solves; multigrid solves positive definite matrices alone.
+    /// The same for several right-hand sides and a K that is [prepared](Self::prepare), and the number of negative eigenvalues of the
+    /// whole, `None` where rounding decides the sign of one. K is counted by the factor that solves; multigrid solves positive definite
+    /// matrices alone.
     #[allow(clippy::type_complexity)] // pairs of vectors, in and out
     pub fn eliminate_border(
         &mut self,
@@ -211,12 +212,16 @@ impl<'a> TangentSystems<'a> {
         let system = configuration.system(matrix);
         let mut work = LinearWork::default();
         let mut solve = || {
-            self.solver.prepare(&system, &mut work)?;
             let elimination = BlockElimination::new(self.solver, &system, border, false, accuracy, &mut work)?;
+            let of_border = elimination.negative();
             let mut solve = |(f, g): &(Vec<f64>, Vec<f64>)| elimination.solve(self.solver, &system, (f, g), &mut work);
-            let solved = rhs.iter().map(&mut solve).collect::<Result<Vec<_>, _>>()?;
+            let solved = rhs.iter().map(&mut solve).collect::<Result<Vec<_>, _>>();
+            let solved = solved.map_err(|error| match (error.is_singular(), of_border) {
+                (true, None) => LinearError::Border { scalars: border.columns.len() },
+                _ => error,
+            })?;
             let of_matrix = self.solver.factor().map_or(0, Factor::negative_pivots);
-            Ok((solved, elimination.negative().map(|of_border| of_matrix + of_border)))
+            Ok((solved, of_border.map(|of_border| of_matrix + of_border)))
         };
         let solved = solve();
         report.add_linear(&work);

@@ -1,10 +1,11 @@
-//! [`Model::advance_adaptively`]: steps whose lengths follow an estimate of their error.
+//! [`Model::advance_adaptively`]: steps whose lengths follow an estimate of their error; [`Model::find_steps`]: their lengths alone.
 
 use crate::contributions::controls::Controls;
 use crate::error::{FemError, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::workspace::Workspace;
+use crate::time::points::Points;
 use crate::time::scheme::Scheme;
 use crate::time::trajectory::{StepTo, Trajectory};
 use std::sync::Arc;
@@ -32,7 +33,7 @@ pub struct AdaptiveReport {
 /// How accurate adaptive steps are to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// The error of the displacement that a step may add at any node, in the unit of length.
+    /// The error of the displacement that a step may add at any free node, in the unit of length.
     pub error: f64,
     /// Length of the first step; where it is not given, a thousandth of the whole time.
     pub first: Option<f64>,
@@ -55,10 +56,62 @@ impl Model {
         &self,
         trajectory: &mut Trajectory,
         scheme: &Scheme,
-        (instants, tolerance): (&[f64], Tolerance),
+        goals: (&[f64], Tolerance),
         controls: &dyn Fn(f64) -> Result<Controls, FemError>,
         how: &SolveOptions,
         workspace: &mut Workspace,
+    ) -> Result<AdaptiveReport, StateError> {
+        self.adapt((trajectory, &mut |_| ()), scheme, goals, controls, (how, workspace))
+    }
+
+    /// The instants that [`advance_adaptively`](Self::advance_adaptively) leads through, and what they took. The trajectory keeps its end
+    /// alone: the steps of a long motion, in the memory of two.
+    ///
+    /// # Errors
+    /// As there; the trajectory then ends where the motion failed.
+    pub fn find_steps(
+        &self,
+        trajectory: &mut Trajectory,
+        scheme: &Scheme,
+        goals: (&[f64], Tolerance),
+        controls: &dyn Fn(f64) -> Result<Controls, FemError>,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<(Vec<f64>, AdaptiveReport), StateError> {
+        let mut instants = Vec::new();
+        let mut keep_end = |trajectory: &mut Trajectory| {
+            instants.push(trajectory.end().time);
+            *trajectory = trajectory.tail(scheme);
+        };
+        let report = self.adapt((trajectory, &mut keep_end), scheme, goals, controls, (how, workspace))?;
+        Ok((instants, report))
+    }
+
+    /// The estimated error that the last step of a trajectory has added to the displacement, the largest at any node; none of a scheme
+    /// without an estimate, and where no step was made.
+    pub fn last_step_error(&self, trajectory: &Trajectory) -> Option<f64> {
+        let (states, step) = (trajectory.states(), trajectory.steps().last()?);
+        if !step.scheme.estimates_error() {
+            return None;
+        }
+        let begin = states.len().checked_sub(2)?;
+        let before = begin.checked_sub(1).map(|n| &states[n]);
+        let mut points = Points::new(&step.scheme, step.dt, (&states[begin], before), step.started.as_ref());
+        for u in &step.stages {
+            let at = points.next(&states[begin + 1].controls);
+            points.found(u.clone(), &at);
+        }
+        points.error().map(|error| self.largest(&error))
+    }
+
+    /// Calls with the trajectory after every step.
+    fn adapt(
+        &self,
+        (trajectory, each): (&mut Trajectory, &mut dyn FnMut(&mut Trajectory)),
+        scheme: &Scheme,
+        (instants, tolerance): (&[f64], Tolerance),
+        controls: &dyn Fn(f64) -> Result<Controls, FemError>,
+        (how, workspace): (&SolveOptions, &mut Workspace),
     ) -> Result<AdaptiveReport, StateError> {
         self.check_motion(trajectory)?;
         let begin = trajectory.end().time;
@@ -86,13 +139,16 @@ impl Model {
                         continue;
                     }
                 };
-                let error = self.largest(found.error.as_deref().unwrap_or_default());
+                let mut error = found.error.take().unwrap_or_default();
+                self.supports.clear(&mut error); // what is prescribed has none
+                let error = self.largest(&error);
                 let next = dt * (SAFETY * (tolerance.error / error).cbrt()).clamp(SHRINK, GROW);
                 if error <= tolerance.error {
                     if goal - begin - dt <= shortest {
                         found.state.time = goal; // without the rounding of a sum
                     }
                     trajectory.push(found.step, found.state);
+                    each(trajectory);
                     report.accepted += 1;
                     // a step that was cut to end at an instant says nothing against longer ones
                     h = if dt < 0.99 * h { next.max(h) } else { next }.min(longest);

@@ -23,7 +23,8 @@ impl Preconditioner for Diagonal {
 }
 
 impl Model {
-    /// `M a = -r(u, v, 0)` at full dead loads, a = 0 on the supports.
+    /// `M a = -r(u, v, 0)` at full dead loads, a = 0 on the supports, on those that move too: whatever their acceleration is, its force
+    /// `M_FD a_D` on the free unknowns F is in balance with `M_FF a_F`.
     pub(super) fn initial_acceleration(
         &self,
         state: &State,
@@ -90,5 +91,5 @@ impl Model {
 pub(super) fn without_acceleration(state: &State) -> TimeStep {
     let zero = vec![0.0; state.u.len()];
     let velocity = state.velocity.as_deref().unwrap_or(&zero).clone();
-    TimeStep { dt: 0.0, velocity: (0.0, velocity), acceleration: (0.0, zero), before: state.clone() }
+    TimeStep { dt: 0.0, velocity: (0.0, velocity), acceleration: (0.0, zero), before: state.clone(), end: None }
 }

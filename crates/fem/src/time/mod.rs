@@ -4,6 +4,7 @@ pub(crate) mod adaptive;
 pub mod catalogue;
 pub(crate) mod checkpoints;
 pub(crate) mod initial_acceleration;
+pub(crate) mod modal_step;
 pub(crate) mod numerical_damping;
 pub(crate) mod owed;
 pub(crate) mod points;

@@ -35,6 +35,8 @@ impl Scheme {
     /// where it needs that, the largest of a conjugate pair; of real ones, of a mode that creeps back, the one with the
     /// largest value, its slower part. (The other ones of an acceleration may be as large as -1.)
     ///
+    /// Of a scheme with [`exact_modes`](Self::exact_modes) it is that of the others.
+    ///
     /// For `d = 0` and `t = h w`: backward Euler `|R|^2 = 1/(1 + t^2)`, TR-BDF2 `1/(1 + t^4/(144 + 25 t^2))`, the
     /// trapezoidal rule 1.
     ///
@@ -95,7 +97,7 @@ impl Scheme {
         let before = two_states.then(|| state(unit(n - 2), unit(n - 1), None));
         let mut points = Points::new(self, 1.0, (&begin, before.as_ref()), None);
         for _ in 0..self.stages() {
-            let step = points.next();
+            let step = points.next(&begin.controls);
             let ((c_v, b_v), (c_a, b_a)) = (&step.velocity, &step.acceleration);
             let w = b_a.iter().zip(b_v).map(|(a, v)| -(a + c * v) / (c_a + c * c_v + stiffness)).collect();
             points.found(Arc::new(w), &step);

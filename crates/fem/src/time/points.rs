@@ -1,6 +1,7 @@
 //! [`Points`]: what is known at the instants that a step combines.
 
-use crate::contributions::instant::TimeStep;
+use crate::contributions::controls::Controls;
+use crate::contributions::instant::{ExtrapolatedEnd, TimeStep};
 use crate::solution::state::State;
 use crate::time::scheme::{Point, Quantity, Scheme, Term};
 use nastic_numeric::vector::axpy;
@@ -53,8 +54,8 @@ impl<'a> Points<'a> {
         Points { scheme, h, begin, now, before, stages: Vec::new() }
     }
 
-    /// Velocity and acceleration of the next stage as functions of its displacement.
-    pub fn next(&self) -> TimeStep {
+    /// Velocity and acceleration of the next stage as functions of its displacement, in a step to these controls.
+    pub fn next(&self, to: &Controls) -> TimeStep {
         let k = self.stages.len();
         let stage = &self.scheme.stages[k];
         let (c_v, c_a) = stage.own(k, self.h);
@@ -64,7 +65,21 @@ impl<'a> Points<'a> {
         for term in stage.acceleration.iter().filter(|term| term.is(Quantity::Velocity, k)) {
             axpy(term.scaled(Quantity::Acceleration, self.h), &b_v, &mut b_a);
         }
-        TimeStep { dt: self.h, velocity: (c_v, b_v), acceleration: (c_a, b_a), before: self.begin.clone() }
+        let end = self.scheme.extrapolation(k).map(|(alpha, rest)| {
+            let rest = self.combine(Quantity::Displacement, rest.iter());
+            ExtrapolatedEnd { alpha, rest, controls: to.clone() }
+        });
+        TimeStep { dt: self.h, velocity: (c_v, b_v), acceleration: (c_a, b_a), before: self.begin.clone(), end }
+    }
+
+    /// Where the next stage is if its acceleration is the last one known, else zero; `None` of a stage without inertia.
+    pub fn predict(&self, step: &TimeStep) -> Option<Vec<f64>> {
+        let (c, b) = &step.acceleration;
+        if *c == 0.0 {
+            return None;
+        }
+        let last = self.stages.last().unwrap_or(&self.now).acceleration.as_deref();
+        Some(b.iter().enumerate().map(|(i, b)| (last.map_or(0.0, |a| a[i]) - b) / c).collect())
     }
 
     /// The next stage was found there.

@@ -3,7 +3,7 @@
 use crate::contributions::body_energy::history::History;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
-use crate::contributions::sensitivities::Increment;
+use crate::contributions::sensitivities::{Increment, Sensitivities};
 use crate::error::{FemError, InvertedAt, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
@@ -71,7 +71,8 @@ impl Model {
     /// dj/db_v = dj/dv + l . dr/dv,    dj/db_a = dj/da + l . dr/da,    dj/dm = l . dr/dm
     /// ```
     ///
-    /// one transposed solve per stage; then the combinations transposed. An acceleration `M a = -r(u, v, 0; m)` at
+    /// one transposed solve per stage; then the combinations transposed. Unknowns D that controls hold owe to them `(dj/dw + c_v dj/dv + c_a dj/da + K^T l)_D .
+    /// dw_D/dm`. An acceleration `M a = -r(u, v, 0; m)` at
     /// the beginning and an equilibrium there take a solve each. A static problem is a trajectory of one instant, and
     /// this its adjoint. Source: docs/model.md section 12.
     ///
@@ -125,6 +126,10 @@ impl<'a> ReverseSweep<'a> {
             return Err(FemError::Meaningless { what }.into());
         };
         let (begin, end, h) = (&states[k], &states[k + 1], step.dt);
+        if !step.scheme.has_adjoint() {
+            let what = "siere has no adjoint, which would take the derivatives of its modes: take tr_bdf2".to_owned();
+            return Err(FemError::Meaningless { what }.into());
+        }
         self.check(end)?;
         self.check(begin)?;
         self.add_partials(&by_end)?;
@@ -133,7 +138,7 @@ impl<'a> ReverseSweep<'a> {
         let mut points = Points::new(&step.scheme, h, (begin, before), step.started.as_ref());
         let mut time_steps = Vec::new();
         for u in &step.stages {
-            let time_step = points.next();
+            let time_step = points.next(&end.controls);
             points.found(u.clone(), &time_step);
             time_steps.push(time_step);
         }
@@ -162,6 +167,18 @@ impl<'a> ReverseSweep<'a> {
             let mut by = self.model.vjp(&at, &lambda).map_err(|at| inverted(at, end))?;
             if step.scheme.is_linearised() {
                 self.linearisation(&at, &lambda, &step.stages[k], &mut by.controls)?;
+            }
+            if let Some(force) = self.model.held_force(&at, &by_u, &lambda).map_err(|at| inverted(at, end))? {
+                match step.scheme.extrapolation(k) {
+                    None => self.model.add_prescribed_vjp(&at, &force, &mut by),
+                    Some((alpha, rest)) => {
+                        let force: Vec<f64> = force.iter().map(|f| f / alpha).collect();
+                        self.end_holds(&force, end);
+                        rest.iter().for_each(|term| {
+                            self.pass(-term.scaled(Quantity::Displacement, h), term, &force, &mut stages)
+                        });
+                    }
+                }
             }
             self.take_history(&history, &mut by.controls);
             self.add_controls(END, stage.time, &by.controls);
@@ -250,6 +267,14 @@ impl<'a> ReverseSweep<'a> {
         (0..by.len()).for_each(|block| axpy(1.0, second.controls.values(block), by.values_mut(block)));
         add(1.0, &second.u, &mut self.owed[BEGIN].u);
         Ok(())
+    }
+
+    /// What is owed to the controls of the end of a step by the unknowns that they hold there.
+    fn end_holds(&mut self, force: &[f64], end: &State) {
+        let at = Instant::new(&end.u, &end.controls, 1.0);
+        let mut by = Sensitivities::zero(self.model.controls(), &at);
+        self.model.add_prescribed_vjp(&at, force, &mut by);
+        self.add_controls(END, 1.0, &by.controls);
     }
 
     /// Moves what is owed by internal variables out of the controls.

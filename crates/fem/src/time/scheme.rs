@@ -22,6 +22,8 @@ pub struct Scheme {
     pub(super) error: Vec<Term>,
     /// Whether a stage is one iteration of Newton's method from the state that the step begins at, instead of a solution.
     pub(super) linearised: bool,
+    /// How many of the lowest modes of a linearised step are those of the exact solution instead.
+    pub(super) exact_modes: usize,
 }
 
 /// A solve for an unknown displacement.
@@ -160,6 +162,17 @@ impl Scheme {
         self.linearised
     }
 
+    /// How many of the lowest modes, those of the tangent where a step begins, move as the equations linearised there do; the others
+    /// move as the stages say. 0 of all but [`siere`](Self::siere).
+    pub fn exact_modes(&self) -> usize {
+        self.exact_modes
+    }
+
+    /// Whether there is an adjoint of its steps: not where they take modes.
+    pub fn has_adjoint(&self) -> bool {
+        self.exact_modes == 0
+    }
+
     /// Vectors of the body's unknowns that a step and its end keep.
     pub(super) fn vectors(&self) -> usize {
         let shared = (0..self.stages.len()).any(|k| self.end.displacement == [u(1.0, Point::Stage(k))]);
@@ -180,6 +193,16 @@ impl Scheme {
     /// Whether the state at the end of a step is not one of its stages: it has an equilibrium nowhere.
     pub fn extrapolates(&self) -> bool {
         self.stages.iter().enumerate().all(|(k, _)| self.end.displacement != [u(1.0, Point::Stage(k))])
+    }
+
+    /// Where the end is extrapolated from the k-th stage, its last: the factor alpha of `u = alpha w + b`, and the terms of b.
+    pub(super) fn extrapolation(&self, k: usize) -> Option<(f64, Vec<Term>)> {
+        if !(self.extrapolates() && k + 1 == self.stages.len()) {
+            return None;
+        }
+        let of_stage = |term: &Term| term.is(Quantity::Displacement, k);
+        let (own, rest): (Vec<Term>, Vec<Term>) = self.end.displacement.iter().partition(|term| of_stage(term));
+        Some((own.iter().map(|term| term.factor).sum(), rest))
     }
 
     pub(super) fn terms(&self) -> impl Iterator<Item = &Term> {

@@ -2,7 +2,8 @@
 
 use crate::contributions::Demand;
 use crate::contributions::body_energy::history::History;
-use crate::contributions::instant::Instant;
+use crate::contributions::controls::Controls;
+use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::{FemError, InvertedAt, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
@@ -27,14 +28,19 @@ pub(super) struct Found {
 
 impl Model {
     /// Goes on from the end of a trajectory by steps of a scheme, at full dead loads. Each stage is an equilibrium of
-    /// inertia and forces that minimises an incremental potential, found like a static one from the stage before:
-    /// `near` and `guess` of the options are not used. A body may be free. A state that does not carry the
+    /// inertia and forces that minimises an incremental potential, found like a static one from the stage before, or
+    /// from where the last acceleration leads, where that potential is lower: `near` and `guess` of the options are not used. A body may be free. A state that does not carry the
     /// acceleration that a scheme begins with gets it from `M a = -r(u, v, 0)`.
+    ///
+    /// Surfaces that controls move ([`Motion`](crate::Motion)) are where the controls of an instant hold them, at the end of every step:
+    /// `u_D(m_{n+1})`, also where the end is extrapolated. A stage that the end is not extrapolated from has them where its own controls
+    /// do. Their velocities and accelerations are those of the formulas of the scheme; those of the first state are what it carries, or
+    /// zero.
     ///
     /// Source: docs/model.md section 12.
     ///
     /// # Errors
-    /// A step that is not positive; a [`StateError`] at the first step that has no solution, with the steps before it
+    /// A step that is not positive; a surface that is not where the controls of the last state hold it; a [`StateError`] at the first step that has no solution, with the steps before it
     /// in the trajectory.
     pub fn advance(
         &self,
@@ -68,8 +74,8 @@ impl Model {
     pub(super) fn check_motion(&self, trajectory: &Trajectory) -> Result<(), StateError> {
         self.check_in_motion()?;
         self.refuse_constraints("a step in time", "drive it by a force or a pressure")?;
-        self.refuse_motions()?;
-        self.check_state(trajectory.end())
+        self.check_state(trajectory.end())?;
+        Ok(self.check_held(trajectory.end())?)
     }
 
     /// What goes without inertia: a body that is held, and no velocity but that of an earlier step of the kind.
@@ -105,15 +111,25 @@ impl Model {
         };
         let mut points = Points::new(&scheme, h, (begin, before), started.as_ref());
         let (mut stages, mut work) = (Vec::new(), SolveReport::default());
+        let mut modes = None;
         let mut here = begin.clone();
         for stage in &scheme.stages {
-            let time_step = points.next();
+            let time_step = points.next(&to.controls);
             let mut controls = begin.controls.blend(&to.controls, stage.time);
             self.body.put_history(&history, stage.time * h, &mut controls);
             let options = SolveOptions { near: Some(&here), guess: None, ..how.clone() };
+            modes = match scheme.exact_modes() {
+                0 => None,
+                count => Some(self.modal_step(count, (begin, &controls), &time_step, how)?),
+            };
             let found = match scheme.is_linearised() {
-                true => self.iterate_once(&controls, begin, (&options, &time_step), workspace),
-                false => self.find(&controls, &options, Some(&time_step), workspace),
+                true => self.iterate_once(&controls, begin, (&options, &time_step), modes.as_ref(), workspace),
+                false => {
+                    let predicted = points.predict(&time_step);
+                    let guess = predicted.filter(|u| self.is_lower(u, &here, (&controls, &time_step), how.parallel));
+                    let options = SolveOptions { guess: guess.as_deref(), ..options };
+                    self.find(&controls, &options, Some(&time_step), workspace)
+                }
             };
             let mut found = found.map_err(|error| in_step(error, begin.time, h))?;
             found.report.add_work(&work);
@@ -131,6 +147,9 @@ impl Model {
         let mut state = here;
         state.u = end.u.unwrap_or(state.u);
         (state.velocity, state.acceleration) = (end.velocity, end.acceleration);
+        if let (Some(modes), Some(velocity)) = (&modes, &mut state.velocity) {
+            modes.replace_rate(Arc::<Vec<f64>>::make_mut(velocity));
+        }
         let mut controls = to.controls.clone();
         self.body.put_history(&history, h, &mut controls);
         (state.controls, state.time) = (Arc::new(controls), begin.time + h);
@@ -145,6 +164,17 @@ impl Model {
     pub(super) fn next_history(&self, begin: &State, parallel: bool) -> Result<History, StateError> {
         let last = |at: InvertedAt| StateError::Inverted { at, load: 1.0, cuts: 0, last: Box::new(begin.clone()) };
         self.body.next_history(&begin.u, &begin.controls, parallel).map_err(last)
+    }
+
+    /// Whether the incremental potential of a stage is lower at a displacement than at a state; false without a potential.
+    fn is_lower(&self, u: &[f64], than: &State, (controls, step): (&Controls, &TimeStep), parallel: bool) -> bool {
+        let demand = Demand { energy: true, force: false };
+        let energy = |u: &[f64]| {
+            let at = Instant { parallel, ..Instant::new(u, controls, 1.0) };
+            self.evaluate(&at.in_step(step), demand).ok().map(|sums| sums.energy)
+        };
+        let lower = || Some(energy(u)? < energy(&than.u)?);
+        self.has_potential() && lower().unwrap_or(false)
     }
 
     /// An end that is no equilibrium was not seen by any solve.

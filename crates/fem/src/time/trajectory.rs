@@ -1,6 +1,7 @@
 //! [`Trajectory`]: the states of a problem in time, one after the other; of a static problem, one.
 
 use crate::contributions::controls::Controls;
+use crate::error::FemError;
 use crate::solution::state::State;
 use crate::time::scheme::Scheme;
 use std::sync::Arc;
@@ -42,6 +43,19 @@ pub struct StepTo {
     pub dt: f64,
     /// Controls at its end; in the step they are interpolated linearly.
     pub controls: Controls,
+}
+
+/// A step that was made, written down beside the states at its ends.
+#[derive(Debug, Clone)]
+pub struct StepRecord {
+    /// Length of the step.
+    pub dt: f64,
+    /// Whether it was made by the scheme of first steps, of a scheme that has one.
+    pub starts: bool,
+    /// The displacements of its stages.
+    pub stages: Vec<Arc<Vec<f64>>>,
+    /// The acceleration at its beginning, where the state there did not carry the one that was needed.
+    pub started: Option<Arc<Vec<f64>>>,
 }
 
 impl From<State> for Trajectory {
@@ -90,8 +104,47 @@ impl Trajectory {
         Trajectory { begin: self.begin, first: self.first, states: self.states[..1].to_vec(), steps: Vec::new() }
     }
 
+    /// The last step, of a motion by this scheme; none where no step was made.
+    pub fn last_step(&self, scheme: &Scheme) -> Option<StepRecord> {
+        let step = self.steps.last()?;
+        let starts = scheme.start().is_some_and(|start| *start == *step.scheme);
+        Some(StepRecord { dt: step.dt, starts, stages: step.stages.clone(), started: step.started.clone() })
+    }
+
+    /// The [end](Self::tail) of a motion by a scheme that was written down, from which it goes on as if it had never stopped: its last states,
+    /// the first of which has this number, and the step between them where there are two.
+    ///
+    /// # Errors
+    /// No state, more than two, a step without two of them; vectors of different lengths, or a number of stages that is not the scheme's.
+    pub fn from_end(
+        begin: Begin,
+        (first, states): (usize, Vec<State>),
+        step: Option<StepRecord>,
+        scheme: &Scheme,
+    ) -> Result<Self, FemError> {
+        let made_by = match &step {
+            Some(StepRecord { starts: true, .. }) => scheme.start().unwrap_or(scheme),
+            _ => scheme,
+        };
+        let len = states.first().map_or(0, |state| state.u.len());
+        let rates = |state: &State| state.velocity.iter().chain(&state.acceleration).all(|rate| rate.len() == len);
+        let of_step = step.iter().flat_map(|step| step.stages.iter().chain(&step.started));
+        let fits = states.len() == 1 + usize::from(step.is_some())
+            && states.iter().all(|state| state.u.len() == len && rates(state))
+            && of_step.clone().all(|vector| vector.len() == len)
+            && step.as_ref().is_none_or(|step| step.stages.len() == made_by.stages() && step.dt > 0.0);
+        if !fits {
+            let what = "the end of a motion whose states and last step do not fit each other".to_owned();
+            return Err(FemError::Meaningless { what });
+        }
+        let scheme = Arc::new(made_by.clone());
+        let made = |StepRecord { dt, stages, started, .. }| Step { dt, scheme, stages, started };
+        Ok(Trajectory { begin, first, states, steps: step.map(made).into_iter().collect() })
+    }
+
     /// The end of it, with as much before as a step from there takes: of a scheme over two steps the last step too.
-    pub(super) fn tail(&self, scheme: &Scheme) -> Trajectory {
+    #[must_use]
+    pub fn tail(&self, scheme: &Scheme) -> Trajectory {
         let steps = self.steps.len().min(usize::from(scheme.start().is_some()));
         let from = self.steps.len() - steps;
         let (states, steps) = (self.states[from..].to_vec(), self.steps[from..].to_vec());

@@ -42,10 +42,15 @@ pub fn motion_by(
 /// Point masses of 1 on linear springs to the ground with `k = w^2` and dampers, one per unknown, in a body without
 /// stiffness.
 pub fn oscillator(w: f64, damping: f64) -> Outcome<Solid> {
+    oscillators(Oscillators { mass: 1.0, damping, stiffness: w * w, spread: 0.0 })
+}
+
+/// Others.
+pub fn oscillators(those: Oscillators) -> Outcome<Solid> {
     Ok(Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
         .material("body", NeoHooke::new(1e-30, 0.0)?)?
         .clamp("x-")?
-        .contribution(Oscillators { mass: 1.0, damping, stiffness: w * w })?)
+        .contribution(those)?)
 }
 
 /// A state with the free unknowns all at the same displacement, velocity and, if given, acceleration.

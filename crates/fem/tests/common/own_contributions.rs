@@ -12,15 +12,24 @@ use nastic_linear::{SparseMatrix, Symmetry};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 
-/// Point masses and dampers to the ground at every node: `r = mass a + damping v + stiffness u`, less a control.
+/// Point masses and dampers to the ground at every node: `r = mass a + damping v + k u`, less a control, with `k = stiffness (1 +
+/// spread i)` of the i-th unknown.
 #[derive(Debug, Clone)]
 pub struct Oscillators {
     pub mass: f64,
     pub damping: f64,
     pub stiffness: f64,
+    pub spread: f64,
 }
 
 pub const PUSH: [Slot; 1] = [Slot::scalar("push", "N")];
+
+impl Oscillators {
+    /// Of one unknown.
+    pub fn stiffness_of(&self, dof: usize) -> f64 {
+        self.stiffness * (1.0 + self.spread * dof as f64)
+    }
+}
 
 impl Contribution for Oscillators {
     fn name(&self) -> &str {
@@ -40,11 +49,12 @@ impl Contribution for Oscillators {
                 let (c_a, b_a) = (step.acceleration.0, step.acceleration.1[dof]);
                 sums.energy += self.mass * (0.5 * c_a * u + b_a) * u + self.damping * (0.5 * c_v * u + b_v) * u;
             }
-            sums.energy += 0.5 * self.stiffness * u * u - at.control(0) * u;
+            let stiffness = self.stiffness_of(dof);
+            sums.energy += 0.5 * stiffness * u * u - at.control(0) * u;
             if demand.force {
                 let inertia = self.mass * at.acceleration(dof) + self.damping * at.velocity(dof);
-                sums.force[dof] += inertia + self.stiffness * u - at.control(0);
-                sums.force_scale[dof] += inertia.abs() + (self.stiffness * u).abs() + at.control(0).abs();
+                sums.force[dof] += inertia + stiffness * u - at.control(0);
+                sums.force_scale[dof] += inertia.abs() + (stiffness * u).abs() + at.control(0).abs();
             }
         }
         Ok(())
@@ -52,7 +62,8 @@ impl Contribution for Oscillators {
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
         let step = at.step.map_or(0.0, |step| self.mass * step.acceleration.0 + self.damping * step.velocity.0);
-        tangent.add_to_diagonal(self.stiffness + step);
+        let diagonal: Vec<f64> = (0..at.u.len()).map(|dof| self.stiffness_of(dof) + step).collect();
+        tangent.add_diagonal(&diagonal);
         Ok(())
     }
 
@@ -187,5 +198,5 @@ pub fn swirling() -> Outcome<Solid> {
 }
 
 pub fn oscillating() -> Outcome<Solid> {
-    Ok(bar()?.contribution(Oscillators { mass: 0.3, damping: 0.2, stiffness: 1.5 })?)
+    Ok(bar()?.contribution(Oscillators { mass: 0.3, damping: 0.2, stiffness: 1.5, spread: 0.0 })?)
 }

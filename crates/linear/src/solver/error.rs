@@ -79,7 +79,7 @@ pub enum LinearError {
     /// The border makes the system singular.
     #[error(
         "the bordered system is singular: its Schur complement of {scalars} scalar unknowns has no inverse; constraints that depend on each \
-         other, as two volumes of one room do, cannot be told apart: leave one out"
+         other, as two volumes of one room do, or taut tendons along one way, cannot be told apart: leave one out"
     )]
     Border {
         /// Number of scalar unknowns.

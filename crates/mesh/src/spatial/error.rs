@@ -34,6 +34,24 @@ pub enum SpatialError {
         /// Name of the region.
         region: String,
     },
+    /// A solid with flat faces is wanted.
+    #[error(
+        "mesh \"{mesh}\" has {kind} cells, whose faces may be curved; mesh the solid by linear cells (tet4, hex8; tri3, quad4 in the plane)"
+    )]
+    Curved {
+        /// Name of the mesh.
+        mesh: String,
+        /// The kind of a cell.
+        kind: &'static str,
+    },
+    /// A face without area.
+    #[error("the face of mesh \"{mesh}\" between the nodes {nodes:?} has no area, so no normal")]
+    Flat {
+        /// Name of the mesh.
+        mesh: String,
+        /// Its corners.
+        nodes: Vec<u32>,
+    },
     /// A plane solid and a spatial one cannot be compared.
     #[error("cannot compare a {a}D solid with a {b}D solid; mesh both in the same dimension")]
     Dimension {

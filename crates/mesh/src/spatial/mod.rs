@@ -18,6 +18,7 @@ mod hausdorff;
 mod interpolation_error;
 mod patch;
 mod patch_space;
+mod polyhedron;
 mod self_intersection;
 mod shape;
 mod simplex;
@@ -27,6 +28,7 @@ mod tree;
 
 pub use error::SpatialError;
 pub use hausdorff::{Hausdorff, hausdorff, hausdorff_within};
+pub use polyhedron::{Feature, Polyhedron, SurfacePoint};
 pub use self_intersection::SelfIntersection;
 pub use shape::Shape;
 

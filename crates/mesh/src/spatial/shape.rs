@@ -206,7 +206,7 @@ fn conversion(known: &mut BTreeMap<CellKind, Conversion>, kind: CellKind) -> &Co
 }
 
 /// Faces (cell, face) that belong to one of these cells only, in the order of the cells.
-fn exterior(mesh: &Mesh, cells: &[u32]) -> Vec<(u32, usize)> {
+pub(super) fn exterior(mesh: &Mesh, cells: &[u32]) -> Vec<(u32, usize)> {
     let mut faces = Vec::new();
     for &id in cells {
         let cell = mesh.cell(id as usize);

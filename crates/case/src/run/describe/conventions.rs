@@ -39,7 +39,7 @@ pub(in crate::run) fn conventions(problem: &CaseProblem) -> Vec<Line> {
     if problem.case.actuation.iter().any(|a| a.kind() == "tendon") {
         out.push(line(
             "conventions",
-            "tendon T adds T L to the energy, L its length; with a stiffness k and a pull s (k/2) max(0, L - L0 + s)^2: both pull if positive",
+            "tendon T adds T L to the energy, L its length; by its pull s it keeps L <= L0 - s, with a stiffness k the energy is (k/2) max(0, L - L0 + s)^2: both pull if positive",
         ));
     }
     if problem.case.actuation.iter().any(|a| a.kind() == "magnet") {

@@ -35,7 +35,16 @@ pub(in super::super) fn duration(problem: &CaseProblem) -> Vec<Line> {
         out.push(line("duration", format!("the costs and their derivatives at rest: {}{points}", text(costs))));
         trial += costs;
     }
-    let steps = problem.case.time.as_ref().map(|time| time.steps() * stages(member));
+    if problem.lacks_steps() {
+        let each = stages(member) as f64 * trial;
+        let why = format!(
+            "estimated for some four Newton iterations a stage of a step: a step {}; how many there are is not known before they are found",
+            text(each)
+        );
+        out.push(line("duration", why));
+        return out;
+    }
+    let steps = member.reduced().timeline().map(|timeline| timeline.steps() * timeline.scheme().stages());
     let members = problem.members().count();
     let all = trial * members as f64 * steps.unwrap_or(1) as f64;
     let each = if members > 1 { format!(" of {members} members") } else { String::new() };

@@ -4,42 +4,53 @@ use super::{Line, line, scalar};
 use crate::lower::CaseProblem;
 use crate::quantity::{Dimension, Units};
 use crate::run::number::{count, grouped, quantity, short, vector};
-use crate::schema::{Beginning, KnotInterpolation, Material, Parameter, When};
-use nastic_control::ControlBlock;
+use crate::schema::{Beginning, KnotInterpolation, Material, Parameter, Time, When};
+use nastic_control::{ControlBlock, Timeline};
 
 pub(in crate::run) fn time(problem: &CaseProblem) -> Vec<Line> {
     let Some(time) = &problem.case.time else { return vec![] };
     let units = problem.units();
     let of = |value: f64| quantity(value, Dimension::TIME, units);
-    let steps = format!(
-        "{} of {} to {}, scheme {}, {} masses",
-        count(time.steps(), "step"),
-        of(time.step),
-        of(time.end),
-        time.scheme.name(),
-        time.mass.name()
-    );
+    let leads = || problem.members().filter_map(|member| member.reduced().timeline()).map(Timeline::steps).max();
+    let each = match (time.step, time.tolerance) {
+        (Some(step), _) => format!("{} of {} to {}", count(leads().unwrap_or(0), "step"), of(step), of(time.end)),
+        (None, tolerance) => format!(
+            "steps to {}, found before the motion runs: an error of at most {} each, none longer than {}; they lead through {}",
+            of(time.end),
+            quantity(tolerance.unwrap_or(0.0), Dimension::LENGTH, units),
+            of(time.longest()),
+            count(leads().unwrap_or(0) + 1, "given instant")
+        ),
+    };
+    let parameters = [("gamma", time.gamma), ("beta", time.beta), ("rho", time.rho)];
+    let parameters = parameters.into_iter().filter_map(|(name, value)| Some(format!(" {name} {}", short(value?))));
+    let parameters: String = parameters.collect();
+    let steps = format!("{each}, scheme {}{parameters}, {} masses", time.scheme.name(), time.mass.name());
     let begin = match time.start {
         Beginning::Equilibrium => "the equilibrium under loads and controls at t = 0",
         Beginning::Rest => "the undeformed body",
     };
     let velocity = if time.velocity.is_some() { ", with a given velocity" } else { ", at rest" };
     let mut out = vec![line("time", steps), line("time", format!("begins at {begin}{velocity}"))];
-    let footprints = problem.members().filter_map(|member| member.reduced().motion_footprint().ok().flatten());
-    let (bytes, again) = footprints.fold((0, 0), |(b, r), one| (b + one.bytes, r + one.recomputed_steps));
-    let kept = bytes as f64 / 1e6;
-    let again =
-        if again > 0 { format!(", {} steps computed again for a derivative", grouped(again)) } else { String::new() };
-    let shown = time.steps().div_ceil(time.stride()) + 1;
-    out.push(line(
-        "time",
-        format!("the states of a motion take {kept:.1} MB{again}; {} are written", count(shown, "state")),
-    ));
+    if !problem.lacks_steps() {
+        out.push(line("time", states(problem, time)));
+    }
     if let Some(damping) = &time.rayleigh {
         let (mass, stiffness) = (quantity(damping.mass, Dimension::RATE, units), of(damping.stiffness));
         out.push(line("time", format!("Rayleigh damping: {mass} of the mass, {stiffness} of the stiffness at rest")));
     }
     out
+}
+
+/// The memory of the states, and how many are written.
+fn states(problem: &CaseProblem, time: &Time) -> String {
+    let footprints = problem.members().filter_map(|member| member.reduced().motion_footprint().ok().flatten());
+    let (bytes, again) = footprints.fold((0, 0), |(b, r), one| (b + one.bytes, r + one.recomputed_steps));
+    let kept = bytes as f64 / 1e6;
+    let again =
+        if again > 0 { format!(", {} steps computed again for a derivative", grouped(again)) } else { String::new() };
+    let shown = time.shown(&time.instants()).into_iter().filter(|shown| *shown).count();
+    format!("the states of a motion take {kept:.1} MB{again}; {} are written", count(shown, "state"))
 }
 
 /// What a material has beside its law: density and viscosity.

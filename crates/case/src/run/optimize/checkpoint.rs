@@ -89,7 +89,7 @@ impl Checkpoint {
 
     /// That of a directory.
     pub fn read(directory: &Path) -> Result<Self, CheckpointError> {
-        let content = checkpoint_file::read(directory)?;
+        let content = checkpoint_file::read(directory, checkpoint_file::NAME)?;
         Self::from_bytes(&content).map_err(|error| unfit(directory, &error))
     }
 }
@@ -135,13 +135,13 @@ pub(super) fn interrupted(out: &Directory) -> Result<Option<Written>, Checkpoint
 /// # Errors
 /// It cannot be read or written; the earlier one stays.
 pub(super) fn record_end(out: &Directory, ended: bool) -> Result<(), RunError> {
-    let content = match checkpoint_file::read(out.path()) {
+    let content = match checkpoint_file::read(out.path(), checkpoint_file::NAME) {
         Err(CheckpointError::Missing { .. }) => return Ok(()),
         content => content?,
     };
     let (recorded, body) = open(&content).map_err(|error| unfit(out.path(), &error))?;
     if recorded != ended {
-        checkpoint_file::write(out, &close(ended, &body))?;
+        checkpoint_file::write(out, checkpoint_file::NAME, &close(ended, &body))?;
     }
     Ok(())
 }

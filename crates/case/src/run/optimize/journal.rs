@@ -62,7 +62,7 @@ impl Journal {
             match session.problem.case.output.checkpoint {
                 // What lies there belongs to results that are about to be replaced.
                 0 => out.remove(checkpoint_file::NAME)?,
-                _ => checkpoint_file::write(out, &checkpoint::before_the_start(&journal.case))?,
+                _ => checkpoint_file::write(out, checkpoint_file::NAME, &checkpoint::before_the_start(&journal.case))?,
             }
         }
         Ok(journal)
@@ -146,7 +146,7 @@ impl Journal {
         let Some(out) = &self.out else { return };
         let history = self.history.as_ref().map_or(&[] as &[u8], History::text);
         let content = self.record.to_bytes(&self.case, history);
-        match checkpoint_file::write(out, &content) {
+        match checkpoint_file::write(out, checkpoint_file::NAME, &content) {
             Ok(()) => {
                 self.written = Some(self.record.place());
                 self.unsaved = None;

@@ -268,7 +268,7 @@ fn write(
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
     files.extend(write_collections(problem, "optimum", &out)?);
-    files.extend(motion::write(problem, records, &best.point, &out)?);
+    files.extend(motion::write(problem, records, &out)?);
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::has_lines(member))));
     files.extend(super::super::solve::target_files(problem));
     let number = if several { format!("start_{best_start}_") } else { String::new() };

@@ -35,6 +35,7 @@ pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, interrupted: bo
         found.extend(cold(session, run));
     }
     found.into_iter().for_each(|warning| session.warn(warning));
+    session.check_step_errors(&run.best.point);
 }
 
 fn movement(run: &FinishedRun) -> Option<Warning> {

@@ -56,7 +56,7 @@ impl Row {
                 (outcome.exit, error, outcome.result)
             }
             // What a failed solve found out before is in its directory; nothing is written of a case that is wrong.
-            Err(error @ RunError::Forward { .. }) => {
+            Err(error @ (RunError::Forward { .. } | RunError::Motion { .. })) => {
                 let text = std::fs::read_to_string(out.join(directory).join("result.json")).ok();
                 let known = text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
                 (error.exit(), Some(error.to_string()), known)

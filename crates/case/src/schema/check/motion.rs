@@ -47,12 +47,13 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
             reader.complain_at(&control.at.key(key), format!("the {key} {message}"));
         }
         let Some(in_time) = &control.in_time else { continue };
-        let steps = in_time.every / time.step;
-        if (steps - steps.round()).abs() > 1e-6 * steps || steps < 0.5 {
-            let message = format!(
-                "{} is no multiple of the step {}: a knot between steps is seen by none",
-                in_time.every, time.step
-            );
+        let between = |step: &f64| {
+            let steps = in_time.every / step;
+            (steps - steps.round()).abs() > 1e-6 * steps || steps < 0.5
+        };
+        if let Some(step) = time.step.filter(between) {
+            let message =
+                format!("{} is no multiple of the step {step}: a knot between steps is seen by none", in_time.every);
             reader.complain_at(&in_time.at.key("every"), message);
             continue;
         }
@@ -65,10 +66,8 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
     }
     check_scheme(time, blocks, reader);
     for actuation in &blocks.actuation {
-        let refused =
-            actuation.kind() == "motion" || ["volume", "pull"].iter().any(|key| actuation.fixed.contains_key(key));
-        if refused {
-            let message = "surfaces that are moved, added volumes and the pull of tendons do not go with \"time\" yet";
+        if ["volume", "pull"].iter().any(|key| actuation.fixed.contains_key(key)) {
+            let message = "added volumes and the pull of tendons do not go with \"time\" yet";
             reader.complain_at(&actuation.at, message);
         }
     }
@@ -82,7 +81,7 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
 
 /// What a scheme cannot begin with.
 fn check_scheme(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
-    let (Ok(scheme), true) = (time.scheme.scheme(), time.velocity.is_some()) else { return };
+    let (Ok(scheme), true) = (time.built_scheme(), time.velocity.is_some()) else { return };
     let name = scheme.name();
     let accelerated = scheme.needs_acceleration() || scheme.start().is_some_and(Scheme::needs_acceleration);
     if scheme.is_quasi_static() {

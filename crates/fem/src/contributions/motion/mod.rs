@@ -19,7 +19,8 @@ const TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
 /// rotation vector theta (radians: about its direction, by its length) and the centre c in the reference body.
 ///
 /// Its controls are t and theta. They act through the supported unknowns alone: the derivative of a functional by them is
-/// `(j_u + K^T lambda)_D . du_D/d(t, theta)`, D the nodes of the surface. Continuation scales t and theta.
+/// `(j_u + K^T lambda)_D . du_D/d(t, theta)`, D the nodes of the surface. Continuation scales t and theta; in steps in time
+/// they may change, and velocities are those of the scheme (docs/model.md section 12).
 ///
 /// In plane strain t is in the plane and theta along z. Source: docs/model.md section 4.
 #[derive(Debug, Clone, PartialEq)]

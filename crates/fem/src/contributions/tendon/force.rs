@@ -1,4 +1,4 @@
-//! [`TendonForce`]: the contribution of a tendon.
+//! [`TendonForce`]: the contribution of a tendon under a given tension, and of an elastic one.
 
 use crate::contributions::guides::Guides;
 use crate::contributions::{
@@ -22,11 +22,18 @@ pub(super) enum Drive {
 impl Drive {
     pub const TENSION: [Slot; 1] = [Slot::pulling("tension", "N")];
     pub const PULL: [Slot; 1] = [Slot::scalar("pull", "m")];
+    /// Of a cable that does not stretch, one of both.
+    pub const EITHER: [Slot; 2] = [Drive::TENSION[0], Drive::PULL[0]];
 }
 
-/// The contribution of a [`Tendon`](super::Tendon).
+/// What is drawn of a tendon.
+pub(super) fn line(name: &str, guides: &Guides, u: &[f64], tension: f64) -> Polyline {
+    Polyline { name: name.to_owned(), points: guides.positions(u), quantities: vec![("tension", tension)] }
+}
+
+/// The contribution of a [`Tendon`](super::Tendon) under a given tension, or of an elastic one.
 #[derive(Debug)]
-pub(crate) struct TendonForce {
+pub(super) struct TendonForce {
     name: String,
     guides: Guides,
     reference_length: f64,
@@ -135,8 +142,7 @@ impl Contribution for TendonForce {
     }
 
     fn lines(&self, at: &Instant) -> Vec<Polyline> {
-        let quantities = vec![("tension", self.tension(at).value)];
-        vec![Polyline { name: self.name.clone(), points: self.guides.positions(at.u), quantities }]
+        vec![line(&self.name, &self.guides, at.u, self.tension(at).value)]
     }
 
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {

@@ -22,18 +22,18 @@ const STIFFNESS: Key = Key {
     kind: KeyKind::Number { unit: "N/m", required: true },
 };
 
-/// Under a given tension.
-pub(in crate::contributions) const TENSION: Form = Form {
-    about: "A tendon through points of the body, under a given tension.",
+/// Under a given tension, or drawn in by a given length without stretching.
+pub(in crate::contributions) const INEXTENSIBLE: Form = Form {
+    about: "A tendon through points of the body, under a given tension, or drawn in by a given length without stretching; slack where it would have to push.",
     keys: &[POINTS, SPACING],
-    slots: &Drive::TENSION,
+    slots: &Drive::EITHER,
     passive: false,
-    one_of: false,
+    one_of: true,
     add,
 };
 
 /// Elastic, drawn in by a given length.
-pub(in crate::contributions) const PULL: Form = Form {
+pub(in crate::contributions) const ELASTIC: Form = Form {
     about: "An elastic tendon through points of the body, drawn in by a given length; slack where it would have to push.",
     keys: &[POINTS, SPACING, STIFFNESS],
     slots: &Drive::PULL,
@@ -46,5 +46,6 @@ fn add(solid: Solid, name: &str, values: &Values) -> Result<Solid, FemError> {
     let mut tendon = Tendon::through(name, values.points.get("points").cloned().unwrap_or_default());
     tendon.spacing = values.numbers.get("spacing").copied();
     tendon.stiffness = values.numbers.get("stiffness").copied();
+    tendon.inextensible = tendon.stiffness.is_none() && values.slot == Some(Drive::PULL[0].group);
     solid.tendon(tendon)
 }

@@ -2,17 +2,26 @@
 
 mod force;
 pub(super) mod form;
+mod inextensible;
 
+use super::Contribution;
 use super::body_point::{AttachedPoint, BodyPoint};
 use super::guides::{COINCIDE, Guides};
 use crate::error::FemError;
 use force::{Drive, TendonForce};
+use inextensible::InextensibleTendon;
 use nastic_mesh::Mesh;
+use std::sync::Arc;
 
 /// A tendon: a polyline through guides, points of the body that move with it, without friction and without resistance to
 /// compression. With its length L(u) and the reference length L0 its control is
 ///
-/// * without a stiffness the `tension` T >= 0 (N), potential `T L(u)`: a cable pulled by a given force;
+/// * by default the `tension` T >= 0 (N), potential `T L(u)`: a cable pulled by a given force;
+/// * [`inextensible`](Self::inextensible) the `pull` s (m), by how much the cable is drawn in: the constraint `L(u) <= L0 - s` with the
+///   tension as its multiplier, `T >= 0`, `T (L0 - s - L) = 0`. Derivatives are those of the taut cable where T > 0 and at the very onset
+///   (T = 0, L = L0 - s to rounding, as at rest with s = 0), and zero where it is slack. The tension must be determined: cables that can
+///   be taut together only at pulls that fit each other, as two along one way, are refused with
+///   [`LinearError::Border`](nastic_linear::LinearError) where they are;
 /// * with a stiffness k (N/m) the `pull` s (m), by how much the cable is drawn in: potential `(k/2) max(0, L(u) - (L0 - s))^2`,
 ///   tension `k max(0, L - L0 + s)`. Where the cable is slack (L <= L0 - s) it carries no force. The potential is continuously
 ///   differentiable; at the very onset of slackness the second derivatives jump, and those given there are those of the taut cable.
@@ -28,6 +37,7 @@ pub struct Tendon {
     guides: Vec<BodyPoint>,
     spacing: Option<f64>,
     stiffness: Option<f64>,
+    inextensible: bool,
 }
 
 /// Most guides of a tendon.
@@ -38,7 +48,7 @@ impl Tendon {
     /// the control.
     pub fn through<P: Into<BodyPoint>>(name: &str, guides: impl IntoIterator<Item = P>) -> Self {
         let guides = guides.into_iter().map(Into::into).collect();
-        Tendon { name: name.to_owned(), guides, spacing: None, stiffness: None }
+        Tendon { name: name.to_owned(), guides, spacing: None, stiffness: None, inextensible: false }
     }
 
     /// Adds guides on the straight lines between those given, no farther apart than this: a tendon in a sheath, which cannot leave
@@ -56,11 +66,24 @@ impl Tendon {
         self
     }
 
+    /// The cable does not stretch, and its control is the pull.
+    #[must_use]
+    pub fn inextensible(mut self) -> Self {
+        self.inextensible = true;
+        self
+    }
+
     /// The contribution on a mesh.
     ///
     /// # Errors
-    /// A guide outside the body; fewer than two guides, neighbours that coincide, too many; a stiffness or spacing that is not positive.
-    pub(crate) fn on(&self, mesh: &Mesh) -> Result<TendonForce, FemError> {
+    /// A guide outside the body; fewer than two guides, neighbours that coincide, too many; a stiffness or spacing that is not positive; a
+    /// stiffness of one that does not stretch.
+    pub(crate) fn on(&self, mesh: &Mesh) -> Result<Arc<dyn Contribution>, FemError> {
+        if let (Some(stiffness), true) = (self.stiffness, self.inextensible) {
+            return Err(
+                self.refuse(format!("cannot stretch and has a stiffness of {stiffness}; leave one of them out"))
+            );
+        }
         for (what, value) in [("stiffness", self.stiffness), ("spacing", self.spacing)] {
             if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
                 return Err(self.refuse(format!("has a {what} of {value}; it must be positive and finite")));
@@ -81,8 +104,12 @@ impl Tendon {
         if points.len() < 2 {
             return Err(self.refuse(format!("has {} guides; it needs two or more", points.len())));
         }
+        let guides = Guides::new(mesh.dim(), points);
+        if self.inextensible {
+            return Ok(Arc::new(InextensibleTendon::new(&self.name, guides)));
+        }
         let drive = self.stiffness.map_or(Drive::Tension, |stiffness| Drive::Pull { stiffness });
-        Ok(TendonForce::new(&self.name, Guides::new(mesh.dim(), points), drive))
+        Ok(Arc::new(TendonForce::new(&self.name, guides, drive)))
     }
 
     fn check_apart(&self, mesh: &Mesh, a: &AttachedPoint, b: &AttachedPoint, k: usize) -> Result<(), FemError> {

@@ -1,0 +1,22 @@
+//! [`MotionObserver`]: what is told of a motion while it runs.
+
+use crate::error::ControlError;
+use nastic_fem::State;
+
+/// Told of a motion while it runs, so that a motion that fails or is stopped leaves what it found, and may go on from there.
+pub trait MotionObserver: Sync {
+    /// What an earlier motion of the same problem and control vector told [`resumable`](Self::resumable): this one goes on from there.
+    fn resume(&self) -> Option<Vec<u8>> {
+        None
+    }
+
+    /// The n-th state was reached.
+    ///
+    /// # Errors
+    /// What ends the motion.
+    fn reached(&self, n: usize, state: &State) -> Result<(), ControlError>;
+
+    /// The motion can go on from the n-th state, with the same bits, by what `bytes` returns: at the beginnings of segments
+    /// ([`Timeline::segments_of`](crate::Timeline::segments_of)) and at the end, but not under costs that look at all states.
+    fn resumable(&self, _n: usize, _bytes: &dyn Fn() -> Vec<u8>) {}
+}

@@ -1,0 +1,58 @@
+//! Which constraints act: all equations, and of inequalities `g >= 0`, `p >= 0`, `p g = 0` those that hold the body.
+
+use super::Model;
+use crate::contributions::instant::Instant;
+use crate::contributions::{Contribution, Demand, Sums};
+use crate::error::InvertedAt;
+use std::sync::Arc;
+
+/// A constraint whose `g` is less than this share of what its rounding is measured against is at its onset.
+const ONSET: f64 = 64.0 * f64::EPSILON;
+
+impl Model {
+    /// By constraint, whether it is an inequality.
+    pub(crate) fn inequalities(&self) -> Vec<bool> {
+        let of = |c: &Arc<dyn Contribution>| std::iter::repeat_n(c.has_inequalities(), c.constraints());
+        self.others.iter().flat_map(of).collect()
+    }
+
+    /// By constraint, whether it acts on an equilibrium: of inequalities those with p > 0, and those at their onset, p = 0 and g = 0.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where a constraint needs J > 0.
+    pub(crate) fn acting(&self, at: &Instant) -> Result<Vec<bool>, InvertedAt> {
+        let inequalities = self.inequalities();
+        if !inequalities.contains(&true) {
+            return Ok(vec![true; inequalities.len()]);
+        }
+        let sums = self.inequality_residuals(at)?;
+        let dofs = self.discretization().dofs();
+        let touches = |k: usize| at.u[k] > 0.0 || sums.force[k] >= -ONSET * sums.force_scale[k];
+        Ok(inequalities.iter().enumerate().map(|(k, inequality)| !inequality || touches(dofs + k)).collect())
+    }
+
+    /// Residuals of the contributions with inequalities alone.
+    ///
+    /// # Errors
+    /// [`InvertedAt`] where one needs J > 0.
+    pub(crate) fn inequality_residuals(&self, at: &Instant) -> Result<Sums, InvertedAt> {
+        let mut sums = Sums::zero(self.unknowns().len());
+        let demand = Demand { energy: false, force: true };
+        self.each_other(at, |contribution, at| match contribution.has_inequalities() {
+            true => contribution.add_residual(at, demand, &mut sums),
+            false => Ok(()),
+        })?;
+        Ok(sums)
+    }
+
+    /// Takes the residuals `-g` of inequalities with p = 0 and g > 0, which are fulfilled, out of those of a displacement u with its
+    /// multipliers.
+    pub(crate) fn leave_out_slack(&self, u: &[f64], sums: &mut Sums) {
+        let dofs = self.discretization().dofs();
+        for (k, _) in self.inequalities().iter().enumerate().filter(|(_, inequality)| **inequality) {
+            if u[dofs + k] <= 0.0 && sums.force[dofs + k] < 0.0 {
+                sums.force[dofs + k] = 0.0;
+            }
+        }
+    }
+}
