@@ -5,7 +5,7 @@
 mod common;
 
 use common::block::STRICT;
-use common::motion::schemes;
+use common::motion::schemes_with_moving_supports;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
@@ -102,7 +102,7 @@ fn a_mass_driven_at_its_base_moves_as_the_closed_form_says() -> Outcome {
         let solid = mass_on_a_spring(damping)?;
         let far = solid.mesh().points().iter().position(|x| x[0] > 0.5).ok_or("no end")?;
         let [q, v] = driven(damping, end);
-        for (scheme, order) in schemes()?.into_iter().filter(|(_, order)| *order > 0) {
+        for (scheme, order) in schemes_with_moving_supports()?.into_iter().filter(|(_, order)| *order > 0) {
             let error = |count: usize| -> Outcome<[f64; 2]> {
                 let h = end / count as f64;
                 let values = |t: f64| [shaken(t)[0], 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -192,7 +192,7 @@ fn a_base_that_rises_faster_and_faster_is_weight() -> Outcome {
 fn a_step_of_a_base_may_be_found_in_parts() -> Outcome {
     let solid = bar()?;
     let far = [StepTo { dt: 2.0, controls: base(&solid, [0.4, 0.9, 0.0, 0.0, 0.0, 2.4]) }];
-    for (scheme, _) in schemes()?.into_iter().filter(|(scheme, _)| !scheme.is_linearised()) {
+    for (scheme, _) in schemes_with_moving_supports()?.into_iter().filter(|(scheme, _)| !scheme.is_linearised()) {
         let end = |max_newton: usize| -> Outcome<State> {
             let (mut run, how) = (Trajectory::from_given(solid.rest()), SolveOptions { max_newton, ..STRICT });
             solid.model().advance(&mut run, &scheme, &far, &how, &mut Workspace::default())?;
@@ -222,7 +222,7 @@ fn bar() -> Outcome<Solid> {
 fn a_body_moves_along_with_its_base() -> Outcome {
     let (solid, h) = (bar()?, 0.05);
     let v = [0.3, -0.2, 0.7];
-    for (scheme, _) in schemes()?.into_iter().filter(|(_, order)| *order > 0) {
+    for (scheme, _) in schemes_with_moving_supports()?.into_iter().filter(|(_, order)| *order > 0) {
         let velocity = Some(Arc::new(v.repeat(solid.mesh().points().len())));
         let begin = Trajectory::from_given(State { velocity, ..solid.rest() });
         let values = |t: f64| [v[0] * t, v[1] * t, v[2] * t, 0.0, 0.0, 0.0];
@@ -277,7 +277,7 @@ fn the_surface_is_in_its_place_at_every_instant() -> Outcome {
     };
     let held: Vec<usize> =
         (0..).zip(solid.mesh().points()).filter(|(_, x)| x[0] < 1e-9).map(|(node, _)| node).collect();
-    for (scheme, _) in schemes()? {
+    for (scheme, _) in schemes_with_moving_supports()? {
         let begin = Trajectory::from_given(solid.rest());
         let run = advance(&solid, &scheme, begin, &steps(&solid, count, h, values))?;
         for (n, state) in run.states().iter().enumerate() {
@@ -315,7 +315,7 @@ fn prescribed_displacements_are_there_after_one_step() -> Outcome {
         .displace("x-", [Some(0.1), Some(0.0), None])?
         .inertia(Inertia::new("body", 1.0))?;
     let still: Vec<StepTo> = (0..5).map(|_| StepTo { dt: 0.05, controls: solid.controls() }).collect();
-    for (scheme, _) in schemes()? {
+    for (scheme, _) in schemes_with_moving_supports()? {
         let run = advance(&solid, &scheme, Trajectory::from_given(solid.rest()), &still)?;
         for state in &run.states()[1..] {
             let held = solid.supports().fixed().iter().zip(solid.supports().values()).zip(state.u.iter());

@@ -5,7 +5,7 @@
 mod common;
 
 use common::block::STRICT;
-use common::motion::schemes;
+use common::motion::schemes_with_moving_supports;
 use common::{Outcome, noise, regular};
 use nastic_energy::{FiberTension, KelvinVoigt, MaxwellBranch, NeoHooke};
 use nastic_fem::{
@@ -144,7 +144,9 @@ fn slope(solid: &Solid, along: Along, n: usize, by: &Controls) -> f64 {
 fn the_adjoint_of_every_scheme_is_exact_with_a_moving_support() -> Outcome {
     for dissipation in [Dissipation::None, Dissipation::Rayleigh, Dissipation::Maxwell, Dissipation::KelvinVoigt] {
         let solid = strip(dissipation)?;
-        for (scheme, _) in schemes()?.into_iter().filter(|(scheme, _)| dissipation.goes_with(scheme)) {
+        for (scheme, _) in
+            schemes_with_moving_supports()?.into_iter().filter(|(scheme, _)| dissipation.goes_with(scheme))
+        {
             let parts = [(scheme, H, 40)];
             let steady = run(&solid, &parts, Along::Fibre, |_| 0.0)?;
             let (value, swept) = (functional(&steady), sweep(&solid, &steady)?);
@@ -171,7 +173,7 @@ fn the_adjoint_of_every_scheme_is_exact_with_a_moving_support() -> Outcome {
 fn every_instant_of_a_moving_support_has_its_derivative() -> Outcome {
     for dissipation in [Dissipation::Rayleigh, Dissipation::Maxwell] {
         let solid = strip(dissipation)?;
-        let of_kind = schemes()?.into_iter().filter(|(scheme, _)| dissipation.goes_with(scheme));
+        let of_kind = schemes_with_moving_supports()?.into_iter().filter(|(scheme, _)| dissipation.goes_with(scheme));
         let mut mixtures: Vec<Vec<Scheme>> = of_kind.map(|(scheme, _)| vec![scheme]).collect();
         mixtures.push(vec![Scheme::implicit_midpoint(), Scheme::trapezoidal(), Scheme::bdf2()]);
         for mixture in mixtures {
@@ -199,7 +201,7 @@ fn every_instant_of_a_moving_support_has_its_derivative() -> Outcome {
 /// From states that are computed again, the same bits.
 #[test]
 fn a_moving_support_has_the_same_derivative_from_few_states() -> Outcome {
-    for (scheme, _) in schemes()? {
+    for (scheme, _) in schemes_with_moving_supports()? {
         let solid = strip(if scheme.is_linearised() { Dissipation::None } else { Dissipation::Maxwell })?;
         let to = |n: usize| StepTo { dt: H, controls: controls(&solid, n, (Along::Fibre, 0.0)) };
         let derivative = |plan: Checkpoints| -> Outcome<(Vec<u64>, usize)> {

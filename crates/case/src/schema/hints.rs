@@ -212,7 +212,7 @@ mod tests {
     use crate::schema::json_schema;
 
     /// Names that examples give to groups and actuations, and values.
-    const EXAMPLES: [&str; 7] = ["clamp", "body", "air", "chamber", "tip", "X", "Y"];
+    const EXAMPLES: [&str; 8] = ["clamp", "body", "air", "chamber", "tip", "NAME", "X", "Y"];
 
     #[test]
     fn hints_name_what_there_is() {

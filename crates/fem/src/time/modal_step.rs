@@ -36,7 +36,7 @@ impl Model {
     /// The `count` lowest modes, and all unstable ones, over a step from a state under these controls.
     ///
     /// # Errors
-    /// As [`modes`](Self::modes); viscous laws, surfaces that controls move.
+    /// As [`modes`](Self::modes); viscous laws, forces without a potential, surfaces that controls move.
     pub(super) fn modal_step(
         &self,
         count: usize,
@@ -52,6 +52,10 @@ impl Model {
         if let Some(moves) = self.held_by() {
             let what = format!("siere with the surface that \"{moves}\" moves is not there yet: take tr_bdf2");
             return Err(FemError::Meaningless { what }.into());
+        }
+        if !self.has_potential() {
+            let what = "siere takes modes of a symmetric stiffness: with forces that have no potential (pressure on an open surface) take tr_bdf2";
+            return Err(FemError::Meaningless { what: what.to_owned() }.into());
         }
         let mut mass = self.mass();
         mass.eliminate(self.supports.fixed(), 0.0);

@@ -15,6 +15,12 @@ pub fn schemes() -> Outcome<Vec<(Scheme, usize)>> {
     SCHEMES.iter().map(|row| Ok(((row.build)()?, row.order))).collect()
 }
 
+/// Those that go with supports that move: all but `siere`.
+#[allow(dead_code)] // not every test has such
+pub fn schemes_with_moving_supports() -> Outcome<Vec<(Scheme, usize)>> {
+    Ok(schemes()?.into_iter().filter(|(scheme, _)| scheme.exact_modes() == 0).collect())
+}
+
 /// Steps of one length under controls that are a function of time.
 pub fn steps(count: usize, h: f64, controls: impl Fn(f64) -> nastic_fem::Controls) -> Vec<StepTo> {
     (1..=count).map(|n| StepTo { dt: h, controls: controls(n as f64 * h) }).collect()
