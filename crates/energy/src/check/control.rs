@@ -4,7 +4,8 @@ use super::derivative::sixth_order;
 use super::{Finding, Violation, Worst, evaluate, states};
 use crate::{Actuation, Place, PointBatch, Slots};
 
-/// `stress_by_control` is the derivative of `P` by every control component, and is set rather than added.
+/// `stress_by_control` is the derivative of `P` by every control component, and is set rather than added; so is `Evolution::stress_vjp` of a law that
+/// has an evolution.
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
@@ -22,6 +23,14 @@ pub fn control_derivative(term: &dyn Actuation, at: Place, m: &[f64]) -> Result<
             })?;
             let noise = evaluate(term, at, &k, m).stress.norm() / step;
             worst.see((slope - stated).norm(), slope.norm() + stated.norm() + noise, k.f())?;
+        }
+        if let Some(evolution) = term.evolution() {
+            let with = Mat3::new(0.3, -1.0, 0.6, 0.2, 0.8, -0.5, 1.1, 0.4, -0.7);
+            let mut products = vec![f64::NAN; m.len()];
+            evolution.stress_vjp(at, &k, m, &with, &mut products);
+            for (product, stated) in products.iter().zip(&stated) {
+                worst.see((product - stated.dot(&with)).abs(), stated.norm() * with.norm(), k.f())?;
+            }
         }
     }
     Ok(worst.finding())

@@ -22,7 +22,11 @@ pub trait Evolution: Send + Sync {
     /// slot of [`set_step`](Self::set_step), which stays.
     fn advance(&self, at: Place, k: &Kinematics, slots: &[f64], next: &mut [f64]);
 
-    /// The transpose of its derivative: adds what `by_next` owes to `F` and to the slots.
+    /// What a stress that counts `with` owes to the slots: sets `by_slots[k] = dP/dm_k : with`, as
+    /// [`stress_by_control`](crate::Actuation::stress_by_control) gives the derivatives one by one. The adjoint of a motion asks for it at every step.
+    fn stress_vjp(&self, at: Place, k: &Kinematics, slots: &[f64], with: &Mat3, by_slots: &mut [f64]);
+
+    /// The transpose of the derivative of [`advance`](Self::advance): adds what `by_next` owes to `F` and to the slots.
     fn advance_vjp(
         &self,
         at: Place,

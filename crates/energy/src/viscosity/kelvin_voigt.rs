@@ -154,6 +154,17 @@ impl Evolution for KelvinVoigt {
         ENTRIES.into_iter().zip(next).for_each(|(entry, next)| *next = strain[entry]);
     }
 
+    fn stress_vjp(&self, at: Place, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
+        let half = k.f().transpose() * with;
+        let pulled = (half + half.transpose()) * 0.5;
+        // the viscosity is symmetric
+        let by_rate = self.viscous(at, &pulled) * -m[STEP];
+        for ((i, j), by) in ENTRIES.into_iter().zip(&mut *by_slots) {
+            *by = by_rate[(i, j)] * if i == j { 1.0 } else { 2.0 };
+        }
+        by_slots[STEP] = self.viscous(at, &(strain(k) - symmetric(m))).dot(&pulled);
+    }
+
     fn advance_vjp(&self, _: Place, k: &Kinematics, _: &[f64], by_next: &[f64], by_f: &mut Mat3, _: &mut [f64]) {
         let mut by_strain = symmetric(by_next) * 0.5;
         (0..3).for_each(|i| by_strain[(i, i)] = by_next[i]);

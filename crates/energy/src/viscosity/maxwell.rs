@@ -105,18 +105,32 @@ impl Branch {
         self.elastic * self.stress * self.inverse.transpose()
     }
 
-    /// The change of `F_e S` along a change of `F_e`.
+    /// What its changes take.
+    fn slopes(&self) -> Slopes<'_> {
+        Slopes { of: self, divided: self.spectrum.divided(log_over_divided) }
+    }
+}
+
+/// The derivative of the stress of a branch.
+struct Slopes<'a> {
+    of: &'a Branch,
+    /// Divided differences of `ln x / x`.
+    divided: Mat3,
+}
+
+impl Slopes<'_> {
+    /// The change of `F_e S` along a change of `F_e`: the second derivative of the energy by `F_e`, which is symmetric.
     fn elastic_change(&self, change: &Mat3) -> Mat3 {
-        let half = change.transpose() * self.elastic;
+        let Branch { elastic, inverse_metric: inverse, .. } = self.of;
+        let half = change.transpose() * elastic;
         let d = half + half.transpose();
-        let inverse = &self.inverse_metric;
-        let own = self.spectrum.change(log_over_divided, &d) - inverse * (inverse.dot(&d) / 3.0)
-            + inverse * d * inverse * self.mean;
-        change * self.stress + self.elastic * own * self.factor
+        let own = self.of.spectrum.change(&self.divided, &d) - inverse * (inverse.dot(&d) / 3.0)
+            + inverse * d * inverse * self.of.mean;
+        change * self.of.stress + elastic * own * self.of.factor
     }
 
     fn piola_change(&self, change: &Mat3) -> Mat3 {
-        self.elastic_change(&(change * self.inverse)) * self.inverse.transpose()
+        self.elastic_change(&(change * self.of.inverse)) * self.of.inverse.transpose()
     }
 }
 
@@ -131,7 +145,8 @@ impl EnergyTerm for MaxwellBranch {
                 out.stress[q] += branch.piola();
             }
             if want.tangent {
-                out.tangent[q].add(&nastic_tensor::Tangent::from_map(|change| branch.piola_change(change)));
+                let slopes = branch.slopes();
+                out.tangent[q].add(&nastic_tensor::Tangent::from_map(|change| slopes.piola_change(change)));
             }
         }
     }
@@ -139,7 +154,7 @@ impl EnergyTerm for MaxwellBranch {
     fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         for (q, k) in at.kinematics.iter().enumerate() {
             if let Some(branch) = self.branch(at.place(q), k, m.only(q).values) {
-                out[q] += branch.piola_change(&change[q]);
+                out[q] += branch.slopes().piola_change(&change[q]);
             }
         }
     }
@@ -176,12 +191,12 @@ impl Actuation for MaxwellBranch {
                 out[..STEP].fill(Mat3::zeros());
                 continue;
             };
-            let piola = branch.piola();
+            let (piola, slopes) = (branch.piola(), branch.slopes());
             for (entry, out) in out[..STEP].iter_mut().enumerate() {
                 let mut unit = Mat3::zeros();
                 unit[(entry / 3, entry % 3)] = 1.0;
                 let change = branch.elastic * unit * branch.inverse; // -dF_e
-                *out = -branch.elastic_change(&change) * branch.inverse.transpose()
+                *out = -slopes.elastic_change(&change) * branch.inverse.transpose()
                     - piola * (branch.inverse * unit).transpose();
             }
         }
@@ -217,6 +232,21 @@ impl Evolution for MaxwellBranch {
         next[..9].copy_from_slice(viscous.transpose().as_slice());
     }
 
+    /// `P : H = F_e S : H G^T` with `G = F_v^-T`, and the change of `F_v` moves `F_e` by `-F_e dF_v F_v^-1` and `F_v^-1` by `-F_v^-1 dF_v F_v^-1`.
+    fn stress_vjp(&self, at: Place, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
+        let Some(branch) = self.branch(at, k, m) else {
+            by_slots[..STEP].fill(0.0);
+            by_slots[STEP] = Branch::new(self.shear.at(at), k, m).piola().dot(with);
+            return;
+        };
+        let (pushed, turned) = (with * branch.inverse, branch.inverse.transpose());
+        let by_elastic = branch.elastic.transpose() * branch.slopes().elastic_change(&pushed);
+        let by_inverse = pushed.transpose() * branch.elastic * branch.stress;
+        let by_viscous = -(by_elastic + by_inverse) * turned;
+        by_slots[..STEP].copy_from_slice(by_viscous.transpose().as_slice());
+        by_slots[STEP] = (branch.elastic * branch.stress).dot(&pushed) / m[STEP];
+    }
+
     fn advance_vjp(
         &self,
         _: Place,
@@ -230,7 +260,7 @@ impl Evolution for MaxwellBranch {
         let (by_next, viscous) = (matrix(by_next), Mat3::identity() + matrix(slots));
         let by_stretch = by_next * viscous.transpose();
         let symmetric = (by_stretch + by_stretch.transpose()) * 0.5;
-        let by_metric = flow.spectrum.change(power_divided(flow.power), &symmetric) * flow.scale
+        let by_metric = flow.spectrum.change(&flow.spectrum.divided(power_divided(flow.power)), &symmetric) * flow.scale
             - flow.spectrum.map(|x| 1.0 / x) * (flow.power / 3.0 * symmetric.dot(&flow.stretch));
         let by_elastic = flow.elastic * by_metric * 2.0 * flow.inverse.transpose();
         *by_f += by_elastic;

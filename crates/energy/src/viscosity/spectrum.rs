@@ -22,15 +22,17 @@ impl Spectrum {
         self.axes * diagonal * self.axes.transpose()
     }
 
-    /// `Df(A)[D]` of a symmetric D: in the axes of A the entries `f[x_i, x_j] D_ij`, with the divided differences
-    /// `f[x, y] = (f(x) - f(y))/(x - y)`, `f'(x)` where `x = y` (Daleckii and Krein). It is its own transpose.
-    pub fn change(&self, divided: impl Fn(f64, f64) -> f64, d: &Mat3) -> Mat3 {
-        let mut inside = self.axes.transpose() * d * self.axes;
-        for i in 0..3 {
-            for j in 0..3 {
-                inside[(i, j)] *= divided(self.values[i], self.values[j]);
-            }
-        }
+    /// The divided differences `f[x_i, x_j]`, `f[x, y] = (f(x) - f(y))/(x - y)`, `f'(x)` where `x = y`.
+    pub fn divided(&self, f: impl Fn(f64, f64) -> f64) -> Mat3 {
+        let [x, y, z] = self.values;
+        let (xy, xz, yz) = (f(x, y), f(x, z), f(y, z));
+        Mat3::new(f(x, x), xy, xz, xy, f(y, y), yz, xz, yz, f(z, z))
+    }
+
+    /// `Df(A)[D]` of a symmetric D: in the axes of A the entries `f[x_i, x_j] D_ij` (Daleckii and Krein), of the divided differences of f. It is its
+    /// own transpose.
+    pub fn change(&self, divided: &Mat3, d: &Mat3) -> Mat3 {
+        let inside = (self.axes.transpose() * d * self.axes).component_mul(divided);
         self.axes * inside * self.axes.transpose()
     }
 }

@@ -71,9 +71,21 @@ impl CellWork for ControlVjp<'_> {
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
             for &k in &self.body.composition_of(at.cell).actuations {
                 let m = slots(self.controls, k, &at);
+                let law = &self.body.actuations[k].law;
+                if let Some(evolution) = law.evolution() {
+                    for (q, kinematics) in at.kinematics.iter().enumerate() {
+                        let (change, weight) = (&scratch.change[range.start + q], scratch.weights[range.start + q]);
+                        let first = values.len();
+                        values.resize(first + m.width, 0.0);
+                        let own = &mut values[first..];
+                        evolution.stress_vjp(at.place(q), kinematics, m.only(q).values, change, own);
+                        own.iter_mut().for_each(|value| *value *= weight);
+                    }
+                    continue;
+                }
                 scratch.by_control.resize(at.len() * m.width, Mat3::zeros());
                 let by_control = &mut scratch.by_control[..];
-                self.body.actuations[k].law.stress_by_control(&at, m, by_control);
+                law.stress_by_control(&at, m, by_control);
                 let changes = scratch.change[range.clone()].iter().zip(&scratch.weights[range.clone()]);
                 for (by_control, (change, weight)) in by_control.chunks_exact(m.width).zip(changes) {
                     values.extend(by_control.iter().map(|stress| weight * stress.dot(change)));
