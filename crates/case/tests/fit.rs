@@ -7,7 +7,7 @@ use common::Heard;
 use nastic_case::console::Console;
 use nastic_case::run::{Exit, Options, RunError, fit, run};
 use nastic_case::schema::Command;
-use nastic_fit::{Law, Mode, Response, curve};
+use nastic_fit::{Fibers, Law, Mode, Response, curve};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -213,7 +213,7 @@ fn instability_within_the_data_is_marked_in_every_kind_of_test() {
     {
         for (from, side) in [(to, "above"), (1.0 / to, "below")] {
             let at: Vec<f64> = (1..=20).map(|k| 1.0 + (from - 1.0) * f64::from(k) / 20.0).collect();
-            let rows = at.iter().zip(curve(&*law, mode, Response::Nominal, &at));
+            let rows = at.iter().zip(curve(&*law, mode, Fibers::Along, Response::Nominal, &at));
             let rows: String = rows.map(|(l, y)| format!("{l},{y}\n")).collect();
             let table = format!("stretch,nominal_stress [Pa]\n{rows}");
             let (result, text) = told(directory.path(), &one(marked, "yeoh", "1 GPa"), &table);
@@ -234,7 +234,7 @@ fn the_limit_of_a_law_is_no_instability() {
     let directory = tempfile::tempdir().unwrap();
     let law = Law::Gent.incompressible(&[1e6, 10.0]).unwrap();
     let at: Vec<f64> = (1..=20).map(|k| 1.0 + 0.12 * f64::from(k)).collect();
-    let rows = at.iter().zip(curve(&*law, Mode::Uniaxial, Response::Nominal, &at));
+    let rows = at.iter().zip(curve(&*law, Mode::Uniaxial, Fibers::Along, Response::Nominal, &at));
     let rows: String = rows.map(|(l, y)| format!("{l},{y}\n")).collect();
     let table = format!("stretch,nominal_stress [Pa]\n{rows}");
     let (result, text) = told(directory.path(), &one("uniaxial", "gent", "1 GPa"), &table);
@@ -295,4 +295,119 @@ fn treloar() {
     // the published set has a scatter of 0.24 MPa
     assert!(best["scatter"].as_f64().unwrap() < 8e4 && best["points"] == 53, "{}", best["scatter"]);
     assert!(best["stable"]["uniaxial"]["to"].as_f64().unwrap() > 7.6, "{}", best["stable"]);
+}
+
+/// Two families of fibres in a soft matrix, in bars and strips along and across.
+fn write_tissue(directory: &Path) -> PathBuf {
+    let law = Law::HolzapfelGasserOgden(2).incompressible(&[2e4, 1e5, 2.0, 0.1, 30.0]).unwrap();
+    let mut tests = vec![];
+    for (mode, kind) in [(Mode::Uniaxial, "uniaxial"), (Mode::Planar, "planar")] {
+        for (fibers, name) in [(Fibers::Along, "along"), (Fibers::Across, "across")] {
+            let at: Vec<f64> = (1..=12).map(|k| 1.0 + 0.03 * f64::from(k)).collect();
+            let rows = at.iter().zip(curve(&*law, mode, fibers, Response::Cauchy, &at));
+            // errors of a thousandth, of either sign
+            let noisy = |k: usize, y: f64| y * (1.0 + 1e-3 * [1.0, -1.0, -1.0, 1.0][k % 4]);
+            let rows: String = rows.enumerate().map(|(k, (l, y))| format!("{l},{}\n", noisy(k, y))).collect();
+            let file = format!("{kind}_{name}.csv");
+            fs::write(directory.join(&file), format!("stretch,cauchy_stress [Pa]\n{rows}")).unwrap();
+            tests.push(json!({ "kind": kind, "file": file, "fibers": name }));
+        }
+    }
+    let file = directory.join("tissue.json");
+    let data = json!({ "nastic_fit": 1, "tests": tests, "bulk": "2 MPa" });
+    fs::write(&file, data.to_string()).unwrap();
+    file
+}
+
+/// The bar of the case is pulled as that of the test: with the pasted law and its scenarios it answers as measured.
+#[test]
+fn fibres_are_fitted_and_pasted() {
+    let directory = tempfile::tempdir().unwrap();
+    let data = write_tissue(directory.path());
+    let heard = Heard::default();
+    let found = fit(&data, Some(directory.path().join("out")), &Console::new(heard.clone())).unwrap().result;
+    let text = heard.text();
+    assert_eq!(found["best"], "holzapfel_gasser_ogden_2", "{text}");
+    assert_eq!(found["laws"].as_array().unwrap().len(), 12);
+    let best = &found["laws"][0];
+    let angle = &best["parameters"]["fiber_angle"];
+    assert!((angle["value"].as_f64().unwrap() - 30.0).abs() < 0.5 && angle["unit"] == "deg", "{angle}");
+    assert!(text.contains("fiber_angle = ") && text.contains(" deg +- "), "{text}");
+    assert!(text.contains("uniaxial along the fibres, a Cauchy stress") || text.contains("uniaxial along the fibres"));
+    assert!(best["stable"]["uniaxial_across"]["from"].is_f64() && found["tests"][1]["fibers"] == "across");
+    let along = curve(
+        &*Law::HolzapfelGasserOgden(2).build(&[2e4, 1e5, 2.0, 0.1, 30.0], 2e6).unwrap(),
+        Mode::Uniaxial,
+        Fibers::Along,
+        Response::Nominal,
+        &[1.3],
+    )[0];
+    for one in found["laws"].as_array().unwrap().iter().filter(|one| one["materials"][0]["fiber"].is_array()) {
+        let case = json!({
+            "nastic": 1,
+            "units": "mm",
+            "mesh": { "box": { "size": [10, 10, 10], "cells": [1, 1, 1], "element": "hex27" } },
+            "materials": one["materials"],
+            "scenarios": one["scenarios"],
+            "supports": [
+                { "surface": "x-", "fix": "x" }, { "surface": "y-", "fix": "y" }, { "surface": "z-", "fix": "z" },
+                { "surface": "x+", "displacement": { "x": 3 } },
+            ],
+        });
+        let file = directory.path().join("pasted.json");
+        fs::write(&file, case.to_string()).unwrap();
+        let options = Options { in_memory: true, ..Options::default() };
+        let solved = run(Command::Solve, &file, &options, &Console::silent());
+        let solved = solved.unwrap_or_else(|error| unreachable!("{}: {error}", one["law"]));
+        let scenarios = solved.result["scenarios"].as_object().unwrap();
+        println!("{}: {} scenarios", one["law"], scenarios.len());
+        if one["law"] == "holzapfel_gasser_ogden_2" {
+            for scenario in scenarios.values() {
+                let force = scenario["reactions"]["x+"][0].as_f64().unwrap_or(f64::NAN);
+                assert!((force / (along * 1e-4) - 1.0).abs() < 0.05, "{force} {along}");
+            }
+        }
+    }
+}
+
+#[test]
+fn how_fibres_lie_is_asked_of_every_test_or_of_none() {
+    let directory = tempfile::tempdir().unwrap();
+    let data = write_tissue(directory.path());
+    let refused = |change: &dyn Fn(&mut Value)| {
+        let mut text: Value = serde_json::from_str(&fs::read_to_string(&data).unwrap()).unwrap();
+        change(&mut text);
+        let file = directory.path().join("changed.json");
+        fs::write(&file, text.to_string()).unwrap();
+        error_of(&file)
+    };
+    let error = refused(&|data| {
+        data["tests"][2].as_object_mut().unwrap().remove("fibers");
+    });
+    assert!(
+        error.contains("tests/2") && error.contains("missing key \"fibers\"") && error.contains("another test has it"),
+        "{error}"
+    );
+    let error = refused(&|data| {
+        data["laws"] = json!(["transverse_mooney_rivlin"]);
+        data["tests"]
+            .as_array_mut()
+            .unwrap()
+            .iter_mut()
+            .for_each(|test| drop(test.as_object_mut().unwrap().remove("fibers")));
+    });
+    assert!(error.contains("transverse_mooney_rivlin has fibres"), "{error}");
+    let error = refused(&|data| data["tests"][0]["fibers"] = json!("oblique"));
+    assert!(error.contains("\"along\"") && error.contains("\"across\""), "{error}");
+    let error = refused(&|data| data["tests"][0]["kind"] = json!("volumetric"));
+    assert!(error.contains("takes no \"fibers\""), "{error}");
+    // one direction alone hardly tells fibres from matrix: said
+    let mut text: Value = serde_json::from_str(&fs::read_to_string(&data).unwrap()).unwrap();
+    text["tests"] = json!([text["tests"][0], text["tests"][2]]);
+    text["laws"] = json!(["transverse_mooney_rivlin"]);
+    fs::write(directory.path().join("along.json"), text.to_string()).unwrap();
+    let heard = Heard::default();
+    fit(&directory.path().join("along.json"), Some(directory.path().join("out")), &Console::new(heard.clone()))
+        .unwrap();
+    assert!(heard.text().contains("no test across the fibres"), "{}", heard.text());
 }

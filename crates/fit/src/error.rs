@@ -41,6 +41,26 @@ pub enum FitError {
         /// What was said to be measured.
         found: &'static str,
     },
+    /// A test that no specimen with fibres is used for.
+    #[error("test \"{test}\": a test of kind {mode} takes no \"fibers\": {why}")]
+    Fibers {
+        /// Name of the test.
+        test: String,
+        /// The mode.
+        mode: &'static str,
+        /// Why not.
+        why: &'static str,
+    },
+    /// A law with fibres, and a test that does not say how they lay.
+    #[error(
+        "{law} has fibres, and test \"{test}\" does not say how its specimen lay to them: \"along\" or \"across\" (\"fibers\"; a balloon has neither)"
+    )]
+    NoFibers {
+        /// The law.
+        law: String,
+        /// Name of the test.
+        test: String,
+    },
     /// Fewer points than a law has parameters, and one more for the scatter.
     #[error(
         "{law} has {parameters} parameters, and there are {points} points with a stress: measure more, or take a law with fewer parameters"

@@ -2,11 +2,12 @@ use std::sync::Arc;
 
 use nastic_energy::catalogue::{Inputs, material};
 use nastic_energy::{EnergyTerm, Place};
-use nastic_numeric::Random;
+use nastic_tensor::Vec3;
 
 use crate::FitError;
 
-/// An isotropic law whose parameters can be fitted: those of its shape, and the bulk modulus apart.
+/// A law whose parameters can be fitted: those of its shape, and the bulk modulus apart. Fibres lie in the plane of axes 1 and 2, along axis 1 or
+/// at equal angles to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
     /// `neo_hooke`: `shear`.
@@ -23,6 +24,19 @@ pub enum Law {
     ArrudaBoyce,
     /// `ogden` of one to four terms: `mu1`, `alpha1`, ..
     Ogden(usize),
+    /// `transverse_mooney_rivlin`: `mu1`, `mu2`, `mu3`; fibres along axis 1.
+    TransverseMooneyRivlin,
+    /// `holzapfel_gasser_ogden` of one family along axis 1 (`mu`, `k1`, `k2`, `dispersion`), or of two at plus and minus `fiber_angle` (degrees).
+    HolzapfelGasserOgden(usize),
+}
+
+/// A parameter of a `materials` block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Entry {
+    /// A number in the unit of [`Law::unit`].
+    Number(f64),
+    /// A unit vector.
+    Direction([f64; 3]),
 }
 
 /// What a law needs to know of the data: a modulus, and the largest `I1 - 3`.
@@ -33,13 +47,12 @@ pub(crate) struct Scale {
 }
 
 const OGDEN: [&str; 8] = ["mu1", "alpha1", "mu2", "alpha2", "mu3", "alpha3", "mu4", "alpha4"];
-/// Share of a border that printed digits do not pass.
-const INSIDE: f64 = 1.0 - 1e-9;
+const FIBERS: [&str; 5] = ["mu", "k1", "k2", "dispersion", "fiber_angle"];
 const HERE: Place = Place { cell: 0, point: 0 };
 
 impl Law {
-    /// All of them, Ogden's with one to three terms.
-    pub const ALL: [Law; 9] = [
+    /// The isotropic ones, Ogden's with one to three terms.
+    pub const ISOTROPIC: [Law; 9] = [
         Law::NeoHooke,
         Law::NeoHookeIsochoric,
         Law::MooneyRivlin,
@@ -51,6 +64,15 @@ impl Law {
         Law::Ogden(3),
     ];
 
+    /// Those with fibres.
+    pub const WITH_FIBERS: [Law; 3] =
+        [Law::TransverseMooneyRivlin, Law::HolzapfelGasserOgden(1), Law::HolzapfelGasserOgden(2)];
+
+    /// Whether it has fibres: its response depends on the direction.
+    pub fn has_fibers(self) -> bool {
+        matches!(self, Law::TransverseMooneyRivlin | Law::HolzapfelGasserOgden(_))
+    }
+
     /// Its name in case files.
     pub fn name(self) -> &'static str {
         match self {
@@ -61,18 +83,21 @@ impl Law {
             Law::Gent => "gent",
             Law::ArrudaBoyce => "arruda_boyce",
             Law::Ogden(_) => "ogden",
+            Law::TransverseMooneyRivlin => "transverse_mooney_rivlin",
+            Law::HolzapfelGasserOgden(_) => "holzapfel_gasser_ogden",
         }
     }
 
-    /// Its name with the number of terms.
+    /// Its name with the number of terms or families.
     pub fn label(self) -> String {
         match self {
             Law::Ogden(terms) => format!("ogden_{terms}"),
+            Law::HolzapfelGasserOgden(families) => format!("holzapfel_gasser_ogden_{families}"),
             other => other.name().to_owned(),
         }
     }
 
-    /// The parameters that a fit finds, by their names in case files.
+    /// The parameters that a fit finds, by their names in case files (`fiber_angle` stands for two directions there: [`entries`](Self::entries)).
     pub fn parameters(self) -> &'static [&'static str] {
         match self {
             Law::NeoHooke | Law::NeoHookeIsochoric => &["shear"],
@@ -81,17 +106,62 @@ impl Law {
             Law::Gent => &["mu", "jm"],
             Law::ArrudaBoyce => &["mu", "lambda_m"],
             Law::Ogden(terms) => &OGDEN[..2 * terms.clamp(1, 4)],
+            Law::TransverseMooneyRivlin => &["mu1", "mu2", "mu3"],
+            Law::HolzapfelGasserOgden(families) => &FIBERS[..3 + families.clamp(1, 2)],
         }
     }
 
-    /// Whether a parameter is a pressure; the others are pure numbers.
-    pub fn is_pressure(name: &str) -> bool {
-        !(name == "jm" || name == "lambda_m" || name.starts_with("alpha"))
+    /// The unit of a parameter: `"Pa"`, `"deg"`, `"1"` of pure numbers.
+    pub fn unit(name: &str) -> &'static str {
+        match name {
+            "jm" | "lambda_m" | "k2" | "dispersion" => "1",
+            "fiber_angle" => "deg",
+            _ if name.starts_with("alpha") => "1",
+            _ => "Pa",
+        }
     }
 
     /// The key of the volumetric part, and its value for a bulk modulus (Pa).
-    pub fn volumetric(self, bulk: f64) -> (&'static str, f64) {
-        if self == Law::MooneyRivlin { ("d1", 2.0 / bulk) } else { ("bulk", bulk) }
+    fn volumetric(self, p: &[f64], bulk: f64) -> (&'static str, f64) {
+        match self {
+            Law::MooneyRivlin => ("d1", 2.0 / bulk),
+            // K = 4/3 mu1 + 16/3 mu2 + 20/9 mu3 + 2 mu4 at rest
+            Law::TransverseMooneyRivlin => {
+                ("mu4", 0.5 * bulk - p[0] * 2.0 / 3.0 - p[1] * 8.0 / 3.0 - p[2] * 10.0 / 9.0)
+            }
+            _ => ("bulk", bulk),
+        }
+    }
+
+    /// The parameters of shape as a `materials` block has them: an angle of fibres becomes their directions.
+    ///
+    /// # Errors
+    /// [`FitError::Parameters`] for too few or too many.
+    pub fn entries(self, parameters: &[f64]) -> Result<Vec<(&'static str, Entry)>, FitError> {
+        self.check(parameters)?;
+        let named = self.parameters().iter().zip(parameters).filter(|(name, _)| **name != "fiber_angle");
+        let mut out: Vec<(&'static str, Entry)> = named.map(|(name, value)| (*name, Entry::Number(*value))).collect();
+        match (self, parameters.get(4)) {
+            (Law::HolzapfelGasserOgden(2), Some(angle)) => {
+                let (sin, cos) = angle.to_radians().sin_cos();
+                out.push(("fiber", Entry::Direction([cos, sin, 0.0])));
+                out.push(("fiber2", Entry::Direction([cos, -sin, 0.0])));
+            }
+            _ if self.has_fibers() => out.push(("fiber", Entry::Direction([1.0, 0.0, 0.0]))),
+            _ => {}
+        }
+        Ok(out)
+    }
+
+    /// All of a `materials` block but its region and law: [`entries`](Self::entries) and the volumetric part of a bulk modulus (Pa).
+    ///
+    /// # Errors
+    /// As [`entries`](Self::entries).
+    pub fn block(self, parameters: &[f64], bulk: f64) -> Result<Vec<(&'static str, Entry)>, FitError> {
+        let mut out = self.entries(parameters)?;
+        let (key, value) = self.volumetric(parameters, bulk);
+        out.push((key, Entry::Number(value)));
+        Ok(out)
     }
 
     /// The law with these parameters and this bulk modulus (Pa).
@@ -99,10 +169,11 @@ impl Law {
     /// # Errors
     /// [`FitError::Parameters`] for too few or too many; [`FitError::Energy`], which names the parameter that the law refuses.
     pub fn build(self, parameters: &[f64], bulk: f64) -> Result<Arc<dyn EnergyTerm>, FitError> {
-        self.check(parameters)?;
-        let (key, value) = self.volumetric(bulk);
-        let named = self.parameters().iter().zip(parameters);
-        let inputs = named.fold(Inputs::new().number(key, value), |inputs, (name, value)| inputs.number(name, *value));
+        let inputs =
+            self.block(parameters, bulk)?.into_iter().fold(Inputs::new(), |inputs, (name, entry)| match entry {
+                Entry::Number(value) => inputs.number(name, value),
+                Entry::Direction(along) => inputs.direction(name, Vec3::from(along)),
+            });
         Ok(material(self.name())?.build(&inputs)?)
     }
 
@@ -114,7 +185,7 @@ impl Law {
         self.build(parameters, 1e3 * self.shear(parameters)?)
     }
 
-    /// Shear modulus at rest (Pa).
+    /// Shear modulus at rest (Pa), across the fibres of a law that is not isotropic there.
     ///
     /// # Errors
     /// As [`build`](Self::build).
@@ -126,73 +197,18 @@ impl Law {
             Law::Yeoh => 2.0 * p[0],
             Law::ArrudaBoyce => self.build(p, 1e3 * p[0])?.moduli(HERE).map_or(p[0], |m| m.mu_t),
             Law::Ogden(_) => p.chunks_exact(2).map(|pair| 0.5 * pair[0] * pair[1]).sum(),
+            Law::TransverseMooneyRivlin => 2.0 * (p[0] + p[1]),
+            Law::HolzapfelGasserOgden(_) => p[0],
         })
+    }
+
+    /// Whether it is isotropic at rest, where Poisson's ratio is then one number: fibres of `holzapfel_gasser_ogden` begin to bear with their stretch.
+    pub fn is_isotropic_at_rest(self) -> bool {
+        self != Law::TransverseMooneyRivlin
     }
 
     fn check(self, parameters: &[f64]) -> Result<(), FitError> {
         let (expected, found) = (self.parameters().len(), parameters.len());
         if found == expected { Ok(()) } else { Err(FitError::Parameters { law: self.label(), expected, found }) }
     }
-
-    /// Free numbers to admissible parameters, smoothly: moduli that must be positive by `exp`, those that may vanish by squares, and
-    /// `c20 = x^2 - sqrt(3 c10 c30)`, `jm > reach`, `lambda_m > 1`, `mu = 2 g / alpha` with g > 0 and alpha of a given sign (that of `signs`).
-    pub(crate) fn decode(self, x: &[f64], scale: &Scale, signs: &[f64]) -> Vec<f64> {
-        let Scale { shear, reach } = *scale;
-        match self {
-            Law::NeoHooke | Law::NeoHookeIsochoric => vec![shear * x[0].exp()],
-            Law::MooneyRivlin => vec![0.5 * shear * x[0].exp(), 0.5 * shear * x[1] * x[1]],
-            Law::Yeoh => {
-                let (c10, c30) = (0.5 * shear * x[0].exp(), 0.5 * shear / (reach * reach) * x[2] * x[2]);
-                vec![c10, 0.5 * shear / reach * x[1] * x[1] - INSIDE * (3.0 * c10 * c30).sqrt(), c30]
-            }
-            Law::Gent => vec![shear * x[0].exp(), reach * (1.0 + x[1].exp())],
-            Law::ArrudaBoyce => vec![shear * x[0].exp(), 1.0 + x[1].exp()],
-            Law::Ogden(_) => {
-                let pair = |(x, sign): (&[f64], &f64)| {
-                    let alpha = sign * x[1].exp();
-                    [2.0 * shear * x[0].exp() / alpha, alpha]
-                };
-                x.chunks_exact(2).zip(signs).flat_map(pair).collect()
-            }
-        }
-    }
-
-    /// Which free numbers are at an end of their parameter's range: squares that vanish, exponentials that do.
-    pub(crate) fn on_border(self, x: &[f64]) -> Vec<bool> {
-        let square = |k: usize| matches!((self, k), (Law::MooneyRivlin, 1) | (Law::Yeoh, 1 | 2));
-        let vanishes = |(k, x): (usize, &f64)| if square(k) { x.abs() < 1e-2 } else { *x < -20.0 };
-        x.iter().enumerate().map(vanishes).collect()
-    }
-
-    /// Where to begin: free numbers, and the signs of Ogden's powers.
-    pub(crate) fn starts(self, random: &mut Random, count: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
-        let plain = |list: &[&[f64]]| list.iter().map(|x| (x.to_vec(), vec![])).collect();
-        match self {
-            Law::NeoHooke | Law::NeoHookeIsochoric => plain(&[&[0.0]]),
-            Law::MooneyRivlin => plain(&[&[-0.2, 0.4], &[-1.0, 0.8]]),
-            Law::Yeoh => plain(&[&[0.0, 0.3, 0.3], &[0.0, 0.1, 0.05], &[-0.5, 1.0, 0.5]]),
-            Law::Gent => plain(&[&[0.0, -2.0], &[0.0, 0.0], &[-0.5, 2.0]]),
-            Law::ArrudaBoyce => plain(&[&[0.0, 1.0], &[0.0, 2.0], &[0.0, 0.0]]),
-            Law::Ogden(terms) => (0..count.max(1)).map(|k| ogden_start(terms.clamp(1, 4), k, random)).collect(),
-        }
-    }
-}
-
-/// Powers of either sign from 0.5 to 10; the moduli share the one of the data. The first start has the powers 2, -2, 5, 1.
-fn ogden_start(terms: usize, k: usize, random: &mut Random) -> (Vec<f64>, Vec<f64>) {
-    let (mut x, mut signs) = (Vec::new(), Vec::new());
-    for n in 0..terms {
-        let (share, size, sign): (f64, f64, f64) = if k == 0 {
-            ([0.9, 0.05, 0.02, 0.02][n], [2.0, 2.0, 5.0, 1.0][n], [1.0, -1.0, 1.0, 1.0][n])
-        } else {
-            (
-                f64::exp(-6.0 * random.unit()),
-                0.5 * 20f64.powf(random.unit()),
-                if random.unit() < 0.65 { 1.0 } else { -1.0 },
-            )
-        };
-        x.extend([share.ln(), size.ln()]);
-        signs.push(sign);
-    }
-    (x, signs)
 }

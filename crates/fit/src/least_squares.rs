@@ -1,12 +1,13 @@
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra_of_levenberg_marquardt::{DMatrix, DVector, Dyn, Owned};
-use nastic_energy::{EnergyTerm, PointBatch, Response as Answer, Slots, Want};
+use nastic_energy::EnergyTerm;
 use nastic_numeric::Random;
-use nastic_tensor::{Kinematics, Mat3};
+use nastic_tensor::Mat3;
 
 use crate::law::Scale;
+use crate::specimen::Specimen;
 use crate::statistics::covariance;
-use crate::{Criteria, Estimate, FitError, Law, Mode, Test, curve, student};
+use crate::{Criteria, Estimate, Fibers, FitError, Law, Mode, Response, Test, curve, student};
 
 /// What residuals are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -101,7 +102,7 @@ impl Fit {
 /// [`FitError::NoStress`], [`FitError::WrongSign`], [`FitError::NegativeShear`], [`FitError::ZeroTest`], [`FitError::TooFew`],
 /// [`FitError::NotConverged`], [`FitError::Exhausted`]; what [`Test::new`] refuses.
 pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitError> {
-    let data = Data::new(tests, options.errors)?;
+    let data = Data::new(law, tests, options.errors)?;
     let (points, parameters) = (data.targets.len(), law.parameters().len());
     if points <= parameters {
         return Err(FitError::TooFew { law: law.label(), parameters, points });
@@ -150,7 +151,7 @@ struct End<'a> {
 /// # Errors
 /// Parameters that the law refuses, or a test beyond its domain ([`FitError::NotConverged`]).
 pub fn squares(law: Law, parameters: &[f64], tests: &[Test], errors: Errors) -> Result<f64, FitError> {
-    let data = Data::new(tests, errors)?;
+    let data = Data::new(law, tests, errors)?;
     let residuals = data.residuals(&*law.incompressible(parameters)?);
     let why = "a test lies beyond the domain of the law".to_owned();
     let residuals = residuals.ok_or(FitError::NotConverged { law: law.label(), starts: 0, why })?;
@@ -159,8 +160,7 @@ pub fn squares(law: Law, parameters: &[f64], tests: &[Test], errors: Errors) -> 
 
 /// All points of all tests.
 struct Data {
-    states: Vec<Kinematics>,
-    projections: Vec<Mat3>,
+    points: Vec<Point>,
     targets: Vec<f64>,
     /// Factors of the residuals.
     factors: Vec<f64>,
@@ -168,22 +168,37 @@ struct Data {
     unit: f64,
 }
 
+/// What was done to the material, and what was measured.
+#[derive(Clone, Copy)]
+struct Point {
+    mode: Mode,
+    fibers: Fibers,
+    response: Response,
+    x: f64,
+}
+
 impl Data {
-    fn new(tests: &[Test], errors: Errors) -> Result<Self, FitError> {
-        let mut out = Data { states: vec![], projections: vec![], targets: vec![], factors: vec![], unit: 1.0 };
+    fn new(law: Law, tests: &[Test], errors: Errors) -> Result<Self, FitError> {
+        let mut out = Data { points: vec![], targets: vec![], factors: vec![], unit: 1.0 };
         for test in tests.iter().filter(|test| test.mode != Mode::Volumetric) {
             test.check()?;
             check_signs(test)?;
+            if law.has_fibers() && test.fibers.is_none() {
+                return Err(FitError::NoFibers { law: law.label(), test: test.name.clone() });
+            }
             let most = test.points.iter().fold(0.0f64, |most, [_, y]| most.max(y.abs()));
             for [x, y] in &test.points {
                 // at rest every law is free of stress: nothing to learn
-                let Some(state) = test.mode.state(*x).filter(|_| !test.mode.is_rest(*x)) else { continue };
+                if test.mode.is_rest(*x) {
+                    continue;
+                }
                 if errors == Errors::Relative && most == 0.0 {
                     return Err(FitError::ZeroTest { test: test.name.clone() });
                 }
                 let size = if errors == Errors::Relative { y.abs().max(0.05 * most) } else { 1.0 };
-                out.states.push(state);
-                out.projections.push(test.mode.projection(test.response, *x));
+                let Test { mode, response, fibers, .. } = test;
+                let fibers = fibers.unwrap_or_default();
+                out.points.push(Point { mode: *mode, fibers, response: *response, x: *x });
                 out.targets.push(*y);
                 out.factors.push(test.weight.sqrt() / size);
             }
@@ -202,7 +217,8 @@ impl Data {
             along += factor * factor * a * y;
             own += factor * factor * a * a;
         }
-        let reach = self.states.iter().map(|state| state.f().norm_squared() - 3.0).fold(0.0, f64::max);
+        let gradients = self.points.iter().filter_map(|point| point.mode.gradient(point.x));
+        let reach = gradients.map(|f| f.norm_squared() - 3.0).fold(0.0, f64::max);
         let shear = along / own;
         match shear {
             _ if self.unit == 0.0 => Err(FitError::NoStress),
@@ -213,12 +229,16 @@ impl Data {
 
     /// Responses of a law; `None` where a point lies beyond its domain.
     fn responses(&self, law: &dyn EnergyTerm) -> Option<Vec<f64>> {
-        let at = PointBatch { kinematics: &self.states, cell: 0, first: 0 };
-        law.check_domain(&at).ok()?;
-        let mut stress = vec![Mat3::zeros(); self.states.len()];
-        let mut answer = Answer { energy: &mut [], stress: &mut stress, tangent: &mut [] };
-        law.respond(&at, Slots::none(), Want::STRESS, &mut answer);
-        let out: Vec<f64> = stress.iter().zip(&self.projections).map(|(p, a)| a.dot(p)).collect();
+        let of = |point: &Point| {
+            let specimen = Specimen { law, fibers: point.fibers };
+            let f = specimen.gradient(point.mode, point.x)?;
+            Some((f, specimen.turn(point.mode.projection(point.response, point.x, f[(2, 2)]))))
+        };
+        let (gradients, projections): (Vec<Mat3>, Vec<Mat3>) =
+            self.points.iter().map(of).collect::<Option<Vec<_>>>()?.into_iter().unzip();
+        // in the axes of the law, so that the batch may hold specimens of either kind
+        let stress = Specimen { law, fibers: Fibers::Along }.stresses(&gradients)?;
+        let out: Vec<f64> = stress.iter().zip(&projections).map(|(p, a)| a.dot(p)).collect();
         out.iter().all(|y| y.is_finite()).then_some(out)
     }
 
@@ -232,7 +252,8 @@ impl Data {
 /// Whether any response has the sign that every law gives it: that of the neo-Hookean one.
 fn check_signs(test: &Test) -> Result<(), FitError> {
     let at: Vec<f64> = test.points.iter().map(|[x, _]| *x).collect();
-    let expected = curve(&*Law::NeoHookeIsochoric.incompressible(&[1.0])?, test.mode, test.response, &at);
+    let expected =
+        curve(&*Law::NeoHookeIsochoric.incompressible(&[1.0])?, test.mode, Fibers::Along, test.response, &at);
     let signs = || expected.iter().zip(&test.points).map(|(a, [_, y])| a * y).filter(|product| *product != 0.0);
     let points = signs().count();
     if points > 0 && signs().all(|product| product < 0.0) {

@@ -1,4 +1,4 @@
-//! Parameters of isotropic laws from test data.
+//! Parameters of laws from test data.
 //!
 //! Tests are homogeneous deformations ([`Mode`]) of a material that keeps its volume; a law's parameters are those of least weighted
 //! squares over all tests together, found by the Levenberg-Marquardt method from several starts ([`fit`]). The change of volume is a separate,
@@ -18,19 +18,21 @@
 //! ```
 
 mod error;
+mod free_numbers;
 mod law;
 mod least_squares;
 mod scenario;
+mod specimen;
 mod stability;
 mod statistics;
 mod test;
 mod volume;
 
 pub use error::FitError;
-pub use law::Law;
+pub use law::{Entry, Law};
 pub use least_squares::{Errors, Fit, FitOptions, Starts, fit, squares};
 pub use scenario::{Scenario, scenarios};
 pub use stability::{End, Range, stable_range};
 pub use statistics::{Criteria, Estimate, student};
-pub use test::{Mode, Response, Test, curve};
+pub use test::{Fibers, Mode, Response, Test, curve};
 pub use volume::{Bulk, bulk};

@@ -1,12 +1,13 @@
-use nastic_energy::{EnergyTerm, PointBatch, Response as Answer, Slots, Want};
-use nastic_tensor::{Kinematics, Mat3, Vec3};
+use nastic_energy::EnergyTerm;
+use nastic_tensor::{Mat3, Vec3};
 
 use crate::FitError;
+use crate::specimen::Specimen;
 
 /// A homogeneous deformation of a material that keeps its volume (but for [`Volumetric`](Self::Volumetric)), by one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mode {
-    /// `F = diag(l, l^(-1/2), l^(-1/2))`: tension or compression of a bar.
+    /// `F = diag(l, l2, 1/(l l2))`: tension or compression of a bar whose sides are free; `l2 = l^(-1/2)` without fibres.
     Uniaxial,
     /// `F = diag(l, l, l^(-2))`.
     Equibiaxial,
@@ -36,6 +37,16 @@ pub enum Response {
     Pressure,
 }
 
+/// How a specimen with fibres was loaded: direction 1 of the [`Mode`] along axis 1 of the law ([`Law`](crate::Law)) or axis 2.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fibers {
+    /// Direction 1 is axis 1: along one family, along the bisector of two.
+    #[default]
+    Along,
+    /// Direction 1 is axis 2, which lies in the plane of the fibres too.
+    Across,
+}
+
 /// One test: pairs of deformation and response.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Test {
@@ -45,6 +56,8 @@ pub struct Test {
     pub mode: Mode,
     /// What was measured.
     pub response: Response,
+    /// How the specimen lay to its fibres, where it has some.
+    pub fibers: Option<Fibers>,
     /// Deformation (a stretch, an amount of shear, a ratio of volumes) and response (Pa).
     pub points: Vec<[f64; 2]>,
     /// Weight of each of its squared residuals.
@@ -73,20 +86,19 @@ impl Mode {
         }
     }
 
-    /// The deformation gradient; `None` where there is none.
-    pub(crate) fn state(self, x: f64) -> Option<Kinematics> {
+    /// The deformation gradient of a material without fibres; `None` where there is none.
+    pub(crate) fn gradient(self, x: f64) -> Option<Mat3> {
         // det diag(l, l, l^-2) = 1 for negative l too
         if !x.is_finite() || (x <= 0.0 && self != Mode::SimpleShear) {
             return None;
         }
-        let f = match self {
+        Some(match self {
             Mode::Uniaxial => diagonal(x, x.powf(-0.5), x.powf(-0.5)),
             Mode::Equibiaxial | Mode::Inflation { .. } => diagonal(x, x, x.powi(-2)),
             Mode::Planar => diagonal(x, 1.0, 1.0 / x),
             Mode::SimpleShear => Mat3::new(1.0, x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
             Mode::Volumetric => Mat3::from_diagonal_element(x.cbrt()),
-        };
-        Kinematics::new(f).ok()
+        })
     }
 
     pub(crate) fn is_rest(self, x: f64) -> bool {
@@ -94,16 +106,14 @@ impl Mode {
     }
 
     /// The response is `A : P` with the stress P of the law: the pressure that keeps the volume, and so any volumetric part, drops out of
-    /// `l1 P11 - l3 P33`.
-    pub(crate) fn projection(self, response: Response, x: f64) -> Mat3 {
-        let thickness = |free: f64, scale: f64| diagonal(scale, 0.0, -scale * free / x);
+    /// `l1 P11 - l3 P33`. `l3` is the stretch of the thickness.
+    pub(crate) fn projection(self, response: Response, x: f64, l3: f64) -> Mat3 {
+        let thickness = |scale: f64| diagonal(scale, 0.0, -scale * l3 / x);
         let nominal = match self {
-            Mode::Uniaxial => thickness(x.powf(-0.5), 1.0),
-            Mode::Equibiaxial => thickness(x.powi(-2), 1.0),
-            Mode::Inflation { thickness_to_radius } => thickness(x.powi(-2), 2.0 * thickness_to_radius / (x * x)),
-            Mode::Planar => thickness(1.0 / x, 1.0),
+            Mode::Uniaxial | Mode::Equibiaxial | Mode::Planar => thickness(1.0),
+            Mode::Inflation { thickness_to_radius } => thickness(2.0 * thickness_to_radius / (x * x)),
             Mode::SimpleShear => Mat3::new(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-            Mode::Volumetric => diagonal(-x.powf(-2.0 / 3.0), 0.0, 0.0),
+            Mode::Volumetric => Mat3::from_diagonal_element(-x.powf(-2.0 / 3.0) / 3.0),
         };
         if response == Response::Cauchy { nominal * x } else { nominal }
     }
@@ -151,7 +161,7 @@ impl Test {
             let (mode, expected, found) = (mode.name(), mode.gives(), response.name());
             return Err(FitError::Response { test: name.to_owned(), mode, expected, found });
         }
-        let test = Test { name: name.to_owned(), mode, response, points, weight: 1.0 };
+        let test = Test { name: name.to_owned(), mode, response, fibers: None, points, weight: 1.0 };
         test.check().map(|()| test)
     }
 
@@ -161,6 +171,15 @@ impl Test {
     /// [`FitError::Setting`] for a weight that is not a positive number.
     pub fn weighted(self, weight: f64) -> Result<Self, FitError> {
         let test = Test { weight, ..self };
+        test.check().map(|()| test)
+    }
+
+    /// Of a specimen with fibres.
+    ///
+    /// # Errors
+    /// [`FitError::Fibers`] of a balloon, which does not stay a sphere, and of volumetric tests, which give the bulk modulus alone.
+    pub fn loaded(self, fibers: Fibers) -> Result<Self, FitError> {
+        let test = Test { fibers: Some(fibers), ..self };
         test.check().map(|()| test)
     }
 
@@ -177,6 +196,16 @@ impl Test {
             if good { Ok(()) } else { Err(FitError::Setting { test, what, value, requirement }) }
         };
         positive("weight", self.weight)?;
+        let (test, mode) = (self.name.clone(), self.mode.name());
+        match (self.fibers, self.mode) {
+            (Some(_), Mode::Inflation { .. }) => {
+                return Err(FitError::Fibers { test, mode, why: "a balloon with fibres does not stay a sphere" });
+            }
+            (Some(_), Mode::Volumetric) => {
+                return Err(FitError::Fibers { test, mode, why: "it gives the bulk modulus alone" });
+            }
+            _ => {}
+        }
         if let Mode::Inflation { thickness_to_radius } = self.mode {
             positive("thickness over radius", thickness_to_radius)?;
         }
@@ -184,7 +213,7 @@ impl Test {
             let wrong = |what, value, requirement| {
                 Err(FitError::Point { test: self.name.clone(), point, what, value, requirement })
             };
-            if self.mode.state(*x).is_none() {
+            if self.mode.gradient(*x).is_none() {
                 let shear = self.mode == Mode::SimpleShear;
                 let requirement = if shear { "it must be a finite number" } else { "it must be positive and finite" };
                 return wrong(self.mode.deformation(), *x, requirement);
@@ -198,15 +227,11 @@ impl Test {
 }
 
 /// The response of a law at some deformations, NaN where it has none: a curve to be drawn.
-pub fn curve(law: &dyn EnergyTerm, mode: Mode, response: Response, at: &[f64]) -> Vec<f64> {
+pub fn curve(law: &dyn EnergyTerm, mode: Mode, fibers: Fibers, response: Response, at: &[f64]) -> Vec<f64> {
     let one = |x: &f64| {
-        let state = [mode.state(*x)?];
-        let point = PointBatch { kinematics: &state, cell: 0, first: 0 };
-        law.check_domain(&point).ok()?;
-        let mut stress = [Mat3::zeros()];
-        let mut answer = Answer { energy: &mut [], stress: &mut stress, tangent: &mut [] };
-        law.respond(&point, Slots::none(), Want::STRESS, &mut answer);
-        Some(mode.projection(response, *x).dot(&stress[0]))
+        let specimen = Specimen { law, fibers };
+        let f = specimen.gradient(mode, *x)?;
+        Some(specimen.turn(mode.projection(response, *x, f[(2, 2)])).dot(&specimen.stress(f)?))
     };
     at.iter().map(|x| one(x).unwrap_or(f64::NAN)).collect()
 }

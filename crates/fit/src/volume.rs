@@ -1,4 +1,4 @@
-use crate::{FitError, Law, Mode, Response, Test, curve, student};
+use crate::{Fibers, FitError, Law, Mode, Response, Test, curve, student};
 
 /// A bulk modulus from volumetric tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,5 +54,5 @@ pub fn bulk(law: Law, parameters: &[f64], tests: &[Test]) -> Result<Bulk, FitErr
 /// Pressures (Pa) of a law at the volume ratios of volumetric points.
 fn pressures(law: Law, parameters: &[f64], bulk: f64, points: &[[f64; 2]]) -> Result<Vec<f64>, FitError> {
     let ratios: Vec<f64> = points.iter().map(|[x, _]| *x).collect();
-    Ok(curve(&*law.build(parameters, bulk)?, Mode::Volumetric, Response::Pressure, &ratios))
+    Ok(curve(&*law.build(parameters, bulk)?, Mode::Volumetric, Fibers::Along, Response::Pressure, &ratios))
 }

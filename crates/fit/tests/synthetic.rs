@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used)] // a test may
 
 use nastic_fit::{
-    End, Errors, FitError, FitOptions, Law, Mode, Response, Test, bulk, curve, fit, scenarios, stable_range, student,
+    End, Errors, Fibers, FitError, FitOptions, Law, Mode, Response, Test, bulk, curve, fit, scenarios, stable_range,
+    student,
 };
 
 const TRUE: [(Law, &[f64]); 8] = [
@@ -20,7 +21,7 @@ fn test(law: Law, values: &[f64], mode: Mode, response: Response, to: f64) -> Te
     let term = law.incompressible(values).unwrap();
     let at: Vec<f64> = (1..=15).map(|k| (to - 1.0) * f64::from(k) / 15.0).collect();
     let at: Vec<f64> = at.iter().map(|x| if mode == Mode::SimpleShear { *x } else { 1.0 + x }).collect();
-    let stresses = curve(&*term, mode, response, &at);
+    let stresses = curve(&*term, mode, Fibers::Along, response, &at);
     Test::new(mode.name(), mode, response, at.into_iter().zip(stresses).map(|(x, y)| [x, y]).collect()).unwrap()
 }
 
@@ -53,7 +54,7 @@ fn parameters_come_back() {
 #[test]
 fn modes_by_hand() {
     let law = Law::NeoHookeIsochoric.incompressible(&[2.0]).unwrap();
-    let at = |mode: Mode, response: Response, x: f64| curve(&*law, mode, response, &[x])[0];
+    let at = |mode: Mode, response: Response, x: f64| curve(&*law, mode, Fibers::Along, response, &[x])[0];
     for l in [0.7f64, 1.4, 2.6] {
         for (found, expected) in [
             (at(Mode::Uniaxial, Response::Nominal, l), 2.0 * (l - l.powi(-2))),
@@ -115,7 +116,10 @@ fn a_bulk_modulus_from_volumetric_data() {
     for (law, values) in TRUE {
         let term = law.build(values, kappa).unwrap();
         let at = [0.99, 0.995, 1.002];
-        let points = at.iter().zip(curve(&*term, Mode::Volumetric, Response::Pressure, &at)).map(|(x, y)| [*x, y]);
+        let points = at
+            .iter()
+            .zip(curve(&*term, Mode::Volumetric, Fibers::Along, Response::Pressure, &at))
+            .map(|(x, y)| [*x, y]);
         let test = Test::new("press", Mode::Volumetric, Response::Pressure, points.collect()).unwrap();
         let found = bulk(law, values, std::slice::from_ref(&test)).unwrap();
         assert!((found.value / kappa - 1.0).abs() < 1e-6, "{law:?}: {found:?}");
@@ -129,15 +133,15 @@ fn a_bulk_modulus_from_volumetric_data() {
 #[test]
 fn the_range_of_stability() {
     let neo = Law::NeoHookeIsochoric.incompressible(&[1.0]).unwrap();
-    let range = stable_range(&*neo, Mode::Equibiaxial, 5.0);
+    let range = stable_range(&*neo, Mode::Equibiaxial, Fibers::Along, 5.0);
     assert_eq!((range.from, range.to, range.ends), (0.2, 5.0, [End::Examined; 2]));
     let gent = Law::Gent.incompressible(&[1.0, 10.0]).unwrap();
-    let range = stable_range(&*gent, Mode::Uniaxial, 6.0);
+    let range = stable_range(&*gent, Mode::Uniaxial, Fibers::Along, 6.0);
     // to its limit, l^2 + 2/l - 3 = 10
     assert!(range.ends[1] == End::Undefined && (range.to.powi(2) + 2.0 / range.to - 13.0).abs() < 1e-2, "{range:?}");
     // sigma = 2 (c10 + 2 c20 x + 3 c30 x^2)(..) with a deep valley
     let yeoh = Law::Yeoh.incompressible(&[1.0, -0.17, 0.01]).unwrap();
-    let range = stable_range(&*yeoh, Mode::Uniaxial, 6.0);
+    let range = stable_range(&*yeoh, Mode::Uniaxial, Fibers::Along, 6.0);
     assert!(range.ends[1] == End::Unstable && range.to > 1.5 && range.to < 2.9, "{range:?}");
 }
 

@@ -44,7 +44,7 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     let errors = asked.errors.errors();
     let options = FitOptions { errors, starts: asked.starts, seed: asked.seed, ..FitOptions::default() };
     let laws: Vec<Law> = asked.laws.iter().map(|law| law.0).collect();
-    let laws = if laws.is_empty() { Law::ALL.to_vec() } else { laws };
+    let laws = if laws.is_empty() { asked.all_laws() } else { laws };
     print::introduce(&asked, &tests, console);
     let (mut fitted, mut failed): (Vec<Fitted>, Vec<(Law, FitError)>) = (Vec::new(), Vec::new());
     for law in laws {
@@ -60,7 +60,7 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     let Some(best) = fitted.first() else {
         return Err(RunError::Fit(failed.into_iter().next().map_or(FitError::NoStress, |(_, error)| error)));
     };
-    print::found(&fitted, &failed, errors, console);
+    print::found(&fitted, &tests, &failed, errors, console);
     let charts = plot::charts(best, &tests, asked.title.as_deref());
     for (name, chart) in &charts {
         chart.write(out.file(name))?;

@@ -4,7 +4,7 @@ use crate::quantity::Want;
 use crate::schema::json::Definitions;
 use crate::schema::read::{Read, Reader};
 use crate::syntax::{At, Diagnostics, Document, Node};
-use nastic_fit::{Errors, Law};
+use nastic_fit::{Errors, Fibers, Law};
 use serde_json::{Value as Json, json};
 
 object! {
@@ -16,7 +16,8 @@ object! {
         pub title: Option<String>,
         /// What was measured; at least one test that is not volumetric.
         pub tests: Vec<FitTest>,
-        /// Laws to compare: names of the catalogue, Ogden's with its number of terms, as "ogden_3"; all that can be fitted if left out.
+        /// Laws to compare: names of the catalogue, Ogden's with its number of terms, as "ogden_3", Holzapfel's with its families of fibres; all that can
+        /// be fitted if left out, those with fibres where the tests tell how they lay.
         pub laws: Vec<FitLaw> = vec![],
         /// The bulk modulus, where no volumetric test gives it.
         pub bulk: Option<f64> as POSITIVE_PRESSURE,
@@ -47,6 +48,8 @@ object! {
         pub name: Option<String>,
         /// Weight of each of its squared residuals.
         pub weight: f64 as POSITIVE = 1.0,
+        /// Of a specimen with fibres: whether it was loaded along or across them.
+        pub fibers: Option<FitFibers>,
         /// Of "inflation": thickness over radius of the balloon at rest.
         pub thickness_to_radius: Option<f64> as POSITIVE,
     }
@@ -67,6 +70,16 @@ choice! {
         "inflation" => Inflation,
         /// Ratio of volumes against pressure.
         "volumetric" => Volumetric,
+    }
+}
+
+choice! {
+    /// How a specimen lay to its fibres.
+    pub enum FitFibers {
+        /// Loaded along them: along one family, along the bisector of two.
+        "along" => Along,
+        /// Loaded across, in their plane.
+        "across" => Across,
     }
 }
 
@@ -95,8 +108,19 @@ impl FitErrors {
     }
 }
 
+impl FitFibers {
+    /// The same for the fit.
+    #[must_use]
+    pub fn fibers(&self) -> Fibers {
+        match self {
+            Self::Along => Fibers::Along,
+            Self::Across => Fibers::Across,
+        }
+    }
+}
+
 fn laws() -> Vec<Law> {
-    Law::ALL.into_iter().chain([Law::Ogden(4)]).collect()
+    Law::ISOTROPIC.into_iter().chain([Law::Ogden(4)]).chain(Law::WITH_FIBERS).collect()
 }
 
 impl Read for FitLaw {
@@ -134,12 +158,32 @@ fn check_data(data: &FitData, reader: &mut Reader<'_>) {
         }
         _ => {}
     }
+    let shaped = || data.tests.iter().enumerate().filter(|(_, test)| test.kind != FitKind::Volumetric);
+    let with_fibers = data.laws.iter().find(|law| law.0.has_fibers());
+    if with_fibers.is_some() || shaped().any(|(_, test)| test.fibers.is_some()) {
+        for (k, test) in shaped().filter(|(_, test)| test.fibers.is_none()) {
+            let why = match with_fibers {
+                Some(law) => format!("{} has fibres", law.0.label()),
+                None => "another test has it".to_owned(),
+            };
+            let message = match test.kind {
+                FitKind::Inflation => {
+                    format!("{why}, but a balloon with fibres does not stay a sphere: leave the test out")
+                }
+                _ => format!("missing key \"fibers\", \"along\" or \"across\": {why}"),
+            };
+            reader.complain_at(&data.at.key("tests").index(k), &message);
+        }
+    }
     if data.stable_to.is_some_and(|to| to <= 1.0) {
         reader.complain_at(&data.at.key("stable_to"), "a stretch above 1 is wanted");
     }
 }
 
 fn check_test(test: &FitTest, reader: &mut Reader<'_>) {
+    if test.fibers.is_some() && matches!(test.kind, FitKind::Inflation | FitKind::Volumetric) {
+        reader.complain_at(&test.at.key("fibers"), "a test of this kind takes no \"fibers\": a balloon with fibres does not stay a sphere, and volumetric tests give the bulk modulus alone");
+    }
     if (test.kind == FitKind::Inflation) != test.thickness_to_radius.is_some() {
         let message = match test.kind {
             FitKind::Inflation => "missing key \"thickness_to_radius\": thickness over radius of the balloon at rest",
@@ -150,6 +194,13 @@ fn check_test(test: &FitTest, reader: &mut Reader<'_>) {
 }
 
 impl FitData {
+    /// The laws that are compared where none are named.
+    #[must_use]
+    pub fn all_laws(&self) -> Vec<Law> {
+        let fibers = self.tests.iter().any(|test| test.fibers.is_some());
+        Law::ISOTROPIC.into_iter().chain(Law::WITH_FIBERS.into_iter().filter(|_| fibers)).collect()
+    }
+
     /// Reads a data file.
     ///
     /// # Errors

@@ -4,7 +4,8 @@ use crate::run::describe::conditions;
 use crate::schema::FitData;
 use nastic_energy::{Existence, Place};
 use nastic_fit::{
-    Bulk, End, Errors, Estimate, Fit, FitError, Law, Mode, Range, Scenario, Test, bulk, scenarios, stable_range,
+    Bulk, End, Entry, Errors, Estimate, Fibers, Fit, FitError, Law, Mode, Range, Scenario, Test, bulk, scenarios,
+    stable_range,
 };
 use serde_json::{Map, Value, json};
 
@@ -14,6 +15,8 @@ const MODES: [Mode; 3] = [Mode::Uniaxial, Mode::Equibiaxial, Mode::Planar];
 /// The range of stability in one kind of test.
 pub(super) struct Stable {
     pub mode: Mode,
+    /// How the specimen lies to the fibres of a law that has some.
+    pub fibers: Option<Fibers>,
     pub range: Range,
     /// Whether it ends, below and above, within the stretches measured in tests of this kind.
     pub within: [bool; 2],
@@ -42,18 +45,25 @@ impl Fitted {
         let incompressible = fit.law.incompressible(&values)?;
         let shear = fit.law.shear(&values)?;
         let reach = asked.stable_to.unwrap_or_else(|| 1.25 * largest_stretch(tests));
-        let stable = MODES.map(|mode| Stable::new(mode, stable_range(&*incompressible, mode, reach), tests));
+        let lies: &[Option<Fibers>] =
+            if fit.law.has_fibers() { &[Some(Fibers::Along), Some(Fibers::Across)] } else { &[None] };
+        let looked = lies.iter().flat_map(|fibers| MODES.map(|mode| (mode, *fibers)));
+        let stable = looked.map(|(mode, fibers)| {
+            let range = stable_range(&*incompressible, mode, fibers.unwrap_or_default(), reach);
+            Stable::new(mode, fibers, range, tests)
+        });
         let existence = law.existence(Place { cell: 0, point: 0 });
         // those that this bulk modulus does not fit are no materials
         let scenarios = scenarios(&fit);
         let admissible = scenarios.iter().all(|one| fit.law.build(&one.parameters, bulk.value).is_ok());
         let scenarios = if admissible { scenarios } else { vec![] };
-        Ok(Fitted { fit, bulk, shear, stable: stable.into(), existence, region: asked.region.clone(), scenarios })
+        Ok(Fitted { fit, bulk, shear, stable: stable.collect(), existence, region: asked.region.clone(), scenarios })
     }
 
-    /// Poisson's ratio at rest, `(3 K - 2 G)/(2 (3 K + G))`.
-    pub fn poisson(&self) -> f64 {
-        (3.0 * self.bulk.value - 2.0 * self.shear) / (2.0 * (3.0 * self.bulk.value + self.shear))
+    /// Poisson's ratio at rest, `(3 K - 2 G)/(2 (3 K + G))`, where there is one.
+    pub fn poisson(&self) -> Option<f64> {
+        let ratio = (3.0 * self.bulk.value - 2.0 * self.shear) / (2.0 * (3.0 * self.bulk.value + self.shear));
+        self.fit.law.is_isotropic_at_rest().then_some(ratio)
     }
 
     /// The block to paste.
@@ -61,23 +71,24 @@ impl Fitted {
         let mut block = Map::new();
         block.insert("region".into(), json!(self.region));
         block.insert("law".into(), json!(self.fit.law.name()));
-        for parameter in &self.fit.parameters {
-            block.insert(parameter.name.into(), text(parameter.name, parameter.value));
+        for (key, entry) in self.fit.law.block(&self.fit.values(), self.bulk.value).unwrap_or_default() {
+            let value =
+                if key == "d1" { json!(format!("2 / {}", pressure(self.bulk.value))) } else { text(key, entry) };
+            block.insert(key.into(), value);
         }
-        let (key, value) = self.fit.law.volumetric(self.bulk.value);
-        block.insert(
-            key.into(),
-            if key == "d1" { json!(format!("2 / {}", pressure(self.bulk.value))) } else { text(key, value) },
-        );
         json!([block])
     }
 
     fn scenario_block(&self) -> Value {
-        let names = self.fit.law.parameters();
+        // of a law whose volumetric key depends on its parameters, the bulk modulus stays
+        let all = |one: &Scenario| match self.fit.law {
+            Law::TransverseMooneyRivlin => self.fit.law.block(&one.parameters, self.bulk.value),
+            law => law.entries(&one.parameters),
+        };
         let of = |one: &Scenario| {
-            let values = names.iter().zip(&one.parameters);
+            let entries = all(one).unwrap_or_default().into_iter();
             let set: Map<String, Value> =
-                values.map(|(name, value)| (format!("materials/0/{name}"), text(name, *value))).collect();
+                entries.map(|(name, entry)| (format!("materials/0/{name}"), text(name, entry))).collect();
             json!({ "probability": one.probability, "set": set })
         };
         self.scenarios.iter().map(of).collect()
@@ -88,8 +99,7 @@ impl Fitted {
         let Fit { law, squares, points, scatter, criteria, starts, correlation, .. } = &self.fit;
         let parameters: Map<String, Value> =
             self.fit.parameters.iter().map(|one| (one.name.to_owned(), estimate(one))).collect();
-        let stable: Map<String, Value> =
-            self.stable.iter().map(|one| (one.mode.name().to_owned(), one.json())).collect();
+        let stable: Map<String, Value> = self.stable.iter().map(|one| (one.name(), one.json())).collect();
         json!({
             "law": law.label(),
             "parameters": parameters,
@@ -116,11 +126,18 @@ impl Fitted {
 }
 
 impl Stable {
-    fn new(mode: Mode, range: Range, tests: &[Test]) -> Self {
-        let own = tests.iter().filter(|test| kind(test.mode) == Some(mode)).flat_map(stretches);
+    fn new(mode: Mode, fibers: Option<Fibers>, range: Range, tests: &[Test]) -> Self {
+        let belongs = |test: &&Test| kind(test.mode) == Some(mode) && (fibers.is_none() || test.fibers == fibers);
+        let own = tests.iter().filter(belongs).flat_map(stretches);
         let [low, high] = own.fold([1.0, 1.0], |[low, high], l| [f64::min(low, l), f64::max(high, l)]);
         let [below, above] = range.ends.map(|end| end != End::Examined);
-        Stable { mode, range, within: [below && low < range.from, above && high > range.to] }
+        Stable { mode, fibers, range, within: [below && low < range.from, above && high > range.to] }
+    }
+
+    /// The key of its entry: the kind of test, and `_across` where it is one across fibres.
+    fn name(&self) -> String {
+        let across = if self.fibers == Some(Fibers::Across) { "_across" } else { "" };
+        format!("{}{across}", self.mode.name())
     }
 
     fn json(&self) -> Value {
@@ -169,8 +186,17 @@ pub(super) fn scatter_unit(errors: Errors) -> &'static str {
 pub(super) fn of_test(test: &Test) -> Value {
     json!({
         "name": test.name, "kind": test.mode.name(), "response": test.response.name().trim_start_matches("a "),
+        "fibers": test.fibers.map(fibers_name),
         "points": test.points.len(), "at_rest": test.at_rest(), "weight": test.weight,
     })
+}
+
+/// As data files say it.
+pub(super) fn fibers_name(fibers: Fibers) -> &'static str {
+    match fibers {
+        Fibers::Along => "along",
+        Fibers::Across => "across",
+    }
 }
 
 /// Largest stretch of all tests of shape, or the inverse of the smallest.
@@ -180,8 +206,7 @@ fn largest_stretch(tests: &[Test]) -> f64 {
 
 fn estimate(one: &Estimate) -> Value {
     let interval = one.half_width.map(|h| [one.value - h, one.value + h]);
-    let unit = if Law::is_pressure(one.name) { "Pa" } else { "1" };
-    json!({ "value": one.value, "unit": unit, "deviation": one.deviation, "interval": interval })
+    json!({ "value": one.value, "unit": Law::unit(one.name), "deviation": one.deviation, "interval": interval })
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -189,8 +214,12 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 /// A parameter as a case file takes it.
-fn text(name: &str, value: f64) -> Value {
-    if Law::is_pressure(name) { json!(pressure(value)) } else { json!(rounded(value)) }
+fn text(name: &str, entry: Entry) -> Value {
+    match entry {
+        Entry::Direction(along) => json!(along.map(rounded)),
+        Entry::Number(value) if Law::unit(name) == "Pa" => json!(pressure(value)),
+        Entry::Number(value) => json!(rounded(value)),
+    }
 }
 
 /// Ten digits, which the borders of the laws bear.

@@ -63,7 +63,7 @@ fn chart(best: &Fitted, tests: &[&Test], title: Option<&str>) -> Chart {
         let [low, high] =
             test.points.iter().fold([rest, rest], |[low, high], [x, _]| [f64::min(low, *x), f64::max(high, *x)]);
         let at: Vec<f64> = (0..=POINTS).map(|k| low + (high - low) * k as f64 / POINTS as f64).collect();
-        let responses = curve(&*law, test.mode, test.response, &at);
+        let responses = curve(&*law, test.mode, test.fibers.unwrap_or_default(), test.response, &at);
         let label =
             if test.response == Response::Cauchy { format!("{} (Cauchy)", test.name) } else { test.name.clone() };
         chart = chart.curve(Curve::new(&label, at.into_iter().zip(responses).map(|(x, y)| (x, y / MEGA, true))));

@@ -1,10 +1,10 @@
 //! What a fit says on the terminal.
 
-use super::entry::{Fitted, Stable, scatter_unit};
+use super::entry::{Fitted, Stable, fibers_name, scatter_unit};
 use crate::console::Console;
 use crate::run::number::short;
 use crate::schema::FitData;
-use nastic_fit::{End, Errors, Estimate, FitError, Law, Starts, Test};
+use nastic_fit::{End, Errors, Estimate, Fibers, FitError, Law, Starts, Test};
 
 /// Correlations beyond which two parameters are hardly told apart.
 const ALIKE: f64 = 0.99;
@@ -17,12 +17,13 @@ pub(super) fn introduce(asked: &FitData, tests: &[Test], console: &Console) {
         let ends = test.points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [x, _]| [a.min(*x), b.max(*x)]);
         let (kind, what) = (test.mode.name(), test.response.name().trim_start_matches("a "));
         let weight = if test.weight == 1.0 { String::new() } else { format!(", weight {}", short(test.weight)) };
+        let fibers = test.fibers.map_or(String::new(), |fibers| format!(" {} the fibres", fibers_name(fibers)));
         let rest = match test.at_rest() {
             0 => String::new(),
             some => format!(" ({some} at rest left out)"),
         };
         console.say(format!(
-            "test        {}: {kind}, {what}, {} points{rest}, {} {} to {}{weight}",
+            "test        {}: {kind}{fibers}, {what}, {} points{rest}, {} {} to {}{weight}",
             test.name,
             test.points.len(),
             test.mode.deformation(),
@@ -32,7 +33,7 @@ pub(super) fn introduce(asked: &FitData, tests: &[Test], console: &Console) {
     }
 }
 
-pub(super) fn found(fitted: &[Fitted], failed: &[(Law, FitError)], errors: Errors, console: &Console) {
+pub(super) fn found(fitted: &[Fitted], tests: &[Test], failed: &[(Law, FitError)], errors: Errors, console: &Console) {
     let Some(best) = fitted.first() else { return };
     let scatter = format!("scatter, {}", scatter_unit(errors));
     if best.fit.criteria.aicc == f64::INFINITY {
@@ -44,7 +45,7 @@ pub(super) fn found(fitted: &[Fitted], failed: &[(Law, FitError)], errors: Error
     for one in fitted {
         let criteria = &one.fit.criteria;
         console.say(format!(
-            "            {:<20} {:>11} {:>11.4e} {:>9} {:>12} {:>9}",
+            "            {:<25} {:>6} {:>11.4e} {:>9} {:>12} {:>9}",
             one.fit.law.label(),
             one.fit.parameters.len(),
             one.fit.scatter,
@@ -54,12 +55,12 @@ pub(super) fn found(fitted: &[Fitted], failed: &[(Law, FitError)], errors: Error
         ));
     }
     for (law, error) in failed {
-        console.say(format!("            {:<20} {error}", law.label()));
+        console.say(format!("            {:<25} {error}", law.label()));
     }
     for one in fitted {
         console.say(format!("{:<11} {}", "law", one.fit.law.label()));
         one.fit.parameters.iter().for_each(|parameter| console.say(format!("            {}", estimate(parameter))));
-        remarks(one).into_iter().for_each(|remark| console.say(format!("            {remark}")));
+        remarks(one, tests).into_iter().for_each(|remark| console.say(format!("            {remark}")));
     }
     let block = serde_json::to_string(&best.materials()).unwrap_or_default();
     console.say(format!("to paste    \"materials\": {block}"));
@@ -73,7 +74,10 @@ fn tenths(value: f64) -> String {
 
 /// `c10 = 172.3 kPa +- 5 kPa`.
 fn estimate(one: &Estimate) -> String {
-    let unit = if Law::is_pressure(one.name) { " Pa" } else { "" };
+    let unit = match Law::unit(one.name) {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    };
     let interval = match one.half_width {
         Some(half) => format!(" +- {}{unit} (95 %)", short(half)),
         None => " (no interval: on the border of what the law admits, or not determined by the data)".to_owned(),
@@ -82,15 +86,19 @@ fn estimate(one: &Estimate) -> String {
 }
 
 /// Stability, existence, parameters that move together, starts that differ.
-fn remarks(one: &Fitted) -> Vec<String> {
+fn remarks(one: &Fitted, tests: &[Test]) -> Vec<String> {
     let mut out: Vec<String> = one.stable.iter().flat_map(|stable| ends(stable, &one.fit.law.label())).collect();
     if out.is_empty()
         && let Some(Stable { range, .. }) = one.stable.first()
     {
         out.push(format!("stable (Drucker) in all tests, stretches {} to {}", short(range.from), short(range.to)));
     }
-    let poisson = one.poisson();
-    if poisson < 0.0 {
+    let lies = |fibers: Fibers| tests.iter().any(|test| test.fibers == Some(fibers));
+    if one.fit.law.has_fibers() && lies(Fibers::Along) != lies(Fibers::Across) {
+        let missing = fibers_name(if lies(Fibers::Along) { Fibers::Across } else { Fibers::Along });
+        out.push(format!("no test {missing} the fibres: the data hardly tell fibres from matrix"));
+    }
+    if let Some(poisson) = one.poisson().filter(|ratio| *ratio < 0.0) {
         out.push(format!(
             "WARNING: the bulk modulus, {} Pa, is below 2/3 of the shear modulus, {} Pa: Poisson's ratio is negative, {}",
             short(one.bulk.value),
@@ -127,15 +135,16 @@ fn remarks(one: &Fitted) -> Vec<String> {
 
 /// Where stability ends, below and above, and why.
 fn ends(stable: &Stable, law: &str) -> Vec<String> {
-    let Stable { mode, range, within } = stable;
+    let Stable { mode, fibers, range, within } = stable;
     let of = |end: End, side: &str, at: f64, within: bool| {
         let told = if within { ": WITHIN THE DATA" } else { "" };
-        let (kind, at) = (mode.name(), short(at));
+        let lies = fibers.map_or(String::new(), |fibers| format!(" {} the fibres", fibers_name(fibers)));
+        let (kind, at) = (format!("{} tests{lies}", mode.name()), short(at));
         match end {
             End::Examined => None,
-            End::Unstable => Some(format!("unstable (Drucker) in {kind} tests {side} stretch {at}{told}")),
+            End::Unstable => Some(format!("unstable (Drucker) in {kind} {side} stretch {at}{told}")),
             End::Undefined => {
-                Some(format!("stable in {kind} tests up to the limit of {law}: none {side} stretch {at}{told}"))
+                Some(format!("stable in {kind} up to the limit of {law}: none {side} stretch {at}{told}"))
             }
         }
     };

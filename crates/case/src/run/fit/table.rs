@@ -51,6 +51,12 @@ pub(super) fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<Te
         }),
         _ => document.complain(&test.at, error.to_string()).into(),
     })?;
+    let made = match test.fibers.as_ref().map(|fibers| fibers.fibers()) {
+        None => made,
+        Some(fibers) => {
+            made.loaded(fibers).map_err(|error| document.complain(&test.at.key("fibers"), error.to_string()))?
+        }
+    };
     made.weighted(test.weight).map_err(|error| document.complain(&test.at.key("weight"), error.to_string()).into())
 }
 
