@@ -1,4 +1,4 @@
-use nastic_energy::{EnergyTerm, PointBatch, Response as Answer, Slots, Want};
+use nastic_energy::{EnergyTerm, Place, PointBatch, Response as Answer, Slots, Want};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
 use crate::{Fibers, Mode};
@@ -47,9 +47,13 @@ impl Specimen<'_> {
         Some(stress)
     }
 
-    /// `diag(l, l2, 1/(l l2))` with `tau_2 = tau_3`, in the axes of the test: the sides of a bar are free. `tau_2 - tau_3` grows with `l2`; where it
+    /// `diag(l, l2, 1/(l l2))` with `tau_2 = tau_3`, in the axes of the test: the sides of a bar are free, and alike without fibres. `tau_2 - tau_3` grows with `l2`; where it
     /// changes sign is found by false position (the Illinois variant: M. Dowell & P. Jarratt, BIT 11, 1971, doi 10.1007/BF01934364).
     fn free_sides(&self, l: f64) -> Option<Mat3> {
+        let sides = l.powf(-0.5);
+        if self.law.direction(Place { cell: 0, point: 0 }).is_none() {
+            return Some(Mat3::from_diagonal(&Vec3::new(l, sides, sides)));
+        }
         let gradient = |e: f64| Mat3::from_diagonal(&Vec3::new(l, e.exp(), 1.0 / (l * e.exp())));
         let difference = |e: f64| {
             let f = gradient(e);
@@ -60,10 +64,9 @@ impl Specimen<'_> {
             Some(if across.abs() <= 1e-14 * size { 0.0 } else { across })
         };
         let alike = -0.5 * l.ln();
-        let start = Mat3::from_diagonal(&Vec3::new(l, l.powf(-0.5), l.powf(-0.5)));
         let first = difference(alike)?;
         if first == 0.0 {
-            return Some(start);
+            return Some(gradient(alike));
         }
         let ([mut a, mut fa], [mut b, mut fb]) = bracket(&difference, [alike, first])?;
         for _ in 0..STEPS {

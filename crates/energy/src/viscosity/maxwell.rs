@@ -260,7 +260,8 @@ impl Evolution for MaxwellBranch {
         let (by_next, viscous) = (matrix(by_next), Mat3::identity() + matrix(slots));
         let by_stretch = by_next * viscous.transpose();
         let symmetric = (by_stretch + by_stretch.transpose()) * 0.5;
-        let by_metric = flow.spectrum.change(&flow.spectrum.divided(power_divided(flow.power)), &symmetric) * flow.scale
+        let by_metric = flow.spectrum.change(&flow.spectrum.divided(power_divided(flow.power)), &symmetric)
+            * flow.scale
             - flow.spectrum.map(|x| 1.0 / x) * (flow.power / 3.0 * symmetric.dot(&flow.stretch));
         let by_elastic = flow.elastic * by_metric * 2.0 * flow.inverse.transpose();
         *by_f += by_elastic;
