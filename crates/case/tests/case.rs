@@ -114,7 +114,7 @@ fn magnets_load_cases_and_every_other_key_are_read() {
     assert!((number(&parameters["mu0"]).unwrap() / 1.2 - 1.0).abs() < 1e-15);
     let Fixed::Scalar(Parameter::Formula(pressure)) = &case.actuation[1].fixed["pressure"] else { panic!() };
     assert_eq!(pressure.at([4.0, 0.0, 0.0]).unwrap(), 0.01);
-    assert_eq!(case.controls[0].norm, Some(0.1));
+    assert_eq!(case.controls[0].length(), Some(0.1));
     assert!(matches!(case.controls[1].upper, Some(Parameter::Array(_))));
     assert_eq!(case.costs[1].name(), "effort");
     assert_eq!(case.costs[0].name(), "control_smoothness");
@@ -122,7 +122,7 @@ fn magnets_load_cases_and_every_other_key_are_read() {
     let [up, down] = case.load_cases.as_slice() else { panic!() };
     assert_eq!((up.weight, down.weight), (1.0, 0.5));
     assert_eq!(up.set.0[0].path, "actuation/1/pressure");
-    assert_eq!(up.controls[0].max_norm, Some(0.02));
+    assert_eq!(up.controls[0].longest(), Some(0.02));
     assert_eq!(up.controls[0].start, Some(Start::Random(7)));
     assert_eq!(down.controls[0].direction.as_ref().unwrap().xyz(), [0.0, 1.0, 0.0]);
     let Cost::Tracking(tracking) = &up.costs[0] else { panic!() };

@@ -102,6 +102,23 @@ fn what_a_base_cannot_do_in_time_is_told() {
     };
     assert!(bounded("0.01").contains("controls/0: may move its surface away at t = 0"), "{}", bounded("0.01"));
     assert_eq!(bounded(r#""1 m/s * t""#), "");
+    // the length of a translation is one
+    let length = |most: &str| {
+        problems(&case(
+            "",
+            "",
+            &format!(
+                r#", "controls": [ {{ "of": "base.translation", "space": "uniform", "max_norm": "{most}", "in_time": {{ "every": "5 ms" }} }} ]"#
+            ),
+        ))
+    };
+    assert_eq!(length("20 mm"), "");
+    assert!(
+        length("20 mT").contains("controls/0/max_norm: ") && length("20 mT").contains("length"),
+        "{}",
+        length("20 mT")
+    );
+    assert!(length("20 mm * (X > 0)").contains("depends on X, Y or Z"), "{}", length("20 mm * (X > 0)"));
     let found = problems(&case("", r#", "translation": ["1 m * X * t / (1 m * 1 s)", 0, 0]"#, ""));
     assert!(found.contains("has one translation: give numbers"), "{found}");
 }

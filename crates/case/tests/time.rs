@@ -290,6 +290,14 @@ fn mistakes_are_told_with_what_to_write() {
             case(STEPS, DENSE, &format!(r#"{HELD}, "optimizer": {{ "method": "newton_cg" }}"#)),
             "\"newton_cg\" needs second derivatives, which motions do not have",
         ),
+        (
+            case(STEPS, DENSE, &format!(r#"{HELD}, "optimizer": {{ "verify": true }}"#)),
+            "optimizer/verify: every motion is computed from its start",
+        ),
+        (
+            case(STEPS, DENSE, &format!(r#"{HELD}, "optimizer": {{ "unstable": "refuse" }}"#)),
+            "optimizer/unstable: the states of a motion are no equilibria",
+        ),
     ] {
         let found = problems(&text);
         assert!(found.contains(wanted), "{found}\nwanted: {wanted}");

@@ -99,7 +99,7 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
         };
         reduced = context.take(&control.at, added)?;
         // Between nodes the vectors must be as long as at them.
-        if let (true, Some(norm), None) = (space.interpolates(), control.norm, &control.direction) {
+        if let (true, Some(norm), None) = (space.interpolates(), control.length(), &control.direction) {
             reduced = context.take(&control.at.key("norm"), reduced.of_length(&control.of, norm))?;
         }
         if let (Some(rate), true) = (control.rate.as_ref().and_then(Formula::constant), control.in_time.is_some()) {
@@ -243,7 +243,7 @@ impl Lowering<'_> {
 
     fn vectors(&self, context: &mut Context<'_>) -> Option<Allowed> {
         let dim = self.block.components;
-        match (self.control.norm, self.control.max_norm) {
+        match (self.control.length(), self.control.longest()) {
             (Some(norm), _) => {
                 let set = context.take(&self.control.at.key("norm"), Sphere::new(dim, norm))?;
                 Some(Allowed { admitted: Admitted::Norm(norm), bounds: None, set: Box::new(set) })
@@ -292,7 +292,7 @@ impl Lowering<'_> {
             }
             lower = lower.or(Some(Limit::Uniform(0.0)));
         }
-        if let (Some(most), Some(_)) = (self.control.max_norm, &self.control.direction) {
+        if let (Some(most), Some(_)) = (self.control.longest(), &self.control.direction) {
             let beyond = lower.as_ref().is_some_and(|lower| least(lower) < -most)
                 || upper.as_ref().is_some_and(|upper| greatest(upper) > most);
             if beyond {

@@ -41,7 +41,7 @@ impl Lowering<'_> {
                 }
             }
             Some(Start::Random(seed)) => {
-                let Some(norm) = self.control.norm.or(self.control.max_norm) else {
+                let Some(norm) = self.control.length().or(self.control.longest()) else {
                     context.complain(&at, "random directions need a length: give \"norm\" or \"max_norm\"");
                     return None;
                 };
@@ -147,7 +147,7 @@ impl Lowering<'_> {
         context: &mut Context<'_>,
     ) -> Option<Vec<f64>> {
         let at = self.control.at.key("start");
-        if let Some(norm) = self.control.norm {
+        if let Some(norm) = self.control.length() {
             if let Some(k) = start.chunks(self.block.components).position(|v| v.iter().all(|x| *x == 0.0)) {
                 let place = self.place(k);
                 context.complain(&at, format!("the start is zero at {place}: it cannot be given the \"norm\" {norm}"));

@@ -76,8 +76,6 @@ impl Want {
     pub const POSITIVE_PRESSURE: Self = Self::PRESSURE.positive();
     /// A magnetic field.
     pub const FIELD: Self = Self::a(Dimension::FIELD);
-    /// A magnetic field > 0.
-    pub const POSITIVE_FIELD: Self = Self::FIELD.positive();
     /// A force per volume.
     pub const BODY_FORCE: Self = Self::a(Dimension::BODY_FORCE);
     /// A force per length and area > 0.

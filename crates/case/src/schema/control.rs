@@ -28,9 +28,9 @@ object! {
         /// Largest value of a scalar; the law's convexity bound if left out. A tension lengthens above zero.
         pub upper: Option<Parameter> as ANY_IN_TIME,
         /// Length every vector must have.
-        pub norm: Option<f64> as POSITIVE_FIELD,
+        pub norm: Option<Formula> as ANY_POSITIVE,
         /// Length no vector may exceed.
-        pub max_norm: Option<f64> as POSITIVE_FIELD,
+        pub max_norm: Option<Formula> as ANY_POSITIVE,
         /// Fixed direction of a vector: the control is then its amplitude, a scalar.
         pub direction: Option<Direction> as NUMBER,
         /// Of a control that changes in time: where its values lie. One that is left out stays as it is for the whole motion.
@@ -133,6 +133,18 @@ impl Control {
     pub fn name(&self) -> &str {
         self.name.as_deref().unwrap_or(&self.of)
     }
+
+    /// The length that every vector has.
+    #[must_use]
+    pub fn length(&self) -> Option<f64> {
+        self.norm.as_ref().and_then(Formula::constant)
+    }
+
+    /// The length that no vector exceeds.
+    #[must_use]
+    pub fn longest(&self) -> Option<f64> {
+        self.max_norm.as_ref().and_then(Formula::constant)
+    }
 }
 
 impl Start {
@@ -191,9 +203,12 @@ fn check(control: &Control, reader: &mut Reader<'_>) {
             }
         }
     }
-    if let Some(text) = control.rate.as_ref().filter(|rate| rate.constant().is_none()).map(Formula::text) {
-        let message = format!("{} depends on X, Y or Z, but one number is wanted", quoted(text));
-        reader.complain_at(&control.at.key("rate"), message);
+    let sizes = [("norm", &control.norm), ("max_norm", &control.max_norm), ("rate", &control.rate)];
+    for (key, size) in sizes {
+        if let Some(text) = size.as_ref().filter(|size| size.constant().is_none()).map(Formula::text) {
+            let message = format!("{} depends on X, Y or Z, but one number is wanted", quoted(text));
+            reader.complain_at(&control.at.key(key), message);
+        }
     }
     if let (Some(_), None) = (&control.rate, &control.in_time) {
         let message = "the rate of a control that does not change in time: give \"in_time\": { \"every\": \"50 ms\" }";

@@ -109,8 +109,18 @@ fn check_dimensions(control: &Control, slot: &SlotName, reader: &mut Reader<'_>)
         }
     }
     let per_time = slot.want.dimension.and_then(|dimension| dimension.over(Dimension::TIME));
-    if let Some(Err(why)) = control.rate.as_ref().zip(per_time).map(|(rate, dimension)| rate.check(dimension)) {
-        reader.complain_at(&control.at.key("rate"), why);
+    // what is a scalar is told that it has no length
+    let of_vector = slot.want.dimension.filter(|_| slot.vector);
+    let sizes = [
+        ("norm", &control.norm, of_vector),
+        ("max_norm", &control.max_norm, of_vector),
+        ("rate", &control.rate, per_time),
+    ];
+    for (key, size, dimension) in sizes {
+        let Some(size) = size else { continue };
+        if let Some(Err(why)) = dimension.map(|dimension| size.check(dimension)) {
+            reader.complain_at(&control.at.key(key), why);
+        }
     }
     for (at, formula) in values {
         if let Some(Err(why)) = slot.want.dimension.map(|dimension| formula.check(dimension)) {

@@ -3,7 +3,7 @@
 use super::{Blocks, block};
 use crate::schema::control::{Control, Start};
 use crate::schema::field::Parameter;
-use crate::schema::optimizer::Optimizer;
+use crate::schema::optimizer::{Optimizer, Unstable};
 use crate::schema::read::Reader;
 use crate::schema::time::Time;
 use crate::syntax::At;
@@ -72,6 +72,18 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
         }
     }
     let optimizer: Option<Optimizer> = block(reader, "optimizer");
+    let given = |key: &str, wanted: bool, reader: &mut Reader<'_>, message: &str| {
+        if wanted {
+            reader.complain_at(&At::root().key("optimizer").key(key), message);
+        }
+    };
+    if let Some(optimizer) = &optimizer {
+        let from_rest =
+            "every motion is computed from its start, whatever came before: there is nothing to verify, leave this out";
+        given("verify", optimizer.verify, reader, from_rest);
+        let no_equilibria = "the states of a motion are no equilibria, which alone can be refused for their negative pivots: leave this out";
+        given("unstable", optimizer.unstable == Unstable::Refuse, reader, no_equilibria);
+    }
     let method = optimizer.map(|optimizer| optimizer.method.name());
     if let Some(method) = method.filter(|method| ["gauss_newton", "newton_cg"].contains(method)) {
         let message = format!("\"{method}\" needs second derivatives, which motions do not have: take \"lbfgs\"");
