@@ -56,6 +56,14 @@ fn a_body_without_supports_falls_and_flies() {
     let speeds: [f64; 2] = [2.0, 0.5 - 9.81 * t];
     let exact = 0.5 * mass * speeds.iter().map(|v| v * v).sum::<f64>();
     assert!((kinetic / exact - 1.0).abs() < 1e-9, "{kinetic} {exact}");
+    // far away, it is deformed no more
+    let far = format!(r#"{STEPS}, "start": "rest", "velocity": ["2000 m/s", 0, 0]"#);
+    let result = solve(&case(&far, DENSE, ""));
+    assert!(
+        tip(&result)[0] > 39.0 && !result["warnings"].to_string().contains("extreme_deformation"),
+        "{}",
+        result["warnings"]
+    );
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::warning::{
 use nastic_control::EnsemblePoint;
 use nastic_fem::{PointPeak, State, StateError};
 use nastic_mesh::spatial::{SelfIntersection, Shape};
-use nastic_numeric::vector::norm;
+use nastic_numeric::vector::{norm, sub};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -173,7 +173,9 @@ fn positions(points: &[[f64; 3]], u: &[f64], dim: usize) -> Vec<[f64; 3]> {
 fn extremes(member: CaseMember<'_>, state: &State) -> Vec<String> {
     let (mesh, min_j) = (member.mesh(), state.report.min_j);
     let u = member.solid().model().nodal(&state.u);
-    let farthest = u.chunks_exact(mesh.dim()).map(norm).fold(0.0, f64::max);
+    // a body that flies deforms no more for it
+    let carried = if state.velocity.is_some() { mean(u, mesh.dim()) } else { vec![0.0; mesh.dim()] };
+    let farthest = u.chunks_exact(mesh.dim()).map(|u| norm(&sub(u, &carried))).fold(0.0, f64::max);
     let sizes = farthest / mesh.diagonal();
     let mut out = Vec::new();
     if sizes > FAR {
@@ -187,6 +189,12 @@ fn extremes(member: CaseMember<'_>, state: &State) -> Vec<String> {
         out.push(format!("the smallest J is {min_j:.3}: the material is compressed to this share of its volume"));
     }
     out
+}
+
+/// The mean of nodal vectors.
+fn mean(u: &[f64], dim: usize) -> Vec<f64> {
+    let nodes = u.len() / dim;
+    (0..dim).map(|k| u.iter().skip(k).step_by(dim).sum::<f64>() / nodes as f64).collect()
 }
 
 /// Actuations beyond what their material bears at a point, in words.
