@@ -168,6 +168,13 @@ fn a_motion_is_written_step_by_step() {
     let result = place.run(Command::Solve, &text, &[]).unwrap().result;
     let files = place.files();
     assert_eq!(files.iter().filter(|name| name.starts_with("motion_")).count(), 5, "{files:?}");
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(
+        page.contains("\"label\":\"t = 0.0 s\"") || page.contains("\"label\":\"t = 0 s\""),
+        "no instants in the page"
+    );
+    assert!(page.contains("\"label\":\"t = 0.02 s\"") && page.contains("Over the time"));
+    assert!(!page.contains("\"label\":\"equilibrium\""), "a motion has none");
     for name in ["motion.csv", "motion.svg", "energies.svg", "controls.svg", "motion.pvd"] {
         assert!(files.iter().any(|file| file == name), "{name} in {files:?}");
     }

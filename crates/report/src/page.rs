@@ -40,7 +40,8 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
         summary::summary(result),
         section("shape", "Shape", &shape(&view, scene)),
         section("convergence", "Plots", &plot_places(&plots)),
-        section("curves", "Equilibria along the path", &curves(folder)),
+        section("motion", "Over the time", &drawings(folder, &["motion.svg", "energies.svg", "controls.svg"])),
+        section("curves", "Equilibria along the path", &drawings(folder, &["ramp.svg", "path.svg"])),
         tables::events(result),
         tables::states(result),
         tables::members(result),
@@ -118,10 +119,10 @@ fn plot_places(plots: &[Value]) -> String {
     format!("<div class=\"plots\">\n{}</div>\n", (0..plots.len()).map(place).collect::<String>())
 }
 
-/// The curves of ramps and paths, as the run drew them.
-fn curves(folder: &ResultFolder) -> String {
+/// The charts whose names end so, as the run drew them.
+fn drawings(folder: &ResultFolder, endings: &[&str]) -> String {
     let files = folder.result["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let drawn = files.filter(|file| file.ends_with("ramp.svg") || file.ends_with("path.svg"));
+    let drawn = files.filter(|file| endings.iter().any(|ending| file.ends_with(ending)));
     let figure = |file: &str| {
         let text = folder.text(file).ok().flatten()?;
         let start = text.find("<svg")?;

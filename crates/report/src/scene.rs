@@ -81,6 +81,12 @@ impl Scene {
         names.extend([(file("start.vtu"), start.to_owned()), (file("optimum.vtu"), "optimum".to_owned())]);
         names.extend(rows(folder, member, "ramp"));
         names.extend(rows(folder, member, "path"));
+        let instants = instants(folder, member)?;
+        if !instants.is_empty() && start != "start" {
+            // the end of the motion, which is among the instants
+            names.clear();
+        }
+        names.extend(instants);
         let others = folder.series(&file("equilibrium_"), ".vtu").into_iter().skip(1).enumerate();
         names.extend(others.map(|(k, name)| (name, format!("equilibrium {}", k + 2))));
         if member.is_lead && names.iter().all(|(name, _)| !folder.wrote(name)) {
@@ -256,6 +262,23 @@ fn rows(folder: &ResultFolder, member: &ListedMember<'_>, series: &str) -> Vec<(
         (file, format!("{series} {k}{}", value.trim_end()))
     };
     files.into_iter().enumerate().map(of).step_by(step).collect()
+}
+
+/// Files and labels of the written instants of a motion, evenly thinned, the last among them.
+fn instants(folder: &ResultFolder, member: &ListedMember<'_>) -> Result<Vec<(String, String)>, ReportError> {
+    let name = format!("{}motion.pvd", member.stem);
+    let text = if folder.wrote(&name) { folder.text(&name)?.unwrap_or_default() } else { String::new() };
+    fn attribute<'a>(line: &'a str, key: &str) -> Option<&'a str> {
+        line.split_once(key)?.1.strip_prefix("=\"")?.split('"').next()
+    }
+    let of = |line: &str| {
+        let t: f64 = attribute(line, "timestep")?.parse().ok()?;
+        Some((attribute(line, "file")?.to_owned(), format!("t = {} s", short(t))))
+    };
+    let all: Vec<(String, String)> = text.lines().filter_map(of).collect();
+    let step = all.len().div_ceil(MOST_ROWS).max(1);
+    let behind = all.len().saturating_sub(1) % step;
+    Ok(all.into_iter().skip(behind).step_by(step).collect())
 }
 
 /// Arrays of vectors that belong to the material, and turn with it; so do the `direction_` of actuations.
