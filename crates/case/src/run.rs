@@ -82,7 +82,7 @@ pub struct Options {
     pub no_report: bool,
     /// Whether the case's `expect` is left aside: it holds for the case as it is written.
     pub without_expect: bool,
-    /// Whether `optimize` may replace the checkpoint of an interrupted optimisation, or one that cannot be read.
+    /// Whether `solve` and `optimize` may replace the checkpoint of a run that was interrupted, or one that cannot be read.
     pub restart: bool,
     /// Whether the columns of the table of trials are explained above it.
     pub explain: bool,
@@ -155,7 +155,8 @@ pub fn run_document(
 fn execute(mut session: Session<'_>, options: &Options) -> Result<(Outcome, Option<States>), RunError> {
     let exit = match &session.command {
         Command::Check => check::run(&mut session),
-        Command::Solve => solve::run(&mut session, &options.analysis),
+        Command::Solve => motion::may_replace(&mut session, options.restart)
+            .and_then(|()| solve::run(&mut session, &options.analysis)),
         Command::Modes => modes::run(&mut session, options.modes),
         Command::Gradient => gradient::run(&mut session),
         Command::Gradcheck => gradcheck::run(&mut session),

@@ -113,5 +113,8 @@ fn mistakes_are_told() {
     let time = r#""time": { "end": "10 ms", "step": "5 ms" }, "probes""#;
     let moving = case([r#", "pull": "1 mm""#, LET_OUT], "").replace("\"probes\"", time);
     let found = problems(&moving.replace("\"law\"", "\"density\": \"1000 kg/m^3\", \"law\""));
-    assert!(found.contains("the pull of tendons do not go with"), "{found}");
+    assert!(found.contains("actuation/0/pull: the pull of \"flexor\" does not go with \"time\" yet"), "{found}");
+    let moving = case(["", LET_OUT], PULLED).replace("\"probes\"", time);
+    let found = problems(&moving.replace("\"law\"", "\"density\": \"1000 kg/m^3\", \"law\""));
+    assert!(found.contains("controls/0/of: the pull of \"flexor\" does not go"), "{found}");
 }

@@ -87,8 +87,11 @@ fn controls_of_a_base_in_time_have_a_right_gradient() {
 #[test]
 fn what_a_base_cannot_do_in_time_is_told() {
     let elsewhere = case(r#", "start": "rest""#, r#", "translation": ["1 mm", 0, 0]"#, "");
-    let error = Place::new().run(Command::Solve, &elsewhere, &[]).unwrap_err().to_string();
-    assert!(error.contains("\"base\"") && error.contains("1.000e-3") && error.contains("equilibrium"), "{error}");
+    let error = problems(&elsewhere);
+    assert!(
+        error.contains("actuation/0/translation: is not zero at t = 0") && error.contains("equilibrium"),
+        "{error}"
+    );
     let controlled = r#", "controls": [ { "of": "base.translation", "space": "uniform", "max_norm": 1, "in_time": { "every": "5 ms" } } ],
         "costs": [ { "kind": "actuation_work" } ]"#;
     let found = problems(&case("", "", controlled));
@@ -121,4 +124,34 @@ fn what_a_base_cannot_do_in_time_is_told() {
     assert!(length("20 mm * (X > 0)").contains("depends on X, Y or Z"), "{}", length("20 mm * (X > 0)"));
     let found = problems(&case("", r#", "translation": ["1 m * X * t / (1 m * 1 s)", 0, 0]"#, ""));
     assert!(found.contains("has one translation: give numbers"), "{found}");
+}
+
+/// Steps that were found for a tolerance keep it: the nodes that are held count neither when they are found nor when the result is judged.
+#[test]
+fn steps_of_a_tolerance_keep_it_beside_a_surface_that_moves() {
+    let text = case("", r#", "translation": [0, 0, "3 mm * sin(600 * t / (1 s)) * min(t / (5 ms), 1)"]"#, "");
+    let text = text.replace(r#""step": "1 ms""#, r#""tolerance": "5 um""#);
+    let result = solve(&Place::new(), &text);
+    let error = result["time"]["step_error"]["largest"].as_f64();
+    assert!(error.is_some_and(|error| error > 0.0 && error <= 5e-6), "{}", result["time"]);
+}
+
+#[test]
+fn what_does_not_go_with_a_motion_is_told_before_it_begins() {
+    let moves = r#", "translation": [0, 0, "1 m/s * t"]"#;
+    let found = problems(&case(r#", "scheme": "siere""#, moves, ""));
+    assert!(found.contains("time/scheme: \"siere\" does not go with the surface that \"base\" moves"), "{found}");
+    let viscous = case(r#", "scheme": "siere""#, "", "")
+        .replace(r#""poisson": 0.3"#, r#""poisson": 0.3, "maxwell": [ { "shear": "10 kPa", "relaxation": "5 ms" } ]"#);
+    assert!(
+        problems(&viscous).contains("time/scheme: \"siere\" takes the modes of elastic bodies"),
+        "{}",
+        problems(&viscous)
+    );
+    let away = problems(&case(r#", "start": "rest""#, r#", "translation": [0, 0, "1 mm * cos(t / (1 s))"]"#, ""));
+    assert!(away.contains("actuation/0/translation: is not zero at t = 0"), "{away}");
+    let knots = r#", "controls": [ { "of": "base.translation", "space": "uniform", "direction": "z", "lower": 0, "upper": "1 m/s * t",
+        "in_time": { "every": "1e-15 s" } } ]"#;
+    let found = problems(&case("", "", knots).replace(r#""step": "1 ms""#, r#""tolerance": "5 um""#));
+    assert!(found.contains("controls/0/in_time/every: more than 1000000 knots"), "{found}");
 }

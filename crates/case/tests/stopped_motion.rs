@@ -130,25 +130,50 @@ fn a_motion_that_was_stopped_goes_on_with_the_same_bits() {
         assert_eq!(content(&place), content(&whole));
         assert!(!place.files().contains(&"motion_checkpoint.bin".to_owned()));
     }
-    // of several members, of which any may be ahead
-    let (whole, place) = (Place::new(), Place::new());
+    // of several members, of which any may be ahead; one that was quicker than the signal is begun again
+    let whole = Place::new();
     let expected = whole.run(Command::Solve, &two, &[]).unwrap();
+    let place = (0..20).map(|_| stopped_at_once(&two)).find_map(|(place, stopped)| stopped.then_some(place));
+    let place = place.expect("it was stopped once");
+    let found = go_on(&place).unwrap();
+    assert_eq!(plain(&place, found.result), plain(&whole, expected.result));
+    assert_eq!(content(&place), content(&whole));
+}
+
+/// A run that is stopped as soon as its first checkpoint is there, and whether it was.
+fn stopped_at_once(case: &str) -> (Place, bool) {
+    let place = Place::new();
     let options = place.options(&[]);
     let cancel = options.cancel.clone();
     let begun = place.path("out").join("motion_checkpoint.bin");
+    let ended = Arc::new(AtomicBool::new(false));
+    let over = ended.clone();
     let watch = std::thread::spawn(move || {
-        while !begun.exists() {
+        while !begun.exists() && !over.load(Ordering::Relaxed) {
             std::thread::yield_now();
         }
         cancel.store(true, Ordering::Relaxed);
     });
-    let stopped = place.run_with(Command::Solve, &two, &Console::silent(), &options);
+    let stopped = place.run_with(Command::Solve, case, &Console::silent(), &options).is_err();
+    ended.store(true, Ordering::Relaxed);
     watch.join().unwrap();
-    if stopped.is_err() {
-        let found = go_on(&place).unwrap();
-        assert_eq!(plain(&place, found.result), plain(&whole, expected.result));
-        assert_eq!(content(&place), content(&whole));
-    }
+    (place, stopped)
+}
+
+/// A motion that was stopped is not thrown away by another command in its directory, unless it is asked to.
+#[test]
+fn another_command_leaves_a_stopped_motion() {
+    let place = Place::new();
+    assert!(solve(&place, PULLED, 70).0.is_err());
+    let kept = content(&place);
+    let error = place.run(Command::Solve, PULLED, &[]).err().unwrap();
+    let wanted = "holds the checkpoint of an interrupted motion: go on with it by nastic resume";
+    assert!(error.exit() == Exit::BadInput && error.to_string().contains(wanted), "{error}");
+    assert!(place.files().contains(&"motion_checkpoint.bin".to_owned()));
+    assert_eq!(content(&place), kept);
+    let options = Options { restart: true, ..place.options(&[]) };
+    assert!(place.run_with(Command::Solve, PULLED, &Console::silent(), &options).is_ok());
+    assert!(!place.files().contains(&"motion_checkpoint.bin".to_owned()));
 }
 
 #[test]

@@ -120,8 +120,8 @@ pub struct Modes {
 pub struct Optimize {
     #[command(flatten)]
     pub case: Case,
-    /// Begin anew although the output directory holds the checkpoint of an interrupted optimisation, or one that cannot be
-    /// read, which is replaced
+    /// Begin anew although the output directory holds the checkpoint of an interrupted optimisation or motion, or one that
+    /// cannot be read, which is replaced
     #[arg(long)]
     pub restart: bool,
     #[command(flatten)]
@@ -243,6 +243,9 @@ pub struct Solve {
     /// Where --path ends before full loads: behind the first limit point
     #[arg(long, value_name = "EVENT", requires = "path")]
     pub stop_at: Option<StopAt>,
+    /// Begin anew although the output directory holds the checkpoint of an interrupted motion, which is replaced
+    #[arg(long)]
+    pub restart: bool,
 }
 
 /// Where a path may end.

@@ -27,7 +27,7 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
                 Analysis::Path if solve.stop_at == Some(StopAt::Limit) => Analysis::PathToLimit,
                 other => other,
             };
-            let asked = Asked { analysis, ..Asked::default() };
+            let asked = Asked { analysis, restart: solve.restart, ..Asked::default() };
             self::on_case(catalogue, schema::Command::Solve, &solve.case, asked)
         }
         Command::Modes(Modes { case, count, undeformed }) => {

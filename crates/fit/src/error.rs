@@ -139,6 +139,18 @@ pub enum FitError {
         /// How many ran out of evaluations.
         exhausted: usize,
     },
+    /// A bulk modulus that leaves nothing for the volumetric part of a law.
+    #[error(
+        "{law}: the bulk modulus {bulk:.4e} Pa is below what its other parameters give already, {least:.4e} Pa: give a larger one, or take another law"
+    )]
+    SmallBulk {
+        /// The law.
+        law: String,
+        /// The bulk modulus, Pa.
+        bulk: f64,
+        /// The least one, Pa.
+        least: f64,
+    },
     /// Volumetric data that decide nothing, or against any bulk modulus.
     #[error("volumetric data: {0}")]
     Volume(String),

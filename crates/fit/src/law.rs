@@ -156,10 +156,13 @@ impl Law {
     /// All of a `materials` block but its region and law: [`entries`](Self::entries) and the volumetric part of a bulk modulus (Pa).
     ///
     /// # Errors
-    /// As [`entries`](Self::entries).
+    /// As [`entries`](Self::entries); [`FitError::SmallBulk`].
     pub fn block(self, parameters: &[f64], bulk: f64) -> Result<Vec<(&'static str, Entry)>, FitError> {
         let mut out = self.entries(parameters)?;
         let (key, value) = self.volumetric(parameters, bulk);
+        if key == "mu4" && value < 0.0 {
+            return Err(FitError::SmallBulk { law: self.label(), bulk, least: bulk - 2.0 * value });
+        }
         out.push((key, Entry::Number(value)));
         Ok(out)
     }
@@ -177,12 +180,16 @@ impl Law {
         Ok(material(self.name())?.build(&inputs)?)
     }
 
-    /// The law for tests at constant volume, where the bulk modulus takes no part: with one far above the shear modulus.
+    /// The law for tests at constant volume, where the bulk modulus takes no part: with one far above the shear moduli.
     ///
     /// # Errors
     /// As [`build`](Self::build).
     pub fn incompressible(self, parameters: &[f64]) -> Result<Arc<dyn EnergyTerm>, FitError> {
-        self.build(parameters, 1e3 * self.shear(parameters)?)
+        let stiffest = match self {
+            Law::TransverseMooneyRivlin => self.shear(parameters)? + 2.0 * parameters[2],
+            _ => self.shear(parameters)?,
+        };
+        self.build(parameters, 1e3 * stiffest)
     }
 
     /// Shear modulus at rest (Pa), across the fibres of a law that is not isotropic there.

@@ -121,7 +121,7 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitErr
             exhausted || reason.was_successful() || matches!(reason, TerminationReason::NoImprovementPossible(_));
         match problem.sum_of_squares() {
             Some(squares) if done => ends.push(End { squares, exhausted, problem }),
-            _ => why = format!("{reason:?}"),
+            _ => why = failure(&reason),
         }
     }
     ends.sort_by(|a, b| a.squares.total_cmp(&b.squares));
@@ -137,6 +137,16 @@ pub fn fit(law: Law, tests: &[Test], options: &FitOptions) -> Result<Fit, FitErr
     let best = ends.swap_remove(0);
     let starts = Starts { tried, converged, exhausted, alike, best_exhausted: best.exhausted };
     Ok(best.problem.sorted().assess(best.squares, starts))
+}
+
+/// Why a start led nowhere, in words.
+fn failure(reason: &TerminationReason) -> String {
+    match reason {
+        TerminationReason::User(_) | TerminationReason::Numerical(_) => {
+            "the law has no response, or none that is finite, at parameters that it was tried with".to_owned()
+        }
+        other => format!("{other:?}"),
+    }
 }
 
 /// Where a start ended.

@@ -93,6 +93,18 @@ fn the_bulk_modulus_of_a_transverse_law() {
     assert!((found.value / 3e7 - 1.0).abs() < 1e-9, "{}", found.value);
 }
 
+/// Cords in a matrix a thousand times softer.
+#[test]
+fn stiff_fibres_are_fitted() {
+    let (law, values) = (Law::TransverseMooneyRivlin, [8e3, 1.5e3, 5e7]);
+    let found = fit(law, &battery(law, &values), &FitOptions::default()).unwrap();
+    for (found, expected) in found.parameters.iter().zip(values) {
+        assert!((found.value / expected - 1.0).abs() < 1e-3, "{}: {} for {expected}", found.name, found.value);
+    }
+    let error = law.build(&values, 1e6).err().unwrap().to_string();
+    assert!(error.contains("bulk modulus") && error.contains("1.1113e8"), "{error}");
+}
+
 #[test]
 fn fibres_are_asked_for_and_refused() {
     let (law, values) = TRUE[0];

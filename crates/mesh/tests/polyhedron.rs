@@ -112,3 +112,43 @@ fn on_the_surface_and_refused() -> Outcome {
     assert!(told.contains("hex27") && told.contains("linear cells"), "{told}");
     Ok(())
 }
+
+/// In the plane the sign at a corner is right however sharp it is: a rectangle that is sheared until its corners have 20 degrees.
+#[test]
+fn of_sharp_corners_in_the_plane() -> Outcome {
+    for shear in [0.5, 1.5, 2.7] {
+        let plain = rectangle([1.0, 1.0], [3, 3], CellKind::Tri3)?;
+        let points: Vec<[f64; 3]> = plain.points().iter().map(|x| [x[0] + shear * x[1], x[1], 0.0]).collect();
+        let solid = Polyhedron::of(&plain.with_points(points)?, None)?;
+        let mut random = Random::new(5);
+        for _ in 0..4000 {
+            let x = [7.0 * random.unit() - 2.0, 3.0 * random.unit() - 1.0, 0.0];
+            let inside = x[1] > 0.0 && x[1] < 1.0 && x[0] > shear * x[1] && x[0] < 1.0 + shear * x[1];
+            let near = solid.nearest(x);
+            assert_eq!(near.distance < 0.0, inside, "shear {shear}: {x:?}: {near:?}");
+        }
+    }
+    Ok(())
+}
+
+/// Bricks with three corners of a face on one line: the other diagonal leaves no sliver, whose normal would be rounding.
+#[test]
+fn of_faces_with_corners_on_a_line() -> Outcome {
+    let mut random = Random::new(11);
+    for k in 0..200 {
+        let plain = box_mesh([1.0, 1.0, 1.0], [1, 1, 1], CellKind::Hex8)?;
+        // one corner of the upper face between its neighbours
+        let corner = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]][k % 4];
+        let share = 0.2 + 0.6 * random.unit();
+        let of = |c: f64, share: f64| if c == 0.0 { share } else { 1.0 - share };
+        let moved = [of(corner[0], share), of(corner[1], 1.0 - share), 1.0];
+        let points = plain.points().iter().map(|x| if *x == corner { moved } else { *x }).collect();
+        let solid = Polyhedron::of(&plain.with_points(points)?, None)?;
+        for _ in 0..50 {
+            let x = [1.4 * random.unit() - 0.2, 1.4 * random.unit() - 0.2, 1.05 + random.unit()];
+            let near = solid.nearest(x);
+            assert!(near.distance > 0.0, "{corner:?} at {moved:?}, {x:?}: {near:?}");
+        }
+    }
+    Ok(())
+}

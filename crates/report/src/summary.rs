@@ -126,7 +126,8 @@ fn figures(result: &Value) -> Vec<(String, String, String)> {
     if result["min_J"].is_number() {
         add("Smallest volume ratio J", number(&result["min_J"], ""), "1 is undeformed, 0 is inverted".to_owned());
     }
-    if result.get("inertia").is_some() {
+    // states of a motion are no equilibria
+    if result.get("inertia").is_some() && !result["time"].is_object() {
         let (value, remark) = stability(result);
         add("Stability", value.to_owned(), remark);
     }

@@ -7,7 +7,9 @@ use super::named::{attempt, complain_of_law};
 use super::place;
 use super::tension::beyond_limit;
 use crate::expression::{Formula, dimension_of};
-use crate::schema::{Actuation, Case, Fixed, Input, Means, Parameter as Number, VectorField, vector_at};
+use crate::schema::{
+    Actuation, Beginning, Case, Fixed, Input, Means, Parameter as Number, Time, VectorField, vector_at,
+};
 use crate::syntax::At;
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
@@ -152,6 +154,11 @@ fn fix_slot(
     let first = controllable[index].slots.iter().position(|slot| slot.group == key)?;
     let only_pulls = controllable[index].slots[first].not_negative;
     let Some(cells) = controllable[index].cells else {
+        if let Some(time) = &case.time
+            && controllable[index].holds
+        {
+            check_rest(time, (value, &at), context)?;
+        }
         return fix_number(actuation, (key, only_pulls), value, (index, first), reduced, context);
     };
     let points = SamplePoints::of_body(case, &disc, cells);
@@ -277,6 +284,18 @@ fn fix_number(
         return Some(reduced);
     }
     fix_in_time((value, &at), (index, slot, only_pulls.then_some(key)), reduced, vec![[0.0; 3]], context)
+}
+
+/// Refuses a surface that is elsewhere at t = 0 than on a body at rest.
+fn check_rest(time: &Time, (value, at): (&Fixed, &At), context: &mut Context<'_>) -> Option<()> {
+    let away = everywhere(value).is_some_and(|first| first.iter().any(|component| *component != 0.0));
+    if time.start != Beginning::Rest || !away {
+        return Some(());
+    }
+    let message = "is not zero at t = 0, where a body that begins at rest is undeformed: give a formula that is, or begin at the equilibrium, \
+                   \"start\" in \"time\"";
+    context.complain(at, message);
+    None
 }
 
 /// The value of a contribution as a whole, one number or one vector, at the formula's instant; none of a field.

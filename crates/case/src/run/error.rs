@@ -130,6 +130,16 @@ pub enum RunError {
         /// Iteration of the checkpoint.
         iteration: usize,
     },
+    /// A command would replace the checkpoint of a motion that was interrupted.
+    #[error(
+        "{} holds the checkpoint of an interrupted motion: go on with it by nastic resume {}, begin anew with --restart, or choose another \
+         directory with --out",
+        directory.display(), directory.display()
+    )]
+    InterruptedMotion {
+        /// The directory.
+        directory: PathBuf,
+    },
     /// An optimisation would replace a checkpoint that cannot be read.
     #[error("{0}; begin anew with --restart, which replaces it, or choose another directory with --out")]
     UnreadableCheckpoint(#[source] CheckpointError),
@@ -171,7 +181,10 @@ impl RunError {
     pub fn exit(&self) -> Exit {
         match self {
             Self::Input(_) | Self::Threads(_) | Self::MemoryLimit(_) | Self::Report(_) => Exit::BadInput,
-            Self::Checkpoint(_) | Self::UnreadableCheckpoint(_) | Self::Interrupted { .. } => Exit::BadInput,
+            Self::Checkpoint(_)
+            | Self::UnreadableCheckpoint(_)
+            | Self::Interrupted { .. }
+            | Self::InterruptedMotion { .. } => Exit::BadInput,
             Self::Spectrum(_) | Self::Fit(_) => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
             Self::Start(_) => Exit::BadInput,

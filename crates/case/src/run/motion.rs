@@ -260,6 +260,14 @@ pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
     }
 }
 
+/// Whether the checkpoint of a motion in the session's directory, if any, may be replaced; if not, nothing is written.
+pub(super) fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<(), RunError> {
+    match session.out.take_if(|out| !restart && out.file(CHECKPOINT).is_file()) {
+        None => Ok(()),
+        Some(out) => Err(RunError::InterruptedMotion { directory: out.path().to_owned() }),
+    }
+}
+
 /// Refuses schemes without an adjoint where derivatives are wanted.
 pub(super) fn check_adjoint(problem: &CaseProblem) -> Result<(), RunError> {
     let timelines = problem.members().filter_map(|member| member.reduced().timeline().cloned());

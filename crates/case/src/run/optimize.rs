@@ -56,6 +56,7 @@ pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restar
         session.out = None;
         return Err(error);
     }
+    super::motion::may_replace(session, restart)?;
     run(session, optimizer)
 }
 

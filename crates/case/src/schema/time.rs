@@ -205,4 +205,4 @@ fn check_tolerance(time: &Time, reader: &mut Reader<'_>) {
 }
 
 /// More are a mistake in a unit.
-const MOST_STEPS: f64 = 1e6;
+pub(super) const MOST_STEPS: f64 = 1e6;

@@ -86,7 +86,9 @@ impl Newton<'_> {
             Err(LinearError::Border { .. }) => {
                 let equations = inequalities.iter().map(|inequality| !inequality).collect();
                 let yielding = settle(equations, |acting| trial(acting, true))?;
-                yielding.map(|(_, _, touching)| trial(&touching, false)).transpose()?.map(|settled| settled.found)
+                let settled = yielding.map(|(_, _, touching)| trial(&touching, false)).transpose()?;
+                // multipliers of the wrong sign were cut: the set is not right
+                settled.filter(|settled| settled.wrong.iter().all(|wrong| *wrong == 0.0)).map(|settled| settled.found)
             }
             settled => settled?,
         };

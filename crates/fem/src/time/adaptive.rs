@@ -18,6 +18,8 @@ const GROW: f64 = 2.0;
 const SHORTEST: f64 = 1e-9;
 /// The first step, likewise.
 const FIRST: f64 = 1e-3;
+/// No motion takes more steps.
+const MOST_STEPS: usize = 1_000_000;
 
 /// What adaptive steps took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -87,7 +89,7 @@ impl Model {
         Ok((instants, report))
     }
 
-    /// The estimated error that the last step of a trajectory has added to the displacement, the largest at any node; none of a scheme
+    /// The estimated error that the last step of a trajectory has added to the displacement, the largest at any free node; none of a scheme
     /// without an estimate, and where no step was made.
     pub fn last_step_error(&self, trajectory: &Trajectory) -> Option<f64> {
         let (states, step) = (trajectory.states(), trajectory.steps().last()?);
@@ -101,7 +103,7 @@ impl Model {
             let at = points.next(&states[begin + 1].controls);
             points.found(u.clone(), &at);
         }
-        points.error().map(|error| self.largest(&error))
+        points.error().map(|error| self.largest_free(error))
     }
 
     /// Calls with the trajectory after every step.
@@ -139,9 +141,7 @@ impl Model {
                         continue;
                     }
                 };
-                let mut error = found.error.take().unwrap_or_default();
-                self.supports.clear(&mut error); // what is prescribed has none
-                let error = self.largest(&error);
+                let error = self.largest_free(found.error.take().unwrap_or_default());
                 let next = dt * (SAFETY * (tolerance.error / error).cbrt()).clamp(SHRINK, GROW);
                 if error <= tolerance.error {
                     if goal - begin - dt <= shortest {
@@ -150,6 +150,7 @@ impl Model {
                     trajectory.push(found.step, found.state);
                     each(trajectory);
                     report.accepted += 1;
+                    not_too_many(report.accepted, trajectory.end().time, tolerance)?;
                     // a step that was cut to end at an instant says nothing against longer ones
                     h = if dt < 0.99 * h { next.max(h) } else { next }.min(longest);
                 } else {
@@ -162,8 +163,9 @@ impl Model {
         Ok(report)
     }
 
-    /// The largest norm of a nodal vector.
-    fn largest(&self, field: &[f64]) -> f64 {
+    /// The largest norm of a nodal vector at free nodes: what is prescribed has no error.
+    fn largest_free(&self, mut field: Vec<f64>) -> f64 {
+        self.supports.clear(&mut field);
         let norm = |node: &[f64]| node.iter().map(|x| x * x).sum::<f64>().sqrt();
         field.chunks_exact(self.discretization().dim()).map(norm).fold(0.0, f64::max)
     }
@@ -200,6 +202,18 @@ fn out_of_reach(h: f64, shortest: f64, t: f64, tolerance: Tolerance) -> Result<(
     }
     let what = format!(
         "adaptive steps fall below {shortest:.1e} at t = {t}: an error of {:e} per step is out of reach; allow a larger one",
+        tolerance.error
+    );
+    Err(FemError::Meaningless { what })
+}
+
+/// A mistaken unit of a tolerance would take steps for ever.
+fn not_too_many(steps: usize, t: f64, tolerance: Tolerance) -> Result<(), FemError> {
+    if steps <= MOST_STEPS {
+        return Ok(());
+    }
+    let what = format!(
+        "{MOST_STEPS} steps of a motion end at t = {t} already: an error of {:e} per step is very small; allow a larger one",
         tolerance.error
     );
     Err(FemError::Meaningless { what })

@@ -36,7 +36,7 @@ pub enum SpatialError {
     },
     /// A solid with flat faces is wanted.
     #[error(
-        "mesh \"{mesh}\" has {kind} cells, whose faces may be curved; mesh the solid by linear cells (tet4, hex8; tri3, quad4 in the plane)"
+        "mesh \"{mesh}\" has {kind} cells, whose faces may be curved; mesh the solid by linear cells (tet4, hex8; tri3, quad4 in the plane; in Gmsh -order 1)"
     )]
     Curved {
         /// Name of the mesh.

@@ -7,6 +7,8 @@ use std::collections::HashMap;
 
 /// Mean normals that differ by less from that of the face have one plane: a cosine's distance from 1.
 const FLAT: f64 = 1e-14;
+/// Twice the area of a triangle that counts as none, over its longest edge squared.
+const THIN: f64 = 1e-12;
 
 /// The cells of a mesh, or of some of its regions, as a solid with flat faces: triangles, of quadrilaterals the two on one side of a
 /// diagonal each; segments in the plane. Made for the signed distance of points that move.
@@ -88,7 +90,7 @@ impl Polyhedron {
             match kind {
                 CellKind::Line2 => faces.push([node(0), node(1), node(1)]),
                 CellKind::Tri3 => faces.push([node(0), node(1), node(2)]),
-                CellKind::Quad4 => faces.extend([[node(0), node(1), node(2)], [node(0), node(2), node(3)]]),
+                CellKind::Quad4 => faces.extend(halves(mesh, [0, 1, 2, 3].map(node))),
                 _ => return Err(SpatialError::Curved { mesh: mesh.name().into(), kind: cell.kind.name() }),
             }
         }
@@ -182,6 +184,21 @@ impl Triangle {
     }
 }
 
+/// The two triangles of a quadrilateral, on the sides of the diagonal that leaves the larger smallest one; of equal ones that from its first corner.
+fn halves(mesh: &Mesh, [a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
+    let area = |face: &[u32; 3]| {
+        let [a, b, c] = face.map(|node| V::from(mesh.points()[node as usize]));
+        (b - a).cross(&(c - a)).norm()
+    };
+    let least = |split: &[[u32; 3]; 2]| area(&split[0]).min(area(&split[1]));
+    let (first, other) = ([[a, b, c], [a, c, d]], [[a, b, d], [b, c, d]]);
+    if least(&other) > (1.0 + 1e-6) * least(&first) { other } else { first }
+}
+
+fn longest_edge(corners: &[V; 3]) -> f64 {
+    (0..3).map(|k| (corners[(k + 1) % 3] - corners[k]).norm()).fold(0.0, f64::max)
+}
+
 /// The faces with their normals, outwards, and the sums of these at edges and corners.
 fn triangles(mesh: &Mesh, faces: &[[u32; 3]]) -> Result<Vec<Triangle>, SpatialError> {
     let corner = |node: u32| V::from(mesh.points()[node as usize]);
@@ -194,7 +211,9 @@ fn triangles(mesh: &Mesh, faces: &[[u32; 3]]) -> Result<Vec<Triangle>, SpatialEr
     for face in faces {
         let [a, b, c] = face.map(corner);
         let area = if mesh.dim() == 2 { (b - a).cross(&V::z()) } else { (b - a).cross(&(c - a)) };
-        let normal = area.try_normalize(0.0).filter(|n| n.iter().all(|n| n.is_finite()));
+        // the normal of less is rounding
+        let least = if mesh.dim() == 2 { 0.0 } else { THIN * longest_edge(&[a, b, c]).powi(2) };
+        let normal = area.try_normalize(least).filter(|n| n.iter().all(|n| n.is_finite()));
         let Some(normal) = normal else {
             return Err(SpatialError::Flat { mesh: mesh.name().into(), nodes: face.to_vec() });
         };
@@ -202,7 +221,10 @@ fn triangles(mesh: &Mesh, faces: &[[u32; 3]]) -> Result<Vec<Triangle>, SpatialEr
             *edges.entry(key(face, k)).or_insert_with(V::zeros) += normal;
             let [here, next, last] = [k, k + 1, k + 2].map(|k| corner(face[k % 3]));
             let angle = if mesh.dim() == 2 { 1.0 } else { (next - here).angle(&(last - here)) };
-            *corners.entry(face[k]).or_insert_with(V::zeros) += normal * angle;
+            // the third corner of a segment is its second
+            if mesh.dim() == 3 || k < 2 {
+                *corners.entry(face[k]).or_insert_with(V::zeros) += normal * angle;
+            }
         }
         found.push(Triangle { corners: [a, b, c], face: normal, edges: [V::zeros(); 3], at_corners: [V::zeros(); 3] });
     }

@@ -8,6 +8,8 @@ use nastic_fit::{End, Errors, Estimate, Fibers, FitError, Law, Starts, Test};
 
 /// Correlations beyond which two parameters are hardly told apart.
 const ALIKE: f64 = 0.99;
+/// Angles of two families to the axis of the fibres, in degrees, above which that axis is hardly meant.
+const NEARLY_ACROSS: f64 = 80.0;
 
 pub(super) fn introduce(asked: &FitData, tests: &[Test], console: &Console) {
     if let Some(title) = &asked.title {
@@ -97,6 +99,10 @@ fn remarks(one: &Fitted, tests: &[Test]) -> Vec<String> {
     if one.fit.law.has_fibers() && lies(Fibers::Along) != lies(Fibers::Across) {
         let missing = fibers_name(if lies(Fibers::Along) { Fibers::Across } else { Fibers::Along });
         out.push(format!("no test {missing} the fibres: the data hardly tell fibres from matrix"));
+    }
+    let angle = one.fit.parameters.iter().find(|parameter| parameter.name == "fiber_angle");
+    if angle.is_some_and(|angle| angle.value > NEARLY_ACROSS) {
+        out.push("both families lie nearly across: are \"along\" and \"across\" exchanged?".to_owned());
     }
     if let Some(poisson) = one.poisson().filter(|ratio| *ratio < 0.0) {
         out.push(format!(

@@ -27,6 +27,9 @@ pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCh
         return Err(session.problem.complain("time", message).into());
     }
     session.restore_steps(take(&mut checkpoint.steps))?;
-    session.put("resumed", json!({ "steps": checkpoint.places() }));
+    let places = checkpoint.places();
+    let told = places.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+    session.console.say(format!("resumed     the motion goes on behind step {told}"));
+    session.put("resumed", json!({ "steps": places }));
     run(session, Some(checkpoint))
 }

@@ -1,11 +1,12 @@
 //! What has a meaning in motion alone, and what a motion needs.
 
 use super::{Blocks, block};
+use crate::schema::actuation::Means;
 use crate::schema::control::{Control, Start};
 use crate::schema::field::Parameter;
 use crate::schema::optimizer::{Optimizer, Unstable};
 use crate::schema::read::Reader;
-use crate::schema::time::Time;
+use crate::schema::time::{MOST_STEPS, Time};
 use crate::syntax::At;
 use nastic_fem::Scheme;
 
@@ -47,6 +48,11 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
             reader.complain_at(&control.at.key(key), format!("the {key} {message}"));
         }
         let Some(in_time) = &control.in_time else { continue };
+        if time.end / in_time.every > MOST_STEPS {
+            let message = format!("more than {MOST_STEPS} knots until the end: take a longer time");
+            reader.complain_at(&in_time.at.key("every"), message);
+            continue;
+        }
         let between = |step: &f64| {
             let steps = in_time.every / step;
             (steps - steps.round()).abs() > 1e-6 * steps || steps < 0.5
@@ -65,12 +71,7 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
         }
     }
     check_scheme(time, blocks, reader);
-    for actuation in &blocks.actuation {
-        if ["volume", "pull"].iter().any(|key| actuation.fixed.contains_key(key)) {
-            let message = "added volumes and the pull of tendons do not go with \"time\" yet";
-            reader.complain_at(&actuation.at, message);
-        }
-    }
+    check_lengths_and_volumes(blocks, reader);
     let optimizer: Option<Optimizer> = block(reader, "optimizer");
     let given = |key: &str, wanted: bool, reader: &mut Reader<'_>, message: &str| {
         if wanted {
@@ -91,8 +92,52 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
     }
 }
 
+/// Equality and inequality constraints, which steps in time do not have: a volume, the length of a cable that cannot stretch.
+fn check_lengths_and_volumes(blocks: &Blocks, reader: &mut Reader<'_>) {
+    for actuation in &blocks.actuation {
+        let Means::Contribution { values, .. } = &actuation.means else { continue };
+        for (name, slot) in actuation.slots() {
+            let instead = match slot.key {
+                "volume" => "drive it by its pressure",
+                "pull" if !values.numbers.contains_key("stiffness") => {
+                    "give the tendon a \"stiffness\", or drive it by its tension"
+                }
+                _ => continue,
+            };
+            let message =
+                format!("the {} of \"{}\" does not go with \"time\" yet: {instead}", slot.key, actuation.name);
+            if actuation.fixed.contains_key(slot.key) {
+                reader.complain_at(&actuation.at.key(slot.key), &message);
+            }
+            for control in controls(blocks).filter(|control| control.of == name) {
+                reader.complain_at(&control.at.key("of"), &message);
+            }
+        }
+    }
+}
+
+/// What goes with the modes of `siere`.
+fn check_modes(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
+    let at = time.at.key("scheme");
+    let viscous =
+        blocks.materials.iter().any(|material| !material.maxwell.is_empty() || material.kelvin_voigt.is_some());
+    if viscous {
+        let message =
+            "\"siere\" takes the modes of elastic bodies: with \"maxwell\" or \"kelvin_voigt\" take \"tr_bdf2\"";
+        reader.complain_at(&at, message);
+    }
+    if let Some(motion) = blocks.actuation.iter().find(|actuation| actuation.kind() == "motion") {
+        let message =
+            format!("\"siere\" does not go with the surface that \"{}\" moves: take \"tr_bdf2\"", motion.name);
+        reader.complain_at(&at, message);
+    }
+}
+
 /// What a scheme cannot begin with.
 fn check_scheme(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
+    if time.built_scheme().is_ok_and(|scheme| scheme.exact_modes() > 0) {
+        check_modes(time, blocks, reader);
+    }
     let (Ok(scheme), true) = (time.built_scheme(), time.velocity.is_some()) else { return };
     let name = scheme.name();
     let accelerated = scheme.needs_acceleration() || scheme.start().is_some_and(Scheme::needs_acceleration);
