@@ -68,6 +68,11 @@ const HINTS: &[Hint] = &[
     hint("", &["dynamics", "motion", "damping", "dt", "steps", "time_step", "transient"], TIME),
     hint("time", &["dt", "time_step", "timestep", "h"], "write \"step\": \"10 ms\""),
     hint("time", &["t_end", "tend", "duration", "span", "until"], "write \"end\": \"1 s\""),
+    hint(
+        "time",
+        &["tol", "rtol", "atol", "accuracy"],
+        "write \"tolerance\": \"0.1 mm\", the error that a step may add",
+    ),
     hint("time", &["method", "integrator", "solver"], "write \"scheme\": \"tr_bdf2\""),
     hint(
         "",
