@@ -83,6 +83,9 @@ fn the_page_of_a_failed_run_says_so_and_shows_the_last_state() {
     let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
     assert!(page.contains("<li class=\"error\"><b>failed</b>") && page.contains("last state before the failure"));
     assert!(!page.contains("\"label\":\"start\""), "no state of another run is shown");
+    assert!(place.files().contains(&"failure.vtu".to_owned()));
+    place.run(Command::Solve, BAR, &[]).unwrap();
+    assert!(!place.files().contains(&"failure.vtu".to_owned()), "that of an earlier run");
 }
 
 #[test]

@@ -37,6 +37,10 @@ pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit
     if let Some(option) = analysis.option().filter(|_| motion::is_motion(&session.problem)) {
         return Err(motion::refused(&session.problem, option));
     }
+    if let Some(out) = &session.out {
+        // It belongs to an earlier command, and would stand beside the files of this one.
+        out.remove("failure.vtu")?;
+    }
     if motion::is_motion(&session.problem) {
         return moving::run(session, None);
     }
