@@ -46,7 +46,7 @@ pub use reduced::{AdaptiveSteps, Reduced};
 pub use snapshot::StateFields;
 pub use state_bytes::{read_report, read_whole_state, write_report, write_whole_state};
 pub use time::{
-    ActuationWork, ControlRate, Interpolation, KineticEnergy, Knots, MotionFootprint, MotionMemory, MotionObserver,
-    RateLimit, Timeline, TrajectoryContext, TrajectoryCost, TrajectoryPartials, When,
+    ActuationWork, ControlRate, Instants, Interpolation, KineticEnergy, Knots, MotionFootprint, MotionMemory,
+    MotionObserver, RateLimit, Timeline, TrajectoryContext, TrajectoryCost, TrajectoryPartials, When,
 };
 pub use workspace::ReducedWorkspace;

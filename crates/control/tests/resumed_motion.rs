@@ -1,8 +1,8 @@
 //! A motion that is cut and goes on from the bytes it left gives the bits of one that was not.
 
 use nastic_control::{
-    ControlError, Evaluated, Interpolation, KineticEnergy, Knots, MotionMemory, MotionObserver, Reduced,
-    ReducedWorkspace, Space, Target, Timeline, Tracking, When,
+    ControlError, CostLimit, Evaluated, Instants, Interpolation, KineticEnergy, Knots, MotionMemory, MotionObserver,
+    Reduced, ReducedWorkspace, Space, Target, Timeline, Tracking, When,
 };
 use nastic_energy::{FiberTension, MaxwellBranch, NeoHooke};
 use nastic_fem::{Inertia, Scheme, Solid, State};
@@ -35,7 +35,8 @@ fn problem(scheme: Scheme, memory: MotionMemory) -> Done<Reduced> {
         .in_time(timeline)?
         .control_in_time("tension", Space::Cell, Knots::every(0.05, END, Interpolation::Linear)?)?
         .cost_when(When::Integral, Tracking::surface("x+", raised(0.05)))?
-        .cost(Tracking::surface("x+", raised(0.1)))?)
+        .cost(Tracking::surface("x+", raised(0.1)))?
+        .constrain_when(Instants::All, CostLimit::at_most(Tracking::surface("x+", raised(0.02)), 1e-6))?)
 }
 
 /// States, and places to go on from, with their numbers.
@@ -103,6 +104,7 @@ fn a_motion_goes_on_with_the_same_bits() -> Done {
                 assert_eq!(bits(state), bits(&states[*k].1), "{name}: state {k} of a motion cut at {at}");
             }
             assert_eq!((&again.terms, again.work), (&whole.terms, whole.work), "{name} {at}");
+            assert_eq!((again.constraints.len(), &again.constraints), (23, &whole.constraints), "{name} {at}");
             let run = |point: &Evaluated| point.motion.as_ref().map(|run| (run.min_j, run.error));
             assert_eq!(run(&again), run(&whole));
             // its states are found again where they are asked for; a derivative is refused

@@ -5,11 +5,11 @@ use super::cost::{Lowering, TargetShape};
 use super::place::{Kind, Place};
 use crate::run::number::count;
 use crate::run::short;
-use crate::schema::{Case, Constraint as Block, Cost, KeepOut, Shape};
+use crate::schema::{Case, Constraint as Block, Cost, Holds, KeepOut, Shape};
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
-    BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, IntoConstraint, Obstacle,
-    ObstacleDistance, Reduced,
+    BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, Instants, IntoConstraint,
+    Obstacle, ObstacleDistance, Reduced,
 };
 use nastic_fem::Solid;
 use nastic_opt::ConstraintGroup;
@@ -44,14 +44,29 @@ pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option
     case.constraints.iter().map(|block| target(block, context)).collect()
 }
 
-/// Refuses what a constraint, which holds at the end of a motion, cannot take.
-fn check_at_end(cost: &Cost, context: &mut Context<'_>) -> Option<()> {
-    if cost.when().is_none() && !cost.uses_time() && !cost.is_of_motion() {
+/// Refuses what a constraint, which holds at instants of a motion, cannot take.
+fn check_at_instants(cost: &Cost, context: &mut Context<'_>) -> Option<()> {
+    let message = if cost.when().is_some() {
+        "a constraint holds at instants: \"when\" belongs beside \"cost\", as \"always\", \"end\" or { \"at\": .. }"
+    } else if cost.uses_time() {
+        "a bounded functional does not change in time: leave t out, or take a term of the cost"
+    } else if cost.is_of_motion() {
+        "a constraint holds at instants, and this functional is one of the whole motion: take it as a term of the cost"
+    } else {
         return Some(());
-    }
-    let message = "a constraint holds at the end of a motion: leave \"when\" and the time out, or take a cost";
+    };
     context.complain(cost.at(), message);
     None
+}
+
+/// At which instants of a motion it holds.
+fn instants(block: &Block) -> Instants {
+    match &block.when {
+        Some(Holds::Always) => Instants::All,
+        Some(Holds::At(times)) => Instants::At(times.clone()),
+        None if block.obstacle.is_some() => Instants::All,
+        None | Some(Holds::End) => Instants::End,
+    }
 }
 
 /// Adds all constraints to the problem; `None` if that cannot be.
@@ -69,7 +84,7 @@ pub(super) fn add(
                 bound.inspect(|bound| look_at_rest((block, keep_out), bound.nodes(), reduced.solid(), context))
             }
             (None, Some(cost)) => {
-                check_at_end(cost, context)?;
+                check_at_instants(cost, context)?;
                 let cost = Lowering { case, reduced: &reduced, block: cost }.lower(target, context)?;
                 let limit = match (block.at_most, block.equal) {
                     (Some(bound), _) => CostLimit::at_most(cost, bound),
@@ -85,7 +100,10 @@ pub(super) fn add(
     }
     for (block, named) in all {
         let named: Box<dyn Constraint> = Box::new(named);
-        reduced = context.take(&block.at, reduced.constrain(named))?;
+        reduced = match case.time {
+            Some(_) => context.take(&block.at.key("when"), reduced.constrain_when(instants(block), named))?,
+            None => context.take(&block.at, reduced.constrain(named))?,
+        };
     }
     Some(reduced)
 }

@@ -54,7 +54,7 @@ fn check_memory(time: &Time, timeline: &Timeline, solid: &Solid, context: &mut C
     None
 }
 
-/// The instants that steps have to lead through: beside a tolerance also the knots of controls, and where costs count.
+/// The instants that steps have to lead through: beside a tolerance also the knots of controls, where costs count and where constraints hold.
 fn required(case: &Case, time: &Time) -> Vec<f64> {
     let mut out = time.instants();
     if time.tolerance.is_some() {
@@ -62,11 +62,16 @@ fn required(case: &Case, time: &Time) -> Vec<f64> {
             let parts = (time.end / in_time.every).round().max(1.0) as usize;
             out.extend((0..=parts).map(|k| time.end * k as f64 / parts as f64));
         }
-        for cost in &case.costs {
-            if let Some(schema::When::At(instants)) = cost.when() {
-                out.extend(instants.iter().filter(|t| (0.0..=time.end).contains(*t)));
-            }
-        }
+        let of_costs = case.costs.iter().filter_map(|cost| match cost.when() {
+            Some(schema::When::At(instants)) => Some(instants),
+            _ => None,
+        });
+        let of_constraints = case.constraints.iter().filter_map(|constraint| match &constraint.when {
+            Some(schema::Holds::At(instants)) => Some(instants),
+            _ => None,
+        });
+        let within = |t: &&f64| (0.0..=time.end).contains(*t);
+        out.extend(of_costs.chain(of_constraints).flatten().filter(within));
         out.sort_by(f64::total_cmp);
         out.dedup_by(|later, earlier| *later - *earlier <= SAME * time.end);
         // the end itself, if an instant just before it was kept

@@ -209,11 +209,13 @@ pub(super) fn supports(problem: &CaseProblem) -> Vec<Line> {
 
 pub(super) fn costs(problem: &CaseProblem) -> Vec<Line> {
     let mut out: Vec<Line> = problem.case.costs.iter().map(|cost| cost_line("costs", cost)).collect();
-    for (block, group) in problem.case.constraints.iter().zip(problem.member(0).reduced().constraints()) {
+    let reduced = problem.member(0).reduced();
+    for (k, (block, group)) in problem.case.constraints.iter().zip(reduced.constraints()).enumerate() {
+        let instants = reduced.constraint_states(k).len().max(1);
         let bound = match (&block.obstacle, block.at_most, block.equal) {
             (Some(keep_out), ..) => format!(
                 "{} at least {} {} from a {}",
-                count(group.len, "node"),
+                count(group.len / instants, "node"),
                 short(keep_out.clearance),
                 problem.units().length().symbol,
                 keep_out.shape.name().replace('_', "-")
@@ -221,7 +223,9 @@ pub(super) fn costs(problem: &CaseProblem) -> Vec<Line> {
             (None, Some(most), _) => format!("at most {}", short(most)),
             (None, None, value) => format!("equal to {}", short(value.unwrap_or_default())),
         };
-        out.push(line("constraints", format!("{}: {bound}", block.name())));
+        let when =
+            problem.case.time.as_ref().map_or_else(String::new, |_| format!(", at {}", count(instants, "instant")));
+        out.push(line("constraints", format!("{}: {bound}{when}", block.name())));
     }
     for target in problem.member(0).targets() {
         out.push(target_line(problem, target));

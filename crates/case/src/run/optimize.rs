@@ -158,9 +158,10 @@ fn conclude(
     if starts.entries.len() > 1 {
         session.put("minima", json!(minima));
     }
-    run_warnings::warn(session, &ended, starts.interrupted);
+    let constraints = session.look_at_constraints(&ended.constraints, &ended.best.point)?;
+    run_warnings::warn(session, &ended, &constraints, starts.interrupted);
     let diagnosis = if starts.interrupted { None } else { spectrum::find(session, &ended.best)? };
-    let found = (index, &ended, diagnosis.as_ref());
+    let found = (index, &ended, constraints.as_slice(), diagnosis.as_ref());
     let reported = outcome::report(session, found, &starts.entries, resumable);
     let reported = reported.and_then(|found| unwritten.map(|()| found));
     if let (Err(error), Some(written)) = (&reported, written)

@@ -7,6 +7,7 @@ mod variants;
 use crate::quantity::Want;
 use crate::schema::actuation::Actuation;
 use crate::schema::case::{Case, Probe};
+use crate::schema::constraint::Constraint;
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::load_case::LoadCase;
@@ -26,6 +27,7 @@ pub(crate) struct Blocks {
     pub(crate) actuation: Vec<Actuation>,
     pub(crate) controls: Vec<Control>,
     pub(crate) costs: Vec<Cost>,
+    pub(crate) constraints: Vec<Constraint>,
     pub(crate) load_cases: Vec<LoadCase>,
     pub(crate) probes: Vec<Probe>,
     pub(crate) springs: Vec<Spring>,
@@ -53,6 +55,7 @@ impl Blocks {
             actuation: list(reader, "actuation"),
             controls: list(reader, "controls"),
             costs: list(reader, "costs"),
+            constraints: list(reader, "constraints"),
             load_cases: list(reader, "load_cases"),
             probes: list(reader, "probes"),
             springs: list(reader, "springs"),

@@ -3,6 +3,7 @@
 use crate::schema::cost::Cost;
 use crate::schema::obstacle::Shape;
 use crate::schema::read::Reader;
+use crate::schema::timing::Holds;
 use nastic_mesh::GroupNames;
 
 object! {
@@ -18,6 +19,8 @@ object! {
         pub at_most: Option<f64>,
         /// The value that it must have.
         pub equal: Option<f64>,
+        /// At which instants of a motion it holds: an obstacle always, a bound on a functional at the end, if left out.
+        pub when: Option<Holds>,
         /// A value that counts as large, in which violations of the bound are measured; the bound's absolute value if left out.
         pub scale: Option<f64> as POSITIVE,
     }

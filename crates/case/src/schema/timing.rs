@@ -1,4 +1,4 @@
-//! When controls change, and when costs count, in a motion.
+//! When controls change, when costs count and when constraints hold, in a motion.
 
 use crate::quantity::Want;
 use crate::schema::json::{Definitions, any_of};
@@ -52,14 +52,7 @@ const ABOUT: [(&str, &str); 4] = [
 const CHOICES: &[Choice] = &[
     Choice { name: ABOUT[0].0, about: ABOUT[0].1, schema: None },
     Choice { name: ABOUT[1].0, about: ABOUT[1].1, schema: None },
-    Choice {
-        name: ABOUT[2].0,
-        about: ABOUT[2].1,
-        schema: Some(|definitions| {
-            let one = f64::schema(Want::NOT_NEGATIVE_TIME, definitions);
-            any_of(vec![one.clone(), json!({ "type": "array", "items": one, "minItems": 1 })])
-        }),
-    },
+    Choice { name: ABOUT[2].0, about: ABOUT[2].1, schema: Some(instants_schema) },
     Choice {
         name: ABOUT[3].0,
         about: ABOUT[3].1,
@@ -83,6 +76,48 @@ impl Read for When {
     fn schema(_: Want, definitions: &mut Definitions) -> Json {
         definitions.choice(CHOICES)
     }
+}
+
+/// The instants of a motion at which a constraint holds.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Holds {
+    /// At the end.
+    End,
+    /// At all instants that controls can change.
+    Always,
+    /// At these.
+    At(Vec<f64>),
+}
+
+const HOLDS: &[Choice] = &[
+    Choice { name: "end", about: "At the end.", schema: None },
+    Choice {
+        name: "always",
+        about: "At the end of every step, and at t = 0 where the motion begins at an equilibrium.",
+        schema: None,
+    },
+    Choice { name: "at", about: "At these instants, to which steps lead.", schema: Some(instants_schema) },
+];
+
+impl Read for Holds {
+    fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        let (chosen, value) = reader.choose(node, at, HOLDS)?;
+        match (chosen, value) {
+            ("end", _) => Some(Self::End),
+            ("always", _) => Some(Self::Always),
+            ("at", Some(node)) => instants(node, &at.key(chosen), reader).map(Self::At),
+            _ => None,
+        }
+    }
+
+    fn schema(_: Want, definitions: &mut Definitions) -> Json {
+        definitions.choice(HOLDS)
+    }
+}
+
+fn instants_schema(definitions: &mut Definitions) -> Json {
+    let one = f64::schema(Want::NOT_NEGATIVE_TIME, definitions);
+    any_of(vec![one.clone(), json!({ "type": "array", "items": one, "minItems": 1 })])
 }
 
 /// One instant or several.

@@ -6,6 +6,7 @@ use crate::constraint::{BetweenNodes, Constraint, ConstraintPoint, IntoConstrain
 use crate::cost::Partials;
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
+use crate::time::Instants;
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::State;
 use nastic_opt::{Constrained, ConstraintGroup, Failed, Hessian};
@@ -28,11 +29,14 @@ impl Lagrangian<'_> {
 
 impl Reduced {
     /// Adds a constraint, which [`nastic_opt::AugmentedLagrangian`] holds; optimisers by themselves know nothing of it. In a
-    /// problem in time it holds at the end.
+    /// problem in time it holds at the end, one of [`constrain_when`](Self::constrain_when) at other instants.
     ///
     /// # Errors
     /// What the constraint does not find on the body.
     pub fn constrain(mut self, constraint: impl IntoConstraint) -> Result<Self, ControlError> {
+        if self.motion.is_some() {
+            return self.constrain_when(Instants::End, constraint);
+        }
         self.constraints.push(constraint.bind(&self.solid)?);
         Ok(self)
     }
@@ -42,11 +46,30 @@ impl Reduced {
         &self.constraints
     }
 
-    /// What the distances that constraints keep at nodes come to between these, constraint by constraint.
-    pub fn between_nodes(&self, at: &Evaluated) -> Vec<Option<BetweenNodes>> {
-        let Ok(m) = self.at_instant(&at.m, at.state.time) else { return Vec::new() };
-        let context = self.context(&at.state, &m, at.stage);
-        self.constraints.iter().map(|constraint| constraint.between_nodes(&context)).collect()
+    /// The numbers of the states at which a constraint holds: in a problem in time those of its instants, else 0, that of the equilibrium.
+    pub fn constraint_states(&self, constraint: usize) -> &[usize] {
+        match &self.motion {
+            Some(motion) => motion.held.get(constraint).map_or(&[], Vec::as_slice),
+            None => &[0],
+        }
+    }
+
+    /// What the distances that constraints keep at nodes come to between these in the n-th state, constraint by constraint; none of those
+    /// that do not hold there.
+    ///
+    /// # Errors
+    /// Controls of the wrong length.
+    pub fn between_nodes(
+        &self,
+        m: &[f64],
+        (n, state): (usize, &State),
+    ) -> Result<Vec<Option<BetweenNodes>>, ControlError> {
+        let m = self.at_instant(m, state.time)?;
+        let context = self.context(state, &m, 0);
+        let between = |(k, constraint): (usize, &dyn Constraint)| {
+            self.constraint_states(k).binary_search(&n).ok().and_then(|_| constraint.between_nodes(&context))
+        };
+        Ok(self.constraints.iter().map(Box::as_ref).enumerate().map(between).collect())
     }
 
     /// Evaluates the constraints in a state.
@@ -118,9 +141,13 @@ impl Reduced {
 }
 
 impl Constrained for Reduced {
-    /// In the order they were added; those of one name are numbered, `obstacle_0`, `obstacle_1`.
+    /// In the order they were added; those of one name are numbered, `obstacle_0`, `obstacle_1`. The values of a constraint of
+    /// a motion stand instant by instant.
     fn constraints(&self) -> Vec<ConstraintGroup> {
         let mut groups: Vec<ConstraintGroup> = self.constraints.iter().map(|constraint| constraint.group()).collect();
+        if let Some(motion) = &self.motion {
+            groups.iter_mut().zip(&motion.held).for_each(|(group, instants)| group.len *= instants.len());
+        }
         groups.extend(self.rate_groups());
         let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
         for (k, group) in groups.iter_mut().enumerate() {

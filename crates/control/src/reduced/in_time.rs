@@ -1,12 +1,13 @@
 //! Reduced problems in time: a motion instead of an equilibrium.
 
 use super::Reduced;
+use crate::constraint::IntoConstraint;
 use crate::cost::IntoCost;
 use crate::error::ControlError;
 use crate::layout::Layout;
 use crate::map::Space;
 use crate::time::{
-    FixedInTime, Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When,
+    FixedInTime, Instants, Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When,
 };
 use nastic_fem::Checkpoints;
 use nastic_opt::ConstraintGroup;
@@ -21,6 +22,8 @@ pub(crate) struct Motion {
     pub schedules: Vec<Schedule>,
     /// Costs of the whole motion, behind those of states.
     pub costs: Vec<Box<dyn TrajectoryCost>>,
+    /// The numbers of the instants at which each constraint holds, ascending.
+    pub held: Vec<Vec<usize>>,
     pub rates: Vec<RateLimit>,
     /// Slots that follow given values.
     pub fixed: Vec<FixedInTime>,
@@ -49,7 +52,8 @@ impl Reduced {
             return Err(ControlError::Cost { what });
         }
         let layout = self.layout.clone();
-        self.motion = Some(Motion { timeline, layout, schedules: vec![], costs: vec![], rates: vec![], fixed: vec![] });
+        let (schedules, costs, held, rates, fixed) = (vec![], vec![], vec![], vec![], vec![]);
+        self.motion = Some(Motion { timeline, layout, schedules, costs, held, rates, fixed });
         self.motion_footprint()?;
         Ok(self)
     }
@@ -146,6 +150,19 @@ impl Reduced {
         }
         if let Some(motion) = &mut self.motion {
             motion.costs.push(Box::new(cost));
+        }
+        Ok(self)
+    }
+
+    /// Adds a constraint that holds at some instants of the motion, with a value, or its values, for each of them.
+    ///
+    /// # Errors
+    /// As [`constrain`](Self::constrain); a problem without time; instants that the steps do not lead through.
+    pub fn constrain_when(mut self, instants: Instants, constraint: impl IntoConstraint) -> Result<Self, ControlError> {
+        let numbers = instants.numbers(&self.needs_time("a constraint at instants")?.timeline)?;
+        self.constraints.push(constraint.bind(&self.solid)?);
+        if let Some(motion) = &mut self.motion {
+            motion.held.push(numbers);
         }
         Ok(self)
     }

@@ -3,6 +3,7 @@
 use super::Reduced;
 use super::in_time::Motion;
 use super::motion_progress::{InstantValues, Progress};
+use crate::constraint::ConstraintPoint;
 use crate::cost::CostPoint;
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, MotionRun};
@@ -174,15 +175,11 @@ impl Reduced {
         for cost in &motion.costs {
             terms.push(cost.value(&context)?);
         }
-        let mut constraint_points = self.constraints_at(&state, m)?;
-        let mut constraints: Vec<f64> = constraint_points.iter().flat_map(|point| point.values().to_vec()).collect();
+        let mut constraints = values.constraints.concat();
         for rate in &motion.rates {
             constraints.extend(rate.values(&self.layout, m)?);
         }
-        if !self.keep_factors {
-            constraint_points.clear();
-        }
-        let (m, costs, motion) = (m.to_vec(), vec![], Some(run));
+        let (m, costs, constraint_points, motion) = (m.to_vec(), vec![], vec![], Some(run));
         Ok(Evaluated { m, state, motion, terms, constraints, stage, work, costs, constraint_points, adjoint: None })
     }
 
@@ -196,7 +193,7 @@ impl Reduced {
         TrajectoryContext { solid: &self.solid, layout: &self.layout, timeline, trajectory, m, stage }
     }
 
-    /// The values of all costs that count in a state.
+    /// The values of all costs that count in a state, and of the constraints that hold there.
     fn add_values(
         &self,
         motion: &Motion,
@@ -210,7 +207,25 @@ impl Reduced {
                 Ok(())
             })?;
         }
+        let InstantValues { constraints, .. } = into;
+        for (k, own) in constraints.iter_mut().enumerate() {
+            if motion.held[k].binary_search(&at.0).is_ok() {
+                own.extend(self.constraint_point(motion, k, at, m)?.values());
+            }
+        }
         Ok(())
+    }
+
+    /// A constraint evaluated at an instant.
+    pub(super) fn constraint_point(
+        &self,
+        motion: &Motion,
+        k: usize,
+        (n, state): (usize, &State),
+        m: &[f64],
+    ) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
+        let at_instant = self.layout.at(m, motion.timeline.instants()[n])?;
+        self.constraints[k].at(&self.context(state, &at_instant, 0))
     }
 
     /// Calls with a cost that counts in a state, evaluated there.

@@ -49,7 +49,7 @@ struct InstantPartials<'a> {
     point: &'a Evaluated,
     of: Functional<'a>,
     counting: Vec<Vec<(usize, usize)>>,
-    /// By the states, as far as costs of the whole motion and constraints give them at once; by the control vector, all so far.
+    /// By the states, as far as costs of the whole motion give them at once; by the control vector, all so far.
     out: TrajectoryPartials,
     /// Whether one by a state was not zero.
     by_states: bool,
@@ -71,32 +71,39 @@ impl<'a> InstantPartials<'a> {
         }
         let mut partials =
             InstantPartials { problem, motion, point, of, counting: counting(motion), out, by_states: false };
-        partials.add_constraints()?;
+        partials.add_rates()?;
         Ok(partials)
     }
 
-    fn add_constraints(&mut self) -> Result<(), ControlError> {
+    /// Those of limited rates, whose values stand behind those of the constraints.
+    fn add_rates(&mut self) -> Result<(), ControlError> {
         let y = self.of.multipliers();
-        if y.is_empty() {
-            return Ok(());
+        let (layout, rates) = (&self.problem.layout, &self.motion.rates);
+        let lens = rates.iter().map(|rate| Ok(rate.group(layout)?.len)).collect::<Result<Vec<_>, ControlError>>()?;
+        let mut first = y.len().saturating_sub(lens.iter().sum());
+        for (rate, len) in rates.iter().zip(lens) {
+            let y = y.get(first..first + len).unwrap_or_default();
+            rate.add_partials(layout, (&self.point.m, y), &mut self.out.m)?;
+            first += len;
         }
-        let (problem, motion, point) = (self.problem, self.motion, self.point);
-        let constraints = problem.constraints_of(point)?;
-        let mut at_end = Partials::zero(point.state.u.len(), motion.layout.len());
-        let mut used = 0;
-        for (constraint, y) in Reduced::with_weights(&constraints, y) {
-            constraint.add_partials(y, &mut at_end)?;
-            used += y.len();
+        Ok(())
+    }
+
+    /// Those of the constraints that hold in the n-th state.
+    fn add_constraints(&mut self, n: usize, state: &State, by_u: &mut Vec<f64>) -> Result<(), ControlError> {
+        let (problem, motion, mut y) = (self.problem, self.motion, self.of.multipliers());
+        let mut own = None;
+        for (k, instants) in motion.held.iter().enumerate().take_while(|_| !y.is_empty()) {
+            let len = problem.constraints[k].group().len;
+            let (of_instants, behind) = y.split_at(y.len().min(len * instants.len()));
+            y = behind;
+            let Ok(place) = instants.binary_search(&n) else { continue };
+            let y = of_instants.get(place * len..(place + 1) * len).unwrap_or_default();
+            let point = problem.constraint_point(motion, k, (n, state), &self.point.m)?;
+            let zero = || Partials::zero(state.u.len(), motion.layout.len());
+            point.add_partials(y, own.get_or_insert_with(zero))?;
         }
-        let mut by_u = take(&mut self.out.states[motion.timeline.steps()].u);
-        self.add(motion.timeline.end(), 1.0, &at_end, &mut by_u);
-        self.out.states[motion.timeline.steps()].u = by_u;
-        for rate in &motion.rates {
-            let len = rate.group(&problem.layout)?.len;
-            let y = y.get(used..used + len).unwrap_or_default();
-            rate.add_partials(&problem.layout, (&point.m, y), &mut self.out.m)?;
-            used += len;
-        }
+        own.iter().for_each(|own| self.add(motion.timeline.instants()[n], 1.0, own, by_u));
         Ok(())
     }
 
@@ -117,6 +124,7 @@ impl<'a> InstantPartials<'a> {
             })?;
             self.add(motion.timeline.instants()[n], factor, &own, &mut by_state.u);
         }
+        self.add_constraints(n, state, &mut by_state.u)?;
         self.by_states |= by_state.u.iter().chain(&by_state.velocity).any(|d| *d != 0.0);
         Ok(by_state)
     }

@@ -9,7 +9,7 @@ use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use std::sync::Arc;
 
-const MAGIC: &str = "nastic-motion-1";
+const MAGIC: &str = "nastic-motion-2";
 
 /// What is known of a motion up to some state, beside its states.
 pub(super) struct Progress {
@@ -41,7 +41,7 @@ impl Progress {
         let part = part.tail(scheme);
         let mut out = Writer::new(MAGIC);
         out.bytes(scheme.name().as_bytes());
-        self.values.values.iter().for_each(|values| out.floats(values));
+        self.values.values.iter().chain(&self.values.constraints).for_each(|values| out.floats(values));
         write_report(&self.work, &mut out);
         out.float(self.min_j);
         out.count(usize::from(self.error.is_some()));
@@ -81,6 +81,9 @@ impl Progress {
             }
             *own = read;
         }
+        for own in &mut values.constraints {
+            *own = input.floats()?;
+        }
         let (work, min_j) = (read_report(&mut input)?, input.float()?);
         let error = match input.flag()? {
             true => Some(StepError { error: input.float()?, time: input.float()? }),
@@ -117,16 +120,18 @@ pub(super) fn counting(motion: &Motion) -> Vec<Vec<(usize, usize)>> {
     counting
 }
 
-/// Values of the costs of states, by cost and place.
+/// Values of the costs of states, by cost and place, and of constraints.
 pub(super) struct InstantValues {
     pub counting: Vec<Vec<(usize, usize)>>,
     pub values: Vec<Vec<f64>>,
+    /// Of each constraint those of the instants so far, one behind the other.
+    pub constraints: Vec<Vec<f64>>,
 }
 
 impl InstantValues {
     pub fn new(motion: &Motion) -> Self {
         let values = motion.schedules.iter().map(|schedule| vec![0.0; schedule.weights.len()]).collect();
-        InstantValues { counting: counting(motion), values }
+        InstantValues { counting: counting(motion), values, constraints: vec![Vec::new(); motion.held.len()] }
     }
 
     /// Their sums over the motion.

@@ -3,6 +3,7 @@
 mod actuation_work;
 mod control_rate;
 mod fixed_in_time;
+mod instants;
 mod kinetic_energy;
 mod knots;
 mod memory;
@@ -15,6 +16,7 @@ mod trajectory_cost;
 pub use actuation_work::ActuationWork;
 pub use control_rate::ControlRate;
 pub(crate) use fixed_in_time::FixedInTime;
+pub use instants::Instants;
 pub use kinetic_energy::KineticEnergy;
 pub use knots::{Interpolation, Knots};
 pub use memory::{MotionFootprint, MotionMemory};

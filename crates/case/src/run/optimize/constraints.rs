@@ -3,37 +3,132 @@
 use super::super::number::short;
 use super::super::session::Session;
 use crate::lower::{CaseMember, CaseProblem};
+use crate::run::error::RunError;
 use crate::warning::{BETWEEN_NODES, Warning};
-use nastic_control::{BetweenNodes, Constraint, EnsemblePoint, Evaluated};
-use nastic_opt::{AugmentedLagrangian, ConstraintReport, ConstraintsReport, Sense};
+use nastic_control::{BetweenNodes, ControlError, EnsemblePoint, Evaluated};
+use nastic_fem::State;
+use nastic_opt::{AugmentedLagrangian, Constrained, ConstraintReport, ConstraintsReport, Sense};
 use serde_json::{Map, Value, json};
 
 /// Groups of more values than this list their active ones alone.
 const FEW: usize = 20;
 
+/// What the problem knows of a group beside its values.
+#[derive(Default)]
+pub(super) struct Known {
+    /// The unit of its values, where they have one: lengths so far.
+    unit: Option<&'static str>,
+    /// The largest value, or the one farthest from zero of an equality.
+    worst: Option<Worst>,
+    /// The smallest distance between nodes, with the instant of a motion.
+    between: Option<(BetweenNodes, Option<f64>)>,
+}
+
+/// The value that violates its constraint most, or comes closest to that.
+struct Worst {
+    index: usize,
+    value: f64,
+    /// The number of its state.
+    state: usize,
+    /// The node that it belongs to, and where that is in the deformed body.
+    node: Option<(u32, [f64; 3])>,
+    /// The instant, of a motion.
+    time: Option<f64>,
+}
+
+impl Session<'_> {
+    /// Looks where constraints are violated most, group by group. A motion that keeps few states in memory runs once more.
+    pub(super) fn look_at_constraints(
+        &self,
+        all: &ConstraintsReport,
+        point: &EnsemblePoint,
+    ) -> Result<Vec<Known>, RunError> {
+        let (mut groups, mut found) = (all.groups.iter(), Vec::new());
+        if all.groups.is_empty() {
+            return Ok(found);
+        }
+        for (member, at) in self.problem.members().zip(&point.members) {
+            let own: Vec<&ConstraintReport> = groups.by_ref().take(member.reduced().constraints().len()).collect();
+            found.extend(look(member, at, &own).map_err(|error| self.member_failed((member.index(), error)))?);
+        }
+        Ok(found)
+    }
+}
+
+fn look(member: CaseMember<'_>, at: &Evaluated, groups: &[&ConstraintReport]) -> Result<Vec<Known>, ControlError> {
+    let (reduced, length) = (member.reduced(), member.problem().units().length().symbol);
+    let terms = reduced.constraint_terms();
+    // behind the constraints on states stand the limited rates, of which no more is known
+    let mut found: Vec<Known> = groups.iter().map(|_| Known::default()).collect();
+    for (k, ((term, group), known)) in terms.iter().zip(groups).zip(&mut found).enumerate() {
+        let states = reduced.constraint_states(k);
+        known.unit = (term.unit() == "m").then_some(length);
+        known.worst = worst(group).map(|(index, value)| {
+            let place = index / (group.values.len() / states.len().max(1)).max(1);
+            Worst { index, value, state: states.get(place).copied().unwrap_or(0), node: None, time: None }
+        });
+    }
+    reduced.for_each_state(at, &mut |n, state| {
+        let between = reduced.between_nodes(&at.m, (n, state))?;
+        let time = member.case().time.is_some().then_some(state.time);
+        for ((term, between), known) in terms.iter().zip(between).zip(&mut found) {
+            if let Some(worst) = known.worst.as_mut().filter(|worst| worst.state == n) {
+                let node = term.nodes().and_then(|nodes| nodes.get(worst.index % nodes.len().max(1)));
+                worst.node = node.and_then(|node| Some((*node, position(member, *node, state)?)));
+                worst.time = time;
+            }
+            let least = known.between.as_ref().map_or(f64::INFINITY, |(known, _)| known.distance);
+            if let Some(between) = between.filter(|between| between.distance < least) {
+                known.between = Some((between, time));
+            }
+        }
+        Ok(())
+    })?;
+    Ok(found)
+}
+
+/// Where a node is in the deformed body.
+fn position(member: CaseMember<'_>, node: u32, state: &State) -> Option<[f64; 3]> {
+    let dim = member.solid().discretization().dim();
+    let mut x = *member.mesh().points().get(node as usize)?;
+    x.iter_mut().zip(state.u.iter().skip(node as usize * dim).take(dim)).for_each(|(x, u)| *x += u);
+    Some(x)
+}
+
+/// The index of the worst value, and the value.
+fn worst(one: &ConstraintReport) -> Option<(usize, f64)> {
+    let size = |c: f64| if one.group.sense == Sense::Equal { c.abs() } else { c };
+    let values = one.values.iter().copied().enumerate();
+    values.max_by(|a, b| size(a.1).total_cmp(&size(b.1)).then(b.0.cmp(&a.0)))
+}
+
 /// `{ "violation", "penalty", "updates", "groups": { NAME: { "sense", "values", "active", "violation", "scale", "unit", .. } } }`; nothing without
 /// constraints.
-pub(super) fn json(problem: &CaseProblem, all: &ConstraintsReport, point: &EnsemblePoint) -> Option<Value> {
-    let of = |(one, known): (&ConstraintReport, Known<'_>)| (one.group.name.clone(), group(one, &known));
-    let groups: Map<String, Value> = all.groups.iter().zip(known(problem, point)).map(of).collect();
+pub(super) fn json(all: &ConstraintsReport, known: &[Known]) -> Option<Value> {
+    let of = |(one, known): (&ConstraintReport, &Known)| (one.group.name.clone(), group(one, known));
+    let groups: Map<String, Value> = all.groups.iter().zip(known).map(of).collect();
     let out = json!({ "violation": all.violation, "penalty": all.penalty, "updates": all.updates, "groups": groups });
     (!all.groups.is_empty()).then_some(out)
 }
 
-fn group(one: &ConstraintReport, known: &Known<'_>) -> Value {
+fn group(one: &ConstraintReport, known: &Known) -> Value {
     let sense = if one.group.sense == Sense::Equal { "equal" } else { "at_most" };
     let largest = one.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut out = json!({
         "sense": sense, "count": one.values.len(), "active": one.active(), "violation": one.violation(),
         "largest": largest, "scale": one.group.scale, "unit": known.unit,
     });
-    if let Some((index, value)) = worst(one) {
-        let place = known.node(index);
-        let (node, position) = (place.map(|(node, _)| node), place.map(|(_, x)| x));
-        out["worst"] = json!({ "index": index, "value": value, "node": node, "position": position });
+    let with_time = |mut entry: Value, time: Option<f64>| {
+        time.into_iter().for_each(|time| entry["t"] = json!(time));
+        entry
+    };
+    if let Some(Worst { index, value, node, time, .. }) = known.worst {
+        let (node, position) = (node.map(|(node, _)| node), node.map(|(_, x)| x));
+        let entry = json!({ "index": index, "value": value, "node": node, "position": position });
+        out["worst"] = with_time(entry, time);
     }
-    if let Some(BetweenNodes { distance, position }) = known.between {
-        out["between_nodes"] = json!({ "distance": distance, "position": position });
+    if let Some((BetweenNodes { distance, position }, time)) = known.between {
+        out["between_nodes"] = with_time(json!({ "distance": distance, "position": position }), time);
     }
     if one.values.len() <= FEW {
         (out["values"], out["multipliers"]) = (json!(one.values), json!(one.multipliers));
@@ -45,77 +140,42 @@ fn group(one: &ConstraintReport, known: &Known<'_>) -> Value {
     out
 }
 
-/// What the problem knows of a group beside its values.
-pub(super) struct Known<'p> {
-    /// The unit of its values, where they have one: lengths so far.
-    unit: Option<&'p str>,
-    /// The nodes that its values belong to.
-    nodes: Option<&'p [u32]>,
-    member: CaseMember<'p>,
-    at: &'p Evaluated,
-    between: Option<BetweenNodes>,
-}
-
-impl Known<'_> {
-    /// The node of a value, and where it is in the deformed body.
-    fn node(&self, index: usize) -> Option<(u32, [f64; 3])> {
-        let node = *self.nodes?.get(index)?;
-        let dim = self.member.solid().discretization().dim();
-        let mut x = *self.member.mesh().points().get(node as usize)?;
-        x.iter_mut().zip(self.at.state.u.iter().skip(node as usize * dim).take(dim)).for_each(|(x, u)| *x += u);
-        Some((node, x))
-    }
-}
-
-/// Group by group.
-pub(super) fn known<'p>(problem: &'p CaseProblem, point: &'p EnsemblePoint) -> impl Iterator<Item = Known<'p>> {
-    let length = problem.units().length().symbol;
-    problem.members().zip(&point.members).flat_map(move |(member, at)| {
-        let terms = member.reduced().constraint_terms().iter().map(Box::as_ref).zip(member.reduced().between_nodes(at));
-        let of = move |(term, between): (&'p dyn Constraint, Option<BetweenNodes>)| {
-            let unit = (term.unit() == "m").then_some(length);
-            Known { unit, nodes: term.nodes(), member, at, between }
-        };
-        terms.map(of).collect::<Vec<_>>()
-    })
-}
-
-/// The value that violates its constraint most, or comes closest to that, and its index.
-fn worst(one: &ConstraintReport) -> Option<(usize, f64)> {
-    let size = |c: f64| if one.group.sense == Sense::Equal { c.abs() } else { c };
-    let values = one.values.iter().copied().enumerate();
-    values.max_by(|a, b| size(a.1).total_cmp(&size(b.1)).then(b.0.cmp(&a.0)))
+fn at_time(problem: &CaseProblem, time: Option<f64>) -> String {
+    time.map_or_else(String::new, |t| format!(" at t = {} {}", short(t), problem.units().time().symbol))
 }
 
 /// Where every node keeps its distance and the body between nodes is inside of the obstacle.
-pub(super) fn warnings(problem: &CaseProblem, all: &ConstraintsReport, point: &EnsemblePoint) -> Vec<Warning> {
+pub(super) fn warnings(problem: &CaseProblem, all: &ConstraintsReport, known: &[Known]) -> Vec<Warning> {
     let feasibility = AugmentedLagrangian::default().feasibility;
-    let of = |(one, known): (&ConstraintReport, Known<'_>)| {
-        let (tolerance, between) = (feasibility * one.group.scale, known.between?);
+    let of = |(one, known): (&ConstraintReport, &Known)| {
+        let (tolerance, (between, time)) = (feasibility * one.group.scale, known.between?);
         let unit = known.unit.map_or_else(String::new, |unit| format!(" {unit}"));
         let message = format!(
-            "{}: between nodes the body is up to {}{unit} inside of the obstacle, at ({})",
+            "{}: between nodes the body is up to {}{unit} inside of the obstacle, at ({}){}",
             one.group.name,
             short(-between.distance),
-            between.position.map(short).join(", ")
+            between.position.map(short).join(", "),
+            at_time(problem, time)
         );
         let entered = between.distance < -tolerance && one.violation() <= tolerance;
         entered.then(|| Warning::new(&BETWEEN_NODES, message))
     };
-    all.groups.iter().zip(known(problem, point)).filter_map(of).collect()
+    all.groups.iter().zip(known).filter_map(of).collect()
 }
 
 /// A line for every group.
-pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, point: &EnsemblePoint) {
-    for (k, (one, known)) in all.groups.iter().zip(known(&session.problem, point)).enumerate() {
+pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, known: &[Known]) {
+    for (k, (one, known)) in all.groups.iter().zip(known).enumerate() {
         let head = if k == 0 { "constraints" } else { "" };
         let unit = known.unit.map_or_else(String::new, |unit| format!(" {unit}"));
         let most = one.multipliers.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
-        let place = worst(one).filter(|_| one.violation() > 0.0).and_then(|(index, _)| known.node(index));
+        let worst = known.worst.as_ref().filter(|_| one.violation() > 0.0);
+        let place = worst.and_then(|worst| worst.node);
         let place =
             place.map_or_else(String::new, |(node, x)| format!(" at node {node} ({})", x.map(short).join(", ")));
+        let time = at_time(&session.problem, worst.and_then(|worst| worst.time));
         session.console.say(format!(
-            "{head:<12}{}: largest violation {}{unit}{place} ({} of its scale), {} of {} active, largest multiplier {}",
+            "{head:<12}{}: largest violation {}{unit}{place}{time} ({} of its scale), {} of {} active, largest multiplier {}",
             one.group.name,
             short(one.violation()),
             short(one.violation() / one.group.scale),

@@ -11,6 +11,7 @@ use super::super::solve::{
 };
 use super::super::spectrum_request::SpectrumRequest;
 use super::super::states::Shown;
+use super::constraints::Known;
 use super::finished_run::FinishedRun;
 use super::journal::Written;
 use super::spectrum::Diagnosis;
@@ -45,7 +46,7 @@ pub(super) fn write_start(
 /// Fills the result, writes files, says how it went.
 pub(super) fn report(
     session: &mut Session<'_>,
-    (index, ended, diagnosis): (usize, &FinishedRun, Option<&Diagnosis>),
+    (index, ended, known, diagnosis): (usize, &FinishedRun, &[Known], Option<&Diagnosis>),
     entries_of_starts: &[Value],
     resumable: Option<Written>,
 ) -> Result<Vec<Inspection>, RunError> {
@@ -65,7 +66,7 @@ pub(super) fn report(
     let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
     let norm = summary::derivative_norm(problem, &best.derivative);
     let controls = summary::controls(problem, &best.m);
-    let constraints = constraints::json(problem, &ended.constraints, &best.point);
+    let constraints = constraints::json(&ended.constraints, known);
     session.put_all(entries);
     if let Some(begin) = begin {
         session.put("start", Value::Object(begin));
@@ -99,7 +100,7 @@ pub(super) fn report(
     session.put_all(summary::work(&total));
     session.console.say("");
     table_of_starts::say(session, entries_of_starts, index);
-    say(session, (ended, diagnosis), resumable);
+    say(session, (ended, known, diagnosis), resumable);
     session.timed("write", |session| {
         write(session, (ended, diagnosis), (&found, &records), (index, entries_of_starts.len()))
     })?;
@@ -124,7 +125,11 @@ pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: V
     session.shown = Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
 }
 
-fn say(session: &Session<'_>, (ended, diagnosis): (&FinishedRun, Option<&Diagnosis>), resumable: Option<Written>) {
+fn say(
+    session: &Session<'_>,
+    (ended, known, diagnosis): (&FinishedRun, &[Known], Option<&Diagnosis>),
+    resumable: Option<Written>,
+) {
     let best = &ended.best;
     let (console, result) = (session.console, session.result_value());
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
@@ -145,7 +150,7 @@ fn say(session: &Session<'_>, (ended, diagnosis): (&FinishedRun, Option<&Diagnos
             console.say(format!("            {name} {}", fall(from, number(value))));
         }
     }
-    constraints::say(session, &ended.constraints, &best.point);
+    constraints::say(session, &ended.constraints, known);
     if result["hausdorff"].is_object() {
         let unit = session.problem.units().length().symbol;
         let (from, to) = (number(&result["start"]["hausdorff"]["true"]), number(&result["hausdorff"]["true"]));

@@ -1,6 +1,7 @@
 //! Warnings about an optimisation that ended: nothing moved, bounds decide, terms that do not count, branches left.
 
 use super::FinishedRun;
+use super::constraints::Known;
 use crate::lower::{CONTRACTION, ControlField};
 use crate::result::summary;
 use crate::run::number::{count, scientific, short};
@@ -20,7 +21,7 @@ const SAME: f64 = 1e-5;
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// Of a run that was interrupted only what does not hang on its end.
-pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, interrupted: bool) {
+pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, constraints: &[Known], interrupted: bool) {
     let mut found = Vec::new();
     let problem = &session.problem;
     for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls).filter(|_| !interrupted) {
@@ -30,7 +31,7 @@ pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, interrupted: bo
         found.extend(movement(run));
     }
     found.extend(terms(session, run));
-    found.extend(super::constraints::warnings(problem, &run.constraints, &run.best.point));
+    found.extend(super::constraints::warnings(problem, &run.constraints, constraints));
     if problem.case.optimizer.verify && !interrupted {
         found.extend(cold(session, run));
     }

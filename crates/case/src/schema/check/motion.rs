@@ -27,6 +27,9 @@ fn check_static(blocks: &Blocks, reader: &mut Reader<'_>) {
     for control in controls(blocks).filter(|control| control.in_time.is_some()) {
         reader.complain_at(&control.at.key("in_time"), format!("the case is static: {GIVE}"));
     }
+    for constraint in blocks.constraints.iter().filter(|constraint| constraint.when.is_some()) {
+        reader.complain_at(&constraint.at.key("when"), format!("the case is static: {GIVE}"));
+    }
     let costs = blocks.costs.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.costs));
     for cost in costs {
         if cost.when().is_some() {
