@@ -1,4 +1,4 @@
-use nastic_tensor::{Kinematics, Mat3};
+use nastic_tensor::{Kinematics, Mat3, Tangent};
 
 use super::evolution::Evolution;
 use super::only_at_rest;
@@ -132,6 +132,33 @@ impl Slopes<'_> {
     fn piola_change(&self, change: &Mat3) -> Mat3 {
         self.elastic_change(&(change * self.of.inverse)) * self.of.inverse.transpose()
     }
+
+    /// dP/dF: with the axes n_a of U_e^2, its eigenvalues x_a, their divided differences f_ab and `M_ab = F_e n_a (x) F_v^-1 n_b`,
+    ///
+    /// ```text
+    /// delta_ik (F_v^-1 S F_v^-T)_JL + sum_ab c_ab M_ab (x) (M_ab + M_ba) - (2 s mu/3) T (x) T,
+    /// c_ab = s mu (f_ab + (ln det U_e^2 / 3)/(x_a x_b)),    T = sum_a M_aa/x_a
+    /// ```
+    fn tangent(&self) -> Tangent {
+        let Branch { factor, inverse, elastic, spectrum, stress, mean, .. } = self.of;
+        let (x, axes) = (spectrum.values(), spectrum.axes());
+        let (left, right) = (elastic * axes, inverse * axes);
+        let product = |a: usize, b: usize| left.column(a) * right.column(b).transpose();
+        let mut out = Tangent::zero();
+        out.add_metric(&(inverse * stress * inverse.transpose()));
+        let mut trace = Mat3::zeros();
+        for a in 0..3 {
+            let own = product(a, a);
+            trace += own / x[a];
+            out.add_outer(&own, &own, 2.0 * factor * (self.divided[(a, a)] + mean / (x[a] * x[a])));
+            for b in 0..a {
+                let both = product(a, b) + product(b, a);
+                out.add_outer(&both, &both, factor * (self.divided[(a, b)] + mean / (x[a] * x[b])));
+            }
+        }
+        out.add_outer(&trace, &trace, -2.0 * factor / 3.0);
+        out
+    }
 }
 
 impl EnergyTerm for MaxwellBranch {
@@ -145,8 +172,7 @@ impl EnergyTerm for MaxwellBranch {
                 out.stress[q] += branch.piola();
             }
             if want.tangent {
-                let slopes = branch.slopes();
-                out.tangent[q].add(&nastic_tensor::Tangent::from_map(|change| slopes.piola_change(change)));
+                out.tangent[q].add(&branch.slopes().tangent());
             }
         }
     }

@@ -16,6 +16,15 @@ impl Spectrum {
         Spectrum { values, axes: eigen.eigenvectors }
     }
 
+    pub fn values(&self) -> &[f64; 3] {
+        &self.values
+    }
+
+    /// The eigenvectors, column by column.
+    pub fn axes(&self) -> &Mat3 {
+        &self.axes
+    }
+
     /// `f(A) = sum_i f(x_i) n_i (x) n_i`
     pub fn map(&self, f: impl Fn(f64) -> f64) -> Mat3 {
         let diagonal = Mat3::from_diagonal(&self.values.map(f).into());
