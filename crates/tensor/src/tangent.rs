@@ -122,6 +122,20 @@ impl Tangent {
         }
     }
 
+    /// `+ sum_ab c_ab M_ab (x) (M_ab + M_ba)` with symmetric c and `M_ab = l_a (x) r_b` of the columns of two matrices: what an isotropic
+    /// function of `F^T F` with the eigenvectors r, changes with where `l_a = F r_a`.
+    pub fn add_spectral(&mut self, left: &Mat3, right: &Mat3, c: &Mat3) {
+        let product = |a: usize, b: usize| left.column(a) * right.column(b).transpose();
+        for a in 0..3 {
+            let own = product(a, a);
+            self.add_outer(&own, &own, 2.0 * c[(a, a)]);
+            for b in 0..a {
+                let both = product(a, b) + product(b, a);
+                self.add_outer(&both, &both, c[(a, b)]);
+            }
+        }
+    }
+
     /// `+ s X(A)`, the linear map `B -> s A x B`: `X(A)_iJkL = eps_ikm eps_JLN A_mN`.
     #[inline]
     pub fn add_cross(&mut self, a: &Mat3, s: f64) {

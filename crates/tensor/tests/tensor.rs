@@ -86,6 +86,10 @@ fn every_accumulation_is_the_map_it_names() {
     same(&build(&|t| t.add_fiber(&a, s)), |b| b * a * a.transpose() * s);
     same(&build(&|t| t.add_outer(&f, &g, s)), |b| f * g.dot(b) * s);
     same(&build(&|t| t.add_outer_symmetric(&f, &g, s)), |b| (f * g.dot(b) + g * f.dot(b)) * s);
+    same(&build(&|t| t.add_spectral(&f, &g, &metric)), |b| {
+        let half = f.transpose() * b * g;
+        f * metric.component_mul(&(half + half.transpose())) * g.transpose()
+    });
     same(&build(&|t| t.add_cross(&f, s)), |b| cross_by_definition(&f, b) * s);
     same(&build(&|t| t.add_cross_squared(&f, s)), |b| cross(&f, &cross(&f, b)) * s);
     same(&build(&|t| t.add_cross_metric(&f, &metric)), |b| cross(&f, &(cross(&f, b) * metric)));

@@ -66,9 +66,13 @@ impl PowerTrace<'_> {
         (b * self.g + self.of.a * self.change_of_g(&self.of.strain(b))) * 2.0
     }
 
-    /// `T_AA`.
+    /// `T_AA`: with the eigenvectors q_a of C and `M_ab = A q_a (x) q_b` it is `2 delta_ik g(C)_JL + 2 sum_ab g[c_a, c_b] M_ab (x) (M_ab + M_ba)`.
     pub fn curvature(&self) -> Tangent {
-        Tangent::from_map(|b| self.second(b))
+        let Spectrum { a, vectors, .. } = self.of;
+        let mut out = Tangent::zero();
+        out.add_metric(&(self.g * 2.0));
+        out.add_spectral(&(a * vectors), vectors, &(self.differences_of_g() * 2.0));
+        out
     }
 
     /// `T_AAA : (B, B')`.
@@ -90,8 +94,15 @@ impl PowerTrace<'_> {
 
     /// `Dg[E]` of an E in the eigenbasis.
     fn change_of_g(&self, e: &Mat3) -> Mat3 {
+        self.of.back(&self.differences_of_g().component_mul(e))
+    }
+
+    /// `g[c_i, c_j]`.
+    fn differences_of_g(&self) -> Mat3 {
         let c = &self.of.values;
-        self.of.back(&Mat3::from_fn(|i, j| self.s * first_difference(self.s - 1.0, c[i], c[j]) * e[(i, j)]))
+        let of = |i: usize, j: usize| self.s * first_difference(self.s - 1.0, c[i], c[j]);
+        let (xy, xz, yz) = (of(0, 1), of(0, 2), of(1, 2));
+        Mat3::new(of(0, 0), xy, xz, xy, of(1, 1), yz, xz, yz, of(2, 2))
     }
 }
 

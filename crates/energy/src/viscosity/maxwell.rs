@@ -143,19 +143,10 @@ impl Slopes<'_> {
         let Branch { factor, inverse, elastic, spectrum, stress, mean, .. } = self.of;
         let (x, axes) = (spectrum.values(), spectrum.axes());
         let (left, right) = (elastic * axes, inverse * axes);
-        let product = |a: usize, b: usize| left.column(a) * right.column(b).transpose();
         let mut out = Tangent::zero();
         out.add_metric(&(inverse * stress * inverse.transpose()));
-        let mut trace = Mat3::zeros();
-        for a in 0..3 {
-            let own = product(a, a);
-            trace += own / x[a];
-            out.add_outer(&own, &own, 2.0 * factor * (self.divided[(a, a)] + mean / (x[a] * x[a])));
-            for b in 0..a {
-                let both = product(a, b) + product(b, a);
-                out.add_outer(&both, &both, factor * (self.divided[(a, b)] + mean / (x[a] * x[b])));
-            }
-        }
+        out.add_spectral(&left, &right, &Mat3::from_fn(|a, b| factor * (self.divided[(a, b)] + mean / (x[a] * x[b]))));
+        let trace = left * Mat3::from_diagonal(&x.map(|x| 1.0 / x).into()) * right.transpose();
         out.add_outer(&trace, &trace, -2.0 * factor / 3.0);
         out
     }
