@@ -107,6 +107,13 @@ fn mistakes_are_told() {
     told([r#", "pull": "1 N""#, LET_OUT], "", "actuation/0/pull");
     told(["", LET_OUT], &PULLED.replace("30 mm", "30 N"), "controls/0/upper");
     told(["", LET_OUT], &PULLED.replace("flexor.pull", "flexor.pul"), "did you mean \"flexor.pull\"");
+    let inputs = "no actuation \"flexor.tension\": what can be controlled of \"flexor\" is \"flexor\" (its tension) and \
+                  \"flexor.pull\" (its pull), one of which drives it";
+    told(["", LET_OUT], &PULLED.replace("flexor.pull", "flexor.tension"), inputs);
+    let elastic = r#", "stiffness": "2 N/mm""#;
+    let input = "no actuation \"flexor.tension\": what can be controlled of \"flexor\" is \"flexor\" (its pull); with \"stiffness\" a tendon has no \
+                 tension";
+    told([elastic, LET_OUT], &PULLED.replace("flexor.pull", "flexor.tension"), input);
     let error = Place::new().run(Command::Solve, &case([r#", "pull": "100 mm""#, LET_OUT], ""), &[]);
     let error = format!("{:?}", error.map(|outcome| outcome.result.to_string()));
     assert!(error.contains("leaves none of its length"), "{error}");

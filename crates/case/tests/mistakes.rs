@@ -34,7 +34,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         COMPLETE,
         "\"alpha\": 4,",
         "\"alpha\": 4, \"delta\": 1,",
-        "costs/0/stages/1/delta: unknown key \"delta\": did you mean \"beta\"? (one of: alpha, beta, gamma)",
+        "costs/0/stages/1/delta: unknown key \"delta\" (one of: alpha, beta, gamma)",
     );
     one(
         COMPLETE,
@@ -43,6 +43,22 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "did you mean \"quadrature\"? (one of: kind, name, target, target_region, region, phi, stages, \
          quadrature, weight, when)",
     );
+}
+
+/// A suggestion that shares little with what was written would send the reader the wrong way.
+#[test]
+fn what_is_like_no_known_name_is_answered_with_the_list() {
+    let unknown = problems_with(COMPLETE, "\"100 kPa\"", "\"100 us\"");
+    assert!(unknown.contains("found \"us\"; the units are m, mm, um,"), "{unknown}");
+    for (from, to, wanted) in [
+        ("\"length\": \"m\"", "\"length\": \"us\"", "unknown unit \"us\" (one of: m, mm, um, cm, km)"),
+        ("\"transverse_mooney_rivlin\"", "\"hgo\"", "unknown law \"hgo\": did you mean \"holzapfel_gasser_ogden\"?"),
+        ("\"transverse_mooney_rivlin\"", "\"holzapfel\"", "did you mean \"holzapfel_gasser_ogden\"?"),
+        ("\"of\": \"tension\"", "\"of\": \"heat\"", "no actuation \"heat\" (one of: tension)"),
+    ] {
+        let found = problems_with(COMPLETE, from, to);
+        assert!(found.contains(wanted), "{from} -> {to}:\n{found}");
+    }
 }
 
 /// Words of other programs and of soft robotics are answered with what they are called here.
@@ -239,7 +255,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         COMPLETE,
         "\"field\": \"T\"",
         "\"field\": \"Tesla\"",
-        ": units/field: unknown unit \"Tesla\": did you mean \"T\"? (one of: T, mT, uT)",
+        ": units/field: unknown unit \"Tesla\" (one of: T, mT, uT)",
     );
     let found = problems_with("[1]", "1", "2");
     assert_eq!(found, "case.json:1:1: an object { ... } was expected, found a list");

@@ -232,7 +232,9 @@ impl Parser<'_> {
     fn hint(&self) -> String {
         match self.peek() {
             Token::Name(name) if names().contains(&name.as_str()) => ": products need \"*\"".to_string(),
-            Token::Name(name) => nearest::clause(name, &names()),
+            Token::Name(name) if nearest::nearest(name, &names()).is_some() => nearest::clause(name, &names()),
+            // behind a number it can only have been a unit
+            Token::Name(_) => format!("; the units are {}", units().collect::<Vec<_>>().join(", ")),
             Token::Number(_) | Token::Sign("(") => ": products need \"*\"".to_string(),
             _ => String::new(),
         }
@@ -272,6 +274,9 @@ impl Parser<'_> {
 /// Everything a name may be.
 fn names() -> Vec<&'static str> {
     let functions = Function::ALL.iter().map(|(name, _)| *name);
-    let units = UNITS.iter().map(|unit| unit.symbol);
-    ["X", "Y", "Z", "t", "pi"].into_iter().chain(functions).chain(["min", "max"]).chain(units).collect()
+    ["X", "Y", "Z", "t", "pi"].into_iter().chain(functions).chain(["min", "max"]).chain(units()).collect()
+}
+
+fn units() -> impl Iterator<Item = &'static str> {
+    UNITS.iter().map(|unit| unit.symbol)
 }

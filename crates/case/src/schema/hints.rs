@@ -118,7 +118,7 @@ const HINTS: &[Hint] = &[
         &["linear", "linear_elastic", "elastic", "hooke", "isotropic", "st_venant_kirchhoff", "saint_venant_kirchhoff"],
         "bodies bend and stretch much here: take \"neo_hooke\" with \"young\" and \"poisson\"",
     ),
-    hint("materials", &["yeoh", "ogden", "gent", "arruda_boyce", "holzapfel", "fung"], NO_LAW),
+    hint("materials", &["fung"], NO_LAW),
     hint(
         "supports",
         &["fixed", "clamp", "clamped", "constraint", "dofs", "components", "type", "kind"],

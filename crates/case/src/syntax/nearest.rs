@@ -1,24 +1,42 @@
-//! The nearest known name to a misspelt one.
+//! The known name that a misspelt one stands for.
 
-/// ": did you mean "mu1"? (mu1, mu2, mu3)", or what there is, or nothing.
+/// ": did you mean "mu1"? (one of: mu1, mu2, mu3)"; " (one of: ...)" where no name is near; or nothing.
 pub(crate) fn clause(wrong: &str, known: &[&str]) -> String {
     match nearest(wrong, known) {
         Some(best) => format!(": did you mean \"{best}\"? (one of: {})", known.join(", ")),
-        None => String::new(),
+        None if known.is_empty() => String::new(),
+        None => format!(" (one of: {})", known.join(", ")),
     }
 }
 
-/// The known name with the fewest single-letter changes; the first of several.
+/// The known name with the fewest single-letter changes of those that may have been meant; the first of several.
 pub(crate) fn nearest<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
-    known.iter().min_by_key(|name| distance(wrong, name)).copied()
+    known.iter().filter(|name| is_near(wrong, name)).min_by_key(|name| distance(wrong, name)).copied()
+}
+
+/// Whether a name may have been meant. Names that share little say nothing, and send the reader the wrong way: "us" is not "um".
+fn is_near(wrong: &str, known: &str) -> bool {
+    let longest = letters(wrong).len().max(letters(known).len());
+    let few_changes = 3 * distance(wrong, known) <= 2 * longest;
+    few_changes || wrong.eq_ignore_ascii_case(known) || abbreviates(wrong, known) || begins(wrong, known)
+}
+
+/// "holzapfel" and "hgo" of "holzapfel_gasser_ogden".
+fn abbreviates(short: &str, long: &str) -> bool {
+    let initials: String = long.split('_').filter_map(|word| word.chars().next()).collect();
+    let is_initials = initials.len() > 1 && initials.eq_ignore_ascii_case(short);
+    is_initials || begins(long, short)
+}
+
+/// Whether a text begins with another one that is long enough to tell something.
+fn begins(text: &str, with: &str) -> bool {
+    with.len() > 2 && text.get(..with.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(with))
 }
 
 /// Optimal string alignment: insert, delete, replace, swap neighbours; a mere change of case costs nothing more than
 /// half a replacement. Counted in halves.
 fn distance(a: &str, b: &str) -> usize {
-    // Nobody mistypes a hundred letters, and the cost is quadratic.
-    let a: Vec<char> = a.chars().take(100).collect();
-    let b: Vec<char> = b.chars().take(100).collect();
+    let (a, b) = (letters(a), letters(b));
     let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).map(|j| 2 * j).collect()];
     for i in 1..=a.len() {
         let mut row = vec![2 * i];
@@ -33,6 +51,11 @@ fn distance(a: &str, b: &str) -> usize {
         rows.push(row);
     }
     rows[a.len()][b.len()]
+}
+
+/// The letters that are compared: nobody mistypes a hundred, and the cost is quadratic.
+fn letters(text: &str) -> Vec<char> {
+    text.chars().take(100).collect()
 }
 
 fn replacement(a: char, b: char) -> usize {
@@ -56,6 +79,20 @@ mod tests {
             assert_eq!(nearest(wrong, &keys), Some(right), "{wrong}");
         }
         assert_eq!(nearest("x", &[]), None);
-        assert_eq!(nearest(&"x".repeat(100_000), &["ab", "abc"]), Some("ab"));
+        assert_eq!(nearest(&"x".repeat(100_000), &["ab", "abc"]), None);
+    }
+
+    #[test]
+    fn names_that_share_little_are_not_suggested() {
+        for (wrong, known) in [("us", "um"), ("hgo", "yeoh"), ("tension", "pull"), ("mu0", "name"), ("st", "start")] {
+            assert_eq!(nearest(wrong, &[known]), None, "{wrong}");
+        }
+        let laws = ["yeoh", "neo_hooke", "neo_hooke_isochoric", "holzapfel_gasser_ogden"];
+        for (wrong, right) in [("hgo", laws[3]), ("Holzapfel", laws[3]), ("NH", laws[1]), ("neo", laws[1])] {
+            assert_eq!(nearest(wrong, &laws), Some(right), "{wrong}");
+        }
+        for (wrong, right) in [("X", "x"), ("maximum", "max"), ("mu", "mu1")] {
+            assert_eq!(nearest(wrong, &[right]), Some(right), "{wrong}");
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::{Blocks, plain};
 use crate::expression::Formula;
 use crate::quantity::Dimension;
-use crate::schema::actuation::Actuation;
+use crate::schema::actuation::{Actuation, Means};
 use crate::schema::catalogue::SlotName;
 use crate::schema::control::{Control, Start};
 use crate::schema::cost::Cost;
@@ -28,10 +28,14 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
     let Some((_, slot)) = slots.iter().find(|(name, _)| *name == control.of) else {
         if blocks.complete("actuation") {
             let known: Vec<&str> = slots.iter().map(|(name, _)| name.as_str()).collect();
-            let clause = if known.is_empty() {
-                ": the case has no actuation".into()
-            } else {
-                nearest::clause(&control.of, &known)
+            let owner = blocks.actuation.iter().find_map(|actuation| {
+                let slot = control.of.strip_prefix(&actuation.name)?.strip_prefix('.')?;
+                Some((actuation, slot))
+            });
+            let clause = match owner {
+                _ if known.is_empty() => ": the case has no actuation".into(),
+                Some((actuation, slot)) => unknown_input(actuation, slot, &known, reader),
+                None => nearest::clause(&control.of, &known),
             };
             let message = format!("no actuation {}{clause}", quoted(&control.of));
             reader.complain_at(&control.at.key("of"), message);
@@ -44,6 +48,36 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
         check_scalar(control, slot, reader);
     }
     check_dimensions(control, slot, reader);
+}
+
+/// What can be controlled of an actuation that has no such input, and why not that.
+fn unknown_input(actuation: &Actuation, wrong: &str, known: &[&str], reader: &Reader<'_>) -> String {
+    let inputs = actuation.slots();
+    let keys: Vec<&str> = inputs.iter().map(|(_, slot)| slot.key).collect();
+    // an input that has another name here is no misspelling
+    let meant = if keys.contains(&wrong) { None } else { nearest::nearest(wrong, &keys) };
+    if let Some((name, _)) = meant.and_then(|key| inputs.iter().find(|(_, slot)| slot.key == key)) {
+        return format!(": did you mean \"{name}\"? (one of: {})", known.join(", "));
+    }
+    let of = |(name, slot): &(String, SlotName)| format!("\"{name}\" (its {})", slot.key);
+    let list: Vec<String> = inputs.iter().map(of).collect();
+    let why = excluding(actuation, wrong, reader)
+        .map(|key| format!("; with \"{key}\" a {} has no {wrong}", actuation.kind().replace('_', " ")));
+    let one = if actuation.has_one_driver() { ", one of which drives it" } else { "" };
+    format!(
+        ": what can be controlled of \"{}\" is {}{one}{}",
+        actuation.name,
+        list.join(" and "),
+        why.unwrap_or_default()
+    )
+}
+
+/// The key that keeps an actuation from having an input that another form of its kind has.
+fn excluding(actuation: &Actuation, input: &str, reader: &Reader<'_>) -> Option<&'static str> {
+    let Means::Contribution { kind, form, .. } = &actuation.means else { return None };
+    let mut forms = reader.document.catalogue().contributions().filter(|(other, _)| other == kind);
+    let (_, other) = forms.find(|(_, other)| other.slots.iter().any(|slot| slot.group == input))?;
+    form.keys.iter().map(|key| key.name).find(|key| !other.keys.iter().any(|known| known.name == *key))
 }
 
 fn check_vector(control: &Control, reader: &mut Reader<'_>) {
