@@ -248,3 +248,17 @@ fn contradictions_between_blocks_are_found() {
         "unknown key \"mu0\" (one of: name, kind, region, pressure)",
     );
 }
+
+/// What drives an actuation may be just what could not be read.
+#[test]
+fn a_mistake_in_an_actuation_is_told_once() {
+    let idle =
+        MAGNETS.replacen("\"of\": \"muscle\", \"space\"", "\"of\": \"cells\", \"name\": \"muscle\", \"space\"", 1);
+    let region = "\"region\": \"tip\", \"direction\"";
+    for (given, wanted) in [
+        ("\"tension\": \"1 mm\"", "a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)"),
+        ("\"tensoin\": \"1 kPa\"", "did you mean \"tension\"? (one of: name, kind, direction, region, tension)"),
+    ] {
+        one(&idle, region, &format!("{given}, {region}"), wanted);
+    }
+}

@@ -125,3 +125,22 @@ fn mistakes_are_told() {
     let found = problems(&moving.replace("\"law\"", "\"density\": \"1000 kg/m^3\", \"law\""));
     assert!(found.contains("controls/0/of: the pull of \"flexor\" does not go"), "{found}");
 }
+
+/// A misspelt "stiffness" makes it another tendon, of which controls and motions would be told what does not concern them.
+#[test]
+fn a_mistake_in_a_tendon_is_told_once() {
+    let own = PULLED.replace("flexor.pull", "flexor");
+    let time = r#""time": { "end": "10 ms", "step": "5 ms" }, "probes""#;
+    for (drive, controls, wanted) in [
+        (r#", "pull": "1 N""#, "", "a length is wanted"),
+        (r#", "tensoin": "1 N""#, "", "did you mean \"tension\"?"),
+        (r#", "stifness": "2 N/mm""#, own.as_str(), "unknown key \"stifness\""),
+        (r#", "stifness": "2 N/mm", "pull": "1 mm""#, "", "unknown key \"stifness\""),
+    ] {
+        let still = case([drive, r#", "tension": "1 N""#], controls);
+        let moving = still.replace("\"probes\"", time).replace("\"law\"", "\"density\": \"1000 kg/m^3\", \"law\"");
+        for found in [problems(&still), problems(&moving)] {
+            assert!(found.lines().count() == 1 && found.contains(wanted), "{drive}: {found}");
+        }
+    }
+}

@@ -33,7 +33,7 @@ pub(crate) struct Blocks {
     pub(crate) springs: Vec<Spring>,
     pub(crate) scenarios: Option<Scenarios>,
     pub(crate) risk: Option<Risk>,
-    /// Blocks with problems: what is missing from them may be there, misspelt.
+    /// Paths of problems: what is missing there may be there, misspelt.
     troubled: Vec<String>,
 }
 
@@ -61,13 +61,20 @@ impl Blocks {
             springs: list(reader, "springs"),
             scenarios: block(reader, "scenarios"),
             risk: block(reader, "risk"),
-            troubled: reader.problems.iter().filter_map(|p| p.path.split('/').next().map(str::to_string)).collect(),
+            troubled: reader.problems.iter().map(|problem| problem.path.clone()).collect(),
         }
     }
 
     /// True if everything in this block could be read.
     fn complete(&self, block: &str) -> bool {
-        !self.troubled.iter().any(|troubled| troubled == block)
+        self.is_sound(&At::root().key(block))
+    }
+
+    /// True if everything at this place could be read.
+    fn is_sound(&self, at: &At) -> bool {
+        let within =
+            |path: &str| path.strip_prefix(at.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
+        !self.troubled.iter().any(|path| within(path))
     }
 }
 

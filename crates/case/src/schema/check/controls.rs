@@ -25,6 +25,9 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
 
 fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
     let slots: Vec<(String, SlotName)> = blocks.actuation.iter().flat_map(Actuation::slots).collect();
+    if blocks.actuation.iter().any(|actuation| has_unknown_slots(actuation, &control.of, blocks, reader)) {
+        return;
+    }
     let Some((_, slot)) = slots.iter().find(|(name, _)| *name == control.of) else {
         if blocks.complete("actuation") {
             let known: Vec<&str> = slots.iter().map(|(name, _)| name.as_str()).collect();
@@ -48,6 +51,13 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
         check_scalar(control, slot, reader);
     }
     check_dimensions(control, slot, reader);
+}
+
+/// Whether a control is of an actuation with a mistake that may hide which form of its kind it is, and so what its slots are.
+fn has_unknown_slots(actuation: &Actuation, of: &str, blocks: &Blocks, reader: &Reader<'_>) -> bool {
+    let forms = reader.document.catalogue().contributions().filter(|(kind, _)| *kind == actuation.kind()).count();
+    let is_own = of.strip_prefix(&actuation.name).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    forms > 1 && is_own && !blocks.is_sound(&actuation.at)
 }
 
 /// What can be controlled of an actuation that has no such input, and why not that.
@@ -201,7 +211,9 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
         // A misspelt control may have meant any of them.
         return;
     }
-    for actuation in blocks.actuation.iter().filter(|actuation| !actuation.is_passive()) {
+    // what drives one with a mistake may be what could not be read
+    let told = |actuation: &&Actuation| !actuation.is_passive() && blocks.is_sound(&actuation.at);
+    for actuation in blocks.actuation.iter().filter(told) {
         let slots = actuation.slots();
         let drives = |(name, slot): &(String, SlotName)| {
             // A volume that stays as it is does something, a pressure of zero does not.

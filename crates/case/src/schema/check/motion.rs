@@ -97,7 +97,7 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
 
 /// Equality and inequality constraints, which steps in time do not have: a volume, the length of a cable that cannot stretch.
 fn check_lengths_and_volumes(blocks: &Blocks, reader: &mut Reader<'_>) {
-    for actuation in &blocks.actuation {
+    for actuation in blocks.actuation.iter().filter(|actuation| blocks.is_sound(&actuation.at)) {
         let Means::Contribution { values, .. } = &actuation.means else { continue };
         for (name, slot) in actuation.slots() {
             let instead = match slot.key {
