@@ -89,7 +89,7 @@ pub struct CaseProblem {
     pub probes: Vec<LocatedProbe>,
     /// What deserves attention in the case, before anything is solved.
     pub warnings: Vec<Warning>,
-    /// What was mended when meshes were read.
+    /// What was mended when meshes were read, and the sizes of obstacles that are meshes.
     pub notes: Vec<String>,
     /// All files that were read, the case itself left out.
     pub files: Vec<PathBuf>,
@@ -317,6 +317,7 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
         limits.push(constraint::load_targets(&variant.case, context));
         bodies.push(body::lower(variant, disc, context));
         sizes::check(&variant.case, disc.mesh(), &targets, context);
+        sizes::check_obstacles(&variant.case, disc.mesh(), context);
         if let Some(Some(body)) = bodies.last() {
             elements::check(&variant.case, body.solid(), context);
         }

@@ -226,6 +226,30 @@ fn an_obstacle_may_be_a_mesh() {
     assert!(missing.to_string().contains("stone.vtu"), "{missing}");
 }
 
+/// A rock in millimetres beside a body in metres would be far away, and the constraint would hold for nothing.
+#[test]
+fn the_size_of_an_obstacle_from_a_mesh_is_told() {
+    let ball = r#"{ "sphere": { "center": [0.6, 0.1, 0.43], "radius": 0.15 } }"#;
+    let place = Place::new();
+    let rock = box_mesh([0.2, 0.4, 0.3], [2, 3, 2], CellKind::Tet4).unwrap();
+    let rock = rock.mapped(|x| [x[0] + 0.5, x[1] - 0.1, x[2] + 0.3]).unwrap();
+    nastic_io::write_vtu(place.path("rock.vtu"), &Snapshot::new(rock)).unwrap();
+    let told = |command: Command, scale: f64| {
+        let shape = format!(r#"{{ "mesh": {{ "file": "rock.vtu", "scale": {scale} }} }}"#);
+        place.text(command, &with(KEEP_OUT, ball, &shape), &["expect={}"])
+    };
+    for command in [Command::Check, Command::Solve] {
+        let said = told(command, 1.0);
+        assert!(said.contains("obstacle rock.vtu: 72 cells, size 0.2 x 0.4 x 0.3 m\n"), "{said}");
+        assert!(!said.contains("[units]"), "{said}");
+    }
+    assert_eq!(place.json("result.json")["notes"][0], "obstacle rock.vtu: 72 cells, size 0.2 x 0.4 x 0.3 m");
+    let said = told(Command::Check, 1000.0);
+    let wanted = "constraints/0/obstacle/shape/mesh: the body measures 1 x 0.2 x 0.2 m, this obstacle 200 x 400 x 300 m: \
+                  are both drawn in the same unit?";
+    assert!(said.contains("WARNING     [units]") && said.contains(wanted), "{said}");
+}
+
 /// Taylor tests of the constraint beside those of the cost, whatever the size of the cost.
 #[test]
 fn constraints_have_taylor_tests() {

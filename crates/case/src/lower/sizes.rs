@@ -5,7 +5,9 @@ use super::control::{Admitted, ControlField};
 use super::cost::TargetShape;
 use super::elements::Elastic;
 use crate::quantity::{Dimension, Units};
-use crate::schema::Case;
+use crate::run::number::count;
+use crate::run::short;
+use crate::schema::{Case, Cost, MeshSource, Shape};
 use crate::warning::{BOUNDS, UNITS};
 use nastic_fem::Solid;
 use nastic_mesh::Mesh;
@@ -14,6 +16,8 @@ use nastic_mesh::Mesh;
 const LARGE: f64 = 10.0;
 /// Body and target that differ by this much were hardly drawn in one unit.
 const APART: f64 = 50.0;
+/// The same of obstacles, which may be a bead or the floor.
+const OBSTACLE_APART: f64 = 100.0;
 
 /// Bounds of a control in units of pressure that exceed Young's modulus this many times were hardly meant.
 const STIFF: f64 = 10.0;
@@ -60,6 +64,41 @@ pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], c
             context.warn(&UNITS, &target.at.key("target"), message);
         }
     }
+}
+
+/// Tells the sizes of obstacles that are meshes, which show in no other place, and warns of those in another unit.
+pub(super) fn check_obstacles(case: &Case, mesh: &Mesh, context: &mut Context<'_>) {
+    let unit = context.units.length().symbol;
+    for source in obstacles(case) {
+        let at = super::mesh::place(source);
+        let Some(obstacle) = super::mesh::load(source, &at, context) else { continue };
+        let size: Vec<String> = obstacle.size()[..obstacle.dim()].iter().map(|s| short(*s)).collect();
+        let cells = count(obstacle.cells(), "cell");
+        context.note(format!("obstacle {}: {cells}, size {} {unit}", obstacle.name(), size.join(" x ")));
+        let ratio = obstacle.diagonal() / mesh.diagonal();
+        if !(1.0 / OBSTACLE_APART..=OBSTACLE_APART).contains(&ratio) {
+            let message = format!(
+                "the body measures {}, this obstacle {}: are both drawn in the same unit? Give the \"scale\" of one",
+                show(mesh, unit),
+                show(&obstacle, unit)
+            );
+            context.warn(&UNITS, &at, message);
+        }
+    }
+}
+
+/// The meshes of obstacles, in costs and constraints.
+fn obstacles(case: &Case) -> impl Iterator<Item = &MeshSource> {
+    let bounded = case.constraints.iter().filter_map(|block| block.cost.as_ref());
+    let of_costs = case.costs.iter().chain(bounded).filter_map(|cost| match cost {
+        Cost::Obstacle(block) => Some(&block.shape),
+        _ => None,
+    });
+    let shapes = case.constraints.iter().filter_map(|block| block.obstacle.as_ref()).map(|keep_out| &keep_out.shape);
+    shapes.chain(of_costs).filter_map(|shape| match shape {
+        Shape::Mesh(source) => Some(source),
+        _ => None,
+    })
 }
 
 /// What is said of a body that is larger than soft bodies are.
