@@ -88,6 +88,46 @@ fn the_page_of_a_failed_run_says_so_and_shows_the_last_state() {
     assert!(!place.files().contains(&"failure.vtu".to_owned()), "that of an earlier run");
 }
 
+const CRUSH: [&str; 2] =
+    [r#""fix": ["x", "y", "z"] }"#, r#""fix": ["x", "y", "z"] }, { "surface": "x+", "displacement": { "x": -1.2 } }"#];
+
+/// Beside the failure they would look like its results.
+#[test]
+fn a_run_that_fails_leaves_no_files_of_an_earlier_one() {
+    let crushed = common::with(BAR, CRUSH[0], CRUSH[1]);
+    let place = Place::new();
+    place.run(Command::Solve, BAR, &[]).unwrap();
+    let whole = place.files();
+    assert!(["start.vtu", "picture.svg", "target.vtu"].iter().all(|name| whole.iter().any(|file| file == name)));
+    place.write("out/mine.vtu", "mine");
+    place.run(Command::Solve, &crushed, &[]).unwrap_err();
+    assert_eq!(place.files(), ["case.json", "failure.vtu", "mine.vtu", "report.html", "result.json"]);
+    // a list that was edited reaches no other directory, and no file that is not of a run
+    for name in ["out/notes.txt", "out/.hidden.vtu", "keep.vtu"] {
+        place.write(name, "mine");
+    }
+    let mut edited = place.json("result.json");
+    edited["files"] = serde_json::json!(["../keep.vtu", "notes.txt", ".hidden.vtu", "", "..", 1]);
+    place.write("out/result.json", &edited.to_string());
+    place.run(Command::Solve, &crushed, &[]).unwrap_err();
+    assert!(["out/notes.txt", "out/.hidden.vtu", "keep.vtu"].iter().all(|name| place.path(name).exists()));
+}
+
+/// Not even where it is the case that reads them, or another command that wrote them.
+#[test]
+fn what_is_still_of_use_is_not_removed() {
+    let crushed = common::with(BAR, CRUSH[0], CRUSH[1]);
+    let place = Place::new();
+    let has = |name: &str| place.files().iter().any(|file| file == name);
+    place.run(Command::Optimize, BAR, &SHORT).unwrap();
+    place.run(Command::Gradient, &crushed, &[]).unwrap_err();
+    assert!(has("optimum.vtu") && has("controls.json") && has("checkpoint.bin"), "{:?}", place.files());
+    place.run(Command::Optimize, BAR, &SHORT).unwrap();
+    let from_there = [SHORT[0], r#"controls/0/start={"file": "out/controls.json"}"#];
+    place.run(Command::Optimize, &crushed, &from_there).unwrap_err();
+    assert!(has("controls.json") && !has("optimum.vtu") && !has("convergence.svg"), "{:?}", place.files());
+}
+
 #[test]
 fn a_run_from_an_optimum_stops_at_its_absolute_tolerance() {
     let place = Place::new();

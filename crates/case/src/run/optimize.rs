@@ -71,6 +71,7 @@ fn may_replace(out: &Directory) -> Result<(), RunError> {
 fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, RunError> {
     session.require(true, true)?;
     session.find_steps()?;
+    super::report::remove_earlier(session)?;
     if let Some(out) = &session.out {
         out.remove_old_iterations();
         // It belongs to an earlier command, and would stand beside the files of this one.

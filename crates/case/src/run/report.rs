@@ -47,6 +47,37 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     if with_page { report(out.path(), None).map(|_| ()) } else { remove_old(&out) }
 }
 
+/// Removes what an earlier run of the same command wrote, as its `result.json` lists it: beside that of a run that fails it would
+/// be taken for what that one found. Files that the case reads stay, and those of other commands.
+pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {
+    const RESULT: &str = "result.json";
+    let Some(out) = &session.out else { return Ok(()) };
+    let text = std::fs::read_to_string(out.file(RESULT)).unwrap_or_default();
+    let earlier: Value = serde_json::from_str(&text).unwrap_or_default();
+    if earlier["command"] != session.command.name() {
+        return Ok(());
+    }
+    let problem = &session.problem;
+    let read = problem.files.iter().map(PathBuf::as_path).chain(problem.case_file().map(Path::new));
+    let read: Vec<PathBuf> = read.filter_map(|file| file.canonicalize().ok()).collect();
+    let is_read = |name: &str| out.file(name).canonicalize().is_ok_and(|file| read.contains(&file));
+    let files = earlier["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    // the case is written whatever happens, and checkpoints have rules of their own, by which no list names them
+    for name in files.filter(|name| is_of_runs(name) && *name != CASE && !is_read(name)) {
+        out.remove(name)?;
+    }
+    // the list goes last: one of a run that was killed here is still there for the next
+    Ok(out.remove(RESULT)?)
+}
+
+/// Whether a name may be one of those that runs write into their directory; the list may be of another program, or edited.
+fn is_of_runs(name: &str) -> bool {
+    const ENDINGS: [&str; 9] = ["bin", "csv", "html", "json", "jsonl", "png", "pvd", "svg", "vtu"];
+    let path = Path::new(name);
+    let is_plain = path.file_name().is_some_and(|file| file == name) && !name.starts_with('.');
+    is_plain && path.extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
+}
+
 /// A page of an earlier run would show other results than those beside it.
 fn remove_old(out: &Directory) -> Result<(), RunError> {
     Ok(out.remove(nastic_report::FILE)?)
