@@ -173,6 +173,19 @@ fn too_few_points_for_every_law_is_an_error() {
     assert!(error.to_string().contains("has 1 parameters, and there are 1 points"), "{error}");
 }
 
+/// A table in percent whose column does not say so is fitted, to a rubber a hundred times as long.
+#[test]
+fn strains_that_look_like_percent_are_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let data = one("uniaxial", "neo_hooke", "1 GPa");
+    let rows = "20,0.1\n40,0.15\n80,0.3\n";
+    let (_, text) = told(directory.path(), &data, &format!("strain,nominal_stress [MPa]\n{rows}"));
+    let wanted = "one.csv: \"strain\" reaches 80, which is 8000 %: if it is in percent, write \"strain [%]\"";
+    assert!(text.contains("WARNING     ") && text.contains(wanted), "{text}");
+    let (_, text) = told(directory.path(), &data, &format!("strain [%],nominal_stress [MPa]\n{rows}"));
+    assert!(!text.contains("WARNING"), "{text}");
+}
+
 /// A data file with one table, its result and what is said.
 fn told(directory: &Path, data: &Value, table: &str) -> (Value, String) {
     fs::write(directory.join("one.csv"), table).unwrap();

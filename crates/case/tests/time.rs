@@ -100,6 +100,16 @@ fn a_value_in_time_and_a_control_in_time_are_the_same() {
         let error = place.run(Command::Check, &text, &[]).unwrap_err().to_string();
         assert!(error.contains(wanted), "{error}");
     }
+    // times in another unit than the case's
+    for (last, is_told) in [("40", true), ("1e-4", true), ("0.04", false)] {
+        place.write("pump.csv", &format!("t,a\n0,0\n{last},-1e4\n"));
+        let table = r#"{ "file": "pump.csv", "column": "a" }"#;
+        let said =
+            place.text(Command::Check, &case(STEPS, DENSE, &format!("{HELD}{FIBERS}{}", control_text(table))), &[]);
+        let wanted = "controls/0/start/file: t of pump.csv ends at 40 s, the motion at 0.02 s: t is in the case's unit of time, s";
+        assert_eq!(said.contains("[units]"), is_told, "{said}");
+        assert!(last != "40" || said.contains(wanted), "{said}");
+    }
     // a vector too, of a magnet in a field that turns
     let magnet = r#", "actuation": [ { "name": "magnet", "kind": "magnet", "region": "body", "remanence": [0.05, 0, 0],
         "field": ["0 T", "20 mT * sin(50 * t / (1 s))", "0 T"] } ]"#;

@@ -2,14 +2,20 @@
 
 use super::context::Context;
 use crate::expression::Formula;
+use crate::run::short;
 use crate::schema::{Case, Fixed, Parameter, Start, TimeTable, VectorField};
 use crate::syntax::{At, quoted};
+use crate::warning::UNITS;
+
+/// A table of which the motion takes so small a share, or that takes so small a share of the motion, is hardly in its unit.
+const APART: f64 = 50.0;
 
 /// Puts what the files say in the place of their names; one that cannot be read is complained about and left.
 pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
+    let end = case.time.as_ref().map(|time| time.end);
     for control in &mut case.controls {
         let Some(Start::Table(table)) = &control.start else { continue };
-        if let Some(formulas) = formulas(table, &control.at.key("start"), context) {
+        if let Some(formulas) = formulas((table, end), &control.at.key("start"), context) {
             control.start = Some(match <[Formula; 1]>::try_from(formulas) {
                 Ok([formula]) => Start::Scalar(formula),
                 Err(several) => Start::Vector(several),
@@ -19,7 +25,7 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
     for actuation in &mut case.actuation {
         for (key, fixed) in &mut actuation.fixed {
             let Fixed::Table(table) = fixed else { continue };
-            if let Some(formulas) = formulas(table, &actuation.at.key(key), context) {
+            if let Some(formulas) = formulas((table, end), &actuation.at.key(key), context) {
                 *fixed = match <[Formula; 1]>::try_from(formulas) {
                     Ok([formula]) => Fixed::Scalar(Parameter::Formula(formula)),
                     Err(several) => Fixed::Vector(VectorField::Formulas(several)),
@@ -29,15 +35,35 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
     }
 }
 
-fn formulas(table: &TimeTable, at: &At, context: &mut Context<'_>) -> Option<Vec<Formula>> {
+fn formulas((table, end): (&TimeTable, Option<f64>), at: &At, context: &mut Context<'_>) -> Option<Vec<Formula>> {
     let path = context.file(&table.file);
     let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()));
     let text = context.take(&at.key("file"), text)?;
     let columns = columns(&text, &table.names()).map_err(|why| format!("{}: {why}", table.file));
     let columns = context.take(&at.key("file"), columns)?;
+    if let (Some(end), Some(rows)) = (end, columns.first()) {
+        check_unit(table, (rows, end), &at.key("file"), context);
+    }
     let named =
         |(name, rows): (&str, Vec<(f64, f64)>)| Formula::over_time(&format!("{name} of {}", table.file), rows.into());
     Some(table.names().into_iter().zip(columns).map(named).collect())
+}
+
+/// Warns of times that look as if they were in another unit than that of the motion.
+fn check_unit(table: &TimeTable, (rows, end): (&[(f64, f64)], f64), at: &At, context: &mut Context<'_>) {
+    let last = rows.last().map_or(0.0, |(t, _)| *t);
+    // one row is a constant, whatever its time
+    if rows.len() < 2 || (end / APART..=end * APART).contains(&last) {
+        return;
+    }
+    let unit = context.units.time().symbol;
+    let message = format!(
+        "t of {} ends at {} {unit}, the motion at {} {unit}: t is in the case's unit of time, {unit}; is it in another one there?",
+        table.file,
+        short(last),
+        short(end)
+    );
+    context.warn(&UNITS, at, message);
 }
 
 /// The columns over that of the time.

@@ -36,7 +36,7 @@ pub struct FitOutcome {
 pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOutcome, RunError> {
     let document = Document::open(data)?;
     let asked = FitData::read_document(&document)?;
-    let tests = read_tests(&document, &asked)?;
+    let (tests, doubtful) = read_tests(&document, &asked)?;
     let out = Directory::claim(out.unwrap_or_else(|| directory_of(&document, None)))?;
     // They belong to an earlier fit, and would stand there as results of this one if it fails.
     out.remove(FILE)?;
@@ -46,6 +46,7 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     let laws: Vec<Law> = asked.laws.iter().map(|law| law.0).collect();
     let laws = if laws.is_empty() { asked.all_laws() } else { laws };
     print::introduce(&asked, &tests, console);
+    doubtful.iter().for_each(|warning| console.say(format!("WARNING     {warning}")));
     let (mut fitted, mut failed): (Vec<Fitted>, Vec<(Law, FitError)>) = (Vec::new(), Vec::new());
     for law in laws {
         console.pass(format!("fitting {}", law.label()));
@@ -86,16 +87,19 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     Ok(FitOutcome { exit: Exit::Done, result })
 }
 
-/// All tables, and all that is wrong with any.
-fn read_tests(document: &Document, asked: &FitData) -> Result<Vec<Test>, Diagnostics> {
-    let (mut tests, mut problems) = (Vec::new(), Vec::new());
+/// All tables with what deserves attention in them, and all that is wrong with any.
+fn read_tests(document: &Document, asked: &FitData) -> Result<(Vec<Test>, Vec<String>), Diagnostics> {
+    let (mut tests, mut doubtful, mut problems) = (Vec::new(), Vec::new(), Vec::new());
     for test in &asked.tests {
         match table::read(document, test, mode(test)) {
-            Ok(read) => tests.push(read),
+            Ok((read, doubt)) => {
+                tests.push(read);
+                doubtful.extend(doubt);
+            }
             Err(found) => problems.extend(found.list().iter().cloned()),
         }
     }
-    Diagnostics::new(problems).into_result().map(|()| tests)
+    Diagnostics::new(problems).into_result().map(|()| (tests, doubtful))
 }
 
 fn mode(test: &FitTest) -> Mode {

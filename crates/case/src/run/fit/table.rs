@@ -1,6 +1,7 @@
 //! Tables of test data: CSV with a line of column names and units.
 
 use crate::quantity::{Dimension, Unit};
+use crate::run::number::short;
 use crate::schema::FitTest;
 use crate::syntax::{Diagnostic, Diagnostics, Document, quoted};
 use nastic_fit::{FitError, Mode, Response, Test};
@@ -21,13 +22,16 @@ const RESPONSES: [(&str, Response); 4] = [
 /// Where something is wrong: line and column from 1, 0 for the file as a whole.
 type Wrong = (usize, usize, String);
 
-/// Reads the table of a test.
-pub(super) fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<Test, Diagnostics> {
+/// Strains beyond this, 1000 %, no rubber bears: percent were meant.
+const LARGEST_STRAIN: f64 = 10.0;
+
+/// Reads the table of a test, and what deserves attention in it.
+pub(super) fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Option<String>), Diagnostics> {
     let path = document.resolve(&test.file);
     let text = std::fs::read_to_string(&path).map_err(|error| {
         document.complain(&test.at.key("file"), format!("{} cannot be read: {error}", path.display()))
     })?;
-    let (response, rows) = parse(&text, mode).map_err(|wrong| {
+    let Table { response, rows, is_strain } = parse(&text, mode).map_err(|wrong| {
         let report = |(line, column, message)| Diagnostic {
             file: path.display().to_string(),
             path: String::new(),
@@ -41,6 +45,15 @@ pub(super) fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<Te
         || Path::new(&test.file).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let name = test.name.clone().unwrap_or_else(stem);
     let points = rows.iter().map(|row| row.point).collect();
+    let largest = rows.iter().map(|row| row.point[0] - 1.0).fold(0.0, f64::max);
+    let doubtful = (is_strain && largest > LARGEST_STRAIN).then(|| {
+        format!(
+            "{}: \"strain\" reaches {}, which is {} %: if it is in percent, write \"strain [%]\"",
+            path.display(),
+            short(largest),
+            short(100.0 * largest)
+        )
+    });
     let made = Test::new(&name, mode, response, points).map_err(|error| match &error {
         FitError::Point { point, .. } => Diagnostics::from(Diagnostic {
             file: path.display().to_string(),
@@ -57,7 +70,17 @@ pub(super) fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<Te
             made.loaded(fibers).map_err(|error| document.complain(&test.at.key("fibers"), error.to_string()))?
         }
     };
-    made.weighted(test.weight).map_err(|error| document.complain(&test.at.key("weight"), error.to_string()).into())
+    let made = made.weighted(test.weight);
+    let made = made.map_err(|error| document.complain(&test.at.key("weight"), error.to_string()))?;
+    Ok((made, doubtful))
+}
+
+/// What a table holds.
+struct Table {
+    response: Response,
+    rows: Vec<Row>,
+    /// Whether the deformations are strains as plain numbers.
+    is_strain: bool,
 }
 
 /// A row that was measured.
@@ -73,7 +96,7 @@ struct Column {
     shift: f64,
 }
 
-fn parse(text: &str, mode: Mode) -> Result<(Response, Vec<Row>), Vec<Wrong>> {
+fn parse(text: &str, mode: Mode) -> Result<Table, Vec<Wrong>> {
     let lines = text.trim_start_matches('\u{feff}').lines().enumerate().map(|(k, line)| (k + 1, line));
     let mut lines = lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
     let Some((line, head)) = lines.next() else {
@@ -97,7 +120,8 @@ fn parse(text: &str, mode: Mode) -> Result<(Response, Vec<Row>), Vec<Wrong>> {
     if rows.is_empty() && wrong.is_empty() {
         wrong.push((0, 0, "the table has no rows below its line of columns".to_owned()));
     }
-    if wrong.is_empty() { Ok((response, rows)) } else { Err(wrong) }
+    let is_strain = x.factor == 1.0 && x.shift != 0.0;
+    if wrong.is_empty() { Ok(Table { response, rows, is_strain }) } else { Err(wrong) }
 }
 
 /// A decimal comma splits a number into two cells, and the rest of the row moves on by one column.
