@@ -59,6 +59,10 @@ fn a_ceiling_holds_all_the_time() {
     let touching = ceiling["touching"].as_array().unwrap();
     assert!(touching.iter().any(|one| one["index"].as_u64().unwrap() < NODES * 20), "before the end: {ceiling}");
     let worst = &ceiling["worst"];
+    for one in touching {
+        let (index, t) = (one["index"].as_u64().unwrap(), number(&one["t"]));
+        assert!((t - 0.01 * (index / NODES) as f64).abs() < 1e-12 && one["node"].is_u64(), "{one}");
+    }
     let instant = (worst["index"].as_u64().unwrap() / NODES) as f64;
     assert!((number(&worst["t"]) - 0.01 * instant).abs() < 1e-12, "{worst}");
     assert!((number(&worst["position"][2]) - 75.0).abs() < 1e-3, "{worst}");
@@ -71,7 +75,8 @@ fn a_ceiling_holds_all_the_time() {
 
     let at_end = with(CEILING, r#""name": "ceiling","#, r#""name": "ceiling", "when": "end","#);
     let (found, _, (height, t)) = run(&at_end);
-    assert_eq!(found["constraints"]["groups"]["ceiling"]["count"], NODES);
+    let ceiling = &found["constraints"]["groups"]["ceiling"];
+    assert_eq!((&ceiling["count"], &ceiling["t"]), (&NODES.into(), &serde_json::json!([0.2])));
     assert!(height > 35.0 && t < 0.2, "{height} at {t}");
 }
 

@@ -20,6 +20,10 @@ pub(super) struct Known {
     unit: Option<&'static str>,
     /// The largest value, or the one farthest from zero of an equality.
     worst: Option<Worst>,
+    /// The nodes that the values of one instant belong to, where they do.
+    nodes: Vec<u32>,
+    /// The instants of a motion at which it holds; none of an equilibrium.
+    times: Vec<f64>,
     /// The smallest distance between nodes, with the instant of a motion.
     between: Option<(BetweenNodes, Option<f64>)>,
 }
@@ -30,10 +34,20 @@ struct Worst {
     value: f64,
     /// The number of its state.
     state: usize,
-    /// The node that it belongs to, and where that is in the deformed body.
-    node: Option<(u32, [f64; 3])>,
-    /// The instant, of a motion.
-    time: Option<f64>,
+    /// Where its node is in the deformed body.
+    position: Option<[f64; 3]>,
+}
+
+impl Known {
+    /// The node that a value belongs to, of a group with nodes.
+    fn node(&self, index: usize) -> Option<u32> {
+        self.nodes.get(index % self.nodes.len().max(1)).copied()
+    }
+
+    /// The instant of a value among so many, of a motion.
+    fn time(&self, index: usize, values: usize) -> Option<f64> {
+        self.times.get(index * self.times.len() / values.max(1)).copied()
+    }
 }
 
 impl Session<'_> {
@@ -58,24 +72,26 @@ impl Session<'_> {
 fn look(member: CaseMember<'_>, at: &Evaluated, groups: &[&ConstraintReport]) -> Result<Vec<Known>, ControlError> {
     let (reduced, length) = (member.reduced(), member.problem().units().length().symbol);
     let terms = reduced.constraint_terms();
+    let instants = reduced.timeline().map(|timeline| timeline.instants());
     // behind the constraints on states stand the limited rates, of which no more is known
     let mut found: Vec<Known> = groups.iter().map(|_| Known::default()).collect();
     for (k, ((term, group), known)) in terms.iter().zip(groups).zip(&mut found).enumerate() {
         let states = reduced.constraint_states(k);
         known.unit = (term.unit() == "m").then_some(length);
+        known.nodes = term.nodes().unwrap_or_default().to_vec();
+        known.times = instants.map_or_else(Vec::new, |instants| states.iter().map(|n| instants[*n]).collect());
         known.worst = worst(group).map(|(index, value)| {
-            let place = index / (group.values.len() / states.len().max(1)).max(1);
-            Worst { index, value, state: states.get(place).copied().unwrap_or(0), node: None, time: None }
+            let place = index * states.len() / group.values.len();
+            Worst { index, value, state: states.get(place).copied().unwrap_or(0), position: None }
         });
     }
     reduced.for_each_state(at, &mut |n, state| {
         let between = reduced.between_nodes(&at.m, (n, state))?;
-        let time = member.case().time.is_some().then_some(state.time);
-        for ((term, between), known) in terms.iter().zip(between).zip(&mut found) {
-            if let Some(worst) = known.worst.as_mut().filter(|worst| worst.state == n) {
-                let node = term.nodes().and_then(|nodes| nodes.get(worst.index % nodes.len().max(1)));
-                worst.node = node.and_then(|node| Some((*node, position(member, *node, state)?)));
-                worst.time = time;
+        let time = instants.map(|_| state.time);
+        for (between, known) in between.into_iter().zip(&mut found) {
+            let node = known.worst.as_ref().filter(|worst| worst.state == n).and_then(|worst| known.node(worst.index));
+            if let (Some(worst), Some(node)) = (&mut known.worst, node) {
+                worst.position = position(member, node, state);
             }
             let least = known.between.as_ref().map_or(f64::INFINITY, |(known, _)| known.distance);
             if let Some(between) = between.filter(|between| between.distance < least) {
@@ -122,19 +138,25 @@ fn group(one: &ConstraintReport, known: &Known) -> Value {
         time.into_iter().for_each(|time| entry["t"] = json!(time));
         entry
     };
-    if let Some(Worst { index, value, node, time, .. }) = known.worst {
-        let (node, position) = (node.map(|(node, _)| node), node.map(|(_, x)| x));
-        let entry = json!({ "index": index, "value": value, "node": node, "position": position });
-        out["worst"] = with_time(entry, time);
+    let time = |index: usize| known.time(index, one.values.len());
+    if let Some(Worst { index, value, position, .. }) = known.worst {
+        let entry = json!({ "index": index, "value": value, "node": known.node(index), "position": position });
+        out["worst"] = with_time(entry, time(index));
     }
     if let Some((BetweenNodes { distance, position }, time)) = known.between {
         out["between_nodes"] = with_time(json!({ "distance": distance, "position": position }), time);
     }
     if one.values.len() <= FEW {
         (out["values"], out["multipliers"]) = (json!(one.values), json!(one.multipliers));
+        if !known.times.is_empty() {
+            out["t"] = json!(known.times);
+        }
     } else {
         let touching = one.multipliers.iter().enumerate().filter(|(_, y)| **y != 0.0);
-        let entry = |(k, y): (usize, &f64)| json!({ "index": k, "value": one.values[k], "multiplier": y });
+        let entry = |(k, y): (usize, &f64)| {
+            let entry = json!({ "index": k, "node": known.node(k), "value": one.values[k], "multiplier": y });
+            with_time(entry, time(k))
+        };
         out["touching"] = touching.map(entry).collect();
     }
     out
@@ -170,10 +192,10 @@ pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, known: &[Known
         let unit = known.unit.map_or_else(String::new, |unit| format!(" {unit}"));
         let most = one.multipliers.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
         let worst = known.worst.as_ref().filter(|_| one.violation() > 0.0);
-        let place = worst.and_then(|worst| worst.node);
+        let place = worst.and_then(|worst| known.node(worst.index).zip(worst.position));
         let place =
             place.map_or_else(String::new, |(node, x)| format!(" at node {node} ({})", x.map(short).join(", ")));
-        let time = at_time(&session.problem, worst.and_then(|worst| worst.time));
+        let time = at_time(&session.problem, worst.and_then(|worst| known.time(worst.index, one.values.len())));
         session.console.say(format!(
             "{head:<12}{}: largest violation {}{unit}{place}{time} ({} of its scale), {} of {} active, largest multiplier {}",
             one.group.name,
