@@ -156,10 +156,9 @@ fn execute(mut session: Session<'_>, options: &Options) -> Result<(Outcome, Opti
     let exit = match &session.command {
         Command::Check => check::run(&mut session),
         Command::Solve => motion::may_replace(&mut session, options.restart)
-            .and_then(|()| report::remove_earlier(&session))
             .and_then(|()| solve::run(&mut session, &options.analysis)),
-        Command::Modes => report::remove_earlier(&session).and_then(|()| modes::run(&mut session, options.modes)),
-        Command::Gradient => report::remove_earlier(&session).and_then(|()| gradient::run(&mut session)),
+        Command::Modes => modes::run(&mut session, options.modes),
+        Command::Gradient => gradient::run(&mut session),
         Command::Gradcheck => gradcheck::run(&mut session),
         Command::Optimize => {
             let optimizer = session.problem.optimizer()?;

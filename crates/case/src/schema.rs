@@ -74,7 +74,7 @@ pub use spring::{Ground, Spring, SpringEnd};
 pub use support::{Along, Axis, Displacement, Fix, Support};
 pub use time::{Beginning, KelvinVoigt, MassKind, Maxwell, Rayleigh, Time};
 pub use time_table::TimeTable;
-pub use timing::{Holds, InTime, KnotInterpolation, When};
+pub use timing::{HoldsWhen, InTime, KnotInterpolation, When};
 pub use value::Vector;
 
 pub(crate) use case::Reading;

@@ -44,9 +44,17 @@ pub const WARNINGS: &[&WarningKind] = &[
     &SELF_INTERSECTION,
     &NOT_VERIFIED,
     &INSIDE_OBSTACLE,
+    &VIOLATED,
     &BETWEEN_NODES,
     &STEP_ERROR,
 ];
+
+/// An end that the case does not allow.
+pub const VIOLATED: WarningKind = WarningKind {
+    code: "violated",
+    about: "the optimisation ended where constraints are not met",
+    advice: "allow more iterations (optimizer/max_iterations), or begin elsewhere (optimizer/starts); see whether bounds and supports allow what is asked",
+};
 
 /// Time steps that were found for another motion.
 pub const STEP_ERROR: WarningKind = WarningKind {
@@ -243,7 +251,7 @@ pub const INSIDE_OBSTACLE: WarningKind = WarningKind {
 pub const BETWEEN_NODES: WarningKind = WarningKind {
     code: "between_nodes",
     about: "every node keeps its distance from an obstacle, but the body between nodes is inside of it",
-    advice: "raise the clearance by twice the depth told, or refine the mesh there",
+    advice: "raise the clearance by twice the depth told, or refine the mesh there; to smaller cells than the obstacle where it slips between nodes",
 };
 
 /// Something that deserves attention.

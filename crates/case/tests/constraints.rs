@@ -114,6 +114,10 @@ fn bounds_on_functionals() {
     );
     wrong("{ \"cost\": { \"kind\": \"control_norm\", \"of\": \"tension\" }, \"at_most\": 0 }", "needs a \"scale\"");
     wrong(
+        "{ \"cost\": { \"kind\": \"control_norm\", \"of\": \"tension\" }, \"at_most\": \"2 kPa\" }",
+        "constraints/0/at_most",
+    );
+    wrong(
         "{ \"obstacle\": { \"surface\": \"top\", \"shape\": { \"sphere\": { \"center\": [0, 0, 1], \"radius\": 0.1 } } } }",
         "constraints/0/obstacle/surface",
     );
@@ -151,6 +155,22 @@ fn what_the_body_does_between_nodes_is_told() {
     let between = &clear.result["constraints"]["groups"]["ball"]["between_nodes"];
     assert!(number(&between["distance"]) > 0.0, "{between}");
     assert!(!codes(&clear).contains(&"between_nodes".to_owned()), "{text}");
+}
+
+/// Two iterations are too few; a ball that fits between the nodes is seen by none of them.
+#[test]
+fn ends_and_beginnings_inside_of_an_obstacle_are_told() {
+    let (found, text) = optimize(&Place::new(), &["optimizer/max_iterations=2", "expect={}"]);
+    let violation = number(&found.result["constraints"]["groups"]["ball"]["violation"]);
+    let told = found.result["warnings"].as_array().unwrap().iter().any(|warning| warning["code"] == "violated");
+    assert!(violation > 1e-3 && told && text.contains("the constraints are not met: ball by "), "{text}");
+    let small = with(
+        KEEP_OUT,
+        r#""center": [0.6, 0.1, 0.43], "radius": 0.15"#,
+        r#""center": [0.55, 0.05, 0.2], "radius": 0.045"#,
+    );
+    let text = warnings(&with(&small, "\"2 mm\"", "0"));
+    assert!(text.contains("the body at rest is inside of the obstacle between its nodes, at ("), "{text}");
 }
 
 /// A ball about the clamp: told before anything is solved, and by the end, with the node.

@@ -6,7 +6,7 @@ mod common;
 
 use common::{Heard, Place, with};
 use nastic_case::console::Console;
-use nastic_case::run::Exit;
+use nastic_case::run::{Analysis, Exit, Options};
 use nastic_case::schema::Command;
 use serde_json::Value;
 
@@ -104,6 +104,27 @@ fn every_member_has_its_groups() {
         let rate = &groups[format!("{name}/rate_fibers")];
         assert_eq!((&rate["count"], &rate["unit"]), (&Value::from(32), &Value::Null), "{groups:#}");
     }
+}
+
+/// An option that does not go with motions is refused, and what the last run found stays.
+#[test]
+fn a_refused_option_removes_nothing() {
+    let place = Place::new();
+    assert_eq!(place.run(Command::Solve, CEILING, &[]).unwrap().exit, Exit::Done);
+    let before = place.files();
+    assert!(before.iter().any(|file| file == "motion.csv"), "{before:?}");
+    let options = Options { analysis: Analysis::Modes(4), ..place.options(&[]) };
+    place.run_with(Command::Solve, CEILING, &Console::silent(), &options).unwrap_err();
+    assert_eq!((place.files(), &place.json("result.json")["exit"]), (before, &0.into()));
+}
+
+/// Constraints of all instants have a Taylor test, as the costs do.
+#[test]
+fn constraints_of_motions_have_taylor_tests() {
+    let found = Place::new().run(Command::Gradcheck, CEILING, &[]).unwrap().result;
+    let tests = found["gradcheck"]["tests"].as_array().unwrap();
+    let test = tests.iter().find(|test| test["term"] == "constraint ceiling").unwrap();
+    assert_eq!(test["verdict"], "right", "{test:#}");
 }
 
 #[test]

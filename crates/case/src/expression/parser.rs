@@ -234,7 +234,10 @@ impl Parser<'_> {
             Token::Name(name) if names().contains(&name.as_str()) => ": products need \"*\"".to_string(),
             Token::Name(name) if nearest::nearest(name, &names()).is_some() => nearest::clause(name, &names()),
             // behind a number it can only have been a unit
-            Token::Name(_) => format!("; the units are {}", units().collect::<Vec<_>>().join(", ")),
+            Token::Name(_) if matches!(self.before(), Some(Token::Number(_))) => {
+                format!("; the units are {}", units().collect::<Vec<_>>().join(", "))
+            }
+            Token::Name(name) => nearest::clause(name, &names()),
             Token::Number(_) | Token::Sign("(") => ": products need \"*\"".to_string(),
             _ => String::new(),
         }
@@ -256,6 +259,10 @@ impl Parser<'_> {
 
     fn push(&mut self, op: Op, column: usize) {
         self.steps.push(Step { op, column });
+    }
+
+    fn before(&self) -> Option<&Token> {
+        self.next.checked_sub(1).and_then(|before| self.tokens.get(before)).map(|placed| &placed.token)
     }
 
     fn peek(&self) -> &Token {

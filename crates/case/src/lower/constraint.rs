@@ -5,13 +5,12 @@ use super::cost::{Lowering, TargetShape};
 use super::place::{Kind, Place};
 use crate::run::number::count;
 use crate::run::short;
-use crate::schema::{Case, Constraint as Block, Cost, Holds, KeepOut, Shape};
+use crate::schema::{Case, Constraint as Block, Cost, HoldsWhen, KeepOut, Shape};
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
     BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, Instants, IntoConstraint,
     Obstacle, ObstacleDistance, Reduced,
 };
-use nastic_fem::Solid;
 use nastic_opt::ConstraintGroup;
 use std::sync::Arc;
 
@@ -62,10 +61,10 @@ fn check_at_instants(cost: &Cost, context: &mut Context<'_>) -> Option<()> {
 /// At which instants of a motion it holds.
 fn instants(block: &Block) -> Instants {
     match &block.when {
-        Some(Holds::Always) => Instants::All,
-        Some(Holds::At(times)) => Instants::At(times.clone()),
+        Some(HoldsWhen::Always) => Instants::All,
+        Some(HoldsWhen::At(times)) => Instants::At(times.clone()),
         None if block.obstacle.is_some() => Instants::All,
-        None | Some(Holds::End) => Instants::End,
+        None | Some(HoldsWhen::End) => Instants::End,
     }
 }
 
@@ -81,7 +80,7 @@ pub(super) fn add(
         let bound = match (&block.obstacle, &block.cost) {
             (Some(keep_out), _) => {
                 let bound = distance(keep_out, &reduced, context);
-                bound.inspect(|bound| look_at_rest((block, keep_out), bound.nodes(), reduced.solid(), context))
+                bound.inspect(|bound| look_at_rest((block, keep_out), bound.as_ref(), &reduced, context))
             }
             (None, Some(cost)) => {
                 check_at_instants(cost, context)?;
@@ -124,16 +123,17 @@ fn distance(block: &KeepOut, reduced: &Reduced, context: &mut Context<'_>) -> Op
 /// Warns where the body at rest, or a support of it, is inside of an obstacle.
 fn look_at_rest(
     (block, keep_out): (&Block, &KeepOut),
-    nodes: Option<&[u32]>,
-    solid: &Solid,
+    bound: &dyn Constraint,
+    reduced: &Reduced,
     context: &mut Context<'_>,
 ) {
+    let solid = reduced.solid();
     let (mesh, dim, supports) = (solid.mesh(), solid.discretization().dim(), solid.supports());
     let Some(shape) = obstacle(&keep_out.shape, context) else { return };
     let unit = context.units.length().symbol;
     let tolerance = ROUNDING * mesh.diagonal();
     let (mut held, mut free) = (Vec::new(), Vec::new());
-    for &node in nodes.unwrap_or_default() {
+    for &node in bound.nodes().unwrap_or_default() {
         let (mut x, first) = (mesh.points()[node as usize], node as usize * dim);
         let is_held = supports.fixed()[first..first + dim].iter().all(|fixed| *fixed);
         if is_held {
@@ -155,6 +155,20 @@ fn look_at_rest(
         deepest
             .map(|(depth, node, x)| format!("node {node} at ({}) by {} {unit}", x.map(short).join(", "), short(*depth)))
     };
+    if held.is_empty() && free.is_empty() {
+        let u = vec![0.0; solid.model().unknowns().len()];
+        let (layout, m) = (reduced.layout_of_instant(), vec![]);
+        let between = bound.between_nodes(&CostContext { solid, layout, u: &u, state: None, m: &m, stage: 0 });
+        if let Some(BetweenNodes { distance, position }) = between.filter(|between| between.distance < -tolerance) {
+            let message = format!(
+                "{name}: the body at rest is inside of the obstacle between its nodes, at ({}) by {} {unit}: they do not see it, unless the mesh is finer there",
+                position.map(short).join(", "),
+                short(-distance)
+            );
+            context.warn(&INSIDE_OBSTACLE, &block.at, message);
+        }
+        return;
+    }
     let mut warn = |found: &[(f64, u32, [f64; 3])], what: &str, so: &str| {
         let Some(deepest) = deepest(found) else { return };
         let message = format!("{name}: {} {what} {place}, {deepest}: {so}", count(found.len(), "node"));

@@ -67,7 +67,7 @@ fn required(case: &Case, time: &Time) -> Vec<f64> {
             _ => None,
         });
         let of_constraints = case.constraints.iter().filter_map(|constraint| match &constraint.when {
-            Some(schema::Holds::At(instants)) => Some(instants),
+            Some(schema::HoldsWhen::At(instants)) => Some(instants),
             _ => None,
         });
         let within = |t: &&f64| (0.0..=time.end).contains(*t);

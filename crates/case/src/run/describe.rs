@@ -25,7 +25,7 @@ use crate::expression::dimension_of;
 use crate::lower::{Admitted, CaseProblem, ControlField, TargetShape, grid_cells};
 use crate::quantity::{Dimension, Units};
 use crate::result::summary::owner;
-use crate::schema::{Cost, Input, Metric, Parameter, Phi, Stage, Stages, VectorField};
+use crate::schema::{Constraint, Cost, HoldsWhen, Input, Metric, Parameter, Phi, Stage, Stages, VectorField};
 use nastic_control::EnsembleBlock;
 use nastic_energy::catalogue::{self, Takes};
 use nastic_fem::Formulation;
@@ -223,14 +223,27 @@ pub(super) fn costs(problem: &CaseProblem) -> Vec<Line> {
             (None, Some(most), _) => format!("at most {}", short(most)),
             (None, None, value) => format!("equal to {}", short(value.unwrap_or_default())),
         };
-        let when =
-            problem.case.time.as_ref().map_or_else(String::new, |_| format!(", at {}", count(instants, "instant")));
+        let when = problem
+            .case
+            .time
+            .as_ref()
+            .map_or_else(String::new, |_| format!(", {}", instants_of(block, instants, problem.lacks_steps())));
         out.push(line("constraints", format!("{}: {bound}{when}", block.name())));
     }
     for target in problem.member(0).targets() {
         out.push(target_line(problem, target));
     }
     out
+}
+
+/// At which instants a constraint of a motion holds.
+fn instants_of(block: &Constraint, count_of: usize, lacks_steps: bool) -> String {
+    match &block.when {
+        // how many there are is not known yet
+        Some(HoldsWhen::Always) if lacks_steps => "at every instant".to_owned(),
+        None if lacks_steps && block.obstacle.is_some() => "at every instant".to_owned(),
+        _ => format!("at {}", count(count_of, "instant")),
+    }
 }
 
 /// A term of the cost.

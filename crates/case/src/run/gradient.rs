@@ -3,6 +3,7 @@
 use super::check_gradient;
 use super::error::{Exit, RunError};
 use super::number::{scientific, short};
+use super::report::remove_earlier;
 use super::session::Session;
 use super::solve::{say_cost, say_files, say_members, say_probes, show, write_collections, write_targets};
 use crate::lower::CaseProblem;
@@ -15,7 +16,8 @@ use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_opt::{Objective, Verdict};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
-    session.require(true, true)?;
+    session.require(true, true).map_err(|error| session.refuse(error))?;
+    remove_earlier(session)?;
     session.find_steps()?;
     let mut workspace = EnsembleWorkspace::default();
     let mut point = session.evaluate_start(&mut workspace)?;

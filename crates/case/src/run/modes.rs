@@ -2,6 +2,7 @@
 
 use super::error::{Exit, RunError};
 use super::number::{quantity, short};
+use super::report::remove_earlier;
 use super::session::{START_ACCURACY, Session};
 use super::solve::{report, say_files, title, with_modes, write_collections, write_targets};
 use crate::lower::CaseMember;
@@ -56,7 +57,8 @@ struct Seen {
 }
 
 pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit, RunError> {
-    check(session, asked.count)?;
+    check(session, asked.count).map_err(|error| session.refuse(error))?;
+    remove_earlier(session)?;
     let time = session.problem.case.time.as_ref();
     // a motion from rest has no equilibrium to begin at
     let undeformed = asked.undeformed || time.is_some_and(|time| time.start == Beginning::Rest);

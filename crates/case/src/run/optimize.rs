@@ -47,8 +47,7 @@ use std::time::Instant;
 
 /// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
 pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restart: bool) -> Result<Exit, RunError> {
-    session.require(true, true)?;
-    spectrum::check(session)?;
+    session.require(true, true).and_then(|()| spectrum::check(session)).map_err(|error| session.refuse(error))?;
     if let (Some(out), false) = (&session.out, restart)
         && let Err(error) = may_replace(out)
     {
@@ -70,8 +69,8 @@ fn may_replace(out: &Directory) -> Result<(), RunError> {
 
 fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, RunError> {
     session.require(true, true)?;
-    session.find_steps()?;
     super::report::remove_earlier(session)?;
+    session.find_steps()?;
     if let Some(out) = &session.out {
         out.remove_old_iterations();
         // It belongs to an earlier command, and would stand beside the files of this one.

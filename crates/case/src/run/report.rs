@@ -47,6 +47,22 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     if with_page { report(out.path(), None).map(|_| ()) } else { remove_old(&out) }
 }
 
+impl Session<'_> {
+    /// Adds names to the list of files of the result.
+    pub(super) fn list_files(&mut self, names: Vec<String>) {
+        let mut files = self.result_value()["files"].as_array().cloned().unwrap_or_default();
+        let new: Vec<Value> = names.into_iter().map(Value::from).filter(|name| !files.contains(name)).collect();
+        files.extend(new);
+        self.put("files", Value::Array(files));
+    }
+
+    /// A run that cannot begin leaves its directory as it is.
+    pub(super) fn refuse(&mut self, error: RunError) -> RunError {
+        self.out = None;
+        error
+    }
+}
+
 /// Removes what an earlier run of the same command wrote, as its `result.json` lists it: beside that of a run that fails it would
 /// be taken for what that one found. Files that the case reads stay, and those of other commands.
 pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {

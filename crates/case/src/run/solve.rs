@@ -17,6 +17,7 @@ use super::analysis::Analysis;
 use super::error::{Exit, RunError};
 use super::motion;
 use super::number::{quantity, scientific, short, vector};
+use super::report::remove_earlier;
 use super::session::Session;
 use super::states::Shown;
 use crate::lower::{CaseMember, CaseProblem, TargetShape, file_name};
@@ -35,7 +36,12 @@ use serde_json::{Map, Value, json};
 
 pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
     if let Some(option) = analysis.option().filter(|_| motion::is_motion(&session.problem)) {
-        return Err(motion::refused(&session.problem, option));
+        let refused = motion::refused(&session.problem, option);
+        return Err(session.refuse(refused));
+    }
+    // a ramp is read first
+    if !matches!(analysis, Analysis::Ramp(_)) {
+        remove_earlier(session)?;
     }
     if let Some(out) = &session.out {
         // It belongs to an earlier command, and would stand beside the files of this one.
@@ -369,9 +375,7 @@ pub(super) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
     let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
     let said: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
     session.console.say(format!("files       result.json, {}{more}", said.join(", ")));
-    let known = session.result_value()["files"].as_array().cloned().unwrap_or_default();
-    let files: Vec<Value> = known.into_iter().chain(files.into_iter().map(Value::from)).collect();
-    session.put("files", json!(files));
+    session.list_files(files);
 }
 
 /// `target.vtu` of the first target; further ones bear their cost's name, and those that members have alone begin as

@@ -3,7 +3,7 @@
 use crate::schema::cost::Cost;
 use crate::schema::obstacle::Shape;
 use crate::schema::read::Reader;
-use crate::schema::timing::Holds;
+use crate::schema::timing::HoldsWhen;
 use nastic_mesh::GroupNames;
 
 object! {
@@ -16,11 +16,11 @@ object! {
         /// A functional, as a term of the cost is written.
         pub cost: Option<Cost>,
         /// Its upper bound.
-        pub at_most: Option<f64>,
+        pub at_most: Option<f64> as NUMBER,
         /// The value that it must have.
-        pub equal: Option<f64>,
+        pub equal: Option<f64> as NUMBER,
         /// At which instants of a motion it holds: an obstacle always, a bound on a functional at the end, if left out.
-        pub when: Option<Holds>,
+        pub when: Option<HoldsWhen>,
         /// A value that counts as large, in which violations of the bound are measured; the bound's absolute value if left out.
         pub scale: Option<f64> as POSITIVE,
     }

@@ -80,7 +80,7 @@ impl Read for When {
 
 /// The instants of a motion at which a constraint holds.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Holds {
+pub enum HoldsWhen {
     /// At the end.
     End,
     /// At all instants that controls can change.
@@ -99,7 +99,7 @@ const HOLDS: &[Choice] = &[
     Choice { name: "at", about: "At these instants, to which steps lead.", schema: Some(instants_schema) },
 ];
 
-impl Read for Holds {
+impl Read for HoldsWhen {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
         let (chosen, value) = reader.choose(node, at, HOLDS)?;
         match (chosen, value) {

@@ -49,7 +49,7 @@ impl Reduced {
     /// The numbers of the states at which a constraint holds: in a problem in time those of its instants, else 0, that of the equilibrium.
     pub fn constraint_states(&self, constraint: usize) -> &[usize] {
         match &self.motion {
-            Some(motion) => motion.held.get(constraint).map_or(&[], Vec::as_slice),
+            Some(motion) => motion.constrained_at.get(constraint).map_or(&[], Vec::as_slice),
             None => &[0],
         }
     }
@@ -146,7 +146,7 @@ impl Constrained for Reduced {
     fn constraints(&self) -> Vec<ConstraintGroup> {
         let mut groups: Vec<ConstraintGroup> = self.constraints.iter().map(|constraint| constraint.group()).collect();
         if let Some(motion) = &self.motion {
-            groups.iter_mut().zip(&motion.held).for_each(|(group, instants)| group.len *= instants.len());
+            groups.iter_mut().zip(&motion.constrained_at).for_each(|(group, instants)| group.len *= instants.len());
         }
         groups.extend(self.rate_groups());
         let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();

@@ -23,7 +23,7 @@ pub(crate) struct Motion {
     /// Costs of the whole motion, behind those of states.
     pub costs: Vec<Box<dyn TrajectoryCost>>,
     /// The numbers of the instants at which each constraint holds, ascending.
-    pub held: Vec<Vec<usize>>,
+    pub constrained_at: Vec<Vec<usize>>,
     pub rates: Vec<RateLimit>,
     /// Slots that follow given values.
     pub fixed: Vec<FixedInTime>,
@@ -52,8 +52,8 @@ impl Reduced {
             return Err(ControlError::Cost { what });
         }
         let layout = self.layout.clone();
-        let (schedules, costs, held, rates, fixed) = (vec![], vec![], vec![], vec![], vec![]);
-        self.motion = Some(Motion { timeline, layout, schedules, costs, held, rates, fixed });
+        let (schedules, costs, constrained_at, rates, fixed) = (vec![], vec![], vec![], vec![], vec![]);
+        self.motion = Some(Motion { timeline, layout, schedules, costs, constrained_at, rates, fixed });
         self.motion_footprint()?;
         Ok(self)
     }
@@ -162,7 +162,7 @@ impl Reduced {
         let numbers = instants.numbers(&self.needs_time("a constraint at instants")?.timeline)?;
         self.constraints.push(constraint.bind(&self.solid)?);
         if let Some(motion) = &mut self.motion {
-            motion.held.push(numbers);
+            motion.constrained_at.push(numbers);
         }
         Ok(self)
     }

@@ -39,7 +39,8 @@ impl Reduced {
         let resumed = observer.and_then(MotionObserver::resume);
         let (mut found, from) = match &resumed {
             Some(bytes) => {
-                let read = Progress::from_bytes(bytes, motion, &self.solid);
+                let lens: Vec<usize> = self.constraints.iter().map(|constraint| constraint.group().len).collect();
+                let read = Progress::from_bytes(bytes, motion, (&self.solid, &lens));
                 let (found, from) = read.map_err(|error| ControlError::Cost { what: error.to_string() })?;
                 (found, Some(from))
             }
@@ -49,7 +50,8 @@ impl Reduced {
         // the first steps of a scheme over two may have an estimate where others have none
         let estimates = motion.timeline.scheme().estimates_error();
         let is_resumable = !motion.costs.iter().any(|cost| cost.needs_states());
-        let recording = self.run_motion(motion, (m, how.accuracy), from, workspace, &mut |n, recording| {
+        let options = self.solve_options(how.accuracy);
+        let recording = self.run_motion(motion, (m, &options), from, workspace, &mut |n, recording| {
             let part = recording.part();
             found.add(part, estimates.then(|| self.solid.model().last_step_error(part)).flatten());
             self.add_values(motion, (n, part.end()), (m, how.stage), &mut found.values)?;
@@ -71,15 +73,15 @@ impl Reduced {
     fn run_motion(
         &self,
         motion: &Motion,
-        (m, accuracy): (&[f64], f64),
+        (m, options): (&[f64], &SolveOptions<'_>),
         from: Option<Trajectory>,
         workspace: &mut ReducedWorkspace,
         each: &mut dyn FnMut(usize, &Recording) -> Result<(), ControlError>,
     ) -> Result<Recording, ControlError> {
         workspace.clear();
-        let (options, model) = (self.solve_options(accuracy), self.solid.model());
+        let model = self.solid.model();
         let is_new = from.is_none();
-        let part = from.map_or_else(|| self.beginning(motion, m, &options, workspace), Ok)?;
+        let part = from.map_or_else(|| self.beginning(motion, m, options, workspace), Ok)?;
         let done = part.first() + part.states().len() - 1;
         let mut recording = Recording::new(part, motion.timeline.scheme().clone(), self.checkpoints(motion)?);
         if is_new {
@@ -87,7 +89,7 @@ impl Reduced {
         }
         for n in done + 1..=motion.timeline.steps() {
             let to = self.step_to(motion, m, n)?;
-            recording.advance(model, &to, &options, &mut workspace.solve)?;
+            recording.advance(model, &to, options, &mut workspace.solve)?;
             each(n, &recording)?;
         }
         self.forget(workspace);
@@ -141,8 +143,9 @@ impl Reduced {
         match (&self.motion, &point.motion) {
             (Some(motion), Some(run)) if run.resumed || !run.recording.keeps_all() => {
                 let each = &mut |n: usize, recording: &Recording| each(n, recording.part().end());
-                self.run_motion(motion, (&point.m, run.accuracy), None, &mut ReducedWorkspace::default(), each)
-                    .map(drop)
+                // a run that is being cancelled still writes what it found
+                let options = SolveOptions { cancel: None, ..self.solve_options(run.accuracy) };
+                self.run_motion(motion, (&point.m, &options), None, &mut ReducedWorkspace::default(), each).map(drop)
             }
             _ => point.states().iter().enumerate().try_for_each(|(n, state)| each(n, state)),
         }
@@ -209,7 +212,7 @@ impl Reduced {
         }
         let InstantValues { constraints, .. } = into;
         for (k, own) in constraints.iter_mut().enumerate() {
-            if motion.held[k].binary_search(&at.0).is_ok() {
+            if motion.constrained_at[k].binary_search(&at.0).is_ok() {
                 own.extend(self.constraint_point(motion, k, at, m)?.values());
             }
         }

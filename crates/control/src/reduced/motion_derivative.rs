@@ -93,12 +93,18 @@ impl<'a> InstantPartials<'a> {
     fn add_constraints(&mut self, n: usize, state: &State, by_u: &mut Vec<f64>) -> Result<(), ControlError> {
         let (problem, motion, mut y) = (self.problem, self.motion, self.of.multipliers());
         let mut own = None;
-        for (k, instants) in motion.held.iter().enumerate().take_while(|_| !y.is_empty()) {
+        if y.is_empty() {
+            return Ok(());
+        }
+        for (k, instants) in motion.constrained_at.iter().enumerate() {
             let len = problem.constraints[k].group().len;
             let (of_instants, behind) = y.split_at(y.len().min(len * instants.len()));
             y = behind;
             let Ok(place) = instants.binary_search(&n) else { continue };
             let y = of_instants.get(place * len..(place + 1) * len).unwrap_or_default();
+            if y.iter().all(|y| *y == 0.0) {
+                continue;
+            }
             let point = problem.constraint_point(motion, k, (n, state), &self.point.m)?;
             let zero = || Partials::zero(state.u.len(), motion.layout.len());
             point.add_partials(y, own.get_or_insert_with(zero))?;

@@ -68,7 +68,13 @@ impl Progress {
     }
 
     /// What [`to_bytes`](Self::to_bytes) wrote.
-    pub fn from_bytes(bytes: &[u8], motion: &Motion, solid: &Solid) -> Result<(Self, Trajectory), SavedRunError> {
+    ///
+    /// `lens`: the values of each constraint at one instant.
+    pub fn from_bytes(
+        bytes: &[u8],
+        motion: &Motion,
+        (solid, lens): (&Solid, &[usize]),
+    ) -> Result<(Self, Trajectory), SavedRunError> {
         let mut input = Reader::new(bytes, MAGIC)?;
         if input.text()? != motion.timeline.scheme().name() {
             return Err(input.damaged("a motion by another time scheme"));
@@ -104,8 +110,14 @@ impl Progress {
         input.finish()?;
         let part = Trajectory::from_end(begin, (first, states), step, motion.timeline.scheme());
         let part = part.map_err(|_| input.damaged("states and a step that do not fit each other"))?;
-        if part.first().saturating_add(part.states().len()) > motion.timeline.instants().len() {
+        let states = part.first().saturating_add(part.states().len());
+        if states > motion.timeline.instants().len() {
             return Err(input.damaged("a state behind the end of the motion"));
+        }
+        for ((instants, len), own) in motion.constrained_at.iter().zip(lens).zip(&values.constraints) {
+            if own.len() != len * instants.iter().filter(|n| **n < states).count() {
+                return Err(input.damaged("constraints at other instants or nodes"));
+            }
         }
         Ok((Progress { values, work, min_j, error }, part))
     }
@@ -131,7 +143,7 @@ pub(super) struct InstantValues {
 impl InstantValues {
     pub fn new(motion: &Motion) -> Self {
         let values = motion.schedules.iter().map(|schedule| vec![0.0; schedule.weights.len()]).collect();
-        InstantValues { counting: counting(motion), values, constraints: vec![Vec::new(); motion.held.len()] }
+        InstantValues { counting: counting(motion), values, constraints: vec![Vec::new(); motion.constrained_at.len()] }
     }
 
     /// Their sums over the motion.

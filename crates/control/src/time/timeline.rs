@@ -139,6 +139,10 @@ impl Timeline {
         if gap(&nearest) <= 1e-9 * self.end() {
             return Ok(nearest);
         }
+        if t > self.end() {
+            let what = format!("t = {t} is after the end of the motion, {}", self.end());
+            return Err(ControlError::Cost { what });
+        }
         let what = format!(
             "t = {t} is no instant of the motion; the nearest one is {}: choose steps that lead through it, or that instant",
             self.instants[nearest]

@@ -6,7 +6,7 @@ use crate::result::summary;
 use crate::schema::Cost;
 use nastic_control::EnsemblePoint;
 use nastic_control::Smoothing;
-use nastic_opt::{Best, Stall, Stop};
+use nastic_opt::{Best, Constrained, Stall, Stop};
 use serde_json::{Value, json};
 use std::path::{Component, Path, PathBuf};
 
@@ -55,7 +55,13 @@ fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
         Stop::MaxIterations { iterations, .. } => {
             let set =
                 with(format!("optimizer/max_iterations={}", 2 * (*iterations).max(optimizer.max_iterations).max(1)));
-            out.push(again("raise the limit of iterations, from the control that was reached".into(), set));
+            let anew = match session.problem.ensemble.constraints().is_empty() {
+                true => "",
+                false => {
+                    " (the multipliers of the constraints begin anew: a run from the start with this limit keeps them)"
+                }
+            };
+            out.push(again(format!("raise the limit of iterations, from the control that was reached{anew}"), set));
         }
         Stop::Stalled(Stall::Flat { relative_gradient, .. } | Stall::Stagnation { relative_gradient, .. }) => {
             let tolerance = loosened(*relative_gradient);

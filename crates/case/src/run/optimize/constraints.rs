@@ -4,7 +4,7 @@ use super::super::number::short;
 use super::super::session::Session;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::run::error::RunError;
-use crate::warning::{BETWEEN_NODES, Warning};
+use crate::warning::{BETWEEN_NODES, VIOLATED, Warning};
 use nastic_control::{BetweenNodes, ControlError, EnsemblePoint, Evaluated};
 use nastic_fem::State;
 use nastic_opt::{AugmentedLagrangian, Constrained, ConstraintReport, ConstraintsReport, Sense};
@@ -39,6 +39,11 @@ struct Worst {
 }
 
 impl Known {
+    /// Behind a value.
+    fn unit(&self) -> String {
+        self.unit.map_or_else(String::new, |unit| format!(" {unit}"))
+    }
+
     /// The node that a value belongs to, of a group with nodes.
     fn node(&self, index: usize) -> Option<u32> {
         self.nodes.get(index % self.nodes.len().max(1)).copied()
@@ -73,17 +78,23 @@ fn look(member: CaseMember<'_>, at: &Evaluated, groups: &[&ConstraintReport]) ->
     let (reduced, length) = (member.reduced(), member.problem().units().length().symbol);
     let terms = reduced.constraint_terms();
     let instants = reduced.timeline().map(|timeline| timeline.instants());
-    // behind the constraints on states stand the limited rates, of which no more is known
-    let mut found: Vec<Known> = groups.iter().map(|_| Known::default()).collect();
+    // behind the constraints on states stand the limited rates, which belong to no state
+    let of_no_state = |group: &&ConstraintReport| {
+        let worst = worst(group).map(|(index, value)| Worst { index, value, state: usize::MAX, position: None });
+        Known { worst, ..Known::default() }
+    };
+    let mut found: Vec<Known> = groups.iter().map(of_no_state).collect();
     for (k, ((term, group), known)) in terms.iter().zip(groups).zip(&mut found).enumerate() {
         let states = reduced.constraint_states(k);
         known.unit = (term.unit() == "m").then_some(length);
         known.nodes = term.nodes().unwrap_or_default().to_vec();
         known.times = instants.map_or_else(Vec::new, |instants| states.iter().map(|n| instants[*n]).collect());
-        known.worst = worst(group).map(|(index, value)| {
-            let place = index * states.len() / group.values.len();
-            Worst { index, value, state: states.get(place).copied().unwrap_or(0), position: None }
-        });
+        if let Some(worst) = &mut known.worst {
+            worst.state = states.get(worst.index * states.len() / group.values.len()).copied().unwrap_or(0);
+        }
+    }
+    if terms.iter().all(|term| term.nodes().is_none()) {
+        return Ok(found);
     }
     reduced.for_each_state(at, &mut |n, state| {
         let between = reduced.between_nodes(&at.m, (n, state))?;
@@ -166,38 +177,51 @@ fn at_time(problem: &CaseProblem, time: Option<f64>) -> String {
     time.map_or_else(String::new, |t| format!(" at t = {} {}", short(t), problem.units().time().symbol))
 }
 
-/// Where every node keeps its distance and the body between nodes is inside of the obstacle.
+/// Where constraints are not met, or every node keeps its distance and the body between nodes is inside of the obstacle.
 pub(super) fn warnings(problem: &CaseProblem, all: &ConstraintsReport, known: &[Known]) -> Vec<Warning> {
     let feasibility = AugmentedLagrangian::default().feasibility;
+    let violated: Vec<String> = all
+        .groups
+        .iter()
+        .zip(known)
+        .filter(|(one, _)| one.violation() > feasibility * one.group.scale)
+        .map(|(one, known)| format!("{} by {}{}", one.group.name, short(one.violation()), known.unit()))
+        .collect();
+    let violated = (!violated.is_empty())
+        .then(|| Warning::new(&VIOLATED, format!("the constraints are not met: {}", violated.join(", "))));
     let of = |(one, known): (&ConstraintReport, &Known)| {
         let (tolerance, (between, time)) = (feasibility * one.group.scale, known.between?);
-        let unit = known.unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        let nearest = known.worst.as_ref().map_or(0.0, |worst| -worst.value);
         let message = format!(
-            "{}: between nodes the body is up to {}{unit} inside of the obstacle, at ({}){}",
+            "{}: between nodes the body is up to {}{} inside of the obstacle, at ({}){}{}",
             one.group.name,
             short(-between.distance),
+            known.unit(),
             between.position.map(short).join(", "),
-            at_time(problem, time)
+            at_time(problem, time),
+            if nearest > -between.distance { ", which slips between the nodes" } else { "" }
         );
         let entered = between.distance < -tolerance && one.violation() <= tolerance;
         entered.then(|| Warning::new(&BETWEEN_NODES, message))
     };
-    all.groups.iter().zip(known).filter_map(of).collect()
+    violated.into_iter().chain(all.groups.iter().zip(known).filter_map(of)).collect()
 }
 
 /// A line for every group.
 pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, known: &[Known]) {
     for (k, (one, known)) in all.groups.iter().zip(known).enumerate() {
         let head = if k == 0 { "constraints" } else { "" };
-        let unit = known.unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        let unit = known.unit();
         let most = one.multipliers.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
-        let worst = known.worst.as_ref().filter(|_| one.violation() > 0.0);
+        let worst = known.worst.as_ref().filter(|_| known.unit.is_some() || one.violation() > 0.0);
+        let kept = worst.filter(|_| one.violation() == 0.0 && one.group.sense == Sense::AtMost);
+        let kept = kept.map_or_else(String::new, |worst| format!(", kept by {}{unit}", short(-worst.value)));
         let place = worst.and_then(|worst| known.node(worst.index).zip(worst.position));
         let place =
             place.map_or_else(String::new, |(node, x)| format!(" at node {node} ({})", x.map(short).join(", ")));
         let time = at_time(&session.problem, worst.and_then(|worst| known.time(worst.index, one.values.len())));
         session.console.say(format!(
-            "{head:<12}{}: largest violation {}{unit}{place}{time} ({} of its scale), {} of {} active, largest multiplier {}",
+            "{head:<12}{}: largest violation {}{unit}{kept}{place}{time} ({} of its scale), {} of {} active, largest multiplier {}",
             one.group.name,
             short(one.violation()),
             short(one.violation() / one.group.scale),

@@ -9,6 +9,7 @@ use crate::lower::{CaseMember, ControlField};
 use crate::quantity::{Dimension, Units};
 use crate::run::error::{Exit, RunError};
 use crate::run::number::short;
+use crate::run::report::remove_earlier;
 use crate::run::session::Session;
 use crate::warning::Warning;
 use nastic_control::{ControlBlock, ControlError};
@@ -40,6 +41,7 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
         };
         return Err(complain(session, what).into());
     }
+    remove_earlier(session)?;
     let mut files = Vec::new();
     let mut exit = Exit::Done;
     for index in owners {
