@@ -33,17 +33,14 @@ use serde_json::{Value, json};
 
 /// Writes the states at the start and the targets.
 pub(super) fn write_start(
-    session: &mut Session<'_>,
+    session: &Session<'_>,
     start: &EnsemblePoint,
     derivative: &[f64],
     found: &[Inspection],
 ) -> Result<(), RunError> {
-    let Some(out) = session.out.clone() else { return Ok(()) };
-    let targets = write_targets(&session.problem, &out)?;
-    let states = write_states(&session.problem, "start", (start, derivative, found), &out)?;
-    // a run that fails from here on leaves them
-    session.list_files([targets, states].concat());
-    Ok(())
+    let Some(out) = &session.out else { return Ok(()) };
+    write_targets(&session.problem, out)?;
+    write_states(&session.problem, "start", (start, derivative, found), out).map(|_| ())
 }
 
 /// Fills the result, writes files, says how it went.
