@@ -5,7 +5,8 @@
 mod common;
 
 use common::{BAR, Place};
-use nastic_case::run::Exit;
+use nastic_case::console::Console;
+use nastic_case::run::{Analysis, Exit, Options};
 use nastic_case::schema::Command;
 use serde_json::Value;
 
@@ -111,6 +112,19 @@ fn a_run_that_fails_leaves_no_files_of_an_earlier_one() {
     place.write("out/result.json", &edited.to_string());
     place.run(Command::Solve, &crushed, &[]).unwrap_err();
     assert!(["out/notes.txt", "out/.hidden.vtu", "keep.vtu"].iter().all(|name| place.path(name).exists()));
+}
+
+/// What the last run found stays where an option cannot be understood.
+#[test]
+fn a_refused_ramp_removes_nothing() {
+    let place = Place::new();
+    place.run(Command::Solve, BAR, &[]).unwrap();
+    let (before, result) = (place.files(), place.json("result.json"));
+    for ramp in ["tension", "tention=0:-1 kPa:3"] {
+        let options = Options { analysis: Analysis::Ramp(ramp.to_owned()), ..place.options(&[]) };
+        place.run_with(Command::Solve, BAR, &Console::silent(), &options).unwrap_err();
+        assert_eq!((place.files(), place.json("result.json")), (before.clone(), result.clone()), "{ramp}");
+    }
 }
 
 /// Not even where it is the case that reads them, or another command that wrote them.

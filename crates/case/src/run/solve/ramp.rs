@@ -30,7 +30,10 @@ struct Asked {
 pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunError> {
     let complain =
         |session: &Session<'_>, what: String| session.problem.complain("controls", format!("--ramp: {what}"));
-    let asked = Asked::parse(text, session.problem.units()).map_err(|what| complain(session, what))?;
+    let asked = Asked::parse(text, session.problem.units()).map_err(|what| {
+        let error = complain(session, what).into();
+        session.refuse(error)
+    })?;
     let members = 0..session.problem.members().count();
     let owners: Vec<usize> = members.filter(|&k| asked.field(session.problem.member(k)).is_some()).collect();
     if owners.is_empty() {
@@ -39,7 +42,8 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
             true => "the case has no controls to ramp; --path raises loads and displacements".to_owned(),
             false => format!("control \"{}\" not found; there are: {}", asked.control, known.join(", ")),
         };
-        return Err(complain(session, what).into());
+        let error = complain(session, what).into();
+        return Err(session.refuse(error));
     }
     remove_earlier(session)?;
     let mut files = Vec::new();
