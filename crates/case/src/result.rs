@@ -11,6 +11,7 @@ pub(crate) mod inspection;
 pub(crate) mod lock;
 pub(crate) mod member_report;
 pub(crate) mod obstacle_shape;
+pub(crate) mod output_names;
 pub(crate) mod picture;
 pub(crate) mod smoothing;
 pub(crate) mod snapshot;

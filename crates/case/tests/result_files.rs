@@ -6,7 +6,7 @@ mod common;
 
 use common::{BAR, Place};
 use nastic_case::console::Console;
-use nastic_case::run::{Analysis, Exit, Options};
+use nastic_case::run::{Analysis, Exit, Options, RunError};
 use nastic_case::schema::Command;
 use serde_json::Value;
 
@@ -138,8 +138,37 @@ fn what_is_still_of_use_is_not_removed() {
     assert!(has("optimum.vtu") && has("controls.json") && has("checkpoint.bin"), "{:?}", place.files());
     place.run(Command::Optimize, BAR, &SHORT).unwrap();
     let from_there = [SHORT[0], r#"controls/0/start={"file": "out/controls.json"}"#];
-    place.run(Command::Optimize, &crushed, &from_there).unwrap_err();
-    assert!(has("controls.json") && !has("optimum.vtu") && !has("convergence.svg"), "{:?}", place.files());
+    place.run(Command::Solve, &crushed, &from_there[1..]).unwrap_err();
+    assert!(has("controls.json") && has("optimum.vtu") && has("checkpoint.bin"), "{:?}", place.files());
+}
+
+/// A case, a mesh or a start that is read is not replaced by a result of the same name, wherever the results are wanted.
+#[test]
+fn results_replace_nothing_that_is_read() {
+    let place = Place::new();
+    place.run(Command::Optimize, BAR, &SHORT).unwrap();
+    let (before, controls) = (place.files(), std::fs::read(place.path("out/controls.json")).unwrap());
+    let from_there = [SHORT[0], r#"controls/0/start={"file": "out/controls.json"}"#];
+    let error = place.run(Command::Optimize, BAR, &from_there).unwrap_err();
+    assert_eq!(error.exit(), Exit::BadInput);
+    let text = error.to_string();
+    assert!(text.contains("results would replace") && text.contains("out/controls.json, which is read"), "{text}");
+    assert_eq!((place.files(), std::fs::read(place.path("out/controls.json")).unwrap()), (before, controls));
+    // the case itself, under the name of its copy and of the results
+    for name in ["case.json", "result.json"] {
+        let case = place.write(name, BAR);
+        let options = Options { out: Some(case.parent().unwrap().to_owned()), ..place.options(&[]) };
+        let error = nastic_case::run::run(Command::Solve, &case, &options, &Console::silent()).unwrap_err();
+        assert!(matches!(error, RunError::ReplacesInput { .. }), "{error}");
+        assert_eq!(std::fs::read_to_string(&case).unwrap(), BAR, "{name}");
+    }
+    // a mesh that has the name of a state
+    std::fs::copy(place.path("out/start.vtu"), place.path("start.vtu")).unwrap();
+    let mesh = place.write("bar.json", BAR);
+    let set = vec![r#"mesh="start.vtu""#.to_owned()];
+    let options = Options { out: Some(mesh.parent().unwrap().to_owned()), set, ..place.options(&[]) };
+    let error = nastic_case::run::run(Command::Solve, &mesh, &options, &Console::silent()).unwrap_err();
+    assert!(matches!(error, RunError::ReplacesInput { .. }), "{error}");
 }
 
 #[test]

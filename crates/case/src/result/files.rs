@@ -1,6 +1,7 @@
 //! The output directory.
 
 use super::lock::{DirectoryError, DirectoryLock};
+use super::output_names;
 use nastic_io::{WriteError, write_atomically};
 use nastic_mesh::Snapshot;
 use serde_json::Value;
@@ -16,8 +17,16 @@ pub(crate) struct Directory {
 
 impl Directory {
     /// Makes the directory and locks it now, so that a place that cannot be written to, or that another program writes
-    /// to, is told before hours of work.
-    pub fn claim(path: PathBuf) -> Result<Self, DirectoryError> {
+    /// to, is told before hours of work; and so is one where what the command writes, by the patterns of its names, would replace what
+    /// it reads.
+    pub fn claim<'f>(
+        path: PathBuf,
+        patterns: &[&str],
+        inputs: impl IntoIterator<Item = &'f Path>,
+    ) -> Result<Self, DirectoryError> {
+        if let Some(file) = output_names::replaced(&path, patterns, inputs) {
+            return Err(DirectoryError::Input { file });
+        }
         std::fs::create_dir_all(&path).map_err(|source| WriteError::System { file: path.clone(), source })?;
         let lock = DirectoryLock::acquire(&path)?;
         if lock.is_held() {

@@ -26,6 +26,9 @@ pub(crate) enum DirectoryError {
     /// Another program writes there.
     #[error("{} is in use", directory.display())]
     InUse { directory: PathBuf, process: Option<u32> },
+    /// A file that is read has the name of one that is to be written there.
+    #[error("{} would be replaced", file.display())]
+    Input { file: PathBuf },
 }
 
 impl DirectoryLock {

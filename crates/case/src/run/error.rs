@@ -118,6 +118,15 @@ pub enum RunError {
         /// The other program, where its number is known.
         process: Option<u32>,
     },
+    /// What the command writes would replace what it reads.
+    #[error(
+        "results would replace {}, which is read: choose another directory with --out, or give that file another name",
+        file.display()
+    )]
+    ReplacesInput {
+        /// The file that is read.
+        file: PathBuf,
+    },
     /// An optimisation would replace the checkpoint of one that was interrupted.
     #[error(
         "{} holds the checkpoint of an interrupted optimisation (iteration {iteration}): go on with it by nastic resume {}, begin anew \
@@ -187,7 +196,7 @@ impl RunError {
             | Self::InterruptedMotion { .. } => Exit::BadInput,
             Self::Spectrum(_) | Self::Fit(_) => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
-            Self::Start(_) => Exit::BadInput,
+            Self::Start(_) | Self::ReplacesInput { .. } => Exit::BadInput,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,
             Self::Taylor(_) => Exit::BadInput,
             Self::Write(_) | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,
@@ -211,6 +220,7 @@ impl From<DirectoryError> for RunError {
         match error {
             DirectoryError::Write(error) => Self::Write(error),
             DirectoryError::InUse { directory, process } => Self::InUse { directory, process },
+            DirectoryError::Input { file } => Self::ReplacesInput { file },
         }
     }
 }

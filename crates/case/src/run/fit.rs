@@ -9,6 +9,7 @@ use super::error::{Exit, RunError};
 use super::session::directory_of;
 use crate::console::Console;
 use crate::result::files::Directory;
+use crate::result::output_names::FIT;
 use crate::schema::{FitData, FitKind, FitTest};
 use crate::syntax::{Diagnostics, Document};
 use entry::Fitted;
@@ -37,7 +38,7 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     let document = Document::open(data)?;
     let asked = FitData::read_document(&document)?;
     let (tests, doubtful) = read_tests(&document, &asked)?;
-    let out = Directory::claim(out.unwrap_or_else(|| directory_of(&document, None)))?;
+    let out = Directory::claim(out.unwrap_or_else(|| directory_of(&document, None)), FIT, [data])?;
     // They belong to an earlier fit, and would stand there as results of this one if it fails.
     out.remove(FILE)?;
     plot::files().try_for_each(|name| out.remove(&name))?;

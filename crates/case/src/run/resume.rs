@@ -31,7 +31,7 @@ pub(super) fn open<'c>(
     console: &'c Console,
 ) -> Result<(Session<'c>, Place), RunError> {
     let (out, case, command, place) = if directory.join(motion::CHECKPOINT).is_file() {
-        let out = Directory::claim(directory.to_owned())?;
+        let out = Directory::claim(directory.to_owned(), &[], [])?;
         let checkpoint = MotionCheckpoint::read(directory)?;
         check_program(&checkpoint.case, directory.join(motion::CHECKPOINT))?;
         (out, checkpoint.case.clone(), Command::Solve, Place::Motion(checkpoint))
@@ -51,7 +51,7 @@ pub(super) fn read(directory: &Path) -> Result<(Directory, Checkpoint), RunError
         // A name that was mistyped is not made a directory.
         return Err(CheckpointError::Missing { directory: directory.to_owned() }.into());
     }
-    let out = Directory::claim(directory.to_owned())?;
+    let out = Directory::claim(directory.to_owned(), &[], [])?;
     let checkpoint = Checkpoint::read(directory)?;
     check_program(&checkpoint.case, file)?;
     Ok((out, checkpoint))

@@ -14,6 +14,7 @@ use crate::result::failure;
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
+use crate::result::output_names::written_by;
 use crate::result::smoothing;
 use crate::schema::Command;
 use crate::syntax::{Diagnostics, Document};
@@ -96,8 +97,16 @@ impl<'c> Session<'c> {
         session.spectrum = options.spectrum;
         session.expect = !options.without_expect;
         session.on_trial = options.on_trial.clone();
-        session.out = directory(&session.command, &session.problem, options).map(Directory::claim).transpose()?;
+        session.out =
+            directory(&session.command, &session.problem, options).map(|path| session.claim(path)).transpose()?;
         Ok(session)
+    }
+
+    /// The directory of the results, in which they replace nothing that the case reads.
+    pub fn claim(&self, directory: PathBuf) -> Result<Directory, RunError> {
+        let case = Path::new(self.problem.document.name());
+        let inputs = self.problem.files.iter().map(PathBuf::as_path).chain([case]);
+        Ok(Directory::claim(directory, &written_by(&self.command), inputs)?)
     }
 
     /// Goes on with a command whose case was read and whose directory is claimed.

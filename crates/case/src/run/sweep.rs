@@ -12,6 +12,7 @@ use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::result::csv;
 use crate::result::files::Directory;
+use crate::result::output_names::SWEEP;
 use crate::schema::Command;
 use crate::syntax::{Diagnostic, Diagnostics, Document, Node, Value as Tree};
 use nastic_io::write_atomically;
@@ -62,7 +63,7 @@ pub fn sweep(
     check(&document, sweep, &swept, &runs)?;
     let case_json = document.json();
     let out = options.out.clone().unwrap_or_else(|| directory_of(&document, case_json["output"]["directory"].as_str()));
-    let out = Directory::claim(out)?;
+    let out = Directory::claim(out, SWEEP, [case])?;
     introduce(sweep, &swept, runs.len(), console);
     let starts = controls(&document);
     let title = title(&case_json, case);

@@ -60,7 +60,7 @@ impl RampFailure<'_> {
                     scientific(*residual, 2),
                 )
             }
-            (StateError::Inverted { at, load, cuts, .. }, Some(_)) => {
+            (StateError::Inadmissible { at, load, cuts, .. }, Some(_)) => {
                 let failed = self.told(self.value(*load).unwrap_or(self.target));
                 format!(
                     "{at} at {failed} after {} of the step; try a shorter ramp, or a finer mesh",

@@ -4,7 +4,6 @@ use super::{ControlSet, Optimum, Study, StudyError, record};
 use crate::console::Console;
 use crate::lower::{Assembled, CaseProblem, ControlProblem};
 use crate::result::checkpoint_file::CheckpointError;
-use crate::result::files::Directory;
 use crate::run::error::{Exit, RunError};
 use crate::run::session::Session;
 use crate::run::states::States;
@@ -58,7 +57,7 @@ impl Study {
             let exit = match directory {
                 Some(directory) if goes_on && !restart => resume_in(&mut session, optimizer, directory),
                 Some(directory) => {
-                    session.out = Some(Directory::claim(directory)?);
+                    session.out = Some(session.claim(directory)?);
                     optimize::begin(&mut session, optimizer, restart)
                 }
                 None => optimize::begin(&mut session, optimizer, restart),
@@ -146,7 +145,7 @@ fn stop_by_signals(console: &Console) -> Arc<AtomicBool> {
 fn resume_in(session: &mut Session<'_>, optimizer: &dyn Optimizer, directory: PathBuf) -> Result<Exit, RunError> {
     match resume::read(&directory) {
         Err(RunError::Checkpoint(CheckpointError::Missing { .. })) => {
-            session.out = Some(Directory::claim(directory)?);
+            session.out = Some(session.claim(directory)?);
             optimize::begin(session, optimizer, true)
         }
         Err(error) => Err(error),
