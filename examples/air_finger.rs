@@ -5,7 +5,7 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::fem::{Demand, Instant, InvertedAt, Sensitivities, Sums, check_contribution};
+use nastic::fem::{Demand, Inadmissible, Instant, Sensitivities, Sums, check_contribution};
 use nastic::linear::SparseMatrix;
 use nastic::prelude::*;
 
@@ -34,7 +34,7 @@ impl Contribution for Springs {
         vec![("force_z", self.nodes.iter().map(|&node| -self.stiffness * at.u[3 * node as usize + 2]).sum())]
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for dof in self.dofs() {
             let force = self.stiffness * at.u[dof];
             if demand.energy {
@@ -49,7 +49,7 @@ impl Contribution for Springs {
         Ok(())
     }
 
-    fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let k = self.stiffness;
         for &node in &self.nodes {
             // a node is always coupled with itself; two nodes of different cells are if `couplings` says so
@@ -60,12 +60,12 @@ impl Contribution for Springs {
         Ok(())
     }
 
-    fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         self.dofs().for_each(|dof| out[dof] += self.stiffness * v[dof]);
         Ok(true)
     }
 
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
         Ok(()) // no controls
     }
 }

@@ -1,6 +1,6 @@
 //! Errors of controls, costs and reduced problems.
 
-use nastic_fem::{FemError, InvertedAt, StateError};
+use nastic_fem::{FemError, Inadmissible, StateError};
 use nastic_mesh::MeshError;
 
 /// A control problem that cannot be built or evaluated: what, where, how much, what to try.
@@ -25,7 +25,7 @@ pub enum ControlError {
     },
     /// A configuration with J <= 0.
     #[error(transparent)]
-    Inverted(#[from] InvertedAt),
+    Inverted(#[from] Inadmissible),
     /// A control that no actuation offers.
     #[error("control \"{name}\" not found; there are: {known}")]
     UnknownControl {
@@ -152,7 +152,7 @@ impl ControlError {
         match self {
             ControlError::State(StateError::NoConvergence { newton, .. }) => Some(*newton),
             ControlError::Unstable { newton, .. } => Some(*newton),
-            ControlError::State(StateError::Inverted { last, .. }) => Some(last.report.newton),
+            ControlError::State(StateError::Inadmissible { last, .. }) => Some(last.report.newton),
             _ => None,
         }
     }

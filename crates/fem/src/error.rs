@@ -9,9 +9,65 @@ use nastic_linear::{LinearError, StructureError};
 use nastic_mesh::{CellKind, MeshError};
 use std::fmt;
 
-/// A deformation gradient at which no law is evaluated: inverted, J <= 0, or beyond the domain of a law with a limit of its own.
+/// Why a displacement is not admissible: nothing is evaluated there, and a step that would lead to it is shortened.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Inadmissible {
+    /// J <= 0.
+    #[error("{0}")]
+    Inverted(InvertedAt),
+    /// A deformation gradient beyond the domain of a law with a limit of its own.
+    #[error("element {} left the domain of its law (quadrature point {}): {outside}", .at.cell, .at.point)]
+    OutsideDomain {
+        /// Where, with its J > 0.
+        at: InvertedAt,
+        /// What the law says.
+        outside: Outside,
+    },
+    /// A point of the body inside of what it must not enter.
+    #[error("the body is inside of \"{name}\" by {depth:.3e} at ({:.4e}, {:.4e}, {:.4e})", .place[0], .place[1], .place[2])]
+    Penetrates {
+        /// Name of what it must not enter.
+        name: String,
+        /// Where in space.
+        place: [f64; 3],
+        /// How deep.
+        depth: f64,
+    },
+}
+
+impl Inadmissible {
+    /// The cell and its quadrature point, where it is the deformation of the body that is refused.
+    #[must_use]
+    pub fn cell(&self) -> Option<&InvertedAt> {
+        match self {
+            Inadmissible::Inverted(at) | Inadmissible::OutsideDomain { at, .. } => Some(at),
+            Inadmissible::Penetrates { .. } => None,
+        }
+    }
+
+    /// What a law says of a deformation beyond its domain.
+    #[must_use]
+    pub fn outside(&self) -> Option<&Outside> {
+        match self {
+            Inadmissible::OutsideDomain { outside, .. } => Some(outside),
+            _ => None,
+        }
+    }
+
+    /// A stable name: `inverted`, `outside_domain`, `penetrates`.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Inadmissible::Inverted(_) => "inverted",
+            Inadmissible::OutsideDomain { .. } => "outside_domain",
+            Inadmissible::Penetrates { .. } => "penetrates",
+        }
+    }
+}
+
+/// A quadrature point with J <= 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("{}", self.describe())]
+#[error("element {cell} inverted (J = {jacobian:.3e} at its quadrature point {point})")]
 pub struct InvertedAt {
     /// Cell number in the mesh.
     pub cell: usize,
@@ -19,28 +75,18 @@ pub struct InvertedAt {
     pub point: usize,
     /// The determinant found, of F or of its projection onto the cell (not a number when the displacement was not finite, or a law named a point that the cell does not have).
     pub jacobian: f64,
-    /// What the law says, where J > 0.
-    pub outside: Option<Outside>,
 }
 
 impl InvertedAt {
-    fn describe(&self) -> String {
-        let InvertedAt { cell, point, jacobian, outside } = self;
-        match outside {
-            None => format!("element {cell} inverted (J = {jacobian:.3e} at its quadrature point {point})"),
-            Some(outside) => format!("element {cell} left the domain of its law (quadrature point {point}): {outside}"),
-        }
-    }
-
     pub(crate) fn new(sampling: &QuadraturePoints, point: usize, jacobian: f64) -> Self {
         for part in sampling.parts.iter().rev() {
             if point >= part.first {
                 let local = point - part.first;
                 let cell = part.cells[local / part.table.points] as usize;
-                return InvertedAt { cell, point: local % part.table.points, jacobian, outside: None };
+                return InvertedAt { cell, point: local % part.table.points, jacobian };
             }
         }
-        InvertedAt { cell: 0, point, jacobian, outside: None }
+        InvertedAt { cell: 0, point, jacobian }
     }
 }
 
@@ -183,9 +229,9 @@ fn formulation_refused(cell: usize, kind: CellKind, formulation: Formulation) ->
 /// Why a residual has no second derivatives.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SecondDerivativeError {
-    /// J <= 0.
+    /// The displacement is not admissible.
     #[error(transparent)]
-    Inverted(#[from] InvertedAt),
+    Inadmissible(#[from] Inadmissible),
     /// A law or actuation that does not give them.
     #[error(transparent)]
     Energy(#[from] EnergyError),
@@ -217,16 +263,30 @@ pub enum Cause {
     },
     /// Tensions beyond the convexity bound of the laws.
     Convexity(ExcessTension),
+    /// Guides of a tendon or spring that run together, where its direction is undetermined.
+    GuidesMeet(MeetingGuides),
     /// Nothing tells.
     Unknown,
 }
 
+/// Two neighbouring guides of a line that are a small share of their distance in the reference body apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeetingGuides {
+    /// The tendon or spring.
+    pub name: String,
+    /// Where they are in the reference body.
+    pub places: [[f64; 3]; 2],
+    /// Their distance over that in the reference body.
+    pub share: f64,
+}
+
 impl Cause {
-    /// A stable name: `limit_point`, `convexity_bound`, `unknown`.
+    /// A stable name: `limit_point`, `convexity_bound`, `guides_meet`, `unknown`.
     pub fn code(&self) -> &'static str {
         match self {
             Cause::LimitPoint { .. } => "limit_point",
             Cause::Convexity(_) => "convexity_bound",
+            Cause::GuidesMeet(_) => "guides_meet",
             Cause::Unknown => "unknown",
         }
     }
@@ -253,6 +313,14 @@ impl fmt::Display for Cause {
                 let change = if beside.is_empty() { "" } else { " in proportion" };
                 write!(f, "{change}: the energy may be unbounded below; keep it under the bound")
             }
+            Cause::GuidesMeet(MeetingGuides { name, places: [a, b], share }) => {
+                let [a, b] = [a, b].map(|x| format!("({:.4e}, {:.4e}, {:.4e})", x[0], x[1], x[2]));
+                write!(
+                    f,
+                    "two guides of \"{name}\", at {a} and {b} in the reference body, run together: {share:.1e} of their distance is \
+                     left, the body collapses between them; pull less, lead the cable through fewer points, or refine the mesh there"
+                )
+            }
             Cause::Unknown => f.write_str(
                 "the body may have no stable equilibrium there: try a smaller control or load, or a finer mesh",
             ),
@@ -263,13 +331,13 @@ impl fmt::Display for Cause {
 /// Why a state solve stopped short. It is an ordinary answer: an optimiser shortens its step on it.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum StateError {
-    /// Every attempt beyond `load` inverted an element.
+    /// Every attempt beyond `load` was inadmissible: it inverted an element, say.
     #[error(
         "{at} at load {load:.4} after {cuts} cuts of the load step; try a smaller control or load, or a finer mesh"
     )]
-    Inverted {
-        /// Where.
-        at: InvertedAt,
+    Inadmissible {
+        /// Why.
+        at: Inadmissible,
         /// Fraction of the way from the starting state.
         load: f64,
         /// How often the load step was cut.
@@ -284,18 +352,18 @@ pub enum StateError {
         time: f64,
         /// Its length.
         dt: f64,
-        /// Why: [`Inverted`](Self::Inverted), [`NoConvergence`](Self::NoConvergence), or [`Linear`](Self::Linear) where the matrix of a
+        /// Why: [`Inadmissible`](Self::Inadmissible), [`NoConvergence`](Self::NoConvergence), or [`Linear`](Self::Linear) where the matrix of a
         /// step is not positive definite.
         source: Box<StateError>,
     },
-    /// The end of a time step is inverted, although the instant between at which its forces balance is not.
+    /// The end of a time step is inadmissible, although the instant between at which its forces balance is not.
     #[error(
-        "the end of the time step of {dt:.3e} from t = {time:.6e} is inverted ({at}), though not its middle; take shorter \
+        "the end of the time step of {dt:.3e} from t = {time:.6e} is not admissible ({at}), though its middle is; take shorter \
          steps, or a scheme whose forces balance at the end of a step"
     )]
     EndOfStep {
-        /// Where.
-        at: InvertedAt,
+        /// Why.
+        at: Inadmissible,
         /// When the step begins.
         time: f64,
         /// Its length.
@@ -354,11 +422,10 @@ impl StateError {
         matches!(self, StateError::Linear(error) if error.is_singular())
     }
 
-    /// A stable name: `inverted`, `outside_domain` (of a law), `no_convergence`, `linear`, `cancelled`, `second_derivatives`, `problem`.
+    /// A stable name: `inverted`, `outside_domain` (of a law), `penetrates`, `no_convergence`, `linear`, `cancelled`, `second_derivatives`, `problem`.
     pub fn code(&self) -> &'static str {
         match self {
-            StateError::Inverted { at, .. } if at.outside.is_some() => "outside_domain",
-            StateError::Inverted { .. } | StateError::EndOfStep { .. } => "inverted",
+            StateError::Inadmissible { at, .. } | StateError::EndOfStep { at, .. } => at.code(),
             StateError::NoConvergence { .. } => "no_convergence",
             StateError::InStep { source, .. } => source.code(),
             StateError::Linear(_) => "linear",

@@ -28,7 +28,7 @@ pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
-pub use error::{Cause, FemError, InvertedAt, SecondDerivativeError, StateError};
+pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
 pub use model::{Controllable, Model, Unknowns};
 pub use nastic_linear::Solver;
 pub use nastic_linear::memory::{

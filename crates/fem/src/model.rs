@@ -12,7 +12,7 @@ use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensit
 use crate::contributions::{Contribution, Demand, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
 use nastic_energy::Slot;
@@ -196,8 +196,8 @@ impl Model {
     /// Energy alone, or energy and residual force.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn evaluate(&self, at: &Instant, demand: Demand) -> Result<Sums, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn evaluate(&self, at: &Instant, demand: Demand) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(if demand.force { self.unknowns().len() } else { 0 });
         self.each(at, |contribution, at| contribution.add_residual(at, demand, &mut sums))?;
         Ok(sums)
@@ -206,16 +206,16 @@ impl Model {
     /// Adds the tangent, supports not eliminated.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         self.each(at, |contribution, at| contribution.add_tangent(at, tangent))
     }
 
     /// The tangent with the border of the constraints, supports not eliminated.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub(crate) fn bordered_tangent(&self, at: &Instant) -> Result<BorderedTangent, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub(crate) fn bordered_tangent(&self, at: &Instant) -> Result<BorderedTangent, Inadmissible> {
         let mut tangent = BorderedTangent::zero(self);
         self.each(at, |contribution, at| tangent.add(contribution, at))?;
         Ok(tangent)
@@ -240,14 +240,14 @@ impl Model {
     /// Residual and tangent with strains of their own at the quadrature points of the body.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
+    /// [`Inadmissible`] where u is.
     pub(crate) fn add_with_point_strains(
         &self,
         at: &Instant,
         strains: &PointStrains,
         sums: &mut Sums,
         tangent: &mut SparseMatrix,
-    ) -> Result<(), InvertedAt> {
+    ) -> Result<(), Inadmissible> {
         self.body.add_with_point_strains((at.u, at.controls), strains, sums, tangent, at.parallel)?;
         let demand = Demand { energy: false, force: true };
         self.dead_load.add_residual(at, demand, sums)?;
@@ -260,8 +260,8 @@ impl Model {
     /// `out = K v` without a matrix; false where a contribution needs one.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         out.fill(0.0);
         let mut complete = true;
         self.each(at, |contribution, at| {
@@ -274,8 +274,8 @@ impl Model {
     /// The longest step `s <= 1` along du that every contribution bears.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0 at u itself.
-    pub fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+    /// [`Inadmissible`] where J <= 0 at u itself.
+    pub fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
         let mut least: f64 = 1.0;
         self.each(at, |contribution, at| {
             least = least.min(contribution.max_step(at, du)?);
@@ -285,7 +285,7 @@ impl Model {
     }
 
     /// [`max_step`](Self::max_step) of the contributions beside the body energy.
-    pub(crate) fn max_step_of_others(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+    pub(crate) fn max_step_of_others(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
         let mut least: f64 = 1.0;
         self.each_other(at, |contribution, at| {
             least = least.min(contribution.max_step(at, du)?);
@@ -297,8 +297,8 @@ impl Model {
     /// `lambda . dr/dp` by controls, velocity and acceleration.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn vjp(&self, at: &Instant, lambda: &[f64]) -> Result<Sensitivities, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn vjp(&self, at: &Instant, lambda: &[f64]) -> Result<Sensitivities, Inadmissible> {
         let mut sums = Sensitivities::zero(self.controls(), at);
         self.each(at, |contribution, at| contribution.vjp(at, lambda, &mut sums))?;
         Ok(sums)
@@ -370,8 +370,8 @@ impl Model {
     /// largest value over its points (see [`BodyEnergy::point_peaks`]).
     ///
     /// # Errors
-    /// [`InvertedAt`] where a contribution needs J > 0.
-    pub fn quantities(&self, at: &Instant) -> Result<Vec<(String, &'static str, f64)>, InvertedAt> {
+    /// [`Inadmissible`] where a contribution needs J > 0.
+    pub fn quantities(&self, at: &Instant) -> Result<Vec<(String, &'static str, f64)>, Inadmissible> {
         let peaks = self.body.point_peaks(at.u, at.controls)?;
         let mut all: Vec<_> = peaks.into_iter().map(|peak| (peak.actuation, peak.quantity.name, peak.value)).collect();
         self.each_other(at, |contribution, at| {
@@ -385,8 +385,8 @@ impl Model {
     /// What contributions show of themselves beside the body.
     ///
     /// # Errors
-    /// [`InvertedAt`] where a contribution needs J > 0.
-    pub fn lines(&self, at: &Instant) -> Result<Vec<Polyline>, InvertedAt> {
+    /// [`Inadmissible`] where a contribution needs J > 0.
+    pub fn lines(&self, at: &Instant) -> Result<Vec<Polyline>, Inadmissible> {
         let mut all = Vec::new();
         self.each_other(at, |contribution, at| {
             all.extend(contribution.lines(at));
@@ -395,8 +395,14 @@ impl Model {
         Ok(all)
     }
 
+    /// What a contribution says may be the reason, where no equilibrium was found.
+    pub(crate) fn suspect(&self, at: &Instant) -> Option<Cause> {
+        let ask = |contribution: &dyn Contribution, at: &Instant| contribution.suspect(at).map_or(Ok(()), Err);
+        self.each_other(at, ask).err()
+    }
+
     /// Internal variables at the end of a time step.
-    pub(crate) fn commit(&self, at: &Instant) -> Result<Vec<f64>, InvertedAt> {
+    pub(crate) fn commit(&self, at: &Instant) -> Result<Vec<f64>, Inadmissible> {
         let mut internal = Vec::new();
         self.each(at, |contribution, at| {
             contribution.commit(at, &mut internal);

@@ -67,7 +67,7 @@ fn the_first_inverted_cell_is_blamed_for_any_number_of_threads() -> Outcome {
     let alone = blamed(false).ok_or("nothing is inverted")?;
     let nodes = |cell: usize| solid.mesh().cell(cell).nodes.to_vec();
     let first = (0..solid.mesh().cells()).find(|&c| nodes(c).contains(&(middle as u32 / 3)));
-    assert_eq!(Some(alone.cell), first);
+    assert_eq!(alone.cell().map(|at| at.cell), first);
     assert_eq!(Some(alone), pool.install(|| blamed(true)));
     Ok(())
 }

@@ -11,7 +11,7 @@ use common::{Outcome, largest, noise, regular};
 use nastic_energy::{NeoHooke, Slot};
 use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_fem::{
-    Contribution, Controls, Demand, Increment, Instant, InvertedAt, PathEnd, PathOptions, Scheme,
+    Contribution, Controls, Demand, Inadmissible, Increment, Instant, PathEnd, PathOptions, Scheme,
     SecondDerivativeError, SecondSensitivities, Sensitivities, Solid, SolveOptions, StateError, StatePartials, StepTo,
     Sums, Trajectory, Workspace, check_contribution,
 };
@@ -46,7 +46,7 @@ fn a_broken_contract_is_told() -> Outcome {
         fn slots(&self) -> &[Slot] {
             &PUSH
         }
-        fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+        fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
             let others = sums.force.get(7).copied().unwrap_or_default();
             self.0.add_residual(at, demand, sums)?;
             match self.1 {
@@ -57,7 +57,7 @@ fn a_broken_contract_is_told() -> Outcome {
             }
             Ok(())
         }
-        fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
             self.0.add_tangent(at, tangent)?;
             if self.1 == "tangent" {
                 tangent.add_to_diagonal(1e-3);
@@ -70,7 +70,7 @@ fn a_broken_contract_is_told() -> Outcome {
                 mass.add_to_diagonal(1e-3);
             }
         }
-        fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+        fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
             self.0.vjp(at, lambda, into)?;
             match self.1 {
                 "controls" => into.add_control(at, 0, 1e-3 * lambda[0]),

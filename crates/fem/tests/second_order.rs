@@ -9,8 +9,9 @@ use common::own_contributions::{bar, swirling};
 use common::{Outcome, largest, noise};
 use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_fem::{
-    Contribution, Controls, Demand, Increment, Instant, InvertedAt, SecondDerivativeError, SecondOrder, Sensitivities,
-    Solid, SolveOptions, State, StateError, StatePartials, Sums, Trajectory, Workspace, check_contribution,
+    Contribution, Controls, Demand, Inadmissible, Increment, Instant, SecondDerivativeError, SecondOrder,
+    Sensitivities, Solid, SolveOptions, State, StateError, StatePartials, Sums, Trajectory, Workspace,
+    check_contribution,
 };
 use nastic_linear::SparseMatrix;
 use nastic_tensor::Vec3;
@@ -94,13 +95,13 @@ fn contributions_without_second_derivatives_refuse() -> Outcome {
         fn name(&self) -> &str {
             "plain"
         }
-        fn add_residual(&self, _: &Instant, _: Demand, _: &mut Sums) -> Result<(), InvertedAt> {
+        fn add_residual(&self, _: &Instant, _: Demand, _: &mut Sums) -> Result<(), Inadmissible> {
             Ok(())
         }
-        fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), InvertedAt> {
+        fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), Inadmissible> {
             Ok(())
         }
-        fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), InvertedAt> {
+        fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
             Ok(())
         }
     }

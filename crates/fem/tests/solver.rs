@@ -196,7 +196,7 @@ fn units_do_not_matter() -> Outcome {
 /// The last equilibrium on the way: short of the load asked for, but a true one.
 fn assert_last_good(solid: &Solid, error: &StateError, controls: &Controls) -> Outcome {
     let (load, last) = match error {
-        StateError::Inverted { load, last, .. } | StateError::NoConvergence { load, last, .. } => (*load, last),
+        StateError::Inadmissible { load, last, .. } | StateError::NoConvergence { load, last, .. } => (*load, last),
         other => panic!("{other}"),
     };
     assert!((0.0..1.0).contains(&last.load) && last.load <= load && load <= 1.0, "{} of {load}", last.load);

@@ -7,7 +7,9 @@ mod common;
 use common::block::STRICT;
 use common::{Outcome, largest, noise, regular, unit};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Demand, Instant, Solid, State, Tendon, check_contribution};
+use nastic_fem::{
+    Cause, Demand, Formulation, Instant, Solid, SolveOptions, State, StateError, Tendon, check_contribution,
+};
 use nastic_mesh::{CellKind, Mesh, RawMesh, rectangle};
 use nastic_tensor::{Mat3, Vec3};
 
@@ -253,5 +255,29 @@ fn what_is_no_tendon_is_refused() -> Outcome {
     let solid = bar(CellKind::Hex8, [Tendon::through("cable", [a, b])])?;
     let told = solve(&solid, &[-1.0]).err().ok_or("a tendon that pushes")?.to_string();
     assert!(told.contains("cable") && told.contains("only pulls"), "{told}");
+    Ok(())
+}
+
+/// A cable so strong that the body collapses between two of its guides: the tangent grows without bound as they meet, so that a full
+/// step is shorter than double precision resolves although nothing balances. That is no equilibrium.
+#[test]
+fn a_cable_whose_guides_run_together_is_no_equilibrium() -> Outcome {
+    let (length, width, height) = (0.06778116756897896, 0.04411153083810304, 0.04499227615383725);
+    let mesh = nastic_mesh::box_mesh([length, width, height], [3, 2, 2], CellKind::Hex8)?;
+    let law = nastic_energy::NeoHookeIsochoric::new(43557.32523368733, 71012285.82508357)?;
+    let guides = [[0.0, width, 0.0], [length / 3.0, width, 0.0], [length, width, 0.0]];
+    let solid = Solid::new(mesh)?
+        .material("body", law)?
+        .formulation("body", Formulation::MeanDilatation)?
+        .clamp("x-")?
+        .tendon(Tendon::through("cable", guides).spacing(0.00847264594612237))?;
+    let mut controls = solid.controls();
+    controls.values_mut(0).fill(23.19124465355479);
+    let error = solid.solve(&controls, &SolveOptions::default()).unwrap_err();
+    let StateError::NoConvergence { cause: Cause::GuidesMeet(meeting), residual, .. } = &error else {
+        panic!("{error}")
+    };
+    assert!(meeting.name == "cable" && meeting.share < 1e-2 && *residual > 1e-6, "{error}");
+    assert!(error.to_string().contains("two guides of \"cable\", at ("), "{error}");
     Ok(())
 }

@@ -3,7 +3,7 @@
 use crate::lower::CaseMember;
 use nastic_control::{ControlError, StateFields};
 use nastic_energy::Outside;
-use nastic_fem::{Cause, ExcessTension, State, StateError};
+use nastic_fem::{Cause, ExcessTension, Inadmissible, InvertedAt, MeetingGuides, State, StateError};
 use nastic_mesh::Snapshot;
 use serde_json::{Map, Value, json};
 
@@ -13,7 +13,7 @@ const NAMED: usize = 10;
 /// The last equilibrium on the way, where there is one.
 pub(crate) fn last_state(error: &StateError) -> Option<&State> {
     match of_solve(error) {
-        StateError::Inverted { last, .. }
+        StateError::Inadmissible { last, .. }
         | StateError::NoConvergence { last, .. }
         | StateError::EndOfStep { last, .. } => Some(last),
         _ => None,
@@ -57,16 +57,24 @@ pub(crate) fn entries(member: CaseMember<'_>, error: &StateError) -> Map<String,
                     let bound = json!({ "actuation": actuation, "tension": tension, "limit": limit, "beside": beside });
                     out.insert("convexity_bound".into(), bound);
                 }
+                Cause::GuidesMeet(MeetingGuides { name, places, share }) => {
+                    out.insert("guides_meet".into(), json!({ "name": name, "places": places, "share": share }));
+                }
                 Cause::Unknown => {}
             }
         }
-        StateError::Inverted { at, load, cuts, .. } => {
+        StateError::Inadmissible { at, load, cuts, .. } => {
             out.insert("load".into(), json!(load));
             out.insert("load_steps_cut".into(), json!(cuts));
-            out.insert("cell".into(), json!(at.cell));
-            out.insert("point".into(), json!(at.point));
-            out.insert("J".into(), json!(at.jacobian));
-            if let Some(outside) = &at.outside {
+            if let Some(InvertedAt { cell, point, jacobian }) = at.cell() {
+                out.insert("cell".into(), json!(cell));
+                out.insert("point".into(), json!(point));
+                out.insert("J".into(), json!(jacobian));
+            }
+            if let Inadmissible::Penetrates { name, place, depth } = at {
+                out.insert("penetrates".into(), json!({ "name": name, "place": place, "depth": depth }));
+            }
+            if let Some(outside) = at.outside() {
                 let Outside { law, measure, value, limit, .. } = outside;
                 let domain = json!({ "law": law, "measure": measure, "value": value, "limit": limit });
                 out.insert("domain".into(), domain);
@@ -97,7 +105,9 @@ pub(crate) fn snapshot(
         }
         out = out.with_cells("min_J", 1, lowest)?.with_cells("failure_rank", 1, rank)?;
     }
-    if let StateError::Inverted { at, .. } | StateError::EndOfStep { at, .. } = of_solve(error) {
+    if let StateError::Inadmissible { at, .. } | StateError::EndOfStep { at, .. } = of_solve(error)
+        && let Some(at) = at.cell()
+    {
         let mut failed = vec![0.0; cells];
         failed[at.cell] = 1.0;
         out = out.with_cells("failed", 1, failed)?;

@@ -4,7 +4,7 @@ use super::member_report::MemberReport;
 use crate::lower::{Admitted, CaseMember, CaseProblem, ControlField};
 use nastic_control::{ControlBlock, ControlError, ControlMap, CostPoint, EnsembleBlock, FigureKind, Space};
 use nastic_energy::SlotGroup;
-use nastic_fem::{Demand, Instant, InvertedAt, SolveReport, State};
+use nastic_fem::{Demand, Inadmissible, Instant, SolveReport, State};
 use nastic_numeric::vector::norm;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
@@ -191,7 +191,7 @@ fn is_active(unknown: usize, value: f64, field: &ControlField) -> bool {
 }
 
 /// `{ SUPPORT: [x, y, z] }`: the forces the supports exert on the body.
-fn reactions(member: CaseMember<'_>, state: &State) -> Result<Value, InvertedAt> {
+fn reactions(member: CaseMember<'_>, state: &State) -> Result<Value, Inadmissible> {
     let solid = member.solid();
     let at = Instant::new(&state.u, &state.controls, state.load);
     let residual = solid.model().evaluate(&at, Demand { energy: false, force: true })?.force;
@@ -200,7 +200,7 @@ fn reactions(member: CaseMember<'_>, state: &State) -> Result<Value, InvertedAt>
 }
 
 /// `{ CONTRIBUTION: { "pressure": .., "volume": .. } }`; nothing where no contribution reports anything.
-fn contributions(member: CaseMember<'_>, state: &State) -> Result<Map<String, Value>, InvertedAt> {
+fn contributions(member: CaseMember<'_>, state: &State) -> Result<Map<String, Value>, Inadmissible> {
     let at = Instant::new(&state.u, &state.controls, state.load);
     let mut out = Map::new();
     for (name, quantity, value) in member.solid().model().quantities(&at)? {

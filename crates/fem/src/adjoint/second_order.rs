@@ -183,8 +183,8 @@ impl<'a> SecondOrder<'a> {
 
     fn failed(&self, error: SecondDerivativeError) -> StateError {
         match error {
-            SecondDerivativeError::Inverted(at) => {
-                StateError::Inverted { at, load: self.state.load, cuts: 0, last: Box::new(self.state.clone()) }
+            SecondDerivativeError::Inadmissible(at) => {
+                StateError::Inadmissible { at, load: self.state.load, cuts: 0, last: Box::new(self.state.clone()) }
             }
             refused => refused.into(),
         }

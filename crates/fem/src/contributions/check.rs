@@ -3,7 +3,7 @@
 use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::TimeStep;
-use crate::error::{InvertedAt, SecondDerivativeError};
+use crate::error::{Inadmissible, SecondDerivativeError};
 use crate::model::Model;
 use crate::solution::saddle_point::BorderedTangent;
 use nastic_linear::Symmetry;
@@ -65,7 +65,7 @@ struct Subject<'a> {
 
 impl Subject<'_> {
     fn check(&self, direction: &[f64], lambda: &[f64]) -> Result<(), String> {
-        let told = |at: InvertedAt| at.to_string();
+        let told = |at: Inadmissible| at.to_string();
         let sums = self.sums(self.at).map_err(told)?;
         if sums.force != self.sums(self.at).map_err(told)?.force {
             return Err("the residual has other bits when asked again".into());
@@ -151,7 +151,7 @@ impl Subject<'_> {
         self.draw(&mut controls, &mut random);
         let along = Increment { u: direction, controls: &controls };
         let Some(found) = self.second(lambda, &along)? else { return Ok(()) };
-        let first = |s: f64| -> Result<(Vec<f64>, Controls), InvertedAt> {
+        let first = |s: f64| -> Result<(Vec<f64>, Controls), Inadmissible> {
             let (u, m) = (self.along(direction, s), self.controls_along(&controls, s));
             let at = Instant { controls: &m, ..self.moved(&u) };
             let by_u = self.tangent(at)?.multiply_transposed(lambda, false);
@@ -199,7 +199,7 @@ impl Subject<'_> {
         let mut sums = SecondSensitivities::zero(self.model.controls(), lambda.len());
         match self.contribution.second_vjp(&self.at, lambda, along, &mut sums) {
             Ok(()) => Ok(Some(sums)),
-            Err(SecondDerivativeError::Inverted(at)) => Err(at.to_string()),
+            Err(SecondDerivativeError::Inadmissible(at)) => Err(at.to_string()),
             Err(_) => Ok(None),
         }
     }
@@ -211,7 +211,7 @@ impl Subject<'_> {
     }
 
     /// Sums are added to, not overwritten; forces are no larger than what their rounding is measured against.
-    fn check_adds(&self, alone: &Sums, others: &[f64]) -> Result<Result<(), String>, InvertedAt> {
+    fn check_adds(&self, alone: &Sums, others: &[f64]) -> Result<Result<(), String>, Inadmissible> {
         let scale = max_abs(&alone.force_scale);
         let before: Vec<f64> = others.iter().map(|o| scale * o).collect();
         let mut sums = Sums { force: before.clone(), energy: scale, ..Sums::zero(before.len()) };
@@ -273,13 +273,13 @@ impl Subject<'_> {
         agree("the mass times a vector", &product, "the derivative by the acceleration", &found.acceleration, size)
     }
 
-    fn tangent(&self, at: Instant) -> Result<BorderedTangent, InvertedAt> {
+    fn tangent(&self, at: Instant) -> Result<BorderedTangent, Inadmissible> {
         let mut tangent = BorderedTangent::zero(self.model);
         tangent.add(self.contribution, &at)?;
         Ok(tangent)
     }
 
-    fn sums(&self, at: Instant) -> Result<Sums, InvertedAt> {
+    fn sums(&self, at: Instant) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(self.model.unknowns().len());
         self.contribution.add_residual(&at, Demand { energy: true, force: true }, &mut sums)?;
         Ok(sums)
@@ -295,7 +295,7 @@ impl Subject<'_> {
 }
 
 /// The derivative at 0 by central differences of sixth order.
-fn difference(f: impl Fn(f64) -> Result<Vec<f64>, InvertedAt>) -> Result<Vec<f64>, String> {
+fn difference(f: impl Fn(f64) -> Result<Vec<f64>, Inadmissible>) -> Result<Vec<f64>, String> {
     const H: f64 = 0.02;
     let mut sum: Vec<f64> = Vec::new();
     for (offset, weight) in [(1.0, 45.0), (2.0, -9.0), (3.0, 1.0)] {

@@ -1,7 +1,7 @@
 //! [`DeadLoad`]: forces that do not depend on the displacement.
 
 use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
-use crate::error::{InvertedAt, SecondDerivativeError};
+use crate::error::{Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 
 /// Nodal forces d times the load: potential `-load d . u`, residual `-load d`.
@@ -13,7 +13,7 @@ impl Contribution for DeadLoad {
         "dead load"
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         if demand.energy {
             let work: f64 = self.0.iter().zip(at.u).map(|(d, u)| d * u).sum();
             let scale: f64 = self.0.iter().zip(at.u).map(|(d, u)| (d * u).abs()).sum();
@@ -29,15 +29,15 @@ impl Contribution for DeadLoad {
         Ok(())
     }
 
-    fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), Inadmissible> {
         Ok(())
     }
 
-    fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, Inadmissible> {
         Ok(true)
     }
 
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
         Ok(())
     }
 

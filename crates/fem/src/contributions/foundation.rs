@@ -2,7 +2,7 @@
 
 use super::guides::add_element;
 use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, GroupNames, Mesh};
 use nastic_tensor::{Mat3, Vec3};
@@ -130,7 +130,7 @@ impl Contribution for Springs {
         ["force_x", "force_y", "force_z"].into_iter().zip(force).take(self.dim).collect()
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         self.each_product(at.u, |dof, force| {
             if demand.energy {
                 sums.energy += 0.5 * force * at.u[dof];
@@ -144,7 +144,7 @@ impl Contribution for Springs {
         Ok(())
     }
 
-    fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         for (nodes, k) in &self.pieces {
             let n = self.dim * nodes.len();
             add_element(nodes, self.dim, tangent, |a, i, b, j| k[n * (self.dim * a + i) + self.dim * b + j]);
@@ -152,12 +152,12 @@ impl Contribution for Springs {
         Ok(())
     }
 
-    fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         self.each_product(v, |dof, value| out[dof] += value);
         Ok(true)
     }
 
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
         Ok(())
     }
 

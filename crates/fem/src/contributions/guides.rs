@@ -1,11 +1,15 @@
 //! [`Guides`]: the length of a polyline through points of the body or of space, and its derivatives: of tendons and springs.
 
 use crate::contributions::body_point::AttachedPoint;
+use crate::error::MeetingGuides;
 use nastic_linear::SparseMatrix;
 use nastic_tensor::{Mat3, Vec3};
 
 /// Points nearer to each other than this share of the body's diagonal coincide.
 pub(crate) const COINCIDE: f64 = 1e-9;
+
+/// Neighbouring guides with less than this share of their reference distance between them run together.
+const MEETING: f64 = 1e-2;
 
 /// Points x_i of the body or of space, in the order in which the line passes them: `L = sum_j l_j`, `l_j = |d_j|`, `d_j = x_(j+1) - x_j`.
 ///
@@ -63,6 +67,16 @@ impl Guides {
     /// The longest step along v that lets no point pass the next one, where the direction jumps.
     pub fn max_step(&self, u: &[f64], v: &[f64]) -> f64 {
         self.segments(u).map(|segment| segment.max_step(v)).fold(1.0, f64::min)
+    }
+
+    /// The two neighbours that are nearest to each other, measured by their reference distance, where less than [`MEETING`] of that is left.
+    pub fn meeting(&self, name: &str, u: &[f64]) -> Option<MeetingGuides> {
+        let pairs = self.points.windows(2).zip(self.segments(u)).map(|(pair, segment)| {
+            let [a, b] = [pair[0].reference, pair[1].reference];
+            ([a.into(), b.into()], segment.length / (b - a).norm())
+        });
+        let nearest = pairs.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share < MEETING);
+        nearest.map(|(places, share)| MeetingGuides { name: name.to_owned(), places, share })
     }
 
     /// The nodes of all points, ascending, each once.

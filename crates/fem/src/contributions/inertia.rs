@@ -2,7 +2,7 @@
 
 use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::discretization::Discretization;
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::GroupNames;
 use nastic_numeric::vector::{axpy, dot};
@@ -135,7 +135,7 @@ impl Contribution for BodyInertia {
         found
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let Some(step) = at.step else { return Ok(()) };
         let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
         let force = self.mass.times(&acceleration, at.parallel);
@@ -143,14 +143,14 @@ impl Contribution for BodyInertia {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if let Some(step) = at.step {
             self.mass.add_to(step.acceleration.0, tangent);
         }
         Ok(())
     }
 
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         if let Some(step) = at.step {
             axpy(step.acceleration.0, &self.mass.times(v, at.parallel), out);
         }
@@ -161,7 +161,7 @@ impl Contribution for BodyInertia {
         self.mass.add_to(1.0, mass);
     }
 
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         if at.step.is_some() {
             axpy(1.0, &self.mass.times(lambda, at.parallel), &mut into.acceleration);
         }

@@ -18,7 +18,7 @@ mod spring;
 mod tendon;
 
 use crate::discretization::supports::Supports;
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
@@ -101,6 +101,11 @@ pub trait Contribution: Debug + Send + Sync {
         Vec::new()
     }
 
+    /// What of it, where no equilibrium was found, may be the reason.
+    fn suspect(&self, _at: &Instant) -> Option<Cause> {
+        None
+    }
+
     /// Size of what its controls act on (a volume, say): their weight in the inner product of the control space.
     fn measure(&self) -> f64 {
         1.0
@@ -154,28 +159,28 @@ pub trait Contribution: Debug + Send + Sync {
     /// Adds `dr/dp_k = -dg_k/du` for each of its multipliers to a column over the displacement.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    fn add_border(&self, _at: &Instant, _columns: &mut [Vec<f64>]) -> Result<(), InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    fn add_border(&self, _at: &Instant, _columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
         Ok(())
     }
 
     /// Adds potential (in a time step the incremental one) and residual, as wanted, and what their rounding is measured against.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt>;
+    /// [`Inadmissible`] where u is.
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible>;
 
     /// Adds the tangent by the displacement, supports not eliminated.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt>;
+    /// [`Inadmissible`] where u is.
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible>;
 
     /// Adds the product of its tangent with v, where it can say it without a matrix; false where it cannot.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    fn add_tangent_product(&self, _at: &Instant, _v: &[f64], _out: &mut [f64]) -> Result<bool, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    fn add_tangent_product(&self, _at: &Instant, _v: &[f64], _out: &mut [f64]) -> Result<bool, Inadmissible> {
         Ok(false)
     }
 
@@ -185,16 +190,16 @@ pub trait Contribution: Debug + Send + Sync {
     /// The longest step `s <= 1` along du that it bears.
     ///
     /// # Errors
-    /// [`InvertedAt`] where u itself is not admissible.
-    fn max_step(&self, _at: &Instant, _du: &[f64]) -> Result<f64, InvertedAt> {
+    /// [`Inadmissible`] where u itself is not admissible.
+    fn max_step(&self, _at: &Instant, _du: &[f64]) -> Result<f64, Inadmissible> {
         Ok(1.0)
     }
 
     /// Adds `lambda . dr/d(controls, velocity, acceleration)`.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt>;
+    /// [`Inadmissible`] where u is.
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible>;
 
     /// Adds `dr/dm v`, the change of the residual along a change v of the controls. A contribution with slots implements it for
     /// second derivatives of costs.

@@ -2,7 +2,7 @@
 
 use super::inertia::add_linear;
 use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use crate::model::Model;
 use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::axpy;
@@ -40,7 +40,7 @@ impl RayleighDamping {
         }
         let rest = model.rest();
         let mut stiffness = model.discretization().matrix();
-        let inverted = |at: InvertedAt| FemError::Meaningless { what: format!("no stiffness at rest: {at}") };
+        let inverted = |at: Inadmissible| FemError::Meaningless { what: format!("no stiffness at rest: {at}") };
         model.body.add_tangent(&rest.u, &rest.controls, &mut stiffness, true).map_err(inverted)?;
         let mut matrix = model.discretization().matrix();
         matrix.add_scaled(a0, &mass);
@@ -60,7 +60,7 @@ impl Contribution for RayleighDamping {
         Self::NAME
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let Some(step) = at.step else { return Ok(()) };
         let velocity: Vec<f64> = (0..at.u.len()).map(|dof| at.velocity(dof)).collect();
         let force = self.times(&velocity, at.parallel);
@@ -68,21 +68,21 @@ impl Contribution for RayleighDamping {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if let Some(step) = at.step {
             tangent.add_scaled(step.velocity.0, &self.matrix);
         }
         Ok(())
     }
 
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         if let Some(step) = at.step {
             axpy(step.velocity.0, &self.times(v, at.parallel), out);
         }
         Ok(true)
     }
 
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         if at.step.is_some() {
             axpy(1.0, &self.times(lambda, at.parallel), &mut into.velocity);
         }

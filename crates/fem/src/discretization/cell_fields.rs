@@ -1,6 +1,6 @@
 //! [`CellFields`]: J, stresses and energies of a state, averaged over cells.
 
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::solid::Solid;
 use crate::solution::state::State;
 use nastic_energy::{PointBatch, Response, Slots, Want};
@@ -35,8 +35,8 @@ impl Solid {
     /// The cell averages of a state, for output.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0, or beyond the domain of a law.
-    pub fn cell_fields(&self, state: &State) -> Result<CellFields, InvertedAt> {
+    /// [`Inadmissible`] where J <= 0, or beyond the domain of a law.
+    pub fn cell_fields(&self, state: &State) -> Result<CellFields, Inadmissible> {
         let disc = self.discretization();
         let PointStresses { kinematics, piola, energy } = self.point_stresses(state)?;
         let cauchy = by_row(cauchy(&kinematics, &piola));
@@ -54,8 +54,8 @@ impl Solid {
     /// Green-Lagrange strain `(F^T F - 1) / 2`, averaged over the reference volume of each cell, row by row (9 per cell).
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn cell_strains(&self, state: &State) -> Result<Vec<f64>, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn cell_strains(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
         let disc = self.discretization();
         let kinematics = disc.points().kinematics(&state.u)?;
         let strains = kinematics.iter().map(|k| 0.5 * (k.f().transpose() * k.f() - Mat3::identity()));
@@ -66,14 +66,14 @@ impl Solid {
     /// by row (9 per node).
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0, or beyond the domain of a law.
-    pub fn nodal_stresses(&self, state: &State) -> Result<Vec<f64>, InvertedAt> {
+    /// [`Inadmissible`] where J <= 0, or beyond the domain of a law.
+    pub fn nodal_stresses(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
         let PointStresses { kinematics, piola, .. } = self.point_stresses(state)?;
         Ok(self.discretization().nodal_average(&by_row(cauchy(&kinematics, &piola)), 9))
     }
 
     /// What the laws answer at the quadrature points, where all are within the domains of their laws.
-    fn point_stresses(&self, state: &State) -> Result<PointStresses, InvertedAt> {
+    fn point_stresses(&self, state: &State) -> Result<PointStresses, Inadmissible> {
         let disc = self.discretization();
         let kinematics = self.body().kinematics_of_laws(&state.u)?;
         let n = kinematics.len();
@@ -102,8 +102,8 @@ impl Solid {
     /// The smallest J at a quadrature point of each cell.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn min_j_of_cells(&self, state: &State) -> Result<Vec<f64>, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn min_j_of_cells(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
         let disc = self.discretization();
         let kinematics = disc.points().kinematics(&state.u)?;
         let lowest = |(first, count): (usize, usize)| {

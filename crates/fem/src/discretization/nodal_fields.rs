@@ -2,7 +2,7 @@
 
 use crate::contributions::{Demand, Instant};
 use crate::discretization::Discretization;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::solid::Solid;
 use crate::solution::state::State;
 
@@ -65,8 +65,8 @@ impl Solid {
     /// sums over the nodes of a support are [`Supports::reactions`](crate::Supports::reactions).
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn nodal_reactions(&self, state: &State) -> Result<Vec<f64>, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn nodal_reactions(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
         let at = Instant::new(&state.u, &state.controls, state.load);
         let force = self.model().evaluate(&at, Demand { energy: false, force: true })?.force;
         let (dim, fixed) = (self.mesh().dim(), self.supports().fixed());

@@ -1,6 +1,6 @@
 //! [`QuadraturePoints`]: quadrature points of cells or facets, with tabulated shape functions and weights.
 
-use crate::error::{FemError, InvertedAt};
+use crate::error::{FemError, Inadmissible, InvertedAt};
 use crate::kernels::kernel;
 use nastic_mesh::{CellKind, Facet, Mesh, Rule};
 use nastic_tensor::{Kinematics, Mat3};
@@ -265,12 +265,14 @@ impl QuadraturePoints {
     /// F = I + grad u with its cofactor and determinant at every point (cells only).
     ///
     /// # Errors
-    /// [`InvertedAt`] names the first cell and point where J <= 0.
-    pub fn kinematics(&self, displacement: &[f64]) -> Result<Vec<Kinematics>, InvertedAt> {
+    /// [`Inadmissible`] names the first cell and point where J <= 0.
+    pub fn kinematics(&self, displacement: &[f64]) -> Result<Vec<Kinematics>, Inadmissible> {
         let mut out = Vec::with_capacity(self.len());
         for (q, gradient) in self.gradients(displacement).into_iter().enumerate() {
             let kinematics = Kinematics::new(Mat3::identity() + gradient);
-            out.push(kinematics.map_err(|inverted| InvertedAt::new(self, q, inverted.jacobian))?);
+            out.push(
+                kinematics.map_err(|inverted| Inadmissible::Inverted(InvertedAt::new(self, q, inverted.jacobian)))?,
+            );
         }
         Ok(out)
     }

@@ -1,7 +1,7 @@
 //! [`Scratch`]: working memory of a loop over cells.
 
 use crate::discretization::quadrature_points::gather_rows;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::kernels::cells::Cells;
 use crate::kernels::dilatation::Dilatation;
 use crate::kernels::patch::Patch;
@@ -73,7 +73,7 @@ impl Scratch {
     }
 
     /// Shape gradients, weights and kinematics of a patch displaced by u.
-    pub fn move_to(&mut self, cells: Cells, patch: Patch, u: &[f64]) -> Result<(), InvertedAt> {
+    pub fn move_to(&mut self, cells: Cells, patch: Patch, u: &[f64]) -> Result<(), Inadmissible> {
         let (part, points) = (cells.part, cells.part.table.points);
         self.g.resize(patch.cells.len() * part.table.gradients.len(), 0.0);
         self.weights.clear();

@@ -2,7 +2,7 @@
 
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::{CellGroup, scatter_rows};
-use crate::error::InvertedAt;
+use crate::error::{Inadmissible, InvertedAt};
 use crate::kernels::patch::Patch;
 use crate::kernels::{CellKernel, kernel};
 use nastic_energy::PointBatch;
@@ -50,10 +50,10 @@ impl<'a> Cells<'a> {
     }
 
     /// The q-th point of a patch, inverted.
-    pub fn inverted_at(&self, patch: Patch, q: usize, jacobian: f64) -> InvertedAt {
+    pub fn inverted_at(&self, patch: Patch, q: usize, jacobian: f64) -> Inadmissible {
         let points = self.part.table.points;
         let cell = self.part.cells[patch.cells[q / points] as usize] as usize;
-        InvertedAt { cell, point: q % points, jacobian, outside: None }
+        Inadmissible::Inverted(InvertedAt { cell, point: q % points, jacobian })
     }
 
     /// Quadrature weights of a cell.

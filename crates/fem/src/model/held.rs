@@ -5,7 +5,7 @@ use crate::contributions::Contribution;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::Sensitivities;
-use crate::error::{FemError, InvertedAt};
+use crate::error::{FemError, Inadmissible};
 use crate::solution::state::State;
 
 /// How far a held surface may be from its place where a motion goes on, as a share of the size of the body: rounding.
@@ -34,8 +34,8 @@ impl Model {
     /// move held unknowns D, `(by_u + K^T lambda)_D . du_D/dm`.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn sensitivities(&self, at: &Instant, by_u: &[f64], lambda: &[f64]) -> Result<Sensitivities, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn sensitivities(&self, at: &Instant, by_u: &[f64], lambda: &[f64]) -> Result<Sensitivities, Inadmissible> {
         let mut found = self.vjp(at, lambda)?;
         if let Some(force) = self.held_force(at, by_u, lambda)? {
             self.add_prescribed_vjp(at, &force, &mut found);
@@ -68,13 +68,13 @@ impl Model {
     /// The derivative of a functional by the held unknowns D, `(by_u + K^T lambda)_D` and zero elsewhere; `None` where controls hold none.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
+    /// [`Inadmissible`] where u is.
     pub(crate) fn held_force(
         &self,
         at: &Instant,
         by_u: &[f64],
         lambda: &[f64],
-    ) -> Result<Option<Vec<f64>>, InvertedAt> {
+    ) -> Result<Option<Vec<f64>>, Inadmissible> {
         if self.held_by().is_none() {
             return Ok(None);
         }

@@ -3,7 +3,7 @@
 use super::Model;
 use crate::contributions::instant::Instant;
 use crate::contributions::{Contribution, Demand, Sums};
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use std::sync::Arc;
 
 /// A constraint whose `g` is less than this share of what its rounding is measured against is at its onset.
@@ -19,8 +19,8 @@ impl Model {
     /// By constraint, whether it acts on an equilibrium: of inequalities those with p > 0, and those at their onset, p = 0 and g = 0.
     ///
     /// # Errors
-    /// [`InvertedAt`] where a constraint needs J > 0.
-    pub(crate) fn acting(&self, at: &Instant) -> Result<Vec<bool>, InvertedAt> {
+    /// [`Inadmissible`] where a constraint needs J > 0.
+    pub(crate) fn acting(&self, at: &Instant) -> Result<Vec<bool>, Inadmissible> {
         let inequalities = self.inequalities();
         if !inequalities.contains(&true) {
             return Ok(vec![true; inequalities.len()]);
@@ -34,8 +34,8 @@ impl Model {
     /// Residuals of the contributions with inequalities alone.
     ///
     /// # Errors
-    /// [`InvertedAt`] where one needs J > 0.
-    pub(crate) fn inequality_residuals(&self, at: &Instant) -> Result<Sums, InvertedAt> {
+    /// [`Inadmissible`] where one needs J > 0.
+    pub(crate) fn inequality_residuals(&self, at: &Instant) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(self.unknowns().len());
         let demand = Demand { energy: false, force: true };
         self.each_other(at, |contribution, at| match contribution.has_inequalities() {

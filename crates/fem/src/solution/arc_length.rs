@@ -3,7 +3,7 @@
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
 use crate::contributions::{Demand, Sums};
-use crate::error::{Cause, InvertedAt, StateError};
+use crate::error::{Cause, Inadmissible, StateError};
 use crate::model::Model;
 use crate::solution::options::{Progress, SolveOptions};
 use crate::solution::path::PathPoint;
@@ -31,7 +31,7 @@ const REACH: f64 = 0.1;
 /// Why a step was not taken.
 #[derive(Debug)]
 pub(super) enum Failure {
-    Inverted(InvertedAt),
+    Inadmissible(Inadmissible),
     Linear(LinearError),
     /// Newton's method did not converge.
     Slow {
@@ -44,9 +44,9 @@ pub(super) enum Failure {
     Cancelled,
 }
 
-impl From<InvertedAt> for Failure {
-    fn from(at: InvertedAt) -> Self {
-        Failure::Inverted(at)
+impl From<Inadmissible> for Failure {
+    fn from(at: Inadmissible) -> Self {
+        Failure::Inadmissible(at)
     }
 }
 
@@ -61,7 +61,7 @@ impl Failure {
     pub fn into_error(self, last: &State) -> StateError {
         let (load, last) = (last.load, Box::new(last.clone()));
         match self {
-            Failure::Inverted(at) => StateError::Inverted { at, load, cuts: 0, last },
+            Failure::Inadmissible(at) => StateError::Inadmissible { at, load, cuts: 0, last },
             Failure::Linear(error) => error.into(),
             Failure::Slow { residual, newton, s } => StateError::NoConvergence {
                 load: s,
@@ -286,13 +286,13 @@ impl<'a> Equations<'a> {
     }
 
     /// Derivative of the residual by s, the displacement held.
-    fn residual_by_s(&self, u: &[f64], s: f64) -> Result<Vec<f64>, InvertedAt> {
+    fn residual_by_s(&self, u: &[f64], s: f64) -> Result<Vec<f64>, Inadmissible> {
         let behind = self.evaluate(u, s + DIFFERENCE, false)?.force;
         let before = self.evaluate(u, s - DIFFERENCE, false)?.force;
         Ok(behind.iter().zip(&before).map(|(b, a)| (b - a) / (2.0 * DIFFERENCE)).collect())
     }
 
-    fn evaluate(&self, u: &[f64], s: f64, energy: bool) -> Result<Sums, InvertedAt> {
+    fn evaluate(&self, u: &[f64], s: f64, energy: bool) -> Result<Sums, Inadmissible> {
         let (controls, load) = self.prescribed(s);
         self.model.evaluate(&self.at(u, &controls, load), Demand { energy, force: true })
     }

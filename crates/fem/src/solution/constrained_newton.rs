@@ -24,7 +24,7 @@
 //! sections 18.1 to 18.5.
 
 use crate::contributions::Sums;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::solution::constrained_step::{Linearised, start_positive};
 use crate::solution::newton::{ARMIJO, COLLAPSE, LOST, Newton, RESOLUTION, ROUNDING, Stop, moved};
 use crate::solution::rotation_corrected_step::{GradientFit, StepLimits};
@@ -150,7 +150,7 @@ impl Newton<'_> {
     }
 
     /// The whole step, where it leaves little of the residual.
-    fn falls(&self, here: &Iterate, step: &[f64]) -> Result<Option<Next>, InvertedAt> {
+    fn falls(&self, here: &Iterate, step: &[f64]) -> Result<Option<Next>, Inadmissible> {
         if self.model.max_step(&self.at(here.u), step)? < 1.0 {
             return Ok(None);
         }
@@ -160,7 +160,7 @@ impl Newton<'_> {
     }
 
     /// One of a few step lengths that lowers the residual.
-    fn residual_falls(&self, here: &Iterate, step: &[f64]) -> Result<Option<(f64, Next)>, InvertedAt> {
+    fn residual_falls(&self, here: &Iterate, step: &[f64]) -> Result<Option<(f64, Next)>, Inadmissible> {
         let mut length = self.model.max_step(&self.at(here.u), step)?;
         for _ in 0..4 {
             let trial = moved(here.u, step, length);
@@ -203,7 +203,7 @@ impl Newton<'_> {
     }
 
     /// At the multiplier `p + dp`, where the residual is `r + B dp`.
-    fn merit(&self, here: &Iterate, step: &[f64]) -> Result<Merit, InvertedAt> {
+    fn merit(&self, here: &Iterate, step: &[f64]) -> Result<Merit, Inadmissible> {
         let dofs = self.model.discretization().dofs();
         let at_new = self.evaluate(&self.with_new_multipliers(here.u, here.u, step))?;
         let (mut force, _) = self.residual(&at_new);

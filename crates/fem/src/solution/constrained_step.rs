@@ -1,6 +1,6 @@
 //! The step of Newton's method under constraints: the linearised equations and inequalities.
 
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::solution::active_set::{Trial, settle};
 use crate::solution::newton::Newton;
 use crate::solution::saddle_point::SaddlePoint;
@@ -44,7 +44,7 @@ impl Newton<'_> {
         u: &[f64],
         inequalities: &[bool],
         residual: &mut [f64],
-    ) -> Result<Vec<f64>, InvertedAt> {
+    ) -> Result<Vec<f64>, Inadmissible> {
         if !inequalities.contains(&true) {
             return Ok(Vec::new());
         }

@@ -115,39 +115,39 @@ impl Model {
 
     /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
     /// points; once these have helped, the next steps begin with them. Not where the path seems to turn back, nor beyond the
-    /// convexity bound (`hopeless`).
+    /// convexity bound (`hopeless`). Where it fails, u is the last iterate.
     fn attempt(
         &self,
         newton: &Newton,
-        from: &[f64],
+        u: &mut Vec<f64>,
         (helped, hopeless): (&mut bool, bool),
         workspace: &mut Workspace,
         report: &mut SolveReport,
-    ) -> Result<Vec<f64>, Stop> {
-        let mut u = from.to_vec();
-        let first = *helped && !hopeless && newton.jump(from).is_none();
+    ) -> Result<(), Stop> {
+        let first = *helped && !hopeless && newton.jump(u).is_none();
         if first {
-            match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
-                Ok(()) => return Ok(u),
+            let from = u.clone();
+            match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
+                Ok(()) => return Ok(()),
                 Err(stop) if stop.is_final() => return Err(stop),
                 Err(_) => workspace.forget(),
             }
-            u.copy_from_slice(from);
+            *u = from;
         }
-        let slow = match newton.solve(&mut u, self.linear_solver(newton.options, workspace), report) {
-            Ok(_) => return Ok(u),
+        let slow = match newton.solve(u, self.linear_solver(newton.options, workspace), report) {
+            Ok(_) => return Ok(()),
             Err(slow @ Stop::Slow { .. }) => slow,
             Err(other) => return Err(other),
         };
         let constrained = self.unknowns().scalars > 0;
-        if first || hopeless || constrained || !self.has_potential() || newton.jump(&u).is_some() {
+        if first || hopeless || constrained || !self.has_potential() || newton.jump(u).is_some() {
             return Err(slow);
         }
         workspace.forget();
-        match newton.solve_with_point_strains(&mut u, self.linear_solver(newton.options, workspace), report) {
+        match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
             Ok(()) => {
                 *helped = true;
-                Ok(u)
+                Ok(())
             }
             Err(stop) if stop.is_final() => Err(stop),
             Err(_) => Err(slow),
@@ -239,8 +239,9 @@ impl Model {
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
             let newton = self.newton(&controls, load, time_step, path, how);
             let hopeless = unbounded || steps.limit_point().is_some();
-            match self.attempt(&newton, &here.u, (&mut helped, hopeless), workspace, report) {
-                Ok(u) => {
+            let mut u = here.u.to_vec();
+            match self.attempt(&newton, &mut u, (&mut helped, hopeless), workspace, report) {
+                Ok(()) => {
                     report.load_steps += 1;
                     steps.succeeded(path, norm(&sub(self.nodal(&u), self.nodal(&here.u))));
                     here = State::equilibrium(u, controls, load, *report);
@@ -249,7 +250,8 @@ impl Model {
                 Err(Stop::Linear(error)) => return Err(error.into()),
                 Err(stop) => {
                     if steps.failed(path) || report.newton > most {
-                        return Err(self.give_up(stop, path, &steps, to, report, here));
+                        let suspect = self.suspect(&newton.at(&u));
+                        return Err(self.give_up(stop, path, (&steps, suspect), to, report, here));
                     }
                     report.cuts += 1;
                     workspace.forget();
@@ -264,20 +266,18 @@ impl Model {
         &self,
         stop: Stop,
         load: f64,
-        steps: &LoadSteps,
+        (steps, suspect): (&LoadSteps, Option<Cause>),
         controls: &Controls,
         report: &SolveReport,
         here: State,
     ) -> StateError {
         let (cuts, last) = (report.cuts, Box::new(here));
         match stop {
-            Stop::Inverted(at) => StateError::Inverted { at, load, cuts, last },
+            Stop::Inadmissible(at) => StateError::Inadmissible { at, load, cuts, last },
             Stop::Slow { residual } => {
-                let cause = match (self.body.excess_tension(controls), steps.limit_point()) {
-                    (Some(beyond), _) => Cause::Convexity(beyond),
-                    (None, Some(load)) => Cause::LimitPoint { load },
-                    (None, None) => Cause::Unknown,
-                };
+                let excess = self.body.excess_tension(controls).map(Cause::Convexity);
+                let limit = || steps.limit_point().map(|load| Cause::LimitPoint { load });
+                let cause = excess.or(suspect).or_else(limit).unwrap_or(Cause::Unknown);
                 StateError::NoConvergence {
                     load,
                     cuts,

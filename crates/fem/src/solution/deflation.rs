@@ -2,7 +2,7 @@
 
 use crate::contributions::Demand;
 use crate::contributions::instant::Instant;
-use crate::error::{FemError, InvertedAt, StateError};
+use crate::error::{FemError, Inadmissible, StateError};
 use crate::model::Model;
 use crate::solution::options::{Progress, SolveOptions};
 use crate::solution::state::{SolveReport, State};
@@ -168,8 +168,8 @@ enum Stop {
     Cancelled,
 }
 
-impl From<InvertedAt> for Stop {
-    fn from(_: InvertedAt) -> Self {
+impl From<Inadmissible> for Stop {
+    fn from(_: Inadmissible) -> Self {
         Stop::Failed
     }
 }

@@ -3,7 +3,7 @@
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::contributions::{Demand, Sums};
-use crate::error::{InvertedAt, StateError};
+use crate::error::{Inadmissible, StateError};
 use crate::model::Model;
 use crate::solution::options::{Progress, SolveOptions};
 use crate::solution::rotation_corrected_step::{GradientFit, StepLimits};
@@ -27,7 +27,7 @@ pub(crate) struct Newton<'a> {
 
 /// Why it stopped short.
 pub(crate) enum Stop {
-    Inverted(InvertedAt),
+    Inadmissible(Inadmissible),
     Slow { residual: f64 },
     Linear(LinearError),
     Cancelled,
@@ -39,7 +39,7 @@ impl Stop {
         match self {
             Stop::Cancelled => true,
             Stop::Linear(error) => error.is_lack_of_memory(),
-            Stop::Inverted(_) | Stop::Slow { .. } => false,
+            Stop::Inadmissible(_) | Stop::Slow { .. } => false,
         }
     }
 
@@ -53,9 +53,9 @@ impl Stop {
     }
 }
 
-impl From<InvertedAt> for Stop {
-    fn from(at: InvertedAt) -> Self {
-        Stop::Inverted(at)
+impl From<Inadmissible> for Stop {
+    fn from(at: Inadmissible) -> Self {
+        Stop::Inadmissible(at)
     }
 }
 
@@ -88,6 +88,9 @@ pub(super) const ROUNDING: f64 = 1e-10;
 pub(super) const LOST: (usize, usize) = (30, 3);
 /// A full step shorter than this share of the body's size is below what double precision resolves.
 pub(super) const RESOLUTION: f64 = 1e-12;
+/// Largest relative residual that such a step may leave of an equilibrium; where more is left, the tangent grows without bound as the step
+/// shrinks (that of a tendon whose guides meet), and nothing balances.
+const RESOLVED: f64 = 1e-6;
 
 /// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
 /// measure it by. The largest; steps shorter than that share of the body are solved as exactly as they are short, since what they leave may
@@ -160,7 +163,7 @@ impl Newton<'_> {
             if tiny && length == 1.0 {
                 let (_, relative) = self.residual(&now);
                 self.record(&now, relative, report);
-                return Ok(last);
+                return if relative <= RESOLVED { Ok(last) } else { Err(Stop::Slow { residual: relative }) };
             }
         }
         Err(Stop::Slow { residual: self.residual(&now).1 })
@@ -172,14 +175,18 @@ impl Newton<'_> {
     }
 
     /// Energy and residual, without those of inequalities that are slack.
-    pub(super) fn evaluate(&self, u: &[f64]) -> Result<Sums, InvertedAt> {
+    pub(super) fn evaluate(&self, u: &[f64]) -> Result<Sums, Inadmissible> {
         let mut sums = self.model.evaluate(&self.at(u), Demand { energy: true, force: true })?;
         self.model.leave_out_slack(u, &mut sums);
         Ok(sums)
     }
 
     /// The tangent at u in the memory of the one before.
-    fn tangent<'m>(&self, u: &[f64], memory: &'m mut Option<SparseMatrix>) -> Result<&'m mut SparseMatrix, InvertedAt> {
+    fn tangent<'m>(
+        &self,
+        u: &[f64],
+        memory: &'m mut Option<SparseMatrix>,
+    ) -> Result<&'m mut SparseMatrix, Inadmissible> {
         let matrix = memory.get_or_insert_with(|| self.model.matrix());
         matrix.clear();
         self.model.add_tangent(&self.at(u), matrix)?;
@@ -264,7 +271,7 @@ impl Newton<'_> {
         Ok((1.0, (u, next)))
     }
 
-    fn longest(&self, here: &Iterate, step: &[f64]) -> Result<f64, InvertedAt> {
+    fn longest(&self, here: &Iterate, step: &[f64]) -> Result<f64, Inadmissible> {
         self.model.max_step(&self.at(here.u), step)
     }
 

@@ -17,7 +17,7 @@ impl Model {
     /// is left.
     ///
     /// # Errors
-    /// [`StateError::Inverted`] where J <= 0 there, [`StateError::Linear`] where K is not positive definite.
+    /// [`StateError::Inadmissible`] where J <= 0 there, [`StateError::Linear`] where K is not positive definite.
     pub(crate) fn iterate_once(
         &self,
         controls: &Controls,
@@ -38,7 +38,9 @@ impl Model {
             Err(stop) => {
                 workspace.forget();
                 Err(match stop {
-                    Stop::Inverted(at) => StateError::Inverted { at, load: 1.0, cuts: 0, last: Box::new(from.clone()) },
+                    Stop::Inadmissible(at) => {
+                        StateError::Inadmissible { at, load: 1.0, cuts: 0, last: Box::new(from.clone()) }
+                    }
                     Stop::Linear(error) => error.into(),
                     Stop::Slow { .. } | Stop::Cancelled => StateError::Cancelled,
                 })

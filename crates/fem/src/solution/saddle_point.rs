@@ -2,7 +2,7 @@
 
 use crate::contributions::Contribution;
 use crate::contributions::instant::Instant;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::model::Model;
 use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{TangentSystems, eliminate};
@@ -26,7 +26,7 @@ impl BorderedTangent {
     }
 
     /// Adds that of a contribution.
-    pub fn add(&mut self, contribution: &dyn Contribution, at: &Instant) -> Result<(), InvertedAt> {
+    pub fn add(&mut self, contribution: &dyn Contribution, at: &Instant) -> Result<(), Inadmissible> {
         contribution.add_tangent(at, &mut self.matrix)?;
         let count = contribution.constraints();
         if count == 0 {

@@ -3,7 +3,7 @@
 use crate::contributions::Demand;
 use crate::contributions::body_energy::history::History;
 use crate::contributions::instant::{Instant, TimeStep};
-use crate::error::{FemError, InvertedAt, StateError};
+use crate::error::{FemError, Inadmissible, StateError};
 use crate::model::Model;
 use crate::solution::state::State;
 use nastic_linear::{CgEnd, Preconditioner, conjugate_gradient};
@@ -40,7 +40,8 @@ impl Model {
         let state = &self.at_instant(state, history);
         let step = without_acceleration(state);
         let at = self.beginning(state, &step, parallel);
-        let last = |at: InvertedAt| StateError::Inverted { at, load: 1.0, cuts: 0, last: Box::new(state.clone()) };
+        let last =
+            |at: Inadmissible| StateError::Inadmissible { at, load: 1.0, cuts: 0, last: Box::new(state.clone()) };
         let sums = self.evaluate(&at, Demand { energy: false, force: true }).map_err(last)?;
         self.divide_by_mass(sums.force.iter().map(|f| -f).collect(), parallel)
     }

@@ -3,7 +3,7 @@
 use crate::contributions::Demand;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{Instant, TimeStep};
-use crate::error::{FemError, InvertedAt, StateError};
+use crate::error::{FemError, Inadmissible, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
@@ -68,7 +68,8 @@ impl Model {
             out
         };
         let momenta: Vec<Vec<f64>> = modes.vectors.iter().map(|shape| times_mass(shape)).collect();
-        let inverted = |at: InvertedAt| StateError::Inverted { at, load: 1.0, cuts: 0, last: Box::new(begin.clone()) };
+        let inverted =
+            |at: Inadmissible| StateError::Inadmissible { at, load: 1.0, cuts: 0, last: Box::new(begin.clone()) };
         let at = Instant { parallel: how.parallel, ..Instant::new(&begin.u, controls, 1.0) };
         let force = self.evaluate(&at, Demand { energy: false, force: true }).map_err(inverted)?.force;
         let mut damping = DMatrix::zeros(momenta.len(), momenta.len());

@@ -4,7 +4,7 @@ use crate::contributions::body_energy::history::History;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, Sensitivities};
-use crate::error::{FemError, InvertedAt, StateError};
+use crate::error::{FemError, Inadmissible, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
@@ -375,6 +375,6 @@ impl<'a> ReverseSweep<'a> {
     }
 }
 
-fn inverted(at: InvertedAt, state: &State) -> StateError {
-    StateError::Inverted { at, load: state.load, cuts: 0, last: Box::new(state.clone()) }
+fn inverted(at: Inadmissible, state: &State) -> StateError {
+    StateError::Inadmissible { at, load: state.load, cuts: 0, last: Box::new(state.clone()) }
 }

@@ -4,7 +4,7 @@ use crate::contributions::Demand;
 use crate::contributions::body_energy::history::History;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{Instant, TimeStep};
-use crate::error::{FemError, InvertedAt, StateError};
+use crate::error::{FemError, Inadmissible, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
@@ -137,7 +137,7 @@ impl Model {
             let at = self.instant(&found, Some(&time_step), how.parallel);
             let last = || Box::new(begin.clone());
             let internal =
-                self.commit(&at).map_err(|at| StateError::Inverted { at, load: 1.0, cuts: 0, last: last() })?;
+                self.commit(&at).map_err(|at| StateError::Inadmissible { at, load: 1.0, cuts: 0, last: last() })?;
             found.internal = Arc::new(internal);
             points.found(found.u.clone(), &time_step);
             stages.push(found.u.clone());
@@ -162,7 +162,8 @@ impl Model {
 
     /// Internal variables for the step behind a state.
     pub(super) fn next_history(&self, begin: &State, parallel: bool) -> Result<History, StateError> {
-        let last = |at: InvertedAt| StateError::Inverted { at, load: 1.0, cuts: 0, last: Box::new(begin.clone()) };
+        let last =
+            |at: Inadmissible| StateError::Inadmissible { at, load: 1.0, cuts: 0, last: Box::new(begin.clone()) };
         self.body.next_history(&begin.u, &begin.controls, parallel).map_err(last)
     }
 
@@ -193,7 +194,7 @@ impl Model {
 /// What shorter steps may mend.
 fn in_step(error: StateError, time: f64, dt: f64) -> StateError {
     match error {
-        StateError::Inverted { .. }
+        StateError::Inadmissible { .. }
         | StateError::NoConvergence { .. }
         | StateError::Linear(LinearError::Indefinite) => StateError::InStep { time, dt, source: Box::new(error) },
         other => other,

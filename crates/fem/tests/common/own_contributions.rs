@@ -5,7 +5,7 @@
 use super::{Outcome, regular};
 use nastic_energy::{FiberTension, NeoHooke, Slot};
 use nastic_fem::{
-    Contribution, Controls, Demand, Increment, Instant, InvertedAt, SecondDerivativeError, SecondSensitivities,
+    Contribution, Controls, Demand, Inadmissible, Increment, Instant, SecondDerivativeError, SecondSensitivities,
     Sensitivities, Solid, Sums,
 };
 use nastic_linear::{SparseMatrix, Symmetry};
@@ -40,7 +40,7 @@ impl Contribution for Oscillators {
         &PUSH
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for dof in 0..at.u.len() {
             let u = at.u[dof];
             // the incremental potential of backward Euler, whose velocity and acceleration are linear in u
@@ -60,7 +60,7 @@ impl Contribution for Oscillators {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let step = at.step.map_or(0.0, |step| self.mass * step.acceleration.0 + self.damping * step.velocity.0);
         let diagonal: Vec<f64> = (0..at.u.len()).map(|dof| self.stiffness_of(dof) + step).collect();
         tangent.add_diagonal(&diagonal);
@@ -71,7 +71,7 @@ impl Contribution for Oscillators {
         mass.add_to_diagonal(self.mass);
     }
 
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         into.add_control(at, 0, -lambda.iter().sum::<f64>());
         into.velocity.iter_mut().zip(lambda).for_each(|(v, l)| *v += self.damping * l);
         into.acceleration.iter_mut().zip(lambda).for_each(|(a, l)| *a += self.mass * l);
@@ -120,7 +120,7 @@ impl Contribution for Swirl {
         &SWIRL
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for &node in self.nodes.iter().filter(|_| demand.force) {
             let dof = 3 * node as usize;
             let force = self.force(at.u, dof).map(|f| at.control(0) * f);
@@ -132,7 +132,7 @@ impl Contribution for Swirl {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let s = at.control(0) * self.rate;
         let element = [0.0, -s, 0.0, s, 0.0, 0.0, 0.0, 0.0, 0.0];
         for &node in &self.nodes {
@@ -142,7 +142,7 @@ impl Contribution for Swirl {
         Ok(())
     }
 
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         let work = |&node: &u32| {
             let dof = 3 * node as usize;
             let force = self.force(at.u, dof);

@@ -5,7 +5,7 @@
 use crate::contributions::Sums;
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::controls::Controls;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
@@ -43,7 +43,7 @@ pub(super) fn add(
     total: &mut Sums,
     mut tangent: Option<&mut SparseMatrix>,
     parallel: bool,
-) -> Result<(), InvertedAt> {
+) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
         let job = Job { body, cells, u, controls, demand };
         sweep(&job, patches, parallel, |patch, result| job.add(patch, result, total, tangent.as_deref_mut()))?;
@@ -61,7 +61,7 @@ struct Job<'a> {
 
 impl CellWork for Job<'_> {
     type Answer = PatchResult;
-    type Error = InvertedAt;
+    type Error = Inadmissible;
 
     fn cells(&self) -> Cells<'_> {
         self.cells
@@ -73,7 +73,7 @@ impl CellWork for Job<'_> {
         (PatchResult::default(), matrix + 2 * rows)
     }
 
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, result: &mut PatchResult) -> Result<(), InvertedAt> {
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, result: &mut PatchResult) -> Result<(), Inadmissible> {
         self.body.kinematics(self.cells, patch, self.u, scratch)?;
         let Terms { energy, force, tangent } = self.demand;
         let formulation = self.body.arithmetic_of(self.cells.first(patch));

@@ -3,7 +3,7 @@
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::assembly::slots;
 use crate::contributions::controls::Controls;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
@@ -17,7 +17,7 @@ pub(super) fn add(
     lambda: &[f64],
     out: &mut Controls,
     parallel: bool,
-) -> Result<(), InvertedAt> {
+) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
         let work = ControlVjp { body, cells, u: at.0, controls: at.1, lambda };
         sweep(&work, patches, parallel, |patch, values: &Vec<f64>| add_by_slot(body, cells, patch, values, out))?;
@@ -50,7 +50,7 @@ struct ControlVjp<'a> {
 impl CellWork for ControlVjp<'_> {
     /// See [`add_by_slot`].
     type Answer = Vec<f64>;
-    type Error = InvertedAt;
+    type Error = Inadmissible;
 
     fn cells(&self) -> Cells<'_> {
         self.cells
@@ -61,7 +61,7 @@ impl CellWork for ControlVjp<'_> {
         (Vec::new(), slots * self.cells.part.table.points)
     }
 
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, values: &mut Vec<f64>) -> Result<(), InvertedAt> {
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, values: &mut Vec<f64>) -> Result<(), Inadmissible> {
         values.clear();
         if !self.body.is_actuated(self.cells, patch) {
             return Ok(());

@@ -3,7 +3,7 @@
 
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::controls::Controls;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use nastic_energy::{Evolution, Place};
 use nastic_tensor::Mat3;
@@ -37,7 +37,7 @@ impl BodyEnergy {
     }
 
     /// The internal variables of the step behind a state of this displacement and these controls, without its length.
-    pub(crate) fn next_history(&self, u: &[f64], controls: &Controls, parallel: bool) -> Result<History, InvertedAt> {
+    pub(crate) fn next_history(&self, u: &[f64], controls: &Controls, parallel: bool) -> Result<History, Inadmissible> {
         if !self.has_history() {
             return Ok(Vec::new());
         }
@@ -85,7 +85,7 @@ impl BodyEnergy {
         controls: &Controls,
         by_next: &History,
         by_u: &mut [f64],
-    ) -> Result<History, InvertedAt> {
+    ) -> Result<History, Inadmissible> {
         let kinematics = self.kinematics_of_laws(u)?;
         let mut by_f = vec![Mat3::zeros(); kinematics.len()];
         let mut out = Vec::new();
@@ -106,7 +106,7 @@ impl BodyEnergy {
     }
 
     /// Adds `sum_q by_F : dF/du` at the points: nodal forces of stresses that carry their weights.
-    fn add_forces(&self, u: &[f64], by_f: &[Mat3], nodal: &mut [f64]) -> Result<(), InvertedAt> {
+    fn add_forces(&self, u: &[f64], by_f: &[Mat3], nodal: &mut [f64]) -> Result<(), Inadmissible> {
         for (cells, patches) in self.groups() {
             let (mut scratch, mut rows) = (Scratch::new(cells), Vec::new());
             for patch in patches.iter() {

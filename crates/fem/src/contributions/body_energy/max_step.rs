@@ -1,7 +1,7 @@
 //! The longest step along which no point of a body is inverted.
 
 use crate::contributions::body_energy::BodyEnergy;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::patch::Patch;
 use nastic_tensor::{Kinematics, Mat3};
@@ -16,10 +16,10 @@ const CHUNK: usize = 128;
 /// The end of the step alone does not tell: a section reflected in two directions has J > 0 again.
 ///
 /// The same holds of the determinant that laws see where their formulation projects it.
-pub(crate) fn max_step(body: &BodyEnergy, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
+pub(crate) fn max_step(body: &BodyEnergy, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, Inadmissible> {
     let mut least: f64 = 1.0;
     for (cells, patches) in body.groups() {
-        let chunk = |patches: &[Patch]| -> Result<f64, InvertedAt> {
+        let chunk = |patches: &[Patch]| -> Result<f64, Inadmissible> {
             let (mut scratch, mut least) = (Scratch::new(cells), 1.0_f64);
             for &patch in patches {
                 let formulation = body.arithmetic_of(cells.first(patch));
@@ -33,7 +33,7 @@ pub(crate) fn max_step(body: &BodyEnergy, u: &[f64], du: &[f64], parallel: bool)
             Ok(least)
         };
         let patches: Vec<Patch> = patches.iter().collect();
-        let steps: Vec<Result<f64, InvertedAt>> = match parallel {
+        let steps: Vec<Result<f64, Inadmissible>> = match parallel {
             true => patches.par_chunks(CHUNK).map(chunk).collect(),
             false => patches.chunks(CHUNK).map(chunk).collect(),
         };

@@ -3,7 +3,7 @@
 use crate::contributions::controls::Controls;
 use crate::contributions::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::discretization::Discretization;
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{FemError, Inadmissible, InvertedAt, SecondDerivativeError};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
 use crate::kernels::patch::{Patch, Patches};
@@ -164,28 +164,28 @@ impl BodyEnergy {
 
     /// Shape gradients and kinematics of a patch displaced by u, into the scratch: none that is inverted or beyond the
     /// domain of a law.
-    fn kinematics(&self, cells: Cells, patch: Patch, u: &[f64], scratch: &mut Scratch) -> Result<(), InvertedAt> {
+    fn kinematics(&self, cells: Cells, patch: Patch, u: &[f64], scratch: &mut Scratch) -> Result<(), Inadmissible> {
         self.arithmetic_of(cells.first(patch)).kinematics(&self.disc, cells, patch, u, scratch)?;
         cells.batches(patch, &scratch.kinematics).try_for_each(|(_, at)| self.check_domain(&at))
     }
 
     /// Refuses what is beyond the domain of a law of the cell, passive or an actuation.
-    pub(crate) fn check_domain(&self, at: &PointBatch) -> Result<(), InvertedAt> {
+    pub(crate) fn check_domain(&self, at: &PointBatch) -> Result<(), Inadmissible> {
         self.check_domain_of_materials(at)?;
         let acting = &self.compositions[self.of_cell[at.cell] as usize].actuations;
         acting.iter().try_for_each(|&k| self.actuations[k].law.check_domain(at).map_err(|outside| beyond(at, outside)))
     }
 
     /// Refuses what is beyond the domain of a passive law of the cell.
-    fn check_domain_of_materials(&self, at: &PointBatch) -> Result<(), InvertedAt> {
+    fn check_domain_of_materials(&self, at: &PointBatch) -> Result<(), Inadmissible> {
         self.materials_of(at.cell).try_for_each(|law| law.check_domain(at).map_err(|outside| beyond(at, outside)))
     }
 
     /// Energy alone, or energy and internal force.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn evaluate(&self, u: &[f64], controls: &Controls, force: bool, parallel: bool) -> Result<Sums, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn evaluate(&self, u: &[f64], controls: &Controls, force: bool, parallel: bool) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(if force { self.disc.dofs() } else { 0 });
         let terms = Terms { energy: true, force, tangent: false };
         assembly::add(self, (u, controls), terms, &mut sums, None, parallel)?;
@@ -195,14 +195,14 @@ impl BodyEnergy {
     /// Energy, internal force, and the tangent added to `tangent` (supports not yet eliminated).
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
+    /// [`Inadmissible`] where u is.
     pub fn evaluate_tangent(
         &self,
         u: &[f64],
         controls: &Controls,
         tangent: &mut SparseMatrix,
         parallel: bool,
-    ) -> Result<Sums, InvertedAt> {
+    ) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(self.disc.dofs());
         let terms = Terms { energy: true, force: true, tangent: true };
         assembly::add(self, (u, controls), terms, &mut sums, Some(tangent), parallel)?;
@@ -212,14 +212,14 @@ impl BodyEnergy {
     /// The tangent alone, added to `tangent`: the bits of [`evaluate_tangent`](Self::evaluate_tangent) for less.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
+    /// [`Inadmissible`] where u is.
     pub fn add_tangent(
         &self,
         u: &[f64],
         controls: &Controls,
         tangent: &mut SparseMatrix,
         parallel: bool,
-    ) -> Result<(), InvertedAt> {
+    ) -> Result<(), Inadmissible> {
         let terms = Terms { energy: false, force: false, tangent: true };
         assembly::add(self, (u, controls), terms, &mut Sums::zero(0), Some(tangent), parallel)
     }
@@ -227,8 +227,8 @@ impl BodyEnergy {
     /// The longest step `s <= 1` from u along du on which no point loses more than nine tenths of its volume.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0 at u itself.
-    pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, InvertedAt> {
+    /// [`Inadmissible`] where J <= 0 at u itself.
+    pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, Inadmissible> {
         max_step::max_step(self, u, du, parallel)
     }
 
@@ -237,7 +237,7 @@ impl BodyEnergy {
     /// stress. `v` and `out` are flat, `dim` per node. The same bits for any number of threads.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
+    /// [`Inadmissible`] where u is.
     pub fn tangent_product(
         &self,
         u: &[f64],
@@ -245,7 +245,7 @@ impl BodyEnergy {
         v: &[f64],
         out: &mut [f64],
         parallel: bool,
-    ) -> Result<(), InvertedAt> {
+    ) -> Result<(), Inadmissible> {
         out.fill(0.0);
         tangent_product::add(self, (u, controls), v, out, parallel)
     }
@@ -254,14 +254,14 @@ impl BodyEnergy {
     /// `int (dP/dm_k) : grad lambda dX` split by point, shape `[points][slots]`; weights included.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
+    /// [`Inadmissible`] where u is.
     pub fn control_vjp(
         &self,
         u: &[f64],
         controls: &Controls,
         lambda: &[f64],
         parallel: bool,
-    ) -> Result<Controls, InvertedAt> {
+    ) -> Result<Controls, Inadmissible> {
         let mut out = self.controls();
         control_vjp::add(self, (u, controls), lambda, &mut out, parallel)?;
         Ok(out)
@@ -269,9 +269,10 @@ impl BodyEnergy {
 }
 
 /// What a law says of a point of its cell. The number of the point is the law's own: it may be none of the cell's.
-fn beyond(at: &PointBatch, outside: Outside) -> InvertedAt {
+fn beyond(at: &PointBatch, outside: Outside) -> Inadmissible {
     let jacobian = at.kinematics.get(outside.point).map_or(f64::NAN, Kinematics::j);
-    InvertedAt { cell: at.cell, point: outside.point, jacobian, outside: Some(outside) }
+    let at = InvertedAt { cell: at.cell, point: outside.point, jacobian };
+    Inadmissible::OutsideDomain { at, outside }
 }
 
 impl Contribution for BodyEnergy {
@@ -279,24 +280,24 @@ impl Contribution for BodyEnergy {
         "body energy"
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let terms = Terms { energy: demand.energy, force: demand.force, tangent: false };
         assembly::add(self, (at.u, at.controls), terms, sums, None, at.parallel)
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         BodyEnergy::add_tangent(self, at.u, at.controls, tangent, at.parallel)
     }
 
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         tangent_product::add(self, (at.u, at.controls), v, out, at.parallel).map(|()| true)
     }
 
-    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
         max_step::max_step(self, at.u, du, at.parallel)
     }
 
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         control_vjp::add(self, (at.u, at.controls), lambda, &mut into.controls, at.parallel)
     }
 

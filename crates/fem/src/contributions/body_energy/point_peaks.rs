@@ -2,7 +2,7 @@
 
 use super::BodyEnergy;
 use crate::contributions::controls::Controls;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use nastic_energy::{Place, PointBatch, PointQuantity, Slots};
 
 /// The largest value of a [`PointQuantity`] over the quadrature points of an actuation.
@@ -26,8 +26,8 @@ impl BodyEnergy {
     /// The peaks of all actuations that have such a quantity, in their order.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn point_peaks(&self, u: &[f64], controls: &Controls) -> Result<Vec<PointPeak>, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn point_peaks(&self, u: &[f64], controls: &Controls) -> Result<Vec<PointPeak>, Inadmissible> {
         let measured = |k: &usize| self.actuations[*k].law.point_quantity().is_some();
         (0..self.actuations.len())
             .filter(measured)
@@ -39,8 +39,8 @@ impl BodyEnergy {
     /// The point quantity of one actuation at all points of the body, zero where it does not act; `None` without one.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn point_values(&self, k: usize, u: &[f64], controls: &Controls) -> Result<Option<Vec<f64>>, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn point_values(&self, k: usize, u: &[f64], controls: &Controls) -> Result<Option<Vec<f64>>, Inadmissible> {
         let attached = &self.actuations[k];
         if attached.law.point_quantity().is_none() {
             return Ok(None);
@@ -58,7 +58,7 @@ impl BodyEnergy {
         Ok(Some(out))
     }
 
-    fn point_peak(&self, k: usize, u: &[f64], controls: &Controls) -> Result<Option<PointPeak>, InvertedAt> {
+    fn point_peak(&self, k: usize, u: &[f64], controls: &Controls) -> Result<Option<PointPeak>, Inadmissible> {
         let attached = &self.actuations[k];
         let (Some(quantity), Some(values)) = (attached.law.point_quantity(), self.point_values(k, u, controls)?) else {
             return Ok(None);

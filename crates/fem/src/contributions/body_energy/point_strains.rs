@@ -33,7 +33,7 @@ use crate::contributions::Sums;
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::assembly::slots;
 use crate::contributions::controls::Controls;
-use crate::error::InvertedAt;
+use crate::error::{Inadmissible, InvertedAt};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
@@ -54,7 +54,7 @@ const COLLAPSE: f64 = 1e-2;
 
 impl PointStrains {
     /// Those of a displacement.
-    pub fn of(body: &BodyEnergy, u: &[f64], parallel: bool) -> Result<Self, InvertedAt> {
+    pub fn of(body: &BodyEnergy, u: &[f64], parallel: bool) -> Result<Self, Inadmissible> {
         let points = body.discretization().points().len();
         let strains = PointStrains { c: vec![Mat3::identity(); points], s: vec![Mat3::zeros(); points] };
         Ok(strains.swept(body, u, None, parallel)?.0)
@@ -67,7 +67,7 @@ impl PointStrains {
         u: &[f64],
         du: &[f64],
         parallel: bool,
-    ) -> Result<(Self, f64), InvertedAt> {
+    ) -> Result<(Self, f64), Inadmissible> {
         self.swept(body, u, Some(du), parallel)
     }
 
@@ -77,7 +77,7 @@ impl PointStrains {
         u: &[f64],
         du: Option<&[f64]>,
         parallel: bool,
-    ) -> Result<(Self, f64), InvertedAt> {
+    ) -> Result<(Self, f64), Inadmissible> {
         let (mut next, mut largest) = (self.clone(), 0.0_f64);
         for (cells, patches) in body.groups() {
             let (work, points) = (Extrapolate { body, cells, u, du, from: self }, cells.part.table.points);
@@ -117,7 +117,7 @@ impl BodyEnergy {
         total: &mut Sums,
         tangent: &mut SparseMatrix,
         parallel: bool,
-    ) -> Result<(), InvertedAt> {
+    ) -> Result<(), Inadmissible> {
         for (cells, patches) in self.groups() {
             let work = Linearised { body: self, cells, u, controls, strains };
             sweep(&work, patches, parallel, |patch, (rows, matrix)| {
@@ -134,9 +134,10 @@ impl BodyEnergy {
         cell: usize,
         first: usize,
         c: &[Mat3],
-    ) -> Result<Vec<(Mat3, MaterialTangent)>, InvertedAt> {
+    ) -> Result<Vec<(Mat3, MaterialTangent)>, Inadmissible> {
         let stretch = |(point, c): (usize, &Mat3)| {
-            let inverted = |found: Inverted| InvertedAt { cell, point, jacobian: found.jacobian, outside: None };
+            let inverted =
+                |found: Inverted| Inadmissible::Inverted(InvertedAt { cell, point, jacobian: found.jacobian });
             Kinematics::new(square_root(c)).map_err(inverted)
         };
         let stretches = c.iter().enumerate().map(stretch).collect::<Result<Vec<_>, _>>()?;
@@ -197,7 +198,7 @@ struct Linearised<'a> {
 
 impl CellWork for Linearised<'_> {
     type Answer = (Vec<f64>, PatchMatrix);
-    type Error = InvertedAt;
+    type Error = Inadmissible;
 
     fn cells(&self) -> Cells<'_> {
         self.cells
@@ -212,7 +213,7 @@ impl CellWork for Linearised<'_> {
         patch: Patch,
         scratch: &mut Scratch,
         (rows, matrix): &mut Self::Answer,
-    ) -> Result<(), InvertedAt> {
+    ) -> Result<(), Inadmissible> {
         self.body.kinematics(self.cells, patch, self.u, scratch)?;
         scratch.clear(Want::TANGENT);
         // what bends with F where that is not affine in u: the extrapolated stress, as in the rest of the tangent
@@ -266,7 +267,7 @@ struct PatchStrains {
 
 impl CellWork for Extrapolate<'_> {
     type Answer = PatchStrains;
-    type Error = InvertedAt;
+    type Error = Inadmissible;
 
     fn cells(&self) -> Cells<'_> {
         self.cells
@@ -276,7 +277,7 @@ impl CellWork for Extrapolate<'_> {
         (PatchStrains::default(), 18 * self.cells.part.table.points)
     }
 
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, new: &mut PatchStrains) -> Result<(), InvertedAt> {
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, new: &mut PatchStrains) -> Result<(), Inadmissible> {
         self.body.kinematics(self.cells, patch, self.u, scratch)?;
         new.c.clear();
         new.c.extend(scratch.kinematics.iter().map(|k| k.f().transpose() * k.f()));

@@ -4,7 +4,7 @@ use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::assembly::slots;
 use crate::contributions::body_energy::formulation::StressJet;
 use crate::contributions::controls::Controls;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
@@ -19,7 +19,7 @@ pub(super) fn add(
     v: &[f64],
     out: &mut [f64],
     parallel: bool,
-) -> Result<(), InvertedAt> {
+) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
         let work = Product { body, cells, u: at.0, controls: at.1, v };
         sweep(&work, patches, parallel, |patch, rows| cells.scatter(patch, rows, out))?;
@@ -37,7 +37,7 @@ struct Product<'a> {
 
 impl CellWork for Product<'_> {
     type Answer = Vec<f64>;
-    type Error = InvertedAt;
+    type Error = Inadmissible;
 
     fn cells(&self) -> Cells<'_> {
         self.cells
@@ -47,7 +47,7 @@ impl CellWork for Product<'_> {
         (Vec::new(), self.cells.row_length())
     }
 
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), InvertedAt> {
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), Inadmissible> {
         self.body.kinematics(self.cells, patch, self.u, scratch)?;
         let formulation = self.body.arithmetic_of(self.cells.first(patch));
         formulation.change(self.cells, patch, self.v, scratch);

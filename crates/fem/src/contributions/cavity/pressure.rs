@@ -6,7 +6,7 @@ use crate::contributions::{
     Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::{axpy, dot};
@@ -40,7 +40,7 @@ impl Contribution for CavityPressure {
         self.0.quantities(at.u, at.control(0))
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let pressure = at.control(0);
         if pressure == 0.0 {
             return Ok(());
@@ -60,7 +60,7 @@ impl Contribution for CavityPressure {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let pressure = at.control(0);
         if pressure != 0.0 {
             self.0.enclosed.each(Some(at.u), true, |patch| patch.add_hessian(-pressure, tangent));
@@ -68,7 +68,7 @@ impl Contribution for CavityPressure {
         Ok(())
     }
 
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         let pressure = at.control(0);
         if pressure != 0.0 {
             self.0.enclosed.each(Some(at.u), true, |patch| patch.add_hessian_product(-pressure, v, out));
@@ -76,7 +76,7 @@ impl Contribution for CavityPressure {
         Ok(true)
     }
 
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         let mut work = 0.0;
         self.0.enclosed.each(Some(at.u), false, |patch| {
             patch.each_component(|dof, gradient| work -= lambda[dof] * gradient);

@@ -6,7 +6,7 @@ use crate::contributions::{
     Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::{axpy, dot};
@@ -95,7 +95,7 @@ impl Contribution for CavityVolume {
         Err(FemError::Meaningless { what })
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let (pressure, wanted) = (at.multiplier(0), self.wanted(at));
         let (mut volume, mut scale) = (0.0, wanted.abs());
         self.0.enclosed.each(Some(at.u), false, |patch: &Patch| {
@@ -120,7 +120,7 @@ impl Contribution for CavityVolume {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let pressure = at.multiplier(0);
         if pressure != 0.0 {
             self.0.enclosed.each(Some(at.u), true, |patch| patch.add_hessian(-pressure, tangent));
@@ -128,14 +128,14 @@ impl Contribution for CavityVolume {
         Ok(())
     }
 
-    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), InvertedAt> {
+    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
         for column in columns.iter_mut().take(1) {
             self.0.enclosed.each(Some(at.u), false, |patch| patch.each_component(|dof, g| column[dof] -= g));
         }
         Ok(())
     }
 
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         let (pressure, own) = (at.multiplier(0), at.place(0));
         let (mut by_pressure, of_pressure) = (0.0, v[own]);
         self.0.enclosed.each(Some(at.u), true, |patch| {
@@ -149,7 +149,7 @@ impl Contribution for CavityVolume {
         Ok(true)
     }
 
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         into.add_control(at, 0, lambda[at.place(0)]);
         Ok(())
     }

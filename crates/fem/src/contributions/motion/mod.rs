@@ -4,7 +4,7 @@ mod rotation;
 
 use super::catalogue::{Form, Key, KeyKind};
 use super::{Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{GroupNames, Mesh};
@@ -186,19 +186,19 @@ impl Contribution for RigidSurface {
         (3..6).all(|slot| at.slot_of(v, slot) == 0.0)
     }
 
-    fn add_residual(&self, _: &Instant, _: Demand, _: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, _: &Instant, _: Demand, _: &mut Sums) -> Result<(), Inadmissible> {
         Ok(())
     }
 
-    fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), Inadmissible> {
         Ok(())
     }
 
-    fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, Inadmissible> {
         Ok(true)
     }
 
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use crate::contributions::guides::{Guides, Segment};
 use crate::contributions::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
-use crate::error::{InvertedAt, SecondDerivativeError};
+use crate::error::{Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::Polyline;
 use nastic_tensor::{Mat3, Vec3};
@@ -64,7 +64,7 @@ impl Contribution for SpringForce {
         vec![Polyline { name: self.name.clone(), points: self.ends.positions(at.u), quantities }]
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for segment in self.ends.segments(at.u) {
             if demand.energy {
                 let (elongation, balanced) = (segment.length - self.rest_length, (1.0 - at.load) * self.at_rest);
@@ -83,7 +83,7 @@ impl Contribution for SpringForce {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let quadratic = self.stiffness * Mat3::identity();
         self.ends.segments(at.u).for_each(|segment| segment.add_block(&quadratic, tangent));
         if self.rest_length > 0.0 {
@@ -92,7 +92,7 @@ impl Contribution for SpringForce {
         Ok(())
     }
 
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         for segment in self.ends.segments(at.u) {
             segment.each_end(self.stiffness * segment.change(v), |dof, value| out[dof] += value);
         }
@@ -103,12 +103,12 @@ impl Contribution for SpringForce {
     }
 
     /// Its ends do not pass each other, where its direction jumps; of rest length 0 it needs none.
-    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
         let free = self.rest_length == 0.0;
         Ok(if free { 1.0 } else { self.ends.max_step(at.u, du) })
     }
 
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use crate::contributions::guides::Guides;
 use crate::contributions::{
     Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::Polyline;
@@ -123,6 +123,10 @@ impl Contribution for TendonForce {
         }
     }
 
+    fn suspect(&self, at: &Instant) -> Option<Cause> {
+        self.guides.meeting(&self.name, at.u).map(Cause::GuidesMeet)
+    }
+
     fn measure(&self) -> f64 {
         self.reference_length
     }
@@ -145,7 +149,7 @@ impl Contribution for TendonForce {
         vec![line(&self.name, &self.guides, at.u, self.tension(at).value)]
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let tension = self.tension(at).value;
         if tension == 0.0 {
             return Ok(());
@@ -166,7 +170,7 @@ impl Contribution for TendonForce {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let tension = self.tension(at);
         if tension.value != 0.0 {
             self.guides.add_curvature(at.u, tension.value, tangent);
@@ -177,7 +181,7 @@ impl Contribution for TendonForce {
         Ok(())
     }
 
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         let tension = self.tension(at);
         if tension.value != 0.0 {
             self.guides.add_curvature_product(at.u, tension.value, v, out);
@@ -189,11 +193,11 @@ impl Contribution for TendonForce {
     }
 
     /// No guide passes the next one, where the direction of the tendon jumps.
-    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
         Ok(self.guides.max_step(at.u, du))
     }
 
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         into.add_control(at, 0, self.tension(at).by_control * self.guides.slope(at.u, lambda));
         Ok(())
     }

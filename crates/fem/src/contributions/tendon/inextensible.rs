@@ -6,7 +6,7 @@ use crate::contributions::{
     Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
-use crate::error::{FemError, InvertedAt, SecondDerivativeError};
+use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::Polyline;
@@ -62,6 +62,10 @@ impl Contribution for InextensibleTendon {
         &Drive::PULL
     }
 
+    fn suspect(&self, at: &Instant) -> Option<Cause> {
+        self.guides.meeting(&self.name, at.u).map(Cause::GuidesMeet)
+    }
+
     fn measure(&self) -> f64 {
         self.reference_length
     }
@@ -102,7 +106,7 @@ impl Contribution for InextensibleTendon {
         Err(FemError::Meaningless { what })
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), InvertedAt> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let (tension, length, free) = (at.multiplier(0), self.guides.length(at.u), self.free_length(at));
         if demand.energy {
             sums.energy += tension * (length - free);
@@ -121,14 +125,14 @@ impl Contribution for InextensibleTendon {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), InvertedAt> {
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if at.multiplier(0) != 0.0 {
             self.guides.add_curvature(at.u, at.multiplier(0), tangent);
         }
         Ok(())
     }
 
-    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), InvertedAt> {
+    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
         for column in columns.iter_mut().take(1) {
             for segment in self.guides.segments(at.u) {
                 segment.each_end(segment.direction, |dof, slope| column[dof] += slope);
@@ -137,7 +141,7 @@ impl Contribution for InextensibleTendon {
         Ok(())
     }
 
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, InvertedAt> {
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         let own = at.place(0);
         self.guides.add_curvature_product(at.u, at.multiplier(0), v, out);
         axpy(v[own], &self.guides.gradient(at.u), out);
@@ -146,11 +150,11 @@ impl Contribution for InextensibleTendon {
     }
 
     /// No guide passes the next one, where the direction of the tendon jumps.
-    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, InvertedAt> {
+    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
         Ok(self.guides.max_step(at.u, du))
     }
 
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), InvertedAt> {
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         into.add_control(at, 0, lambda[at.place(0)]);
         Ok(())
     }

@@ -5,7 +5,7 @@ mod projected_dilatation;
 mod standard;
 
 use crate::discretization::Discretization;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::patch::Patch;
@@ -121,7 +121,7 @@ pub(crate) trait CellFormulation: fmt::Debug + Send + Sync {
         patch: Patch,
         u: &[f64],
         scratch: &mut Scratch,
-    ) -> Result<(), InvertedAt>;
+    ) -> Result<(), Inadmissible>;
 
     /// `1 + grad u` at the points.
     fn own<'a>(&self, scratch: &'a Scratch) -> &'a [Kinematics];

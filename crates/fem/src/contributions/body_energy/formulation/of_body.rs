@@ -2,7 +2,7 @@
 
 use super::{CellFormulation, Formulation};
 use crate::contributions::body_energy::BodyEnergy;
-use crate::error::{FemError, InvertedAt};
+use crate::error::{FemError, Inadmissible};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
 use crate::kernels::patch::{Patch, Patches};
@@ -63,8 +63,8 @@ impl BodyEnergy {
     /// What laws see at every quadrature point of a displaced body, in the order of its points.
     ///
     /// # Errors
-    /// [`InvertedAt`] where J <= 0.
-    pub fn kinematics_of_laws(&self, u: &[f64]) -> Result<Vec<Kinematics>, InvertedAt> {
+    /// [`Inadmissible`] where u is.
+    pub fn kinematics_of_laws(&self, u: &[f64]) -> Result<Vec<Kinematics>, Inadmissible> {
         let mut all = vec![Kinematics::rest(); self.disc.points().len()];
         for (cells, patches) in self.groups() {
             let mut scratch = Scratch::new(cells);

@@ -2,7 +2,7 @@
 
 use super::{CellFormulation, StressJet};
 use crate::discretization::Discretization;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::dilatation::{Dilatation, jets, matrix as matrix_of, part, rows as rows_of};
@@ -31,7 +31,7 @@ impl CellFormulation for ProjectedDilatation {
         patch: Patch,
         u: &[f64],
         scratch: &mut Scratch,
-    ) -> Result<(), InvertedAt> {
+    ) -> Result<(), Inadmissible> {
         scratch.move_to(cells, patch, u)?;
         let positions = if self.linear { positions(disc, cells, patch) } else { Vec::new() };
         let dilatation = &mut scratch.dilatation;

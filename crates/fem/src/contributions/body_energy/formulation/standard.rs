@@ -2,7 +2,7 @@
 
 use super::{CellFormulation, StressJet};
 use crate::discretization::Discretization;
-use crate::error::InvertedAt;
+use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::patch::Patch;
@@ -24,7 +24,7 @@ impl CellFormulation for Standard {
         patch: Patch,
         u: &[f64],
         scratch: &mut Scratch,
-    ) -> Result<(), InvertedAt> {
+    ) -> Result<(), Inadmissible> {
         scratch.move_to(cells, patch, u)
     }
 
