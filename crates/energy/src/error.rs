@@ -13,6 +13,14 @@ pub enum EnergyError {
         /// What it would have to implement.
         method: &'static str,
     },
+    /// A law without parameters that could be unknowns.
+    #[error(
+        "{owner} has no parameters that could be unknowns; implement `EnergyTerm::parametrised`, or take neo_hooke or mooney_rivlin, which do"
+    )]
+    NoParameters {
+        /// Type of the law.
+        owner: &'static str,
+    },
     /// A parameter outside the range in which the law is polyconvex, or not finite.
     #[error("{owner}: {name} = {value:e}{entry}, but {requirement}")]
     Parameter {

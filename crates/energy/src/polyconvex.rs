@@ -1,9 +1,11 @@
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
 use crate::{
-    EnergyError, EnergyTerm, Existence, Moduli, Outside, Place, PointBatch, Response, Slots, TensionBound, Want,
+    Actuation, EnergyError, EnergyTerm, Existence, Moduli, Outside, Place, PointBatch, Response, Slots, TensionBound,
+    Want,
 };
 
 /// Work conjugates of `F`, `H` and `J` (Pa).
@@ -215,6 +217,14 @@ pub trait ConvexDensity: Debug + Send + Sync {
     fn small_strain(&self, _at: Place) -> Option<Moduli> {
         None
     }
+
+    /// See [`EnergyTerm::parametrised`]; [`Parametrised`](crate::Parametrised) is one.
+    ///
+    /// # Errors
+    /// [`EnergyError::NoParameters`] of a law that has none.
+    fn with_parameters(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
+        Err(EnergyError::NoParameters { owner: std::any::type_name::<Self>() })
+    }
 }
 
 impl<D: ConvexDensity> EnergyTerm for D {
@@ -296,6 +306,10 @@ impl<D: ConvexDensity> EnergyTerm for D {
 
     fn moduli(&self, at: Place) -> Option<Moduli> {
         self.small_strain(at)
+    }
+
+    fn parametrised(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
+        self.with_parameters()
     }
 }
 

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-use crate::{EnergyError, Evolution, Existence, Moduli, Outside, Place, PointQuantity, TensionBound};
+use crate::{EnergyError, Evolution, Existence, Moduli, Outside, Place, PointQuantity, Slot, TensionBound};
 
 /// The quadrature points of one cell: their kinematics, and who they are.
 #[derive(Clone, Copy, Debug)]
@@ -180,79 +180,14 @@ pub trait EnergyTerm: Debug + Send + Sync {
     fn moduli(&self, _at: Place) -> Option<Moduli> {
         None
     }
-}
 
-/// One control component of an actuation: a scalar, or a component of a vector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Slot {
-    /// Name of the quantity: `tension`, `pressure`, `remanence` ... Slots of one vector stand in a row and share it.
-    pub group: &'static str,
-    /// Which component of the vector (0 to 2); `None` for a scalar.
-    pub component: Option<usize>,
-    /// `Pa`, `T` ...
-    pub unit: &'static str,
-    /// Whether it only pulls: case files refuse values below zero, and zero is the lower bound unless one is given.
-    pub not_negative: bool,
-}
-
-impl Slot {
-    /// The slot of a scalar.
-    pub const fn scalar(group: &'static str, unit: &'static str) -> Self {
-        Slot { group, component: None, unit, not_negative: false }
-    }
-
-    /// The slot of a scalar that only pulls.
-    pub const fn pulling(group: &'static str, unit: &'static str) -> Self {
-        Slot { group, component: None, unit, not_negative: true }
-    }
-
-    /// The three slots of a vector.
-    pub const fn vector(group: &'static str, unit: &'static str) -> [Self; 3] {
-        [
-            Slot { group, component: Some(0), unit, not_negative: false },
-            Slot { group, component: Some(1), unit, not_negative: false },
-            Slot { group, component: Some(2), unit, not_negative: false },
-        ]
-    }
-}
-
-/// Slots of one quantity: a scalar alone, or the components of a vector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SlotGroup {
-    /// Name of the quantity.
-    pub name: &'static str,
-    /// Its first slot.
-    pub first: usize,
-    /// Number of slots.
-    pub len: usize,
-    /// `Pa`, `T` ...
-    pub unit: &'static str,
-    /// Whether it only pulls.
-    pub not_negative: bool,
-}
-
-impl SlotGroup {
-    /// The groups of an actuation's slots, in their order.
-    pub fn of(slots: &[Slot]) -> Vec<Self> {
-        let mut groups: Vec<Self> = Vec::new();
-        for (first, slot) in slots.iter().enumerate() {
-            match groups.last_mut() {
-                Some(last) if last.name == slot.group => last.len += 1,
-                _ => groups.push(SlotGroup {
-                    name: slot.group,
-                    first,
-                    len: 1,
-                    unit: slot.unit,
-                    not_negative: slot.not_negative,
-                }),
-            }
-        }
-        groups
-    }
-
-    /// Whether it is a vector of space.
-    pub fn is_vector(&self) -> bool {
-        self.len == 3
+    /// The law with parameters as slots of the role [`Role::Design`](crate::Role), at rest those of the law itself: what a problem attaches
+    /// in place of the law to have them as unknowns.
+    ///
+    /// # Errors
+    /// [`EnergyError::NoParameters`] of a law that has none.
+    fn parametrised(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
+        Err(EnergyError::NoParameters { owner: std::any::type_name::<Self>() })
     }
 }
 
@@ -279,6 +214,16 @@ pub trait Actuation: EnergyTerm {
         _out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
         Err(EnergyError::no_second_derivatives::<Self>("Actuation::control_stress_change"))
+    }
+
+    /// The value of a slot at rest.
+    fn rest(&self, _at: Place, slot: usize) -> f64 {
+        self.slots()[slot].rest()
+    }
+
+    /// Whether it is a body's passive material, with numbers of the law as slots.
+    fn is_material(&self) -> bool {
+        false
     }
 
     /// The number at every point that this actuation has to be judged by, if there is one.
@@ -346,6 +291,10 @@ impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
     fn moduli(&self, at: Place) -> Option<Moduli> {
         (**self).moduli(at)
     }
+
+    fn parametrised(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
+        (**self).parametrised()
+    }
 }
 
 impl<T: Actuation + ?Sized> Actuation for Arc<T> {
@@ -366,6 +315,14 @@ impl<T: Actuation + ?Sized> Actuation for Arc<T> {
         out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
         (**self).control_stress_change(at, m, change, v, out)
+    }
+
+    fn rest(&self, at: Place, slot: usize) -> f64 {
+        (**self).rest(at, slot)
+    }
+
+    fn is_material(&self) -> bool {
+        (**self).is_material()
     }
 
     fn point_quantity(&self) -> Option<PointQuantity> {
