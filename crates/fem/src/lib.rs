@@ -21,7 +21,7 @@ pub use contributions::body_energy::point_peaks::PointPeak;
 pub use contributions::body_energy::tensions::ExcessTension;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
-    BodyPoint, Cavity, Contribution, Controls, Demand, Foundation, Increment, Inertia, Instant, Motion,
+    BodyPoint, Cavity, Contribution, ControlPoint, Controls, Demand, Foundation, Increment, Inertia, Instant, Motion,
     SecondSensitivities, Sensitivities, Spring, Sums, Tendon, TimeStep, check_contribution,
 };
 pub use discretization::Discretization;

@@ -9,7 +9,7 @@ use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use crate::contributions::{Contribution, Demand, Sums};
+use crate::contributions::{Contribution, ControlPoint, Demand, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
@@ -39,12 +39,14 @@ pub struct Controllable<'a> {
     pub name: &'a str,
     /// Its slots.
     pub slots: &'a [Slot],
-    /// The regions it acts on; `None` where one number serves the whole contribution.
+    /// The regions it acts on; `None` of a contribution.
     pub regions: Option<&'a GroupNames>,
-    /// Their cells; `None` where one number serves the whole contribution.
+    /// Their cells; `None` of a contribution.
     pub cells: Option<&'a [u32]>,
     /// Size of what it acts on, where that is no set of cells.
     pub measure: f64,
+    /// Its points, where it is a contribution with some.
+    pub points: &'a [ControlPoint],
     /// Whether it holds unknowns of the body, and moves them.
     pub holds: bool,
 }
@@ -123,6 +125,7 @@ impl Model {
             regions: Some(&a.regions),
             cells: Some(&a.cells),
             measure: 0.0,
+            points: &[],
             holds: false,
         });
         let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| Controllable {
@@ -131,6 +134,7 @@ impl Model {
             regions: None,
             cells: None,
             measure: c.measure(),
+            points: c.control_points(),
             holds: !c.held().is_empty(),
         });
         of_body.chain(own).collect()
@@ -138,26 +142,46 @@ impl Model {
 
     /// The controls with relaxed viscous laws: their internal variables act no more.
     pub fn relaxed(&self, controls: &Controls) -> Controls {
-        self.with_zeros(controls, |slots| slots.is_empty())
+        self.taken_over(controls.clone(), &self.zero_controls(), |slot| slot.is_none())
     }
 
-    /// The controls without actuation; internal variables stay as they are.
+    /// The controls without loads; designs and internal variables stay as they are.
     pub fn unactuated(&self, controls: &Controls) -> Controls {
-        self.with_zeros(controls, |slots| !slots.is_empty())
+        self.taken_over(controls.clone(), &self.zero_controls(), |slot| slot.is_some_and(|slot| !slot.is_design()))
     }
 
-    fn with_zeros(&self, controls: &Controls, which: impl Fn(&[Slot]) -> bool) -> Controls {
-        let mut out = controls.clone();
-        for (k, _) in self.controllable().iter().enumerate().filter(|(_, own)| which(own.slots)) {
-            out.values_mut(k).fill(0.0);
+    /// Controls with the designs of others.
+    pub(crate) fn with_designs(&self, controls: Controls, of: &Controls) -> Controls {
+        self.taken_over(controls, of, |slot| slot.is_some_and(Slot::is_design))
+    }
+
+    /// Controls with the values of others in some slots; internal variables are none.
+    fn taken_over(&self, mut controls: Controls, of: &Controls, which: impl Fn(Option<&Slot>) -> bool) -> Controls {
+        for (k, own) in self.controllable().iter().enumerate() {
+            let width = controls.slots(k);
+            for slot in (0..width).filter(|&slot| which(own.slots.get(slot))) {
+                let values = controls.values_mut(k).iter_mut().zip(of.values(k));
+                values.skip(slot).step_by(width).for_each(|(value, other)| *value = *other);
+            }
         }
-        out
+        controls
     }
 
-    /// Controls of this model, all zero.
+    /// Controls of this model at rest: loads zero, designs as their actuations and contributions say.
     pub fn controls(&self) -> Controls {
-        let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| (c.slots().len(), 1));
-        self.body.controls().chain(Controls::zeros(own))
+        let with_slots = || self.others.iter().filter(|c| !c.slots().is_empty());
+        let points = |c: &Arc<dyn Contribution>| c.control_points().len().max(1);
+        let mut own = Controls::zeros(with_slots().map(|c| (c.slots().len(), points(c))));
+        for (k, contribution) in with_slots().enumerate() {
+            let rest = contribution.slots().iter().map(Slot::rest).cycle();
+            own.values_mut(k).iter_mut().zip(rest).for_each(|(value, rest)| *value = rest);
+        }
+        self.body.controls().chain(own)
+    }
+
+    /// Controls of this model, all zero: changes of controls, derivatives by them.
+    pub fn zero_controls(&self) -> Controls {
+        self.controls().zeroed()
     }
 
     /// Whether all contributions have symmetric tangents.

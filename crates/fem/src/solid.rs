@@ -271,7 +271,7 @@ impl Solid {
         &self.model.dead_load.0
     }
 
-    /// Controls of this body, all zero.
+    /// Controls of this body at rest: loads zero, designs as their actuations say.
     pub fn controls(&self) -> Controls {
         self.model.controls()
     }
@@ -433,7 +433,7 @@ impl Solid {
         self.model.modes(state, count, how)
     }
 
-    /// [`Model::rest`].
+    /// [`Model::rest`], and with the designs of controls [`Model::rest_under`].
     pub fn rest(&self) -> State {
         self.model.rest()
     }

@@ -95,7 +95,7 @@ impl Cost for Bound {
                 format!("the compliance is {compliance:.3e}, so the equilibrium is unstable: it gives way by itself");
             return Err(ControlError::Cost { what });
         }
-        let zero = model.controls();
+        let zero = model.zero_controls();
         let along = Increment { u: &v, controls: &zero };
         let second = model.second_vjp(&instant, &v, &along);
         let second = second.map_err(StateError::from)?;

@@ -2,9 +2,18 @@
 
 use crate::error::FemError;
 
+/// A point at which the controls of a contribution have values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ControlPoint {
+    /// Where it is in the reference body.
+    pub position: [f64; 3],
+    /// Its weight in the inner product of the control space: the length or area that belongs to it.
+    pub weight: f64,
+}
+
 /// What drives the body, in blocks: for each actuation of a [`Solid`](crate::Solid), in the order they were attached, the
 /// values of its slots at every quadrature point, shape `[points][slots]`; then for each contribution with controls (a
-/// cavity, say) one value per slot.
+/// cavity, say) one value per slot, or one for each of its [points](crate::Contribution::control_points).
 ///
 /// Points where an actuation does not act keep zeros that nobody reads. Control fields with fewer unknowns (uniform,
 /// by region, by cell, by node) are mapped to these values, and derivatives back from them, in `nastic-control`.
@@ -79,6 +88,13 @@ impl Controls {
             entry[slot] = value;
         }
         Ok(())
+    }
+
+    /// The same blocks, all zero.
+    #[must_use]
+    pub(crate) fn zeroed(mut self) -> Self {
+        self.blocks.iter_mut().for_each(|block| block.values.fill(0.0));
+        self
     }
 
     /// `(1 - s) self + s other`: the straight way from one set of controls to another.

@@ -39,6 +39,16 @@ impl<'a> Instant<'a> {
         self.controls.values(self.block)[slot]
     }
 
+    /// The value of a slot at a [point](crate::Contribution::control_points) of the contribution that is asked.
+    pub fn control_at(&self, point: usize, slot: usize) -> f64 {
+        self.slot_at(self.controls, point, slot)
+    }
+
+    /// The same in other controls of the same model.
+    pub fn slot_at(&self, controls: &Controls, point: usize, slot: usize) -> f64 {
+        controls.values(self.block)[point * controls.slots(self.block) + slot]
+    }
+
     /// Place of a multiplier of the contribution that is asked, in u and in all vectors of its length.
     pub fn place(&self, multiplier: usize) -> usize {
         self.scalar + multiplier

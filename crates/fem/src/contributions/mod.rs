@@ -22,7 +22,7 @@ use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
-pub use controls::Controls;
+pub use controls::{ControlPoint, Controls};
 pub use foundation::Foundation;
 pub use inertia::Inertia;
 pub use instant::{Instant, TimeStep};
@@ -86,7 +86,8 @@ pub trait Contribution: Debug + Send + Sync {
         false
     }
 
-    /// Its controls: numbers for the whole contribution, one per slot (see [`Instant::control`]).
+    /// Its controls, each one number for the whole contribution (see [`Instant::control`]) or one for each of its
+    /// [points](Self::control_points) (see [`Instant::control_at`]).
     fn slots(&self) -> &[Slot] {
         &[]
     }
@@ -111,7 +112,12 @@ pub trait Contribution: Debug + Send + Sync {
         1.0
     }
 
-    /// Whether its controls may have these values, by slot.
+    /// The points at which its controls have values: along a tendon, over a surface. Empty where they are numbers for the whole.
+    fn control_points(&self) -> &[ControlPoint] {
+        &[]
+    }
+
+    /// Whether its controls may have these values, `slots * point + slot`.
     ///
     /// # Errors
     /// What may not.

@@ -7,7 +7,7 @@ use crate::contributions::instant::Instant;
 /// Vector-Jacobian products of a residual, added up over contributions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivities {
-    /// By the controls: of every actuation by point, weights included, shape `[points][slots]`; of other contributions by slot.
+    /// By the controls: of every actuation by point, weights included, shape `[points][slots]`; of other contributions by slot, or by point and slot.
     pub controls: Controls,
     /// By the velocity, flat; empty in a static problem.
     pub velocity: Vec<f64>,
@@ -19,12 +19,19 @@ impl Sensitivities {
     /// Zero, for the controls of a model; with room for those by velocity and acceleration in a time step.
     pub fn zero(controls: Controls, at: &Instant) -> Self {
         let dofs = if at.step.is_some() { at.u.len() } else { 0 };
+        let controls = controls.zeroed();
         Sensitivities { controls, velocity: vec![0.0; dofs], acceleration: vec![0.0; dofs] }
     }
 
     /// Adds to the derivative by a slot of the contribution that is asked.
     pub fn add_control(&mut self, at: &Instant, slot: usize, value: f64) {
         self.controls.values_mut(at.block)[slot] += value;
+    }
+
+    /// Adds to the derivative by a slot at a [point](crate::Contribution::control_points) of the contribution that is asked.
+    pub fn add_control_at(&mut self, at: &Instant, point: usize, slot: usize, value: f64) {
+        let width = self.controls.slots(at.block);
+        self.controls.values_mut(at.block)[point * width + slot] += value;
     }
 }
 
@@ -49,11 +56,17 @@ pub struct SecondSensitivities {
 impl SecondSensitivities {
     /// Zero, for the unknowns and controls of a model.
     pub fn zero(controls: Controls, dofs: usize) -> Self {
-        SecondSensitivities { u: vec![0.0; dofs], controls }
+        SecondSensitivities { u: vec![0.0; dofs], controls: controls.zeroed() }
     }
 
     /// Adds to the change of the derivative by a slot of the contribution that is asked.
     pub fn add_control(&mut self, at: &Instant, slot: usize, value: f64) {
         self.controls.values_mut(at.block)[slot] += value;
+    }
+
+    /// Adds to the change of the derivative by a slot at a point of the contribution that is asked.
+    pub fn add_control_at(&mut self, at: &Instant, point: usize, slot: usize, value: f64) {
+        let width = self.controls.slots(at.block);
+        self.controls.values_mut(at.block)[point * width + slot] += value;
     }
 }

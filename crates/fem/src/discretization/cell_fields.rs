@@ -89,8 +89,8 @@ impl Solid {
             for &t in &composition.terms {
                 self.body().terms[t].respond(&at, Slots::none(), want, &mut out);
             }
-            let want = Want { energy: false, ..want };
             for &k in &composition.actuations {
+                let want = Want { energy: self.body().actuations[k].law.is_material(), ..want };
                 let width = state.controls.slots(k);
                 let values = &state.controls.values(k)[first * width..(first + count) * width];
                 self.body().actuations[k].law.respond(&at, Slots { values, width }, want, &mut out);

@@ -24,7 +24,7 @@ const MOST: usize = 10_000;
 impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
-    /// The straight way from the starting state (rest, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
+    /// The straight way from the starting state (rest with the designs of these controls, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
     /// with strains of their own at the quadrature points (slender and nearly incompressible bodies); where that fails too,
     /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
     /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or fails after more
@@ -71,7 +71,7 @@ impl Model {
     ) -> Result<State, StateError> {
         self.check_controls(controls)?;
         self.check_constraints(controls)?;
-        let rest = self.rest();
+        let rest = self.rest_under(controls);
         let mut spent = SolveReport::default();
         if let Some(guess) = how.guess.filter(|guess| guess.len() != rest.u.len()) {
             let what = "guess of the displacement".to_owned();
@@ -179,6 +179,12 @@ impl Model {
     pub fn rest(&self) -> State {
         let report = SolveReport { min_j: 1.0, ..SolveReport::default() };
         State::equilibrium(vec![0.0; self.unknowns().len()], self.controls(), 0.0, report)
+    }
+
+    /// The same with the designs of these controls, which hold from the first load step on.
+    pub fn rest_under(&self, controls: &Controls) -> State {
+        let rest = self.rest();
+        State { controls: self.with_designs(self.controls(), controls).into(), ..rest }
     }
 
     /// The linear solver of a workspace for this model.

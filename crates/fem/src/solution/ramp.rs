@@ -10,7 +10,7 @@ use crate::solution::workspace::Workspace;
 /// Critical values are known to this share of the step between two equilibria.
 const BISECTED: f64 = 1e-3;
 
-/// Equilibria at controls `(1 - s) from + s to`, s from 0 to 1 in equal steps.
+/// Equilibria at controls `(1 - s) from + s to`, s from 0 to 1 in equal steps; designs are those of `to` throughout.
 #[derive(Debug, Clone)]
 pub struct Ramp {
     /// The equilibria found, in order.
@@ -73,6 +73,7 @@ impl Model {
             let what = format!("a ramp of {count} equilibria has no two ends; ask for 2 or more");
             return Err(FemError::Meaningless { what }.into());
         }
+        let from = &self.with_designs(from.clone(), to);
         let mut search = Search { model: self, from, to, how, workspace };
         let mut ramp = Ramp { points: Vec::new(), critical: Vec::new(), failure: None };
         for k in 0..count {

@@ -111,7 +111,7 @@ impl Model {
 impl<'a> ReverseSweep<'a> {
     /// One that stands at the end of a motion.
     pub fn new(model: &'a Model, how: &'a SolveOptions<'a>, workspace: &'a mut Workspace) -> Self {
-        let controls = [model.controls(), model.controls()];
+        let controls = [model.zero_controls(), model.zero_controls()];
         let report = SolveReport::default();
         ReverseSweep { model, how, workspace, owed: Default::default(), controls, history: History::new(), report }
     }
@@ -230,7 +230,7 @@ impl<'a> ReverseSweep<'a> {
 
     /// What was found at the instant at the end, which is left behind.
     fn swept(&mut self, lambda: Vec<f64>) -> SweptInstant {
-        let before = replace(&mut self.controls[BEGIN], self.model.controls());
+        let before = replace(&mut self.controls[BEGIN], self.model.zero_controls());
         SweptInstant { lambda, controls: replace(&mut self.controls[END], before) }
     }
 
@@ -262,7 +262,7 @@ impl<'a> ReverseSweep<'a> {
             return Err(FemError::Meaningless { what }.into());
         }
         let change: Vec<f64> = w.iter().zip(at.u).map(|(w, u)| w - u).collect();
-        let along = Increment { u: &change, controls: &self.model.controls() };
+        let along = Increment { u: &change, controls: &self.model.zero_controls() };
         let second = self.model.second_vjp(at, lambda, &along)?;
         (0..by.len()).for_each(|block| axpy(1.0, second.controls.values(block), by.values_mut(block)));
         add(1.0, &second.u, &mut self.owed[BEGIN].u);

@@ -71,7 +71,7 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told
         series.rows.push(row);
     };
     let model = member.solid().model();
-    let (rest, options) = (model.rest(), PathOptions { to_limit, ..PathOptions::default() });
+    let (rest, options) = (model.rest_under(&controls), PathOptions { to_limit, ..PathOptions::default() });
     let path = model.path(&rest, (&controls, 1.0), &options, &how, &mut Workspace::default(), &mut found);
     let path = path.map_err(|error| failed(error.into()))?;
     path.events.iter().for_each(|event| session.console.say(line(event)));

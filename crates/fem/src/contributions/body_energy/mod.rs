@@ -104,10 +104,23 @@ impl BodyEnergy {
         self.compositions[self.of_cell[cell] as usize].terms.iter().map(|&t| &self.terms[t])
     }
 
-    /// Controls of this body, all zero.
+    /// Controls of this body at rest: loads zero, designs as their actuations say.
     pub fn controls(&self) -> Controls {
         let points = self.disc.points().len();
-        Controls::zeros(self.actuations.iter().map(|a| (a.law.slots().len(), points)))
+        let mut controls = Controls::zeros(self.actuations.iter().map(|a| (a.law.slots().len(), points)));
+        for (k, attached) in self.actuations.iter().enumerate() {
+            let slots = attached.law.slots();
+            for (slot, _) in slots.iter().enumerate().filter(|(_, slot)| slot.is_design()) {
+                let values = controls.values_mut(k);
+                self.places(k).for_each(|at| values[at.point * slots.len() + slot] = attached.law.rest(at, slot));
+            }
+        }
+        controls
+    }
+
+    /// Whether a law with parameters as slots is a material of a cell.
+    fn has_parametrised(&self, cell: usize) -> bool {
+        self.composition_of(cell).actuations.iter().any(|&k| self.actuations[k].law.is_material())
     }
 
     pub(crate) fn composition_of(&self, cell: usize) -> &Composition {
@@ -154,7 +167,7 @@ impl BodyEnergy {
 
     /// Every cell needs a passive material.
     pub(crate) fn check_complete(&self) -> Result<(), FemError> {
-        let bare = |&cell: &usize| self.compositions[self.of_cell[cell] as usize].terms.is_empty();
+        let bare = |&cell: &usize| self.materials_of(cell).next().is_none() && !self.has_parametrised(cell);
         let Some(first) = (0..self.of_cell.len()).find(bare) else { return Ok(()) };
         let mesh = self.disc.mesh();
         let regions = mesh.regions().keys().cloned().collect::<Vec<_>>().join(", ");
@@ -262,7 +275,7 @@ impl BodyEnergy {
         lambda: &[f64],
         parallel: bool,
     ) -> Result<Controls, Inadmissible> {
-        let mut out = self.controls();
+        let mut out = self.controls().zeroed();
         control_vjp::add(self, (u, controls), lambda, &mut out, parallel)?;
         Ok(out)
     }

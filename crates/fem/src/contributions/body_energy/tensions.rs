@@ -92,8 +92,12 @@ impl BodyEnergy {
         least
     }
 
-    /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none.
+    /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none, as one does whose
+    /// parameters are slots.
     fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+        if self.has_parametrised(at.cell) {
+            return None;
+        }
         let mut bounds = self.materials_of(at.cell).map(|law| law.fiber_bound(at));
         let first = bounds.next()??;
         bounds.try_fold(first, |sum, next| Some(sum + next?))
@@ -111,7 +115,7 @@ impl BodyEnergy {
         law.slots().len() == 1 && self.places(actuation).next().is_some_and(|at| law.direction(at).is_some())
     }
 
-    fn places(&self, actuation: usize) -> impl Iterator<Item = Place> {
+    pub(super) fn places(&self, actuation: usize) -> impl Iterator<Item = Place> {
         let points = self.disc.points_of_cells();
         self.actuations[actuation].cells.iter().flat_map(move |&cell| {
             let (first, count) = points[cell as usize];
