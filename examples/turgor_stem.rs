@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// The pressures of the flank's cells, by distance from the clamp.
 fn kilopascals(problem: &Reduced, m: &[f64]) -> Result<String, Box<dyn std::error::Error>> {
     let mesh = problem.solid().mesh();
-    let cells = problem.layout().block("turgor")?.map.entities();
+    let cells = problem.layout().block("turgor")?.basis.entities();
     let place = |cell: &u32| mesh.cell_centre(*cell as usize)[0];
     let mut along: Vec<(f64, f64)> = cells.iter().map(place).zip(m.iter().map(|m| m / 1e3)).collect();
     along.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -87,7 +87,7 @@ fn fields(case: &str, directory: &Path) -> Outcome<Vec<Field>> {
         let owner = problem.ensemble.members()[place.owner].problem();
         let (layout, discretization) = (owner.layout(), owner.solid().discretization());
         let block = &layout.blocks()[place.field];
-        if field.load_case.is_some() || block.map.is_whole() {
+        if field.load_case.is_some() || block.basis.is_of_contribution() {
             continue;
         }
         let values = controls[&field.name].as_array().ok_or_else(|| format!("no {} in controls.json", field.name))?;
@@ -105,8 +105,9 @@ fn fields(case: &str, directory: &Path) -> Outcome<Vec<Field>> {
         let mut m = vec![0.0; layout.len()];
         m[block.first..][..values.len()].copy_from_slice(&values);
         let all = layout.to_points(&m)?;
-        let slots = all.values(block.actuation).chunks_exact(all.slots(block.actuation));
-        let at_points = slots.flat_map(|at| at[block.slot..][..block.slots()].to_vec()).collect();
+        let ControlTarget { actuation, slot, slots, .. } = block.targets[0];
+        let points = all.values(actuation).chunks_exact(all.slots(actuation));
+        let at_points = points.flat_map(|at| at[slot..][..slots].to_vec()).collect();
         let total_variation = block.total_variation(discretization, &values);
         out.push(Field {
             name: field.name.clone(),

@@ -96,8 +96,8 @@ fn problem_points(case: &str, place: &Place) -> Vec<f64> {
     let values = place.json("controls.json")["design"].as_array().unwrap().clone();
     m[block.first..].iter_mut().zip(&values).for_each(|(m, value)| *m = value.as_f64().unwrap());
     let controls = owner.layout().to_points(&m).unwrap();
-    let vectors = controls.values(block.actuation).chunks_exact(controls.slots(block.actuation));
-    vectors.map(|v| v[block.slot..][..3].iter().map(|x| x * x).sum::<f64>().sqrt()).collect()
+    let vectors = controls.values(block.targets[0].actuation).chunks_exact(controls.slots(block.targets[0].actuation));
+    vectors.map(|v| v[block.targets[0].slot..][..3].iter().map(|x| x * x).sum::<f64>().sqrt()).collect()
 }
 
 /// Vectors of one length have it between the nodes of a grid too.

@@ -186,9 +186,9 @@ fn unknowns(mesh: &str, region: &str) -> Result<Vec<String>, String> {
     let file = place.write("case.json", &text.replace("REGIONS", all));
     let document = Document::open(&file).unwrap();
     let problem = CaseProblem::lower(document, Arc::default()).map_err(|problems| problems.to_string())?;
-    let map = &problem.member(0).layout().blocks()[0].map;
-    assert_eq!(problem.start.len(), map.len());
-    Ok((0..map.len()).map(|k| format!("{} {}", map.region(k), problem.start[k].round())).collect())
+    let basis = &problem.member(0).layout().blocks()[0].basis;
+    assert_eq!(problem.start.len(), basis.len());
+    Ok((0..basis.len()).map(|k| format!("{} {}", basis.region(k), problem.start[k].round())).collect())
 }
 
 /// Starts are evaluated at the centres of the regions: x = 1 of a, 2.5 of b, 3.5 of c.

@@ -1,6 +1,6 @@
 //! [`ControlValues`]: the values of a control field with what each belongs to.
 
-use crate::layout::ControlBlock;
+use crate::control_block::ControlBlock;
 use std::fmt;
 use std::slice::ChunksExact;
 
@@ -13,6 +13,8 @@ pub enum ControlEntity<'a> {
     Region(&'a str),
     /// The cell of this number.
     Cell(u32),
+    /// The quadrature point of this number, or that point of a contribution.
+    Point(u32),
     /// The corner node of this number.
     Node(u32),
     /// The node of this number of the control's own grid.
@@ -26,6 +28,7 @@ impl fmt::Display for ControlEntity<'_> {
             Self::Whole => f.write_str("the whole region"),
             Self::Region(name) => write!(f, "region \"{name}\""),
             Self::Cell(cell) => write!(f, "cell {cell}"),
+            Self::Point(point) => write!(f, "point {point}"),
             Self::Node(node) => write!(f, "node {node}"),
             Self::GridNode(node) => write!(f, "grid node {node}"),
         }
@@ -102,7 +105,7 @@ impl<'a> Iterator for Pairs<'a> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let value = self.values.next()?;
-        let entity = self.block.map.entity(self.unknown % self.block.map.len());
+        let entity = self.block.basis.entity(self.unknown % self.block.basis.len());
         self.unknown += 1;
         Some((entity, value))
     }

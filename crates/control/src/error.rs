@@ -67,6 +67,26 @@ pub enum ControlError {
         /// The space asked for.
         space: &'static str,
     },
+    /// A field over the points of a contribution in a space that needs cells.
+    #[error(
+        "control \"{name}\" is a field over points of its own, so its space is \"uniform\", \"point\" or \"grid\", not \"{space}\""
+    )]
+    OwnPoints {
+        /// The control.
+        name: String,
+        /// The space asked for.
+        space: &'static str,
+    },
+    /// A consumer that cannot follow from a design field.
+    #[error("the design field \"{name}\" has the consumer \"{of}\": {why}")]
+    Consumer {
+        /// The design field.
+        name: String,
+        /// The slots.
+        of: String,
+        /// What is wrong, and what to try.
+        why: &'static str,
+    },
     /// Region space over regions that overlap.
     #[error(
         "regions \"{first}\" and \"{second}\" share {cells} cells, so a control by region has no single value there: give the actuation a \

@@ -3,7 +3,7 @@
 use crate::error::ControlError;
 use crate::grid::Corner;
 use crate::layout::Layout;
-use crate::map::{ControlMap, Space};
+use crate::map::{Basis, Space};
 use nastic_fem::{Discretization, Solid};
 use nastic_linear::{Factor, Graph, Ordering, Pattern, Pivots, SparseMatrix, Symbolic};
 use nastic_numeric::vector::axpy;
@@ -16,7 +16,8 @@ pub enum Metric {
     /// `int m v dX`, lumped: the weight of an unknown is the integral of its basis function.
     #[default]
     L2,
-    /// `int m v + length^2 grad m . grad v dX` (mass lumped): smooths the gradient over the length given.
+    /// `int m v + length^2 grad m . grad v dX` (mass lumped): smooths the gradient over the length given. Fields by region and by point
+    /// have no neighbours: the part with gradients is zero.
     H1 {
         /// The smoothing length.
         length: f64,
@@ -76,8 +77,8 @@ fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
     let mut out = vec![0.0; layout.len()];
     for block in layout.blocks() {
         let mut at_instant = vec![0.0; block.size()];
-        for (q, w) in block.map.weights(disc).iter().enumerate() {
-            for (i, shape) in block.map.at_point(q) {
+        for (q, w) in block.basis.weights(disc).iter().enumerate() {
+            for (i, shape) in block.basis.at_point(q) {
                 for c in 0..block.components {
                     at_instant[i * block.components + c] += block.weight * w * shape;
                 }
@@ -91,19 +92,19 @@ fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
 }
 
 /// The consistent mass times m for one component: `int phi_i m dX`.
-pub(crate) fn mass_product(disc: &Discretization, map: &ControlMap, m: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; map.len()];
-    for (q, w) in map.weights(disc).iter().enumerate() {
-        let value: f64 = map.at_point(q).map(|(i, shape)| shape * m[i]).sum();
-        map.at_point(q).for_each(|(i, shape)| out[i] += w * shape * value);
+pub(crate) fn mass_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; basis.len()];
+    for (q, w) in basis.weights(disc).iter().enumerate() {
+        let value: f64 = basis.at_point(q).map(|(i, shape)| shape * m[i]).sum();
+        basis.at_point(q).for_each(|(i, shape)| out[i] += w * shape * value);
     }
     out
 }
 
 /// The stiffness times m for one component: `int grad phi_i . grad m dX`, or its analogue over faces.
-pub(crate) fn stiffness_product(disc: &Discretization, map: &ControlMap, m: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; map.len()];
-    for_each_stiffness(disc, map, |unknowns, local| {
+pub(crate) fn stiffness_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; basis.len()];
+    for_each_stiffness(disc, basis, |unknowns, local| {
         let n = unknowns.len();
         for (a, &i) in unknowns.iter().enumerate() {
             let row = &local[a * n..(a + 1) * n];
@@ -115,22 +116,22 @@ pub(crate) fn stiffness_product(disc: &Discretization, map: &ControlMap, m: &[f6
 
 /// Calls back with the unknowns and the dense stiffness of every cell (nodal fields), part of a cell in one grid cell (fields
 /// on a grid) or inner face (cell fields).
-fn for_each_stiffness(disc: &Discretization, map: &ControlMap, mut each: impl FnMut(&[u32], &[f64])) {
-    match map.space() {
-        Space::Uniform | Space::Region => {}
-        Space::Cell => for_each_face(disc, map, |pair, area, distance| {
+fn for_each_stiffness(disc: &Discretization, basis: &Basis, mut each: impl FnMut(&[u32], &[f64])) {
+    match basis.space() {
+        Space::Uniform | Space::Region | Space::Point => {}
+        Space::Cell => for_each_face(disc, basis, |pair, area, distance| {
             let k = area / distance;
             each(&pair, &[k, -k, -k, k]);
         }),
         Space::Node | Space::Grid(_) => {
-            let basis = map.gradients(disc);
+            let gradients = basis.gradients(disc);
             let mut first = 0;
             let same = |a: &Vec<Corner>, b: &Vec<Corner>| a.iter().map(|(i, ..)| i).eq(b.iter().map(|(i, ..)| i));
-            for points in basis.chunk_by(same) {
+            for points in gradients.chunk_by(same) {
                 let unknowns: Vec<u32> = points[0].iter().map(|(i, ..)| *i).collect();
                 let n = unknowns.len();
                 let mut local = vec![0.0; n * n];
-                for (basis, w) in points.iter().zip(&disc.points().weights()[first..]) {
+                for (basis, w) in points.iter().zip(&basis.weights(disc)[first..]) {
                     for (a, (_, _, left)) in basis.iter().enumerate() {
                         for (b, (_, _, right)) in basis.iter().enumerate() {
                             local[a * n + b] += w * (0..3).map(|j| left[j] * right[j]).sum::<f64>();
@@ -147,16 +148,16 @@ fn for_each_stiffness(disc: &Discretization, map: &ControlMap, mut each: impl Fn
 }
 
 /// The unknowns on both sides of every inner face of the cells that a control acts on, its area, and the distance of the unknowns' places.
-pub(crate) fn for_each_face(disc: &Discretization, map: &ControlMap, mut each: impl FnMut([u32; 2], f64, f64)) {
+pub(crate) fn for_each_face(disc: &Discretization, basis: &Basis, mut each: impl FnMut([u32; 2], f64, f64)) {
     let mesh = disc.mesh();
-    let unknown = |first: usize| map.at_point(first).next().map_or(u32::MAX, |(i, _)| i as u32);
+    let unknown = |first: usize| basis.at_point(first).next().map_or(u32::MAX, |(i, _)| i as u32);
     let unknown_of: Vec<u32> = disc.points_of_cells().into_iter().map(|(first, _)| unknown(first)).collect();
     for &(here, there) in mesh.neighbours() {
         let (a, b) = (unknown_of[here.cell as usize], unknown_of[there.cell as usize]);
         if a == u32::MAX || b == u32::MAX {
             continue;
         }
-        let (x, y) = (map.positions()[a as usize], map.positions()[b as usize]);
+        let (x, y) = (basis.positions()[a as usize], basis.positions()[b as usize]);
         let distance = (0..3).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>().sqrt();
         each([a, b], mesh.area(&[here]), distance);
     }
@@ -182,12 +183,12 @@ impl H1 {
         let fail = |what: String| ControlError::Cost { what };
         let mut blocks = Vec::new();
         for block in layout.blocks() {
-            let map = &block.map;
-            let mut cliques: Vec<Vec<u32>> = (0..map.len() as u32).map(|i| vec![i]).collect();
-            for_each_stiffness(disc, map, |unknowns, _| cliques.push(unknowns.to_vec()));
+            let basis = &block.basis;
+            let mut cliques: Vec<Vec<u32>> = (0..basis.len() as u32).map(|i| vec![i]).collect();
+            for_each_stiffness(disc, basis, |unknowns, _| cliques.push(unknowns.to_vec()));
             let graph =
-                Graph::from_cliques(map.len(), cliques.iter().map(Vec::as_slice)).map_err(|e| fail(e.to_string()))?;
-            let ordering = Ordering::best(&graph, map.positions()).map_err(|e| fail(e.to_string()))?;
+                Graph::from_cliques(basis.len(), cliques.iter().map(Vec::as_slice)).map_err(|e| fail(e.to_string()))?;
+            let ordering = Ordering::best(&graph, basis.positions()).map_err(|e| fail(e.to_string()))?;
             let pattern = Arc::new(Pattern::new(&graph, 1, ordering).map_err(|e| fail(e.to_string()))?);
             let mut matrix = SparseMatrix::zeros(pattern.clone());
             let mut add = |i: usize, j: usize, value: f64| {
@@ -195,10 +196,10 @@ impl H1 {
                     matrix.values[at] += value;
                 }
             };
-            for i in 0..map.len() {
+            for i in 0..basis.len() {
                 add(i, i, weights[block.first + i * block.components]);
             }
-            for_each_stiffness(disc, map, |unknowns, local| {
+            for_each_stiffness(disc, basis, |unknowns, local| {
                 let n = unknowns.len();
                 for a in 0..n {
                     for b in 0..=a {

@@ -5,8 +5,11 @@
 //! [`Objective`](nastic_opt::Objective), so every optimiser of `nastic-opt` drives it.
 
 mod constraint;
+mod control_block;
+mod control_names;
 mod control_values;
 mod cost;
+mod design;
 mod ensemble;
 mod error;
 mod evaluated;
@@ -15,7 +18,6 @@ mod inner_product;
 mod layout;
 mod map;
 mod reduced;
-mod scaling;
 mod snapshot;
 mod state_bytes;
 mod state_predictor;
@@ -24,6 +26,7 @@ mod total_variation;
 mod workspace;
 
 pub use constraint::{BetweenNodes, Constraint, ConstraintPoint, CostLimit, IntoConstraint, ObstacleDistance};
+pub use control_block::{ControlBlock, ControlTarget};
 pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ControlNorm, ControlSmoothness, Cost, CostContext,
@@ -31,6 +34,7 @@ pub use cost::{
     MakeCost, MeanPosition, Obstacle, ObstaclePenetration, Orientation, Partials, PumpWork, SmoothedHausdorff, Target,
     Tracking,
 };
+pub use design::Consumer;
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,
     Measured, Member,
@@ -39,8 +43,10 @@ pub use error::ControlError;
 pub use evaluated::{AdjointState, Evaluated, MotionRun, StepError};
 pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
-pub use layout::{ControlBlock, Layout};
-pub use map::{ControlMap, SPACES, Space, SpaceRow};
+pub use layout::Layout;
+pub use map::{
+    Basis, Chain, ControlMap, Direction, Expansion, Length, MAPS, MapRow, PowerLaw, SPACES, Space, SpaceRow,
+};
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use reduced::{AdaptiveSteps, Reduced};
 pub use snapshot::StateFields;

@@ -18,6 +18,7 @@ pub(crate) use objective::work_summary;
 use crate::constraint::Constraint;
 use crate::control_values::ControlValues;
 use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost};
+use crate::design::Consumer;
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
 use crate::inner_product::{Metric, inner_product};
@@ -155,6 +156,16 @@ impl Reduced {
     /// As [`control`](Self::control); a slot that is no vector, a direction without a length.
     pub fn control_along(mut self, of: &str, space: Space, direction: [f64; 3]) -> Result<Self, ControlError> {
         self.layout.control_along(&self.solid, of, space, direction)?;
+        self.update_layout();
+        Ok(self)
+    }
+
+    /// Adds a design field, a scalar without unit from which the slots of several actuations and contributions follow: [`Layout::design`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn design(mut self, name: &str, space: Space, consumers: &[Consumer]) -> Result<Self, ControlError> {
+        self.layout.design(&self.solid, name, space, consumers)?;
         self.update_layout();
         Ok(self)
     }

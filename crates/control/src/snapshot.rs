@@ -1,8 +1,8 @@
 //! The state of a problem at one control as named arrays, for VTU files and pictures.
 
+use crate::control_block::ControlBlock;
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
-use crate::layout::ControlBlock;
 use crate::map::Space;
 use crate::reduced::Reduced;
 use crate::time::Timeline;
@@ -135,18 +135,18 @@ impl Reduced {
         self.solid().model().nodal(u).chunks_exact(self.solid().mesh().dim()).flat_map(triple).collect()
     }
 
-    /// A field of the control space, by node or by cell; the number of a contribution as a whole is no field.
+    /// A field of the control space, by node or by cell; that of a contribution is none of the body.
     fn with_field(&self, shot: Snapshot, block: &ControlBlock, name: &str, m: &[f64]) -> Result<Snapshot, MeshError> {
         let (n, values) = (block.components, block.of(m));
-        if block.map.is_whole() {
+        if block.basis.is_of_contribution() {
             return Ok(shot);
         }
-        match block.map.space() {
+        match block.basis.space() {
             Space::Node => {
-                let cells = &self.solid().body().actuations()[block.actuation].cells;
+                let cells = &self.solid().body().actuations()[block.targets[0].actuation].cells;
                 shot.with_points(name, n, by_node(self.solid().mesh(), cells, block, values))
             }
-            Space::Grid(_) => shot.with_cells(name, n, self.cell_means(block, values)),
+            Space::Grid(_) | Space::Point => shot.with_cells(name, n, self.cell_means(block, values)),
             _ => shot.with_cells(name, n, self.by_cell(block, values)),
         }
     }
@@ -156,7 +156,7 @@ impl Reduced {
         let n = block.components;
         let mut out = vec![0.0; self.solid().mesh().cells() * n];
         for (cell, (first, _)) in self.solid().discretization().points_of_cells().into_iter().enumerate() {
-            if let Some((unknown, _)) = block.map.at_point(first).next() {
+            if let Some((unknown, _)) = block.basis.at_point(first).next() {
                 out[cell * n..][..n].copy_from_slice(&values[unknown * n..][..n]);
             }
         }
@@ -166,9 +166,7 @@ impl Reduced {
     /// The means over the cells of a field that varies in them; zero where it does not act.
     fn cell_means(&self, block: &ControlBlock, values: &[f64]) -> Vec<f64> {
         let (disc, n) = (self.solid().discretization(), block.components);
-        let mut at_points = vec![0.0; n * block.map.points()];
-        (0..n).for_each(|c| block.map.to_points(values, n, c, n, c, &mut at_points));
-        disc.cell_average(&at_points, n)
+        disc.cell_average(&block.basis.values(values, n), n)
     }
 
     /// Scalar slots nobody controls, and remanence and applied field of all magnets together: the means of each cell.
@@ -179,7 +177,9 @@ impl Reduced {
         for (k, attached) in all.filter(|(_, attached)| attached.law.evolution().is_none()) {
             let slots = attached.law.slots();
             let means = disc.cell_average(state.controls.values(k), slots.len());
-            if slots.len() == 1 && self.layout().blocks().iter().all(|block| block.actuation != k) {
+            if slots.len() == 1
+                && self.layout().blocks().iter().flat_map(|block| &block.targets).all(|target| target.actuation != k)
+            {
                 shot = shot.with_cells(&attached.name, 1, means.clone())?;
             }
             for group in SlotGroup::of(slots).into_iter().filter(SlotGroup::is_vector) {
@@ -267,7 +267,7 @@ fn principal_stretches(strain: &[f64]) -> [f64; 3] {
 fn by_node(mesh: &Mesh, cells: &[u32], block: &ControlBlock, values: &[f64]) -> Vec<f64> {
     let n = block.components;
     let mut out = vec![0.0; mesh.points().len() * n];
-    let unknown = |node: u32| block.map.entities().binary_search(&node).ok();
+    let unknown = |node: u32| block.basis.entities().binary_search(&node).ok();
     for &id in cells {
         let cell = mesh.cell(id as usize);
         let corners = cell.kind.corners();
@@ -281,7 +281,7 @@ fn by_node(mesh: &Mesh, cells: &[u32], block: &ControlBlock, values: &[f64]) -> 
             }
         }
     }
-    for (k, &node) in block.map.entities().iter().enumerate() {
+    for (k, &node) in block.basis.entities().iter().enumerate() {
         out[node as usize * n..][..n].copy_from_slice(&values[k * n..][..n]);
     }
     out

@@ -109,7 +109,7 @@ fn few_iterations_on_spheres_and_in_balls() -> Outcome {
         .control("magnet.field", Space::Uniform)?
         .weigh("magnet.remanence", 1.0 / (0.1 * 0.1))?
         .weigh("magnet.field", 1.0 / (20e-3 * 20e-3))?;
-    let cells = problem.layout().blocks()[0].map.len();
+    let cells = problem.layout().blocks()[0].basis.len();
     let sphere = Sphere::new(3, 0.1)?;
     let set = Product::new().block(3 * cells, sphere.clone()).block(3, Ball::new(3, 20e-3)?);
     let begin = |towards: [f64; 3], field: [f64; 3]| {

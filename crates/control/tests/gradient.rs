@@ -41,7 +41,7 @@ fn value_and_derivative_of_the_check_case_agree_with_five_codes() -> Outcome {
     let at_rest = problem.at(&vec![0.0; problem.layout().len()])?;
     assert!((at_rest.cost() / 0.0014696633970587 - 1.0).abs() < 1e-12, "{:e}", at_rest.cost());
 
-    let m: Vec<f64> = problem.layout().blocks()[0].map.positions().iter().map(|x| -1.5e5 * x[2] / 0.2).collect();
+    let m: Vec<f64> = problem.layout().blocks()[0].basis.positions().iter().map(|x| -1.5e5 * x[2] / 0.2).collect();
     let mut point = problem.at(&m)?;
     assert!((point.cost() / 1.85521855017e-5 - 1.0).abs() < 1e-9, "{:e}", point.cost());
     let derivative = problem.derivative(&mut point, &mut ReducedWorkspace::default())?;
@@ -183,7 +183,7 @@ fn gradients_represent_the_derivative_in_their_product() -> Outcome {
 fn accepted_points_predict_the_next_state() -> Outcome {
     let problem = tracked(CellKind::Hex8, 2)?;
     let along = |t: f64| -> Vec<f64> {
-        problem.layout().blocks()[0].map.positions().iter().map(|x| -1e5 * t * x[2] / 0.2).collect()
+        problem.layout().blocks()[0].basis.positions().iter().map(|x| -1e5 * t * x[2] / 0.2).collect()
     };
     let evaluate = |m: &[f64], near: Option<&Evaluated>, workspace: &mut ReducedWorkspace| {
         problem.evaluate(m, &Request { near, accuracy: 1e-6, stage: 0 }, workspace)

@@ -24,7 +24,7 @@ fn bar(kind: CellKind) -> Outcome<Mesh> {
 /// A control vector of `f` at the places of the scalar's unknowns; the vector field is zero.
 fn scalar(problem: &Reduced, f: impl Fn([f64; 3]) -> f64) -> Outcome<Vec<f64>> {
     let mut m = vec![0.0; problem.layout().len()];
-    let places = problem.layout().block("turgor")?.map.positions().to_vec();
+    let places = problem.layout().block("turgor")?.basis.positions().to_vec();
     m.iter_mut().zip(places).for_each(|(m, x)| *m = f(x));
     Ok(m)
 }
@@ -105,7 +105,7 @@ fn a_field_of_a_coarser_grid_is_prolonged_exactly() -> Outcome {
     let fine = controlled(bar(CellKind::Hex20)?, Space::Grid([6, 2, 4]))?;
     let block = coarse.layout().block("turgor")?;
     let m: Vec<f64> = (0..coarse.layout().len()).map(|i| ((7 * i + 3) % 11) as f64 - 5.0).collect();
-    let prolonged = scalar(&fine, |x| block.map.on_grid(block.of(&m), 1, x).map_or(f64::NAN, |v| v[0]))?;
+    let prolonged = scalar(&fine, |x| block.basis.on_grid(block.of(&m), 1, x).map_or(f64::NAN, |v| v[0]))?;
     let (there, here) = (fine.layout().to_points(&prolonged)?, coarse.layout().to_points(&m)?);
     for (a, b) in there.values(0).iter().zip(here.values(0)) {
         assert!((a - b).abs() < 1e-10, "{a} and {b}");
@@ -150,7 +150,7 @@ fn the_total_variation_is_that_of_closed_forms() -> Outcome {
     let problem = controlled(mesh, Space::Grid([24, 1, 1]))?.of_length("magnet.remanence", 0.5)?;
     let block = problem.layout().block("magnet.remanence")?;
     let mut m = vec![0.0; problem.layout().len()];
-    for (k, x) in block.map.positions().iter().enumerate() {
+    for (k, x) in block.basis.positions().iter().enumerate() {
         let angle = std::f64::consts::PI * x[0] / 3.0;
         m[block.first + 3 * k] = 0.5 * angle.cos();
         m[block.first + 3 * k + 2] = 0.5 * angle.sin();
@@ -173,7 +173,7 @@ fn a_grid_is_resolved_where_no_cell_is_smaller_than_those_of_the_body() -> Outco
             ([24, 8, 8], Some([6, 2, 2])),
         ] {
             let problem = controlled(bar(kind)?, Space::Grid(cells))?;
-            let map = &problem.layout().block("turgor")?.map;
+            let map = &problem.layout().block("turgor")?.basis;
             assert_eq!(map.resolved_grid(problem.solid().discretization()), most, "{kind}, {cells:?}");
         }
     }
@@ -183,10 +183,10 @@ fn a_grid_is_resolved_where_no_cell_is_smaller_than_those_of_the_body() -> Outco
         .clamp("x-")?;
     for (cells, most) in [([4, 2, 1], None), ([5, 2, 9], Some([4, 2, 9])), ([4, 2, 9], None)] {
         let problem = Reduced::new(plane.clone()).control("turgor", Space::Grid(cells))?;
-        let found = problem.layout().block("turgor")?.map.resolved_grid(problem.solid().discretization());
+        let found = problem.layout().block("turgor")?.basis.resolved_grid(problem.solid().discretization());
         assert_eq!(found, most, "{cells:?}");
     }
     let nodes = controlled(bar(CellKind::Hex8)?, Space::Node)?;
-    assert!(nodes.layout().block("turgor")?.map.resolved_grid(nodes.solid().discretization()).is_none());
+    assert!(nodes.layout().block("turgor")?.basis.resolved_grid(nodes.solid().discretization()).is_none());
     Ok(())
 }

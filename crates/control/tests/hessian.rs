@@ -43,7 +43,7 @@ fn bodies() -> Outcome<Vec<(String, Reduced, Vec<f64>)>> {
             for name in &names {
                 problem = problem.control(name, Space::Cell)?;
             }
-            let cells = problem.layout().blocks()[0].map.len();
+            let cells = problem.layout().blocks()[0].basis.len();
             let of_slot = |(k, size): (usize, &f64)| {
                 let size = if *size == 0.0 { 0.01 } else { 0.2 * size };
                 noise(cells, 3.0 * k as f64).into_iter().map(move |r| size * (1.0 + 0.5 * r)).collect::<Vec<_>>()

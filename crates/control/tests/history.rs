@@ -39,7 +39,7 @@ fn two() -> Outcome<Ensemble> {
 }
 
 fn along(problem: &Reduced, t: f64) -> Vec<f64> {
-    problem.layout().blocks()[0].map.positions().iter().map(|x| -1.5e5 * t * x[2] / 0.2).collect()
+    problem.layout().blocks()[0].basis.positions().iter().map(|x| -1.5e5 * t * x[2] / 0.2).collect()
 }
 
 /// Evaluates the controls one from the other, and differentiates each.

@@ -53,7 +53,7 @@ fn taylor_orders_along_the_sphere_and_for_the_field() -> Outcome {
     for law in laws {
         for space in [Space::Cell, Space::Node] {
             let problem = lifting(law.clone(), space, Metric::L2)?;
-            let vectors = problem.layout().blocks()[0].map.len();
+            let vectors = problem.layout().blocks()[0].basis.len();
             let (set, m) = set_and_start(vectors, &[[2e-3, -4e-3, 9e-3]], 5)?;
             for components in [0..3 * vectors, 3 * vectors..m.len(), 0..m.len()] {
                 let taylor =
@@ -82,7 +82,7 @@ fn lengths_are_kept_at_every_trial() -> Outcome {
         [(Space::Cell, Metric::L2), (Space::Node, Metric::L2), (Space::Node, Metric::H1 { length: 0.2 })]
     {
         let problem = lifting(Arc::new(Magnet::new()), space, metric)?;
-        let vectors = problem.layout().blocks()[0].map.len();
+        let vectors = problem.layout().blocks()[0].basis.len();
         let (set, start) = set_and_start(vectors, &[[0.0, 0.0, 0.9 * FIELD]], 11)?;
         for entry in CATALOGUE {
             let optimizer = (entry.build)(Options { max_iterations: 8, ..Options::default() });
@@ -236,7 +236,7 @@ fn lengths_that_make_no_sense_and_bodies_not_covered_are_refused() -> Outcome {
 #[test]
 fn snapshots_hold_remanence_and_field() -> Outcome {
     let problem = lifting(Arc::new(Magnet::new()), Space::Node, Metric::L2)?;
-    let vectors = problem.layout().blocks()[0].map.len();
+    let vectors = problem.layout().blocks()[0].basis.len();
     let m = [[0.0, REMANENCE, 0.0].repeat(vectors), vec![0.0, 3e-3, 4e-3]].concat();
     let shot = problem.snapshot(&problem.at(&m)?, None)?;
     for (name, expected) in [("B_r", [0.0, REMANENCE, 0.0]), ("B_a", [0.0, 3e-3, 4e-3])] {

@@ -65,15 +65,15 @@ fn constants_are_reproduced_and_bounds_kept() -> Outcome {
         for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tet4] {
             let problem = controlled(kind, row.space)?;
             let layout = problem.layout();
-            let map = &layout.block("turgor")?.map;
+            let basis = &layout.block("turgor")?.basis;
             let constant = layout.to_points(&vec![0.75; layout.len()])?;
             assert!(constant.values(0).iter().all(|v| (v - 0.75).abs() < 1e-14), "{}, {kind}", row.name);
             let m = vector(layout.len(), 3);
-            let (low, high) = m[..map.len()].iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            let (low, high) = m[..basis.len()].iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
             let varied = layout.to_points(&m)?;
             let inside = |v: &f64| low - 1e-14 <= *v && *v <= high + 1e-14;
             assert!(varied.values(0).iter().all(inside), "{}, {kind}", row.name);
-            assert_eq!((map.positions().len(), map.entities().len()), (map.len(), map.len()));
+            assert_eq!((basis.positions().len(), basis.entities().len()), (basis.len(), basis.len()));
         }
     }
     Ok(())
@@ -121,7 +121,7 @@ fn values_come_with_their_entities() -> Outcome {
             let block = problem.layout().block(name)?;
             let values = problem.values(name, &m)?;
             assert_eq!(values.unit(), unit);
-            assert_eq!(values.iter().len(), block.map.len(), "{name}, {}", row.name);
+            assert_eq!(values.iter().len(), block.basis.len(), "{name}, {}", row.name);
             for (k, (entity, value)) in values.iter().enumerate() {
                 let first = block.first + k * block.components;
                 assert_eq!(value, &m[first..first + block.components], "{name}, {entity}");
@@ -130,8 +130,11 @@ fn values_come_with_their_entities() -> Outcome {
                 if let (ControlEntity::Cell(cell), "magnet.remanence") = (entity, name) {
                     let (first, count) = problem.solid().discretization().points_of_cells()[cell as usize];
                     for q in first..first + count {
-                        let stride = at_points.slots(block.actuation);
-                        assert_eq!(&at_points.values(block.actuation)[q * stride + block.slot..][..3], value);
+                        let stride = at_points.slots(block.targets[0].actuation);
+                        assert_eq!(
+                            &at_points.values(block.targets[0].actuation)[q * stride + block.targets[0].slot..][..3],
+                            value
+                        );
                     }
                 }
             }
@@ -141,6 +144,7 @@ fn values_come_with_their_entities() -> Outcome {
             Space::Uniform => ControlEntity::Whole,
             Space::Region => ControlEntity::Region("body"),
             Space::Cell => ControlEntity::Cell(0),
+            Space::Point => ControlEntity::Point(0),
             Space::Node => ControlEntity::Node(0),
             Space::Grid(_) => ControlEntity::GridNode(0),
         };

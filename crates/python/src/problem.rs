@@ -203,7 +203,7 @@ impl Problem {
             one.set_item("name", &field.name)?;
             one.set_item("first", block.first)?;
             one.set_item("len", block.len)?;
-            one.set_item("space", own.map.space().name())?;
+            one.set_item("space", own.basis.space().name())?;
             one.set_item("components", own.components)?;
             one.set_item("unit", &field.unit)?;
             one.set_item("norm", norm)?;

@@ -233,8 +233,8 @@ impl Lowering<'_> {
 
     /// The slot, where it only pulls.
     fn pulling(&self) -> Option<&'static str> {
-        let actuation = &self.reduced.solid().model().controllable()[self.block.actuation];
-        actuation.slots.get(self.block.slot).filter(|slot| slot.not_negative).map(|slot| slot.group)
+        let actuation = &self.reduced.solid().model().controllable()[self.block.targets[0].actuation];
+        actuation.slots.get(self.block.targets[0].slot).filter(|slot| slot.not_negative).map(|slot| slot.group)
     }
 
     fn allowed(&self, context: &mut Context<'_>) -> Option<Allowed> {

@@ -4,8 +4,8 @@ use nastic_control::{ControlBlock, Reduced};
 
 /// What there is to say of a grid that is finer than the mesh.
 pub(super) fn unresolved(block: &ControlBlock, body: &Reduced) -> Option<String> {
-    let (grid, disc) = (block.map.grid()?, body.solid().discretization());
-    let most = block.map.resolved_grid(disc)?;
+    let (grid, disc) = (block.basis.grid()?, body.solid().discretization());
+    let most = block.basis.resolved_grid(disc)?;
     let [own, most] = [grid.cells(), most].map(|cells| grid_cells(cells, disc.dim()));
     Some(format!(
         "cells of the grid of {own} are smaller than cells of the mesh and hold too few quadrature points: the mesh resolves a \

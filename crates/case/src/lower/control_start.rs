@@ -7,7 +7,7 @@ use super::start;
 use crate::expression::{EvaluationError, Formula};
 use crate::schema::{ArrayFile, Cells, ControlsFile, Start, vector_at};
 use crate::syntax::At;
-use nastic_control::{ControlMap, Space};
+use nastic_control::{Basis, Space};
 use nastic_numeric::Random;
 use nastic_opt::{Admissible, Outside};
 
@@ -18,7 +18,7 @@ impl Lowering<'_> {
     /// One value of the vector for each knot and unknown; of what a file or a seed says the same at all knots.
     pub(super) fn start(&self, context: &mut Context<'_>) -> Option<Vec<f64>> {
         let at = self.control.at.key("start");
-        let (positions, knots) = (self.block.map.positions(), self.block.values_in_time());
+        let (positions, knots) = (self.block.basis.positions(), self.block.values_in_time());
         match &self.control.start {
             None => Some(vec![0.0; self.block.len()]),
             Some(Start::Scalar(formula)) => context.take(&at, self.in_time(formula)),
@@ -54,7 +54,7 @@ impl Lowering<'_> {
 
     /// The values of a formula at all knots and unknowns.
     pub(super) fn in_time(&self, formula: &Formula) -> Result<Vec<f64>, EvaluationError> {
-        let positions = self.block.map.positions();
+        let positions = self.block.basis.positions();
         let at_instant = |t: &f64| {
             let formula = formula.at_time(*t);
             positions.iter().map(|x| formula.at(*x)).collect::<Result<Vec<_>, _>>()
@@ -77,17 +77,18 @@ impl Lowering<'_> {
         context: &mut Context<'_>,
     ) -> Option<Vec<f64>> {
         let (at, n) = (self.control.at.key("start"), self.block.components);
-        if self.block.map.grid().is_none() {
+        if self.block.basis.grid().is_none() {
             context.complain(&at.key("grid"), "the control's own \"space\" is no grid: leave this out");
             return None;
         }
         let solid = self.reduced.solid();
-        let regions = solid.body().actuations().get(self.block.actuation).map(|attached| &attached.regions)?;
-        let coarse = ControlMap::new(solid.discretization(), regions, Space::Grid(cells));
+        let regions =
+            solid.body().actuations().get(self.block.targets[0].actuation).map(|attached| &attached.regions)?;
+        let coarse = Basis::new(solid.discretization(), regions, Space::Grid(cells));
         let coarse = context.take(&at.key("grid"), coarse)?;
         let size = coarse.len() * n;
         let values = start::of_file(file, name, size * self.block.values_in_time(), &at, context)?;
-        let places = || self.block.map.positions().iter();
+        let places = || self.block.basis.positions().iter();
         let at_knot = |own: &[f64]| places().map(|x| coarse.on_grid(own, n, *x)).collect::<Vec<_>>();
         let prolonged: Option<Vec<Vec<f64>>> = values.chunks_exact(size).flat_map(at_knot).collect();
         if prolonged.is_none() {
@@ -98,15 +99,15 @@ impl Lowering<'_> {
 
     /// Entries of an array that belong to the unknowns, or its mean over each unknown's part of the body.
     pub(super) fn values_of_file(&self, file: &ArrayFile, at: &At, context: &mut Context<'_>) -> Option<Vec<f64>> {
-        let map = &self.block.map;
+        let basis = &self.block.basis;
         let mesh = self.reduced.solid().mesh();
-        let prefer = if map.space() == Space::Node { Entity::Node } else { Entity::Cell };
+        let prefer = if basis.space() == Space::Node { Entity::Node } else { Entity::Cell };
         let array = array::read(file, at, &[self.block.components], prefer, self.case, mesh, context)?;
         let n = array.components;
-        let direct = matches!((map.space(), array.entity), (Space::Node, Entity::Node) | (Space::Cell, Entity::Cell));
+        let direct = matches!((basis.space(), array.entity), (Space::Node, Entity::Node) | (Space::Cell, Entity::Cell));
         if direct {
             let of = |&entity: &u32| array.values[entity as usize * n..][..n].to_vec();
-            return Some(map.entities().iter().flat_map(of).collect());
+            return Some(basis.entities().iter().flat_map(of).collect());
         }
         Some(self.means(&array))
     }
@@ -120,12 +121,12 @@ impl Lowering<'_> {
                 disc.points().cells().into_iter().flat_map(of).collect()
             }
         };
-        let map = &self.block.map;
-        let mut sums = vec![0.0; map.len() * n];
-        let mut weights = vec![0.0; map.len()];
-        let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); map.len() * n];
+        let basis = &self.block.basis;
+        let mut sums = vec![0.0; basis.len() * n];
+        let mut weights = vec![0.0; basis.len()];
+        let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); basis.len() * n];
         for (q, w) in disc.points().weights().iter().enumerate() {
-            for (i, shape) in map.at_point(q) {
+            for (i, shape) in basis.at_point(q) {
                 weights[i] += w * shape;
                 for c in 0..n {
                     let (value, range) = (at_points[q * n + c], &mut range[i * n + c]);
@@ -170,8 +171,8 @@ impl Lowering<'_> {
 
     /// Where the k-th value or vector lies, and when.
     pub(super) fn place(&self, k: usize) -> String {
-        let count = self.block.map.len();
-        let place = self.block.map.describe(k % count);
+        let count = self.block.basis.len();
+        let place = self.block.basis.describe(k % count);
         match self.instants().get(k / count).filter(|_| self.block.knots.is_some()) {
             Some(t) => format!("{place} at t = {t}"),
             None => place,

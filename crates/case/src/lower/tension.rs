@@ -32,7 +32,7 @@ fn least<'b>(
 ) -> Option<f64> {
     let of = |body: &Reduced| {
         let block = &body.layout().blocks()[field];
-        (block.components == 1).then(|| of(body.solid().body(), block.actuation)).flatten()
+        (block.components == 1).then(|| of(body.solid().body(), block.targets[0].actuation)).flatten()
     };
     bodies.filter_map(of).reduce(f64::min)
 }

@@ -146,7 +146,7 @@ fn controlled(block: &ControlBlock, field: &ControlField, body: &Snapshot) -> Op
             (format!("|{}|", array.name), array.values.chunks_exact(n).map(length).collect())
         }
     };
-    if block.map.space() == Space::Node {
+    if block.basis.space() == Space::Node {
         let (name, values) = values(body.point_array(&field.array)?);
         return Some(Field::at_nodes(&name, &field.unit, values));
     }

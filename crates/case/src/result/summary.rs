@@ -2,7 +2,7 @@
 
 use super::member_report::MemberReport;
 use crate::lower::{Admitted, CaseMember, CaseProblem, ControlField};
-use nastic_control::{ControlBlock, ControlError, ControlMap, CostPoint, EnsembleBlock, FigureKind, Space};
+use nastic_control::{Basis, ControlBlock, ControlError, CostPoint, EnsembleBlock, FigureKind, Space};
 use nastic_energy::SlotGroup;
 use nastic_fem::{Demand, Inadmissible, Instant, SolveReport, State};
 use nastic_numeric::vector::norm;
@@ -90,14 +90,14 @@ pub(crate) fn control_values(problem: &CaseProblem, m: &[f64]) -> Value {
 
 /// The values of a control that has few: of the space `uniform` a number (a vector: a list), of `region` one for each by
 /// name; null in other spaces.
-fn values(map: &ControlMap, values: &[f64], components: usize) -> Value {
+fn values(basis: &Basis, values: &[f64], components: usize) -> Value {
     let mut each = values.chunks_exact(components).map(|v| if components == 1 { json!(v[0]) } else { json!(v) });
-    match map.space() {
+    match basis.space() {
         Space::Uniform => each.next().unwrap_or_default(),
         Space::Region => {
-            each.enumerate().map(|(k, value)| (map.region(k).to_owned(), value)).collect::<Map<_, _>>().into()
+            each.enumerate().map(|(k, value)| (basis.region(k).to_owned(), value)).collect::<Map<_, _>>().into()
         }
-        Space::Cell | Space::Node | Space::Grid(_) => Value::Null,
+        Space::Cell | Space::Point | Space::Node | Space::Grid(_) => Value::Null,
     }
 }
 
@@ -120,18 +120,18 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
             Admitted::Any => (None, None),
         };
         let mut entry = json!({
-            "array": field.array, "slot": slot, "space": own.map.space().name(), "unit": field.unit,
+            "array": field.array, "slot": slot, "space": own.basis.space().name(), "unit": field.unit,
             "unknowns": block.len, "min": min, "max": max, "lower": lower, "upper": upper,
             "active": active, "active_share": share,
         });
-        if !own.map.is_whole() && own.knots.is_none() {
+        if !own.basis.is_of_contribution() && own.knots.is_none() {
             let disc = problem.member(block.owner).solid().discretization();
             entry["total_variation"] = json!(own.total_variation(disc, block.of(m)));
         }
-        if let Some(grid) = own.map.grid() {
+        if let Some(grid) = own.basis.grid() {
             entry["grid"] = json!(grid.cells());
         }
-        let each = |values_of: &[f64]| values(&own.map, values_of, n);
+        let each = |values_of: &[f64]| values(&own.basis, values_of, n);
         let few = match &own.knots {
             None => each(block.of(m)),
             Some(knots) => {
@@ -150,16 +150,19 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> Value {
 /// The name of the slots that a control drives; `None` for a contribution that is no field.
 pub(crate) fn slot(member: CaseMember<'_>, block: &ControlBlock) -> Option<&'static str> {
     let controllable = member.solid().model().controllable();
-    SlotGroup::of(controllable.get(block.actuation)?.slots)
+    SlotGroup::of(controllable.get(block.targets[0].actuation)?.slots)
         .into_iter()
-        .find(|group| group.first == block.slot)
+        .find(|group| group.first == block.targets[0].slot)
         .map(|group| group.name)
 }
 
 /// Whether negative values of a control have no meaning: of muscles and tendons.
 pub(crate) fn only_pulls(member: CaseMember<'_>, block: &ControlBlock) -> bool {
     let controllable = member.solid().model().controllable();
-    controllable.get(block.actuation).and_then(|own| own.slots.get(block.slot)).is_some_and(|slot| slot.not_negative)
+    controllable
+        .get(block.targets[0].actuation)
+        .and_then(|own| own.slots.get(block.targets[0].slot))
+        .is_some_and(|slot| slot.not_negative)
 }
 
 fn finite(bound: f64) -> Option<f64> {

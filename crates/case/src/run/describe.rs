@@ -149,16 +149,17 @@ pub(super) fn controls(problem: &CaseProblem) -> Vec<Line> {
         let start = if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) };
         let components =
             if block.components > 1 { format!(" of {} components", block.components) } else { String::new() };
-        let unknowns = count(block.map.len(), "unknown");
+        let unknowns = count(block.basis.len(), "unknown");
         let admitted = admitted(field);
         let knots = time::knots(problem, block, &field.array);
-        let grid = block.map.grid().map(|grid| format!(" of {} cells", grid_cells(grid.cells(), problem.mesh().dim())));
+        let grid =
+            block.basis.grid().map(|grid| format!(" of {} cells", grid_cells(grid.cells(), problem.mesh().dim())));
         line(
             "controls",
             format!(
                 "{}: by {}{}{knots}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
                 field.name,
-                block.map.space().name(),
+                block.basis.space().name(),
                 grid.unwrap_or_default()
             ),
         )
@@ -441,7 +442,7 @@ pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
     out.insert("controls".into(), crate::result::summary::controls(problem, &problem.start));
     for (field, block) in problem.controls.iter().zip(problem.ensemble.blocks()) {
         if let Some(entry) = out.get_mut("controls").and_then(|controls| controls.get_mut(&field.name)) {
-            entry["space"] = json!(owner(problem, block).map.space().name());
+            entry["space"] = json!(owner(problem, block).basis.space().name());
             entry["unit"] = json!(field.unit);
             entry["fiber_limit"] = json!(field.limit);
             if let Admitted::Between { lower, upper } = field.admitted {

@@ -3,7 +3,7 @@
 use super::{Cost, CostContext, CostPoint, Partials, check_weight};
 use crate::error::ControlError;
 use crate::inner_product::{mass_product, stiffness_product};
-use crate::map::ControlMap;
+use crate::map::Basis;
 use nastic_fem::Discretization;
 use std::fmt;
 use std::sync::Arc;
@@ -70,7 +70,7 @@ impl Cost for ControlSmoothness {
     }
 }
 
-type Product = fn(&Discretization, &ControlMap, &[f64]) -> Vec<f64>;
+type Product = fn(&Discretization, &Basis, &[f64]) -> Vec<f64>;
 
 /// `(weight/2) m . A m` summed over the components, evaluated: its derivative is `weight A m`, the second one `weight A`.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ struct Operator {
     weight: f64,
     product: Product,
     discretization: Arc<Discretization>,
-    map: Arc<ControlMap>,
+    basis: Arc<Basis>,
     components: usize,
     /// Where the control field begins in the control vector.
     first: usize,
@@ -104,7 +104,7 @@ impl Operator {
         let mut out = vec![0.0; m.len()];
         for c in 0..self.components {
             let component: Vec<f64> = m.iter().skip(c).step_by(self.components).copied().collect();
-            let image = (self.product)(&self.discretization, &self.map, &component);
+            let image = (self.product)(&self.discretization, &self.basis, &component);
             let entries = out.iter_mut().skip(c).step_by(self.components);
             entries.zip(&image).for_each(|(out, a)| *out = self.weight * a);
         }
@@ -113,7 +113,7 @@ impl Operator {
 
     /// Adds `weight A m` of the field's part of a control vector to that of another.
     fn add(&self, m: &[f64], out: &mut [f64]) {
-        let own = self.first..self.first + self.components * self.map.len();
+        let own = self.first..self.first + self.components * self.basis.len();
         let image = self.apply(&m[own.clone()]);
         out[own].iter_mut().zip(&image).for_each(|(out, a)| *out += a);
     }
@@ -126,7 +126,7 @@ impl Quadratic {
             weight,
             product,
             discretization: at.solid.discretization().clone(),
-            map: block.map.clone(),
+            basis: block.basis.clone(),
             components: block.components,
             first: block.first,
         };

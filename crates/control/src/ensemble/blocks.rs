@@ -2,7 +2,8 @@
 
 use super::error::EnsembleError;
 use super::member::Member;
-use crate::layout::ControlBlock;
+use crate::control_block::ControlBlock;
+use crate::map::ControlMap;
 
 /// One control field of an ensemble, used by some of its members.
 #[derive(Clone, Debug)]
@@ -59,16 +60,20 @@ pub(super) fn enter(
 /// In what two fields of one name differ. Positions may: the geometry can be uncertain too.
 fn difference(a: &ControlBlock, b: &ControlBlock) -> Option<&'static str> {
     match () {
-        () if a.map.space() != b.map.space() => Some("space"),
+        () if a.basis.space() != b.basis.space() => Some("space"),
         () if a.components != b.components => Some("number of components"),
-        () if a.direction != b.direction => Some("direction"),
         () if a.unit != b.unit => Some("unit"),
-        () if a.length != b.length => Some("length of its vectors"),
+        () if maps(a) != maps(b) => Some("direction, length or other maps to the slots"),
         () if a.weight != b.weight => Some("weight in the inner product"),
         () if a.knots != b.knots => Some("knots in time"),
-        () if a.map.entities() != b.map.entities() => Some("cells or nodes"),
+        () if a.basis.entities() != b.basis.entities() => Some("cells or nodes"),
         () => None,
     }
+}
+
+/// What its slots are made by.
+fn maps(block: &ControlBlock) -> Vec<String> {
+    block.targets.iter().map(|target| target.map.describe()).collect()
 }
 
 /// The control vector of one member.

@@ -186,8 +186,9 @@ impl Ensemble {
         for member in &self.members {
             for (field, index) in member.problem.layout().blocks().iter().zip(&member.blocks) {
                 if self.blocks[*index].first == block.first {
-                    let limit = member.problem.solid().body().fiber_limit(field.actuation);
-                    lowest = lowest.into_iter().chain(limit).reduce(f64::min);
+                    let body = member.problem.solid().body();
+                    let limits = field.targets.iter().filter_map(|target| body.fiber_limit(target.actuation));
+                    lowest = lowest.into_iter().chain(limits).reduce(f64::min);
                 }
             }
         }

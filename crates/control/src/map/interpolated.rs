@@ -1,15 +1,15 @@
 //! What fields that are interpolated between nodes have: values on a grid, gradients.
 
-use super::{ControlMap, Space};
+use super::{Basis, Space};
 use crate::grid::{Corner, Grid};
 use nastic_fem::Discretization;
 
-impl ControlMap {
+impl Basis {
     /// The corners of the grid cell that holds a place of the body: unknown, basis function, gradient. Empty without a grid; corners that
     /// have no unknown are left out.
     pub(crate) fn grid_corners(&self, x: [f64; 3]) -> Vec<Corner> {
-        let corners = self.grid.map_or_else(Vec::new, |grid| grid.corners(x));
-        let unknown = |node: u32| self.entities.binary_search(&node).ok().map(|i| i as u32);
+        let corners = self.grid().map_or_else(Vec::new, |grid| grid.corners(x));
+        let unknown = |node: u32| self.entities().binary_search(&node).ok().map(|i| i as u32);
         corners.into_iter().filter_map(|(node, shape, slope)| Some((unknown(node)?, shape, slope))).collect()
     }
 
@@ -17,10 +17,10 @@ impl ControlMap {
     /// that the control acts on. In smaller ones there are too few points to see the gradient of the field, and the total variation and
     /// the inner products with gradients come out too small. `None` without a grid, or where this one is resolved.
     pub fn resolved_grid(&self, disc: &Discretization) -> Option<[u32; 3]> {
-        let (grid, mesh) = (self.grid?, disc.mesh());
+        let (grid, mesh) = (self.grid().filter(|_| !self.is_of_contribution())?, disc.mesh());
         let mut largest = [0.0f64; 3];
         for (id, (first, _)) in disc.points_of_cells().into_iter().enumerate() {
-            if self.starts[first] == self.starts[first + 1] {
+            if !self.acts_at(first) {
                 continue;
             }
             let nodes = mesh.gather(mesh.points(), mesh.cell(id).nodes);
@@ -49,14 +49,18 @@ impl ControlMap {
     /// The basis functions of a field that is interpolated between nodes, with their gradients, at every quadrature point; none where it does
     /// not act, and none of other spaces.
     pub(crate) fn gradients(&self, disc: &Discretization) -> Vec<Vec<Corner>> {
-        let acts = |q: usize| self.starts[q] < self.starts[q + 1];
+        let acts = |q: usize| self.acts_at(q);
         let mut out = vec![vec![]; self.points()];
-        if self.grid.is_some() {
-            let positions = disc.points().positions(disc.mesh(), None).into_iter().enumerate();
+        if self.grid().is_some() {
+            let positions = match &self.own {
+                Some((positions, _)) => positions.clone(),
+                None => disc.points().positions(disc.mesh(), None),
+            };
+            let positions = positions.into_iter().enumerate();
             positions.filter(|(q, _)| acts(*q)).for_each(|(q, x)| out[q] = self.grid_corners(x));
             return out;
         }
-        if self.space != Space::Node {
+        if self.space() != Space::Node {
             return out;
         }
         let inverses: Vec<&[f64; 9]> = disc.points().inverse_jacobians().collect();

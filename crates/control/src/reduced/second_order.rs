@@ -167,8 +167,8 @@ impl Reduced {
         let mut product = change.m;
         axpy(1.0, &self.layout.control_vjp(&point.m, &adjoint.controls), &mut product);
         let mut derivative = Vec::new();
-        let fixed_lengths = exact && self.layout.blocks().iter().any(|block| block.length.is_some());
-        if let Some(lambda) = lambda.filter(|_| first.is_some() || fixed_lengths) {
+        let bends = exact && self.layout.blocks().iter().any(|block| !block.is_affine());
+        if let Some(lambda) = lambda.filter(|_| first.is_some() || bends) {
             let by_point = self.by_point(point, &by_u()?, lambda)?;
             if exact {
                 axpy(1.0, &self.layout.second_vjp(&point.m, v, &by_point), &mut product);

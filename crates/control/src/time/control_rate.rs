@@ -2,10 +2,11 @@
 
 use super::Timeline;
 use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
+use crate::control_block::ControlBlock;
 use crate::cost::check_weight;
 use crate::error::ControlError;
 use crate::inner_product::mass_product;
-use crate::layout::{ControlBlock, Layout};
+use crate::layout::Layout;
 
 /// `j = (weight/2) int_0^T int |dm/dt|^2 dX dt` of a control in time, linear between its knots; of one that is constant between them, with
 /// the differences of neighbouring values over the distance of the middles of their intervals. Together with
@@ -42,7 +43,7 @@ impl ControlRate {
             let mut image = vec![0.0; size];
             for c in 0..block.components {
                 let component: Vec<f64> = change.iter().skip(c).step_by(block.components).copied().collect();
-                let own = mass_product(disc, &block.map, &component);
+                let own = mass_product(disc, &block.basis, &component);
                 image.iter_mut().skip(c).step_by(block.components).zip(&own).for_each(|(out, a)| *out = *a);
             }
             each(&change, &image, self.weight / dt, [block.first + k * size, block.first + (k + 1) * size]);

@@ -37,7 +37,7 @@ impl RateLimit {
 
     pub(crate) fn group(&self, layout: &Layout) -> Result<ConstraintGroup, ControlError> {
         let block = layout.block(&self.of)?;
-        let len = intervals(block).len() * block.map.len();
+        let len = intervals(block).len() * block.basis.len();
         Ok(ConstraintGroup { name: format!("rate_{}", self.of), sense: Sense::AtMost, len, scale: 1.0 })
     }
 
@@ -76,7 +76,7 @@ impl RateLimit {
         let (size, n) = (block.size(), block.components);
         for (k, dt) in intervals(block).into_iter().enumerate() {
             let factor = 1.0 / (self.rate * dt);
-            for unknown in 0..block.map.len() {
+            for unknown in 0..block.basis.len() {
                 let here = block.first + k * size + unknown * n;
                 let change: Vec<f64> = (here..here + n).map(|i| (m[i + size] - m[i]) * factor).collect();
                 each(&change, here, here + size, factor);

@@ -42,7 +42,7 @@ pub(super) fn set(own: &ControlBlock, control: &ControlProblem) -> Result<(), As
         return Err(AssemblyError::Components { control: own.name.clone(), dim, components: own.components });
     }
     match admitted {
-        Admitted::Norm(radius) if dim > 1 && own.map.space().interpolates() && own.length.is_none() => {
+        Admitted::Norm(radius) if dim > 1 && own.basis.space().interpolates() && own.length().is_none() => {
             Err(AssemblyError::NodalSphere { control: own.name.clone(), radius })
         }
         _ => Ok(()),
@@ -57,7 +57,7 @@ pub(super) fn start(own: &ControlBlock, control: &ControlProblem) -> Result<(), 
     }
     control.set.check(&control.start).map_err(|source| {
         let unknown = source.index / own.components.max(1);
-        let place = if unknown < own.map.len() { own.map.describe(unknown) } else { format!("value {unknown}") };
+        let place = if unknown < own.basis.len() { own.basis.describe(unknown) } else { format!("value {unknown}") };
         AssemblyError::Start { control: own.name.clone(), place, source }
     })
 }

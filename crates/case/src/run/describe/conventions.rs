@@ -61,7 +61,7 @@ pub(in crate::run) fn conventions(problem: &CaseProblem) -> Vec<Line> {
             format!("B_r is carried along by C; mu0 = {} in these units unless given", scientific(mu0, 8)),
         ));
     }
-    let mut spaces = problem.ensemble.blocks().iter().map(|block| owner(problem, block).map.space());
+    let mut spaces = problem.ensemble.blocks().iter().map(|block| owner(problem, block).basis.space());
     if spaces.any(|space| space == nastic_control::Space::Node)
         && problem.mesh().blocks().iter().any(|block| block.kind.order() > 1)
     {

@@ -23,8 +23,8 @@ pub(super) fn identity(
         let owner = ensemble.members()[block.owner].problem();
         let own = &owner.layout().blocks()[block.field];
         let entry = json!({
-            "space": space(own.map.space()), "values": block.len, "set": format!("{set:?}"), "start": hash(&control.start),
-            "weight": own.weight, "length": own.length, "metric": format!("{:?}", owner.metric_kind()),
+            "space": space(own.basis.space()), "values": block.len, "set": format!("{set:?}"), "start": hash(&control.start),
+            "weight": own.weight, "length": own.length(), "metric": format!("{:?}", owner.metric_kind()),
         });
         (block.name.clone(), entry)
     });

@@ -1,0 +1,136 @@
+//! [`ControlBlock`]: one control field, and the slots that it drives.
+
+use crate::map::{Basis, Chain, ControlMap};
+use crate::time::Knots;
+use nastic_fem::Controls;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// One control field: unknowns, and slots of an actuation or contribution that follow from them.
+#[derive(Debug, Clone)]
+pub struct ControlBlock {
+    /// Name: the actuation's, or `ACTUATION.SLOTS` where it has several groups of slots.
+    pub name: String,
+    /// Number of components of the unknowns.
+    pub components: usize,
+    /// The basis functions of the unknowns.
+    pub basis: Arc<Basis>,
+    /// The slots that follow from the unknowns.
+    pub targets: Vec<ControlTarget>,
+    /// First entry of this field in the vector.
+    pub first: usize,
+    /// Unit kind of the values ("Pa", "T").
+    pub unit: &'static str,
+    /// Factor of its part of the inner product: see [`Layout::weigh`](crate::Layout::weigh).
+    pub weight: f64,
+    /// Of a control in time: its knots.
+    pub knots: Option<Arc<Knots>>,
+    /// Whether it moves a surface that it holds.
+    pub holds: bool,
+}
+
+/// Consecutive slots of an actuation or contribution that a control field drives.
+#[derive(Debug, Clone)]
+pub struct ControlTarget {
+    /// Index of the actuation or contribution among all that can be controlled.
+    pub actuation: usize,
+    /// First slot.
+    pub slot: usize,
+    /// Number of slots.
+    pub slots: usize,
+    /// The basis functions at its points.
+    pub basis: Arc<Basis>,
+    /// From the unknowns at one instant to the slots at its points, `slots * point + component`.
+    pub map: Chain,
+}
+
+impl ControlTarget {
+    /// Whether it drives one of these slots.
+    pub(crate) fn overlaps(&self, actuation: usize, slots: &Range<usize>) -> bool {
+        self.actuation == actuation && self.slot < slots.end && slots.start < self.slot + self.slots
+    }
+
+    /// Writes values or changes by point into the slots, where the field acts; other points keep theirs.
+    fn write(&self, values: &[f64], controls: &mut Controls) {
+        let stride = controls.slots(self.actuation);
+        let points = controls.values_mut(self.actuation).chunks_exact_mut(stride).zip(values.chunks_exact(self.slots));
+        for (_, (out, values)) in points.enumerate().filter(|(q, _)| self.basis.acts_at(*q)) {
+            out[self.slot..self.slot + self.slots].copy_from_slice(values);
+        }
+    }
+
+    /// Its slots at all points.
+    fn read(&self, controls: &Controls) -> Vec<f64> {
+        let points = controls.values(self.actuation).chunks_exact(controls.slots(self.actuation));
+        points.flat_map(|at| &at[self.slot..self.slot + self.slots]).copied().collect()
+    }
+}
+
+impl ControlBlock {
+    /// Number of entries at one instant.
+    pub fn size(&self) -> usize {
+        self.basis.len() * self.components
+    }
+
+    /// Number of values in time: 1 of a control that is constant in time.
+    pub fn values_in_time(&self) -> usize {
+        self.knots.as_ref().map_or(1, |knots| knots.len())
+    }
+
+    /// Number of entries in the vector: entry `first + size * knot + components * unknown + component`.
+    pub fn len(&self) -> usize {
+        self.size() * self.values_in_time()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.basis.is_empty()
+    }
+
+    /// Its part of the vector.
+    pub fn of<'m>(&self, m: &'m [f64]) -> &'m [f64] {
+        &m[self.first..self.first + self.len()]
+    }
+
+    /// The length that its vectors have at every point, where it is fixed; see [`Layout::fix_length`](crate::Layout::fix_length).
+    pub fn length(&self) -> Option<f64> {
+        self.targets.iter().find_map(|target| target.map.length())
+    }
+
+    /// Whether all its slots are affine in its unknowns.
+    pub(crate) fn is_affine(&self) -> bool {
+        self.targets.iter().all(|target| target.map.is_affine())
+    }
+
+    /// The values in time that make up that at an instant, with their factors.
+    pub(crate) fn weights(&self, t: f64) -> impl Iterator<Item = (usize, f64)> {
+        let weights = self.knots.as_ref().map_or([(0, 1.0), (0, 0.0)], |knots| knots.weights(t));
+        weights.into_iter().filter(|(_, factor)| *factor != 0.0)
+    }
+
+    /// Sets the values of its slots at the points; points the field does not reach keep theirs.
+    pub(crate) fn write_values(&self, m: &[f64], controls: &mut Controls) {
+        self.targets.iter().for_each(|target| target.write(&target.map.values(self.of(m)), controls));
+    }
+
+    /// Sets their changes along a change v of the control vector at m.
+    pub(crate) fn write_change(&self, m: &[f64], v: &[f64], controls: &mut Controls) {
+        self.targets.iter().for_each(|target| target.write(&target.map.change(self.of(m), self.of(v)), controls));
+    }
+
+    /// Adds the derivative by its unknowns, of what has this one by the values at the points.
+    pub(crate) fn add_vjp(&self, m: &[f64], by_point: &Controls, out: &mut [f64]) {
+        for target in &self.targets {
+            let own = target.map.vjp(self.of(m), &target.read(by_point));
+            out[self.first..].iter_mut().zip(own).for_each(|(out, own)| *out += own);
+        }
+    }
+
+    /// Adds the change of [`add_vjp`](Self::add_vjp) along a change v of the control vector, `by_point` kept.
+    pub(crate) fn add_second_vjp(&self, m: &[f64], v: &[f64], by_point: &Controls, out: &mut [f64]) {
+        for target in self.targets.iter().filter(|target| !target.map.is_affine()) {
+            let own = target.map.second_vjp(self.of(m), self.of(v), &target.read(by_point)).unwrap_or_default();
+            out[self.first..].iter_mut().zip(own).for_each(|(out, own)| *out += own);
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Design fields: one field from which the slots of several [`Consumer`]s follow.
+
+use crate::control_block::{ControlBlock, ControlTarget};
+use crate::control_names::resolve;
+use crate::error::ControlError;
+use crate::layout::{Layout, basis_of};
+use crate::map::{Basis, Chain, ControlMap, Expansion, Space};
+use nastic_energy::SlotGroup;
+use nastic_fem::Solid;
+use nastic_mesh::GroupNames;
+use std::sync::Arc;
+
+/// Slots that follow from a design field x: `m = f(x)` at every point, f the maps given, without one x itself.
+///
+/// ```
+/// use nastic_control::{Consumer, PowerLaw};
+///
+/// // A modulus between 1e2 and 1e5 Pa by a density to the third power.
+/// let stiffness = Consumer::of("rubber.mu").through(PowerLaw { low: 1e2, high: 1e5, exponent: 3.0 });
+/// # let _ = stiffness;
+/// ```
+#[derive(Debug, Clone)]
+pub struct Consumer {
+    pub(crate) of: String,
+    pub(crate) maps: Vec<Arc<dyn ControlMap>>,
+}
+
+impl Consumer {
+    /// Of these slots: an actuation or contribution with one group of slots, or `NAME.SLOT`.
+    pub fn of(name: &str) -> Self {
+        Consumer { of: name.to_owned(), maps: vec![] }
+    }
+
+    /// One more map, which takes each point by itself.
+    #[must_use]
+    pub fn through(mut self, map: impl ControlMap + 'static) -> Self {
+        self.maps.push(Arc::new(map));
+        self
+    }
+}
+
+impl Consumer {
+    /// Its slots, with the chain from the unknowns of the field to them.
+    fn target(
+        &self,
+        solid: &Solid,
+        (actuation, group): (usize, SlotGroup),
+        (of_body, space, alone): (Option<&Arc<Basis>>, Space, bool),
+        fail: impl Fn(&'static str) -> ControlError,
+    ) -> Result<ControlTarget, ControlError> {
+        let of = &solid.model().controllable()[actuation];
+        let basis = match (of_body, of.regions) {
+            (Some(basis), Some(_)) => basis.clone(),
+            _ if space != Space::Uniform && !alone => {
+                return Err(fail("points of its own have no field together with others: take the space \"uniform\""));
+            }
+            _ => basis_of(solid, of, &self.of, space)?,
+        };
+        let mut map = Chain::default().then(Expansion { basis: basis.clone(), components: 1 });
+        self.maps.iter().for_each(|link| map.push(link.clone()));
+        if map.values(&vec![1.0; basis.len()]).len() != group.len * basis.points() {
+            return Err(fail(
+                "its maps do not lead from one number at a point to its slots: a vector needs a `Direction`",
+            ));
+        }
+        Ok(ControlTarget { actuation, slot: group.first, slots: group.len, basis, map })
+    }
+}
+
+impl Layout {
+    /// Adds a design field, a scalar without unit over all regions that its consumers act on, from which the slots of each follow.
+    ///
+    /// # Errors
+    /// A name that is taken, no consumers, unknown slots, slots that are driven twice, a space that does not fit the regions;
+    /// [`ControlError::Consumer`] of maps that do not lead from a number to the slots, and of contributions in other spaces than `uniform`.
+    pub fn design(
+        &mut self,
+        solid: &Solid,
+        name: &str,
+        space: Space,
+        consumers: &[Consumer],
+    ) -> Result<&ControlBlock, ControlError> {
+        if self.block(name).is_ok() || resolve(solid, name).is_ok() {
+            return Err(ControlError::ControlledTwice { name: name.to_owned(), other: name.to_owned() });
+        }
+        let resolved = consumers.iter().map(|consumer| resolve(solid, &consumer.of)).collect::<Result<Vec<_>, _>>()?;
+        let all = solid.model().controllable();
+        let regions = resolved.iter().filter_map(|(actuation, _)| all[*actuation].regions);
+        let mut names: Vec<String> = regions.flat_map(GroupNames::iter).map(str::to_owned).collect();
+        names.sort_unstable();
+        names.dedup();
+        let of_body = match names.is_empty() {
+            true => None,
+            false => Some(Arc::new(Basis::new(solid.discretization(), &names.into(), space)?)),
+        };
+        let mut targets: Vec<ControlTarget> = Vec::new();
+        for (consumer, resolved) in consumers.iter().zip(&resolved) {
+            let fail = |why| ControlError::Consumer { name: name.to_owned(), of: consumer.of.clone(), why };
+            let (actuation, first, end) = (resolved.0, resolved.1.first, resolved.1.first + resolved.1.len);
+            self.check_free(&consumer.of, actuation, first..end)?;
+            if targets.iter().any(|other| other.overlaps(actuation, &(first..end))) {
+                return Err(fail("it is a consumer already"));
+            }
+            targets.push(consumer.target(solid, *resolved, (of_body.as_ref(), space, consumers.len() == 1), fail)?);
+        }
+        let Some(first) = targets.first() else {
+            return Err(ControlError::Consumer { name: name.to_owned(), of: String::new(), why: "there is none" });
+        };
+        let holds = targets.iter().any(|target| all[target.actuation].holds);
+        let basis = of_body.unwrap_or_else(|| first.basis.clone());
+        let block = ControlBlock {
+            name: name.to_owned(),
+            components: 1,
+            basis,
+            targets,
+            first: self.len(),
+            unit: "1",
+            weight: 1.0,
+            knots: None,
+            holds,
+        };
+        Ok(self.push(block))
+    }
+}

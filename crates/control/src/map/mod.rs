@@ -1,0 +1,57 @@
+//! [`ControlMap`]: from the unknowns of a control field to values at points, in [`Chain`]s.
+
+mod basis;
+pub(crate) mod catalogue;
+mod chain;
+mod direction;
+mod expansion;
+mod interpolated;
+mod length;
+mod power_law;
+mod region_of_cells;
+mod space;
+
+pub use basis::Basis;
+pub use catalogue::{MAPS, MapRow};
+pub use chain::Chain;
+pub use direction::Direction;
+pub use expansion::Expansion;
+pub use length::Length;
+pub(crate) use length::Scaling;
+pub use power_law::PowerLaw;
+pub use space::{SPACES, Space, SpaceRow};
+
+use std::fmt::Debug;
+
+/// A differentiable map `y = f(x)` between values of a control field: a link of a [`Chain`].
+///
+/// Unknowns and values at points are flat, `components * point + component`. A map with a row in [`MAPS`] is held to the contract:
+/// `change` is the derivative of `values`, `vjp` its transpose, `second_vjp` the derivative of `vjp`.
+pub trait ControlMap: Debug + Send + Sync {
+    /// What it does, in words that tell two maps of one kind apart.
+    fn describe(&self) -> String;
+
+    /// `f(x)`.
+    fn values(&self, x: &[f64]) -> Vec<f64>;
+
+    /// `f'(x) v`.
+    fn change(&self, x: &[f64], v: &[f64]) -> Vec<f64>;
+
+    /// `f'(x)^T g`.
+    fn vjp(&self, x: &[f64], g: &[f64]) -> Vec<f64>;
+
+    /// The change of `f'(x)^T g` along a change v of x; `None` of a map whose derivative is constant.
+    fn second_vjp(&self, _x: &[f64], _v: &[f64], _g: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Whether `second_vjp` is `None`.
+    fn is_affine(&self) -> bool {
+        true
+    }
+
+    /// The length that it gives all vectors but zero, if it does.
+    fn length(&self) -> Option<f64> {
+        None
+    }
+}
