@@ -1,6 +1,6 @@
 //! Constraints of an ensemble: those of every member.
 
-use super::blocks::{gather, scatter};
+use super::blocks::gather;
 use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member};
 use crate::reduced::Lagrangian;
 use nastic_numeric::vector::axpy;
@@ -118,12 +118,13 @@ impl Ensemble {
             let of = Lagrangian { costs: share.costs, y: &share.y };
             member.problem.lagrangian_sensitivity(at, of, workspace).map(Some)
         })?;
-        let mut out = vec![0.0; self.len];
-        for (((member, at), share), found) in self.members.iter().zip(&mut point.members).zip(shares).zip(found) {
-            let Some((derivative, adjoint)) = found else { continue };
-            scatter(&self.blocks, member, share.factor, &derivative, &mut out);
-            // Without its costs it is no adjoint that a point is said to have.
-            at.adjoint = adjoint.filter(|_| share.costs);
+        let of = shares.iter().zip(&found);
+        let out = self.sum(of.map(|(share, found)| Some((share.factor, found.as_ref()?.0.as_slice()))));
+        for ((at, share), found) in point.members.iter_mut().zip(shares).zip(found) {
+            if let Some((_, adjoint)) = found {
+                // Without its costs it is no adjoint that a point is said to have.
+                at.adjoint = adjoint.filter(|_| share.costs);
+            }
         }
         Ok(out)
     }
@@ -179,12 +180,6 @@ impl Ensemble {
             let (of, along) = (Lagrangian { costs: share.costs, y: &share.y }, gather(&self.blocks, member, v));
             member.problem.lagrangian_second_derivative(at, (of, &share.w), (&along, which), workspace).map(Some)
         })?;
-        let mut out = vec![0.0; self.len];
-        for ((member, share), product) in self.members.iter().zip(shares).zip(found) {
-            if let Some(product) = product {
-                scatter(&self.blocks, member, share.factor, &product, &mut out);
-            }
-        }
-        Ok(out)
+        Ok(self.sum(shares.iter().zip(&found).map(|(share, product)| Some((share.factor, product.as_deref()?)))))
     }
 }

@@ -11,6 +11,7 @@ mod product;
 mod report;
 mod second_order;
 mod shape;
+mod team;
 
 pub use blocks::EnsembleBlock;
 pub use builder::EnsembleBuilder;
@@ -29,11 +30,10 @@ use nastic_fem::Progress;
 use nastic_opt::Request;
 use nastic_uncertainty::risk::Risk;
 use product::EnsembleProduct;
-use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use team::{Team, Threads};
 
 /// The risk of one control vector over scenarios, each a weighted sum over load cases:
 ///
@@ -87,6 +87,7 @@ pub struct Ensemble {
     risk: Box<dyn Risk>,
     product: Arc<EnsembleProduct>,
     watch: Watch,
+    team: Threads,
 }
 
 /// A member that has been evaluated: the argument of [`EnsembleBuilder::watched_by`].
@@ -267,34 +268,27 @@ impl Ensemble {
         Ok(EnsemblePoint { m: m.to_vec(), members, costs, risk })
     }
 
-    /// Runs `each` for every member, on as many threads as there are; results in the members' order.
-    ///
-    /// After a failure the members behind it are left out. Those before it are not, so that the failure reported is the
-    /// first in order, whichever came first in time. Which of those behind it had run already depends on timing: their
+    /// Runs `each` for every member; results in the members' order. Which of those behind a failure had run already depends on timing: their
     /// factors are dropped, so that the next evaluation does not depend on it.
     fn side_by_side<T: Send>(
         &self,
         workspace: &mut EnsembleWorkspace,
         each: impl Fn(usize, &Member, &mut ReducedWorkspace) -> Result<T, ControlError> + Sync,
     ) -> Result<Vec<T>, EnsembleError> {
-        let failed = AtomicUsize::new(usize::MAX);
-        let run = |(index, (member, workspace)): (usize, (&Member, &mut ReducedWorkspace))| {
-            if index > failed.load(Ordering::Relaxed) {
-                return None;
-            }
-            let outcome = each(index, member, workspace).map_err(|e| EnsembleError::member(&member.name, e));
-            if outcome.is_err() {
-                failed.fetch_min(index, Ordering::Relaxed);
-            }
-            Some(outcome)
-        };
         let workspaces = workspace.of(self.members.len());
-        let members = self.members.par_iter().zip(workspaces.par_iter_mut()).enumerate();
-        let outcomes: Vec<Option<_>> = members.with_max_len(1).map(run).collect();
-        let first = failed.into_inner();
-        workspaces.iter_mut().skip(first.saturating_add(1)).for_each(|own| own.solve.clear());
-        // One left out stands behind a failure, at which this stops.
-        outcomes.into_iter().flatten().collect()
+        let outcome = self.team.map(workspaces, |index, workspace| each(index, &self.members[index], workspace));
+        outcome.map_err(|(first, error)| {
+            workspaces.iter_mut().skip(first.saturating_add(1)).for_each(|own| own.solve.clear());
+            EnsembleError::member(&self.members[first].name, error)
+        })
+    }
+
+    /// The sum over the members, in their order, of dual vectors of theirs times weights.
+    fn sum<'d>(&self, of: impl Iterator<Item = Option<(f64, &'d [f64])>>) -> Vec<f64> {
+        let of: Vec<_> = of.collect();
+        self.team.sum(self.len, &of, |index, (weight, own), out| {
+            scatter(&self.blocks, &self.members[index], *weight, own, out);
+        })
     }
 
     fn tell(&self, index: usize, outcome: &Result<Evaluated, ControlError>) {
@@ -344,14 +338,13 @@ impl Ensemble {
                 _ => Ok(None),
             }
         })?;
-        let mut out = vec![0.0; self.len];
-        for (member, derivative) in self.members.iter().zip(derivatives) {
-            let weight = self.probabilities[member.scenario] * member.weight;
-            if let Some(derivative) = derivative {
-                scatter(&self.blocks, member, weight, &derivative, &mut out);
-            }
-        }
-        Ok(out)
+        Ok(self.expected(&derivatives))
+    }
+
+    /// The expected value of dual vectors of the members.
+    fn expected(&self, of: &[Option<Vec<f64>>]) -> Vec<f64> {
+        let weight = |member: &Member| self.probabilities[member.scenario] * member.weight;
+        self.sum(self.members.iter().zip(of).map(|(member, own)| Some((weight(member), own.as_deref()?))))
     }
 
     /// The derivative of the risk; the adjoint states go into the members' points.
@@ -368,12 +361,11 @@ impl Ensemble {
                 (weight, Some(at)) if weight != 0.0 => member.problem.sensitivity(at, None, workspace).map(Some),
                 _ => Ok(None),
             })?;
-        let mut out = vec![0.0; self.len];
-        for ((member, at), derivative) in self.members.iter().zip(&mut point.members).zip(derivatives) {
-            if let Some((derivative, adjoint)) = derivative {
-                scatter(&self.blocks, member, weight(member), &derivative, &mut out);
-                at.adjoint = adjoint;
-            }
+        let of = self.members.iter().zip(&derivatives);
+        let out = self.sum(of.map(|(member, found)| Some((weight(member), found.as_ref()?.0.as_slice()))));
+        for (at, (_, adjoint)) in point.members.iter_mut().zip(derivatives).filter_map(|(at, found)| Some((at, found?)))
+        {
+            at.adjoint = adjoint;
         }
         Ok(out)
     }

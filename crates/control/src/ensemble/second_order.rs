@@ -1,6 +1,6 @@
 //! Second derivatives of the risk over an ensemble.
 
-use super::blocks::{gather, scatter};
+use super::blocks::gather;
 use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
 use nastic_numeric::vector::{axpy, dot};
 use nastic_opt::Hessian;
@@ -57,17 +57,18 @@ impl Ensemble {
                 _ => Ok(None),
             }
         })?;
-        let mut out = vec![0.0; self.len];
-        let mut derivatives = vec![vec![0.0; if bends { self.len } else { 0 }]; self.names.len()];
-        for (member, found) in self.members.iter().zip(&members) {
-            let Some(found) = found else { continue };
-            scatter(&self.blocks, member, by_cost[member.scenario] * member.weight, &found.product, &mut out);
-            if bends {
-                let scenario = &mut derivatives[member.scenario];
-                scatter(&self.blocks, member, member.weight, &found.derivative, scenario);
-            }
-        }
+        let found = || self.members.iter().zip(&members);
+        let mut out = self.sum(found().map(|(member, found)| {
+            Some((by_cost[member.scenario] * member.weight, found.as_ref()?.product.as_slice()))
+        }));
         if bends {
+            let of = |scenario: usize| {
+                self.sum(found().map(|(member, found)| {
+                    let found = found.as_ref().filter(|_| member.scenario == scenario)?;
+                    Some((member.weight, found.derivative.as_slice()))
+                }))
+            };
+            let derivatives: Vec<Vec<f64>> = (0..self.names.len()).map(of).collect();
             let slopes: Vec<f64> = derivatives.iter().map(|derivative| dot(derivative, v)).collect();
             let changes = self.risk.weights_change(&self.probabilities, &point.costs, &slopes)?;
             derivatives.iter().zip(changes).for_each(|(derivative, change)| axpy(change, derivative, &mut out));
@@ -97,13 +98,6 @@ impl Ensemble {
                 _ => Ok(None),
             }
         })?;
-        let mut out = vec![0.0; self.len];
-        for (member, product) in self.members.iter().zip(products) {
-            let weight = self.probabilities[member.scenario] * member.weight;
-            if let Some(product) = product {
-                scatter(&self.blocks, member, weight, &product, &mut out);
-            }
-        }
-        Ok(out)
+        Ok(self.expected(&products))
     }
 }
