@@ -1,5 +1,15 @@
 //! Errors of factorisation: of the structure (once per mesh) and of the numbers (once per factorisation).
 
+/// An entry for two nodes that share no element of the pattern: there is no place to put it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("nodes {a} and {b} are not coupled in the pattern; build the pattern from every element that is assembled")]
+pub struct NotCoupled {
+    /// One node.
+    pub a: u32,
+    /// The other.
+    pub b: u32,
+}
+
 /// The node graph, the ordering or the pattern cannot be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StructureError {
@@ -14,13 +24,8 @@ pub enum StructureError {
         nodes: usize,
     },
     /// Two nodes of a scatter map share no element of the pattern.
-    #[error("nodes {a} and {b} are not coupled in the pattern; build the pattern from every element that is assembled")]
-    NotCoupled {
-        /// One node.
-        a: u32,
-        /// The other.
-        b: u32,
-    },
+    #[error(transparent)]
+    NotCoupled(#[from] NotCoupled),
     /// An elimination order must hold every node exactly once.
     #[error("the elimination order is no permutation of {nodes} nodes: {problem}")]
     NotAPermutation {

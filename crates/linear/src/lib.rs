@@ -17,8 +17,7 @@
 //!
 //! let mut stiffness = SparseMatrix::zeros(pattern.clone());
 //! for nodes in elements {
-//!     let map = pattern.scatter_map(nodes)?;
-//!     pattern.scatter(&map, &[1.0, -1.0, -1.0, 1.0], &mut stiffness.values);
+//!     stiffness.add_pairs(nodes, &[1.0, -1.0, -1.0, 1.0])?;
 //! }
 //! stiffness.eliminate(&[true, false, false], 1.0);
 //! let factor = symbolic.factorize(&stiffness, Pivots::Positive, false)?;
@@ -57,7 +56,7 @@ pub mod solver;
 mod symbolic;
 
 pub use eigenpairs::{Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs};
-pub use error::{FactorError, StructureError};
+pub use error::{FactorError, NotCoupled, StructureError};
 pub use factor::{Factor, Pivots, Precision};
 pub use gmres::{GmresReport, gmres};
 pub use graph::Graph;

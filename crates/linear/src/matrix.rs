@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::error::FactorError;
+use super::error::{FactorError, NotCoupled};
 use super::pattern::Pattern;
 use super::skew;
 
@@ -59,6 +59,18 @@ impl SparseMatrix {
     #[must_use]
     pub fn symmetric_part(&self) -> SparseMatrix {
         SparseMatrix { pattern: self.pattern.clone(), values: self.values.clone(), skew: None }
+    }
+
+    /// `A_ab += E_ab` for every pair of some nodes: `element` has the `n = dim * nodes` rows of a dense matrix one after the
+    /// other, unknown `dim * local node + component`. All of it is read where the matrix is general; of a symmetric one it must
+    /// be symmetric. Where the same nodes come again, [`add_element`](Self::add_element) with a map kept is cheaper.
+    ///
+    /// # Errors
+    /// [`NotCoupled`] where the pattern lacks a pair; nothing is added then.
+    pub fn add_pairs(&mut self, nodes: &[u32], element: &[f64]) -> Result<(), NotCoupled> {
+        let map = self.pattern.scatter_map(nodes)?;
+        self.add_element(&map, element);
+        Ok(())
     }
 
     /// Adds an element matrix: see [`Pattern::scatter`] for the arguments. All of it is read where the matrix is general;

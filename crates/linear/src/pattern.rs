@@ -1,6 +1,6 @@
 //! Where the entries of a symmetric matrix with dense node blocks are stored.
 
-use super::error::StructureError;
+use super::error::{NotCoupled, StructureError};
 use super::graph::Graph;
 use super::ordering::Ordering;
 
@@ -103,8 +103,8 @@ impl Pattern {
     /// plus 1 if the block is stored transposed, that is, if the stored block is `K_ba` and not `K_ab`.
     ///
     /// # Errors
-    /// [`StructureError::NotCoupled`] when two of the nodes share no element of the pattern.
-    pub fn scatter_map(&self, nodes: &[u32]) -> Result<Vec<u32>, StructureError> {
+    /// [`NotCoupled`] when two of the nodes share no element of the pattern.
+    pub fn scatter_map(&self, nodes: &[u32]) -> Result<Vec<u32>, NotCoupled> {
         let mut map = Vec::with_capacity(nodes.len() * (nodes.len() + 1) / 2);
         for (a, &node) in nodes.iter().enumerate() {
             for &other in &nodes[..=a] {
@@ -114,13 +114,13 @@ impl Pattern {
         Ok(map)
     }
 
-    fn block_code(&self, a: u32, b: u32) -> Result<u32, StructureError> {
+    fn block_code(&self, a: u32, b: u32) -> Result<u32, NotCoupled> {
         let new = |node: u32| self.ordering.old_to_new().get(node as usize).copied();
-        let (Some(row), Some(column)) = (new(a), new(b)) else { return Err(StructureError::NotCoupled { a, b }) };
+        let (Some(row), Some(column)) = (new(a), new(b)) else { return Err(NotCoupled { a, b }) };
         let transposed = row < column;
         let (row, column) = (row.max(column), row.min(column));
         let (first, rows) = self.column(column as usize);
-        let at = rows.binary_search(&row).map_err(|_| StructureError::NotCoupled { a, b })?;
+        let at = rows.binary_search(&row).map_err(|_| NotCoupled { a, b })?;
         Ok(2 * (first + at) as u32 + u32::from(transposed))
     }
 

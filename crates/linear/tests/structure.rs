@@ -5,7 +5,9 @@
 mod support;
 
 use nalgebra::{DMatrix, DVector};
-use nastic_linear::{FactorError, Graph, Ordering, OrderingMethod, Pattern, SparseMatrix, StructureError, Symbolic};
+use nastic_linear::{
+    FactorError, Graph, NotCoupled, Ordering, OrderingMethod, Pattern, SparseMatrix, StructureError, Symbolic, Symmetry,
+};
 use std::sync::Arc;
 use support::{Grid, Random, relative_difference};
 
@@ -35,8 +37,8 @@ fn broken_input_is_refused_with_a_reason() {
     let too_few = Ordering::geometric(&graph, &[[0.0; 3]; 3]);
     assert_eq!(too_few, Err(StructureError::Length { what: "node positions", expected: 4, found: 3 }));
     let pattern = Pattern::new(&graph, 3, Ordering::multilevel(&graph)).unwrap();
-    assert_eq!(pattern.scatter_map(&[0, 3]), Err(StructureError::NotCoupled { a: 3, b: 0 }));
-    assert_eq!(pattern.scatter_map(&[9]), Err(StructureError::NotCoupled { a: 9, b: 9 }));
+    assert_eq!(pattern.scatter_map(&[0, 3]), Err(NotCoupled { a: 3, b: 0 }));
+    assert_eq!(pattern.scatter_map(&[9]), Err(NotCoupled { a: 9, b: 9 }));
     assert_eq!(pattern.value_index(0, 11), None);
 }
 
@@ -78,6 +80,25 @@ fn assert_same(matrix: &SparseMatrix, dense: &DMatrix<f64>) {
     assert!(relative_difference(&matrix.diagonal(), dense.diagonal().as_slice()) < 1e-15);
     let norm = dense.row_iter().map(|row| row.iter().map(|v| v.abs()).sum::<f64>()).fold(0.0, f64::max);
     assert!((matrix.norm() - norm).abs() < 1e-13 * norm);
+}
+
+/// An entry is added where it belongs or refused: none is dropped, in any build.
+#[test]
+fn entries_that_the_pattern_lacks_are_refused() {
+    let elements: [&[u32]; 3] = [&[0, 1], &[1, 2], &[2, 3]];
+    let pattern = Arc::new(Pattern::of_elements(&[[0.0; 3]; 4], 2, elements).unwrap());
+    let element: Vec<f64> = (0..16).map(f64::from).collect();
+    for symmetry in [Symmetry::Symmetric, Symmetry::General] {
+        let mut matrix = SparseMatrix::with_symmetry(pattern.clone(), symmetry);
+        assert_eq!(matrix.add_pairs(&[0, 3], &element), Err(NotCoupled { a: 3, b: 0 }));
+        let told = matrix.add_pairs(&[0, 1, 3], &[1.0; 36]).unwrap_err().to_string();
+        assert!(told.contains("nodes 3 and 0"), "{told}");
+        assert_eq!(matrix.norm(), 0.0, "half an element was added");
+        matrix.add_pairs(&[2, 1], &element).unwrap();
+        // of a symmetric matrix the half below the diagonal is read
+        let expected = if symmetry == Symmetry::General { element[3] } else { element[12] };
+        assert_eq!((matrix.get(5, 4), matrix.get(4, 3)), (element[4], expected));
+    }
 }
 
 #[test]

@@ -10,7 +10,7 @@ pub(crate) mod supports;
 
 use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
 use crate::error::FemError;
-use nastic_linear::{Corners, Graph, Ordering, Pattern, Precision, Solver, SparseMatrix, Symbolic};
+use nastic_linear::{Corners, Graph, Ordering, Pattern, Precision, Solver, SparseMatrix, StructureError, Symbolic};
 use nastic_mesh::Mesh;
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -62,7 +62,7 @@ impl Discretization {
         let of_part = |p: &CellGroup| {
             let mut maps = Vec::new();
             for c in 0..p.cells.len() {
-                maps.extend(pattern.scatter_map(p.nodes_of(c))?);
+                maps.extend(pattern.scatter_map(p.nodes_of(c)).map_err(StructureError::from)?);
             }
             Ok(maps)
         };
