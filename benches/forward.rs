@@ -10,7 +10,7 @@ mod common;
 
 use common::{Arguments, cantilever, median, peak_memory};
 use nastic::fem::{SolveOptions, Solver, Workspace};
-use nastic::linear::{Pivots, Precision};
+use nastic::linear::Pivots;
 use nastic::prelude::*;
 use std::time::Instant;
 
@@ -53,8 +53,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let diagonal = tangent.diagonal().iter().copied().fold(0.0, f64::max);
     tangent.eliminate(body.supports().fixed(), diagonal);
     // In the precision that served; on a body solved by multigrid there is no factor to time.
-    let direct = state.report.solver == Solver::Direct;
-    let single = workspace.factor().is_none_or(|f| f.precision() == Precision::Single);
+    let direct = state.report.solver == Solver::DIRECT.name();
+    let single = workspace.factor_bytes() < disc.factor_bytes();
     drop(workspace);
     let (mut factorisation, mut substitution) = (f64::NAN, f64::NAN);
     if direct {

@@ -211,7 +211,7 @@ impl H1 {
                     }
                 }
             });
-            let symbolic = Arc::new(Symbolic::new(&pattern).map_err(|e| fail(e.to_string()))?);
+            let symbolic = Arc::new(Symbolic::new(&pattern));
             let factor = symbolic.factorize(&matrix, Pivots::Positive, true).map_err(|e| fail(e.to_string()))?;
             blocks.push(H1Block { first: block.first, components: block.components, matrix, factor });
         }

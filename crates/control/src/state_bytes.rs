@@ -5,6 +5,9 @@ use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use std::sync::Arc;
 
+/// What a report that was read back calls a solver that is not in the catalogue.
+const OWN: &str = "own";
+
 /// A state with its controls, those of internal variables included.
 pub fn write_whole_state(state: &State, out: &mut Writer) {
     (0..state.controls.len()).for_each(|k| out.floats(state.controls.values(k)));
@@ -77,11 +80,8 @@ pub fn write_report(report: &SolveReport, out: &mut Writer) {
         restarts,
         shifted,
     } = *report;
-    out.count(match solver {
-        Solver::Direct => 0,
-        Solver::Multigrid => 1,
-        Solver::General => 2,
-    });
+    let position = Solver::CATALOGUE.iter().position(|factory| factory.name() == solver);
+    out.count(position.unwrap_or(Solver::CATALOGUE.len()));
     for count in
         [newton, factorisations, reused, back_substitutions, hierarchies, cycles, load_steps, cuts, restarts, shifted]
     {
@@ -97,9 +97,8 @@ pub fn write_report(report: &SolveReport, out: &mut Writer) {
 pub fn read_report(input: &mut Reader<'_>) -> Result<SolveReport, SavedRunError> {
     Ok(SolveReport {
         solver: match input.number()? {
-            0 => Solver::Direct,
-            1 => Solver::Multigrid,
-            2 => Solver::General,
+            known if known < Solver::CATALOGUE.len() => Solver::CATALOGUE[known].name(),
+            own if own == Solver::CATALOGUE.len() => OWN,
             _ => return Err(input.damaged("an unknown linear solver")),
         },
         newton: input.number()?,

@@ -30,10 +30,10 @@ pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
 pub use model::{Controllable, Model, Unknowns};
-pub use nastic_linear::Solver;
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };
+pub use nastic_linear::{Solver, SolverFactory};
 pub use solid::Solid;
 pub use solution::connection::Connection;
 pub use solution::deflation::{Equilibria, Equilibrium};

@@ -16,7 +16,7 @@ use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
 use nastic_energy::Slot;
-use nastic_linear::{Solver, SparseMatrix, Symmetry};
+use nastic_linear::{Solver, SolverFactory, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
 use nastic_numeric::vector::dot;
 use std::sync::Arc;
@@ -200,10 +200,10 @@ impl Model {
     }
 
     /// What solves its tangent systems unless told otherwise.
-    pub fn solver(&self) -> Solver {
+    pub fn solver(&self) -> &'static dyn SolverFactory {
         match self.symmetry() {
             Symmetry::Symmetric => self.discretization().solver(),
-            Symmetry::General => Solver::General,
+            Symmetry::General => Solver::GENERAL,
         }
     }
 

@@ -83,7 +83,7 @@ fn a_foreign_factor_is_a_tool_and_no_more() -> Outcome {
     let fresh = solid.adjoint(&state, &[&rhs], &SolveOptions::default())?.lambda.remove(0);
     let mut workspace = Workspace::default();
     solid.solve_with(&solid.controls(), &SolveOptions::default(), &mut workspace)?;
-    assert!(workspace.factor().is_some());
+    assert!(workspace.factor_bytes() > 0);
     let other = solid.adjoint_with(&state, &[&rhs], &SolveOptions::default(), &mut workspace)?.lambda.remove(0);
     let error = distance(&fresh, &other) / largest(&fresh);
     assert!(error < 1e-9, "the answer depends on the factor handed in: {error:e}");

@@ -255,7 +255,7 @@ fn other_solvers_and_moved_surfaces_go_with_it() -> Outcome {
     let mut controls = solid.controls();
     values.iter().enumerate().for_each(|(k, value)| controls.values_mut(k).fill(*value));
     let direct = solid.solve(&controls, &STRICT)?;
-    let multigrid = solid.solve(&controls, &SolveOptions { solver: Some(Solver::Multigrid), ..STRICT })?;
+    let multigrid = solid.solve(&controls, &SolveOptions { solver: Some(Solver::MULTIGRID), ..STRICT })?;
     assert!(apart(&solid, &multigrid, &solid, &direct) < 1e-9);
     for (name, _) in EDGES {
         let [(a, gap), (b, _)] = [&multigrid, &direct].map(|state| complement(&solid, state, name).unwrap());

@@ -177,17 +177,17 @@ fn solvers() -> Outcome {
             let mut line = format!("  {} {}:", member.0, member.1);
             let cells = if member.0.order() == 1 { [40, 8, 4] } else { [20, 4, 2] };
             let problem = bar(member, cells, nu)?;
-            for solver in [Solver::Direct, Solver::Multigrid] {
+            for solver in [Solver::DIRECT, Solver::MULTIGRID] {
                 let outcome = problem.solve(&SolveOptions { solver: Some(solver), ..Default::default() });
                 line += &match outcome {
                     Ok((_, state)) => {
                         let report = state.report;
                         format!(
-                            " {solver:?}: {} Newton, {} factors, {} substitutions, {} cycles;",
+                            " {solver}: {} Newton, {} factors, {} substitutions, {} cycles;",
                             report.newton, report.factorisations, report.back_substitutions, report.cycles
                         )
                     }
-                    Err(error) => format!(" {solver:?}: {error};"),
+                    Err(error) => format!(" {solver}: {error};"),
                 };
             }
             println!("{line}");

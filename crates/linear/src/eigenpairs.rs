@@ -151,7 +151,7 @@ impl Eigenproblem<'_> {
             let gib = bytes as f64 / f64::from(1 << 30);
             return Err(LinearError::EigenpairsTooLarge { count, unknowns, gib });
         }
-        if !fits(self.symbolic) {
+        if !fits(self.symbolic.factor_bytes()) {
             return Err(LinearError::FactorTooLarge { gib: self.symbolic.factor_bytes() as f64 / f64::from(1 << 30) });
         }
         Ok(())

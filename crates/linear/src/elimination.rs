@@ -88,6 +88,8 @@ pub(super) struct Fronts {
     pub order: Vec<u32>,
     /// First column of each front in that order, and the number of columns at the end.
     pub starts: Vec<u32>,
+    /// Rows of each front, its own columns among them.
+    pub heights: Vec<u32>,
 }
 
 /// Fundamental fronts, merged with their parents while the explicit zeros that this stores stay few.
@@ -195,13 +197,14 @@ impl Merging {
             }
             tree[f] = p;
         }
-        let mut fronts = Fronts { order: Vec::new(), starts: vec![0] };
+        let mut fronts = Fronts { order: Vec::new(), starts: vec![0], heights: Vec::new() };
         for f in postorder(&tree) {
             for &member in &members[f as usize] {
                 fronts.order.extend(self.columns[member].0..self.columns[member].1);
             }
             if fronts.order.len() as u32 > fronts.starts[fronts.starts.len() - 1] {
                 fronts.starts.push(fronts.order.len() as u32);
+                fronts.heights.push(self.height[f as usize] as u32);
             }
         }
         fronts

@@ -1,8 +1,9 @@
 //! Sparse matrices on the node graph of a mesh, and the solution of their systems.
 //!
 //! The chain, each link built once per mesh and shared: [`Graph`] (which nodes are coupled), [`Ordering`] (a fill-reducing
-//! ordering), [`Pattern`] (where entries are stored), [`Symbolic`] (the structure of the factor). Then, per matrix,
-//! [`SparseMatrix`] and [`Factor`]; [`solver`] has what nonlinear solves use: one trait over factors, multigrid and GMRES.
+//! ordering), [`Pattern`] (where entries are stored), [`Structure`] (the pattern and, when first asked for, [`Symbolic`], the
+//! structure of the factor). Then, per matrix, [`SparseMatrix`] and [`Factor`]; [`solver`] has what nonlinear solves use: one trait
+//! over factors, multigrid, GMRES and LU, each with a [`SolverFactory`].
 //!
 //! ```
 //! use std::sync::Arc;
@@ -13,7 +14,7 @@
 //! let points = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
 //! let graph = Graph::from_cliques(3, elements)?;
 //! let pattern = Arc::new(Pattern::new(&graph, 1, Ordering::best(&graph, &points)?)?);
-//! let symbolic = Arc::new(Symbolic::new(&pattern)?);
+//! let symbolic = Arc::new(Symbolic::new(&pattern));
 //!
 //! let mut stiffness = SparseMatrix::zeros(pattern.clone());
 //! for nodes in elements {
@@ -39,6 +40,7 @@ mod gmres;
 mod graph;
 mod iterative;
 mod locks;
+mod lu_factor;
 mod matrix;
 pub mod memory;
 mod multigrid;
@@ -53,6 +55,7 @@ mod schedule;
 mod skew;
 mod solve;
 pub mod solver;
+mod structure;
 mod symbolic;
 
 pub use eigenpairs::{Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs};
@@ -67,5 +70,6 @@ pub use operator::{OnThreads, Operator};
 pub use ordering::{Ordering, OrderingMethod};
 pub use pattern::Pattern;
 pub use rotations::{CorotatedPreconditioner, Rotations};
-pub use solver::{LinearError, LinearSolver, LinearWork, Solver};
+pub use solver::{ElementBlock, LinearError, LinearSolver, LinearWork, Solver, SolverFactory};
+pub use structure::{FactorSize, Structure};
 pub use symbolic::Symbolic;

@@ -108,6 +108,14 @@ impl SparseMatrix {
         symmetric + self.skew.as_ref().map_or(0.0, |skew| skew::entry(&self.pattern, skew, row, column))
     }
 
+    /// Entry `(r, c)` of the stored block of a number, or of its mirror image in the other triangle.
+    pub(super) fn block_entry(&self, block: usize, (r, c): (usize, usize), mirrored: bool) -> f64 {
+        let dim = self.pattern.dim();
+        let at = dim * dim * block + if mirrored { dim * r + c } else { dim * c + r };
+        let skew = self.skew.as_ref().map_or(0.0, |skew| skew[at]);
+        self.values[at] + if mirrored { -skew } else { skew }
+    }
+
     /// `y = A x` on one thread, the same bits as [`multiply_on`](Self::multiply_on).
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
         self.multiply_on(x, y, false);

@@ -13,6 +13,7 @@ pub struct Ordering {
     new_to_old: Vec<u32>,
     old_to_new: Vec<u32>,
     fronts: Vec<u32>,
+    heights: Vec<u32>,
     method: OrderingMethod,
     nonzeros: f64,
     work: f64,
@@ -96,6 +97,7 @@ impl Ordering {
             old_to_new: inverted(&new_to_old),
             new_to_old,
             fronts: fronts.starts,
+            heights: fronts.heights,
             method,
             nonzeros: counts.iter().map(|&c| f64::from(c)).sum(),
             work: counts.iter().map(|&c| f64::from(c) * f64::from(c)).sum(),
@@ -120,6 +122,11 @@ impl Ordering {
     /// First position of each front, and the number of nodes at the end.
     pub fn fronts(&self) -> &[u32] {
         &self.fronts
+    }
+
+    /// Rows of each front in the factor, its own nodes among them.
+    pub fn heights(&self) -> &[u32] {
+        &self.heights
     }
 
     /// Where the order came from.

@@ -66,6 +66,13 @@ impl Pattern {
         Self { dim, ..self.clone() }
     }
 
+    /// Every coupled pair of nodes, once, by their numbers in the mesh; every node with itself first.
+    pub fn pairs(&self) -> Vec<[u32; 2]> {
+        let old = self.ordering.new_to_old();
+        let of_column = |j: usize| self.column(j).1.iter().map(move |&i| [old[j], old[i as usize]]);
+        (0..self.nodes()).flat_map(of_column).collect()
+    }
+
     /// Dofs per node.
     pub fn dim(&self) -> usize {
         self.dim

@@ -14,6 +14,7 @@ use super::locks::lock;
 use super::matrix::SparseMatrix;
 use super::pattern::Pattern;
 use super::real::{Real, Workspace};
+use super::structure::{FactorSize, front_flops};
 
 /// The symbolic factorisation of a pattern: built once per mesh, shared by every factor.
 #[derive(Debug)]
@@ -25,9 +26,7 @@ pub struct Symbolic {
     in_parent: Vec<u32>,
     children: Vec<Vec<u32>>,
     tasks: Vec<Task>,
-    panel_values: usize,
-    nonzeros: u64,
-    flops: f64,
+    size: FactorSize,
     /// Memory of update matrices, kept between factorisations.
     workspace: Workspace,
 }
@@ -56,11 +55,8 @@ pub(super) struct Task {
 const SUBTREE_SHARE: f64 = 1.0 / 32.0;
 
 impl Symbolic {
-    /// Analyses a pattern.
-    ///
-    /// # Errors
-    /// None at present: what a factor would take is counted and nothing of it allocated.
-    pub fn new(pattern: &Arc<Pattern>) -> Result<Self, StructureError> {
+    /// Analyses a pattern: what a factor would take is counted and nothing of it allocated.
+    pub fn new(pattern: &Arc<Pattern>) -> Self {
         let mut symbolic = Self {
             pattern: Arc::clone(pattern),
             fronts: Vec::new(),
@@ -68,16 +64,14 @@ impl Symbolic {
             in_parent: Vec::new(),
             children: Vec::new(),
             tasks: Vec::new(),
-            panel_values: 0,
-            nonzeros: 0,
-            flops: 0.0,
+            size: FactorSize::default(),
             workspace: Workspace::default(),
         };
         symbolic.find_rows();
         symbolic.lay_out_panels();
         symbolic.locate_rows_in_parents();
         symbolic.cut_tasks();
-        Ok(symbolic)
+        symbolic
     }
 
     fn find_rows(&mut self) {
@@ -115,12 +109,9 @@ impl Symbolic {
 
     fn lay_out_panels(&mut self) {
         for f in 0..self.fronts.len() {
-            let (width, height) = (self.width(f) as u64, self.height(f) as u64);
-            let first = self.panel_values;
-            self.panel_values += (width * height) as usize;
-            self.fronts[f].panel = first..self.panel_values;
-            self.nonzeros += width * height - width * width.saturating_sub(1) / 2;
-            self.flops += front_flops(width as f64, height as f64);
+            let (first, width, height) = (self.size.values, self.width(f), self.height(f));
+            self.size.add(width, height);
+            self.fronts[f].panel = first..self.size.values;
         }
     }
 
@@ -154,7 +145,7 @@ impl Symbolic {
                 first[parent] = first[parent].min(first[f]);
             }
         }
-        let small = |f: usize| subtree[f] <= SUBTREE_SHARE * self.flops;
+        let small = |f: usize| subtree[f] <= SUBTREE_SHARE * self.size.flops;
         let mut task_of = vec![0; n];
         let mut tasks: Vec<Task> = Vec::new();
         for f in 0..n {
@@ -206,7 +197,7 @@ impl Symbolic {
     }
 
     fn check_size(&self) -> Result<(), StructureError> {
-        match self.panel_values as u64 {
+        match self.size.values as u64 {
             count if count > i32::MAX as u64 => Err(StructureError::TooLarge { what: "entries of the factor", count }),
             _ => Ok(()),
         }
@@ -219,24 +210,24 @@ impl Symbolic {
 
     /// Entries of the factor's lower triangle, with the explicit zeros that merged fronts store.
     pub fn nonzeros(&self) -> u64 {
-        self.nonzeros
+        self.size.nonzeros
     }
 
     /// Floating-point operations of one factorisation, multiplications and additions counted separately.
     pub fn flops(&self) -> f64 {
-        self.flops
+        self.size.flops
     }
 
     /// Bytes held by one factor in double precision.
     pub fn factor_bytes(&self) -> usize {
-        size_of::<f64>() * self.panel_values
+        self.size.bytes()
     }
 
     /// Bytes of one factorisation at its largest, predicted: the factor, and the update matrices that are alive at the same
     /// time where fronts are eliminated one after the other. (On several threads more of them are.)
     pub fn factorisation_bytes(&self, precision: Precision) -> usize {
         let size = if precision == Precision::Single { size_of::<f32>() } else { size_of::<f64>() };
-        size * (self.panel_values + self.update_values())
+        size * (self.size.values + self.update_values())
     }
 
     /// Largest number of values of update matrices at one time: those of the children die when a front has taken them.
@@ -292,7 +283,7 @@ impl Symbolic {
     }
 
     pub(super) fn panel_values(&self) -> usize {
-        self.panel_values
+        self.size.values
     }
 
     pub(super) fn children(&self, f: usize) -> &[u32] {
@@ -323,10 +314,4 @@ impl Symbolic {
     pub(super) fn height(&self, f: usize) -> usize {
         self.width(f) + self.below(f)
     }
-}
-
-/// Sum of `k^2` over the column lengths `k = height - width + 1 ..= height`.
-fn front_flops(width: f64, height: f64) -> f64 {
-    let squares = |n: f64| n * (n + 1.0) * (2.0 * n + 1.0) / 6.0;
-    squares(height) - squares(height - width)
 }

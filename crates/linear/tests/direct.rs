@@ -10,7 +10,7 @@ use std::sync::Arc;
 use support::{Grid, Random, negative_eigenvalues, relative_difference};
 
 fn analysed(pattern: &Arc<Pattern>) -> Arc<Symbolic> {
-    Arc::new(Symbolic::new(pattern).unwrap())
+    Arc::new(Symbolic::new(pattern))
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn dense_eigenvalues(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool]) ->
 }
 
 fn find(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool], count: usize) -> Result<Eigenpairs, LinearError> {
-    let symbolic = Arc::new(Symbolic::new(matrix.pattern()).unwrap());
+    let symbolic = Arc::new(Symbolic::new(matrix.pattern()));
     let problem = Eigenproblem { matrix, mass, fixed, symbolic: &symbolic, parallel: false };
     smallest_eigenpairs(&problem, count)
 }
@@ -163,7 +163,7 @@ fn a_matrix_without_a_factor_has_its_zero() {
     for nodes in elements {
         pattern.scatter(&pattern.scatter_map(nodes).unwrap(), &[1.0, -1.0, -1.0, 1.0], &mut matrix.values);
     }
-    let symbolic = Symbolic::new(&pattern).unwrap();
+    let symbolic = Symbolic::new(&pattern);
     let singular = Arc::new(symbolic).factorize(&matrix, Pivots::AnySign, false);
     assert!(matches!(singular, Err(FactorError::Singular { .. })), "{singular:?}");
     let found = find(&matrix, MassMatrix::Diagonal(&[1.0; 3]), &[false; 3], 3).unwrap();

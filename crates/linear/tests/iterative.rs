@@ -18,7 +18,7 @@ impl Case {
     fn new() -> Self {
         let grid = Grid::hexahedra([5, 4, 4], 1);
         let pattern = grid.pattern(3);
-        let symbolic = Arc::new(Symbolic::new(&pattern).unwrap());
+        let symbolic = Arc::new(Symbolic::new(&pattern));
         Self { grid, pattern, symbolic }
     }
 

@@ -5,10 +5,10 @@
 mod support;
 
 use nalgebra::{DMatrix, DVector};
-use nastic_linear::solver::{Accuracy, Border, Configuration, Curvature, Shift, System, solve_bordered, solver};
+use nastic_linear::solver::{Accuracy, Border, Configuration, Curvature, Shift, System, solve_bordered};
 use nastic_linear::{
-    Corners, FactorError, LinearError, LinearSolver, LinearWork, Pattern, Pivots, Rotations, Solver, SparseMatrix,
-    Symbolic, Symmetry, gmres,
+    Corners, ElementBlock, FactorError, LinearError, LinearSolver, LinearWork, Pattern, Pivots, Rotations, Solver,
+    SparseMatrix, Structure, Symbolic, Symmetry, gmres,
 };
 use nastic_tensor::Mat3;
 use std::sync::Arc;
@@ -40,6 +40,7 @@ struct Case {
     grid: Grid,
     pattern: Arc<Pattern>,
     symbolic: Arc<Symbolic>,
+    structure: Arc<Structure>,
     fixed: Vec<bool>,
     at: AtRest,
 }
@@ -48,15 +49,16 @@ impl Case {
     fn new(cells: [usize; 3]) -> Self {
         let grid = Grid::hexahedra(cells, 1);
         let pattern = grid.pattern(3);
-        let symbolic = Arc::new(Symbolic::new(&pattern).unwrap());
+        let structure = Structure::new(pattern.clone());
+        let symbolic = structure.symbolic().clone();
         let fixed = vec![false; pattern.dofs()];
         let rotations = Arc::new(Rotations(vec![Mat3::identity(); grid.points.len()]));
         let at = AtRest { points: grid.points.clone(), rotations };
-        Case { grid, pattern, symbolic, fixed, at }
+        Case { grid, pattern, symbolic, structure, fixed, at }
     }
 
     fn system<'a>(&'a self, matrix: &'a SparseMatrix) -> System<'a> {
-        System { matrix, fixed: &self.fixed, configuration: &self.at, parallel: false }
+        System { matrix, extra: &[], fixed: &self.fixed, configuration: &self.at, parallel: false }
     }
 
     /// A Laplacian with a skew part of a relative size, and its dense twin.
@@ -116,7 +118,7 @@ fn a_general_matrix_is_its_dense_twin() {
 fn general_systems_and_their_transposes_are_solved() {
     let case = Case::new([4, 3, 3]);
     let b = Random::new(8).vector(case.pattern.dofs());
-    let (mut before, mut own) = (0, solver(Solver::General, &case.symbolic));
+    let (mut before, mut own) = (0, Solver::GENERAL.make(&case.structure));
     for skew in [0.0, 0.05, 0.4] {
         let (matrix, dense) = case.general(skew);
         let mut work = LinearWork::default();
@@ -125,7 +127,7 @@ fn general_systems_and_their_transposes_are_solved() {
         let x = own.solve_transposed(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
         assert!(relative_difference(&x, &solution(&dense.transpose(), &b)) < 1e-9, "skew {skew}, transposed");
         assert!(work.back_substitutions >= before, "a larger skew part takes no fewer iterations: {work:?}");
-        assert!(work.factorisations <= 1 && work.solver == Solver::General, "{work:?}");
+        assert!(work.factorisations <= 1 && own.name() == "general", "{work:?}");
         before = work.back_substitutions;
         let step = own.step(&case.system(&matrix), &b, 1e-3, &mut work).unwrap();
         assert_eq!(step.curvature, Curvature::Positive);
@@ -143,7 +145,7 @@ fn an_indefinite_general_system_is_solved() {
     dense -= 2.0 * DMatrix::identity(dense.nrows(), dense.nrows());
     let b = Random::new(9).vector(case.pattern.dofs());
     let mut work = LinearWork::default();
-    let mut own = solver(Solver::General, &case.symbolic);
+    let mut own = Solver::GENERAL.make(&case.structure);
     let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
     assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-8);
     assert_eq!(own.step(&case.system(&matrix), &b, 1e-3, &mut work).unwrap().curvature, Curvature::Negative);
@@ -154,8 +156,8 @@ fn symmetric_solvers_refuse_what_is_not_symmetric() {
     let case = Case::new([2, 2, 2]);
     let (matrix, _) = case.general(0.1);
     let b = vec![1.0; case.pattern.dofs()];
-    for kind in [Solver::Direct, Solver::Multigrid] {
-        let mut own = solver(kind, &case.symbolic);
+    for kind in [Solver::DIRECT, Solver::MULTIGRID] {
+        let mut own = kind.make(&case.structure);
         let error = own.solve(&case.system(&matrix), &b, STRICT, &mut LinearWork::default());
         assert_eq!(error.unwrap_err(), LinearError::NotSymmetric, "{kind}");
     }
@@ -169,8 +171,8 @@ fn every_symmetric_solver_gives_the_same_answers() {
     let b = Random::new(2).vector(case.pattern.dofs());
     let mut exact = b.clone();
     case.symbolic.factorize(&matrix, Pivots::Positive, false).unwrap().solve(&mut exact, 1);
-    for kind in [Solver::Direct, Solver::Multigrid] {
-        let mut own = solver(kind, &case.symbolic);
+    for kind in [Solver::DIRECT, Solver::MULTIGRID] {
+        let mut own = kind.make(&case.structure);
         let mut work = LinearWork::default();
         own.restart();
         let step = own.step(&case.system(&matrix), &b, 1e-6, &mut work).unwrap();
@@ -178,8 +180,8 @@ fn every_symmetric_solver_gives_the_same_answers() {
         assert!(relative_difference(&step.x, &exact) < 1e-3, "{kind}");
         let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
         assert!(relative_difference(&x, &exact) < 1e-9, "{kind}");
-        assert_eq!(own.inertia(&case.system(&matrix)).unwrap().negative, 0, "{kind}");
-        assert!(work.solver == kind && work.factorisations + work.hierarchies <= 2, "{kind}: {work:?}");
+        assert_eq!(own.inertia(&case.system(&matrix)).unwrap().map(|found| found.negative), Some(0), "{kind}");
+        assert!(own.name() == kind.name() && work.factorisations + work.hierarchies <= 2, "{kind}: {work:?}");
         own.prepare(&case.system(&matrix), &mut work).unwrap();
         let made = (work.factorisations, work.hierarchies);
         let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
@@ -196,14 +198,14 @@ fn a_shift_makes_steps_go_downhill() {
     let mut matrix = case.grid.laplacian(&case.pattern, 0.4);
     matrix.add_to_diagonal(-3.0);
     let b = Random::new(2).vector(case.pattern.dofs());
-    for kind in [Solver::Direct, Solver::Multigrid] {
-        let (mut own, mut work) = (solver(kind, &case.symbolic), LinearWork::default());
+    for kind in [Solver::DIRECT, Solver::MULTIGRID] {
+        let (mut own, mut work) = (kind.make(&case.structure), LinearWork::default());
         let x = Shift::default().step(own.as_mut(), &case.system(&matrix), &b, &mut work).unwrap();
         assert!(x.iter().zip(&b).map(|(x, b)| x * b).sum::<f64>() > 0.0, "{kind}: the step goes uphill");
         assert_eq!(work.shifted, 1);
     }
-    let negative = solver(Solver::Direct, &case.symbolic).inertia(&case.system(&matrix)).unwrap().negative;
-    assert!(negative > 0);
+    let negative = Solver::DIRECT.make(&case.structure).inertia(&case.system(&matrix)).unwrap();
+    assert!(negative.is_some_and(|found| found.negative > 0));
 }
 
 #[test]
@@ -234,10 +236,10 @@ fn bordered_systems_are_solved_by_block_elimination() {
     let nearly_singular = case.grid.laplacian(&case.pattern, 1e-7);
     let dense_of = |matrix: &SparseMatrix| DMatrix::from_fn(n, n, |i, j| matrix.get(i, j));
     for (name, matrix, dense, kind, tolerance) in [
-        ("symmetric", &symmetric, dense_of(&symmetric), Solver::Direct, 1e-9),
-        ("general", &general, dense_general, Solver::General, 1e-9),
+        ("symmetric", &symmetric, dense_of(&symmetric), Solver::DIRECT, 1e-9),
+        ("general", &general, dense_general, Solver::GENERAL, 1e-9),
         // constant vectors are eigenvectors of the eigenvalue 1e-7
-        ("nearly singular", &nearly_singular, dense_of(&nearly_singular), Solver::Direct, 1e-5),
+        ("nearly singular", &nearly_singular, dense_of(&nearly_singular), Solver::DIRECT, 1e-5),
     ] {
         let columns: Vec<Vec<f64>> =
             (0..3).map(|k| (0..n).map(|i| f64::from(u8::from(i % 3 == k)) + 0.1 * random.next()).collect()).collect();
@@ -257,7 +259,7 @@ fn bordered_systems_are_solved_by_block_elimination() {
         let border = Border { columns, rows, corner };
         let (f, g) = (random.vector(n), random.vector(3));
         for transposed in [false, true] {
-            let mut own: Box<dyn LinearSolver> = solver(kind, &case.symbolic);
+            let mut own: Box<dyn LinearSolver> = kind.make(&case.structure);
             let system = case.system(matrix);
             let (x, y) = solve_bordered(
                 own.as_mut(),
@@ -276,7 +278,7 @@ fn bordered_systems_are_solved_by_block_elimination() {
         }
     }
     let border = Border { columns: vec![vec![0.0; n]], rows: vec![vec![0.0; n]], corner: DMatrix::zeros(1, 1) };
-    let mut own = solver(Solver::Direct, &case.symbolic);
+    let mut own = Solver::DIRECT.make(&case.structure);
     let system = case.system(&symmetric);
     let short = Border { columns: vec![vec![1.0; n - 1]], ..border.clone() };
     let (f, work) = (random.vector(n), &mut LinearWork::default());
@@ -311,20 +313,24 @@ fn beam(stiffer: f64, clamped: bool) -> (Case, SparseMatrix) {
     }
     let fixed: Vec<bool> = (0..NODES).map(|i| clamped && i < 2).collect();
     matrix.eliminate(&fixed, 1.0);
-    let symbolic = Arc::new(Symbolic::new(&pattern).unwrap());
+    let structure = Structure::new(pattern.clone());
+    let symbolic = structure.symbolic().clone();
     let rotations = Arc::new(Rotations(vec![Mat3::identity(); NODES as usize]));
     let at = AtRest { points: grid.points.clone(), rotations };
-    (Case { grid, pattern, symbolic, fixed, at }, matrix)
+    (Case { grid, pattern, symbolic, structure, fixed, at }, matrix)
 }
 
 /// The smallest eigenvalue of the clamped beam is 12.4/1000^4. A stiff part where it does not move is no reason to doubt its sign.
 #[test]
 fn only_the_rounding_of_the_eigenvalue_itself_makes_a_matrix_singular() {
     let inertia = |(case, matrix): (Case, SparseMatrix)| {
-        solver(Solver::Direct, &case.symbolic).inertia(&case.system(&matrix)).map(|found| found.negative)
+        Solver::DIRECT
+            .make(&case.structure)
+            .inertia(&case.system(&matrix))
+            .map(|found| found.map(|found| found.negative))
     };
     for stiffer in [1.0, 1e5] {
-        assert_eq!(inertia(beam(stiffer, true)), Ok(0), "{stiffer}");
+        assert_eq!(inertia(beam(stiffer, true)), Ok(Some(0)), "{stiffer}");
         let told = inertia(beam(stiffer, false)).unwrap_err();
         assert!(told.is_singular(), "two free motions: {told}");
     }
@@ -332,4 +338,128 @@ fn only_the_rounding_of_the_eigenvalue_itself_makes_a_matrix_singular() {
     let free = case.grid.laplacian(&case.pattern, 0.0);
     let told = inertia((case, free)).unwrap_err();
     assert!(told.is_singular() && !told.is_lack_of_memory(), "three free motions: {told}");
+}
+
+#[test]
+fn every_solver_has_a_name_of_its_own() {
+    let case = Case::new([2, 2, 2]);
+    let (general, _) = case.general(0.1);
+    let b = vec![1.0; case.pattern.dofs()];
+    for factory in Solver::CATALOGUE {
+        assert_eq!(Solver::named(factory.name()), Some(factory));
+        assert!(!factory.about().is_empty());
+        let mut own = factory.make(&case.structure);
+        assert_eq!((own.name(), own.bytes()), (factory.name(), 0));
+        let solved = own.solve(&case.system(&general), &b, STRICT, &mut LinearWork::default());
+        assert_eq!(solved.is_ok(), factory.takes() == Symmetry::General, "{factory}: {solved:?}");
+    }
+    assert_eq!(Solver::named("none"), None);
+}
+
+/// Symmetric and not, definite and not, the transpose too; the factorisation of one matrix serves one nearby.
+#[test]
+fn lu_solves_any_regular_matrix() {
+    let case = Case::new([4, 3, 3]);
+    let n = case.pattern.dofs();
+    let b = Random::new(8).vector(n);
+    let symmetric = case.grid.laplacian(&case.pattern, 0.4);
+    let dense_symmetric = DMatrix::from_fn(n, n, |i, j| symmetric.get(i, j));
+    for (name, (mut matrix, mut dense), shift) in [
+        ("symmetric", (symmetric, dense_symmetric), 0.0),
+        ("general", case.general(0.4), 0.0),
+        ("mostly skew", case.general(20.0), 0.0),
+        ("indefinite", case.general(0.4), -2.0),
+    ] {
+        matrix.add_to_diagonal(shift);
+        dense += shift * DMatrix::identity(n, n);
+        let (mut own, mut work) = (Solver::LU.make(&case.structure), LinearWork::default());
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-9, "{name}");
+        let x = own.solve_transposed(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        assert!(relative_difference(&x, &solution(&dense.transpose(), &b)) < 1e-9, "{name}, transposed");
+        matrix.add_to_diagonal(1e-3);
+        dense += 1e-3 * DMatrix::identity(n, n);
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-9, "{name}, nearby");
+        assert_eq!((work.factorisations, work.reused), (1, 2), "{name}");
+        assert!(work.back_substitutions <= 15 && own.bytes() > 0, "{name}: {work:?}");
+        assert_eq!((own.inertia(&case.system(&matrix)), own.negative()), (Ok(None), None), "{name}: it cannot count");
+        own.clear();
+        assert_eq!(own.bytes(), 0);
+    }
+    let singular = case.grid.laplacian(&case.pattern, 0.0);
+    let mut own = Solver::LU.make(&case.structure);
+    let told = own.solve(&case.system(&singular), &b, STRICT, &mut LinearWork::default()).unwrap_err();
+    assert!(told.is_singular(), "three free motions: {told}");
+    let refused = own.solve_definite(&case.system(&singular), &b, &mut LinearWork::default());
+    assert_eq!(refused, Err(LinearError::NotCounted { solver: "lu" }));
+}
+
+/// Where the skew part decides, a factor of the symmetric one is of no use, or there is none: LU takes its place and stays.
+#[test]
+fn general_falls_back_on_lu() {
+    let case = Case::new([5, 4, 4]);
+    let b = Random::new(9).vector(case.pattern.dofs());
+    let mut no_symmetric_part = case.general(1.0);
+    let symmetric = no_symmetric_part.0.symmetric_part();
+    no_symmetric_part.0.add_scaled(-1.0, &symmetric);
+    let n = case.pattern.dofs();
+    no_symmetric_part.1 -= DMatrix::from_fn(n, n, |i, j| symmetric.get(i, j));
+    for (name, (matrix, dense)) in [("skew part decides", case.general(300.0)), ("skew alone", no_symmetric_part)] {
+        let (mut own, mut work) = (Solver::GENERAL.make(&case.structure), LinearWork::default());
+        let accuracy = Accuracy { error: 1e-12, residual: 1e-10 };
+        let x = own.solve(&case.system(&matrix), &b, accuracy, &mut work).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-7, "{name}");
+        let (made, iterations) = (work.factorisations, work.back_substitutions);
+        let x = own.solve_transposed(&case.system(&matrix), &b, accuracy, &mut work).unwrap();
+        assert!(relative_difference(&x, &solution(&dense.transpose(), &b)) < 1e-7, "{name}, transposed");
+        assert_eq!((own.name(), work.factorisations), ("lu", made), "{name}");
+        assert!(work.back_substitutions <= iterations + 10, "{name}: {work:?}");
+    }
+}
+
+/// Blocks beside the pattern are part of the system for every solver, and of no factor; fixed unknowns have no part in them.
+#[test]
+fn extra_blocks_are_solved_with() {
+    let mut case = Case::new([5, 4, 4]);
+    let (n, last) = (case.pattern.dofs(), case.grid.points.len() as u32 - 1);
+    let mut matrix = case.grid.laplacian(&case.pattern, 0.4);
+    case.fixed[..3].fill(true);
+    matrix.eliminate(&case.fixed, 2.0);
+    let mut b = Random::new(2).vector(n);
+    b[..3].fill(0.0);
+    assert!(case.pattern.scatter_map(&[7, last]).is_err(), "the pattern has the pair");
+    for stiffness in [5.0, -8.0] {
+        // springs between far nodes, one of them at a fixed node
+        let spring = |nodes: [u32; 2]| {
+            let entry = |i: usize, j: usize| if i == j { stiffness } else { -stiffness };
+            let entries = (0..36).map(|at| if at / 6 % 3 == at % 3 { entry(at / 18, at % 6 / 3) } else { 0.0 });
+            ElementBlock { nodes: nodes.to_vec(), entries: entries.collect() }
+        };
+        let extra = [spring([7, last]), spring([0, last])];
+        let mut dense = DMatrix::from_fn(n, n, |i, j| matrix.get(i, j));
+        for ElementBlock { nodes, entries } in &extra {
+            let dof = |i: usize| 3 * nodes[i / 3] as usize + i % 3;
+            for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))).filter(|(i, j)| dof(*i) > 2 && dof(*j) > 2) {
+                dense[(dof(i), dof(j))] += entries[6 * i + j];
+            }
+        }
+        let definite = support::negative_eigenvalues(&dense) == 0;
+        assert_eq!(definite, stiffness > 0.0);
+        for factory in Solver::CATALOGUE {
+            let mut own = factory.make(&case.structure);
+            let (system, mut work) = (System { extra: &extra, ..case.system(&matrix) }, LinearWork::default());
+            let x = own.solve(&system, &b, STRICT, &mut work).unwrap_or_else(|e| panic!("{factory}, {stiffness}: {e}"));
+            assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-8, "{factory}, {stiffness}");
+            assert_ne!(
+                own.inertia(&system).ok().flatten().map(|found| found.negative == 0),
+                Some(!definite),
+                "{factory}"
+            );
+            if definite {
+                let step = own.step(&system, &b, 1e-6, &mut work).unwrap();
+                assert!(relative_difference(&step.x, &x) < 1e-3, "{factory}");
+            }
+        }
+    }
 }

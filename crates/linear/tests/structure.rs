@@ -6,7 +6,8 @@ mod support;
 
 use nalgebra::{DMatrix, DVector};
 use nastic_linear::{
-    FactorError, Graph, NotCoupled, Ordering, OrderingMethod, Pattern, SparseMatrix, StructureError, Symbolic, Symmetry,
+    FactorError, Graph, NotCoupled, Ordering, OrderingMethod, Pattern, SparseMatrix, Structure, StructureError,
+    Symbolic, Symmetry,
 };
 use std::sync::Arc;
 use support::{Grid, Random, relative_difference};
@@ -164,7 +165,7 @@ fn predicted_fill_is_the_fill_of_elimination() {
             let entries = fill_by_elimination(&graph, ordering.new_to_old());
             assert_eq!(ordering.nonzeros(), entries as f64, "{:?}", ordering.method());
             // Fronts store a bounded number of zeros on top.
-            let symbolic = Symbolic::new(&Arc::new(Pattern::new(&graph, 1, ordering).unwrap())).unwrap();
+            let symbolic = Symbolic::new(&Arc::new(Pattern::new(&graph, 1, ordering).unwrap()));
             assert!(symbolic.nonzeros() as usize >= entries);
             assert!((symbolic.nonzeros() as f64) < 1.6 * entries as f64, "{} for {entries}", symbolic.nonzeros());
         }
@@ -198,4 +199,34 @@ fn fill_stays_low() {
     let least = geometric.nonzeros().min(multilevel.nonzeros());
     assert_eq!(best.nonzeros(), least);
     assert_eq!((geometric.method(), multilevel.method()), (OrderingMethod::Geometric, OrderingMethod::Multilevel));
+}
+
+/// What a factor takes is known without the analysis, and more couplings keep the order of elimination.
+#[test]
+fn a_structure_counts_what_a_factor_takes_before_it_is_analysed() {
+    for grid in [Grid::hexahedra([5, 4, 3], 1), Grid::hexahedra([2, 2, 3], 2), Grid::tetrahedra([3, 2, 2])] {
+        let last = grid.points.len() as u32 - 1;
+        for (ordering, dim) in grid.orderings().into_iter().zip([3, 2, 1]) {
+            let structure = Structure::new(Arc::new(Pattern::new(&grid.graph(), dim, ordering).unwrap()));
+            let wider = structure.with_couplings(&[vec![0, last, last / 2], vec![1, last]]).unwrap();
+            for one in [&structure, &wider] {
+                let size = one.factor_size();
+                assert!(!one.is_analysed());
+                let symbolic = one.symbolic();
+                assert_eq!(size.bytes(), symbolic.factor_bytes());
+                assert_eq!((size.nonzeros, size.flops), (symbolic.nonzeros(), symbolic.flops()));
+                assert!(one.is_analysed() && Arc::ptr_eq(symbolic, one.symbolic()));
+            }
+            let map = |pattern: &Pattern| {
+                [[0, last], [1, last], [last / 2, 0]].map(|pair| pattern.scatter_map(&pair).is_ok())
+            };
+            assert_eq!((map(structure.pattern()), map(wider.pattern())), ([false; 3], [true; 3]));
+            let grown = wider.pattern().pairs().len() - structure.pattern().pairs().len();
+            assert_eq!(grown, 4, "nothing else is coupled");
+            // branches may change places, which leaves the fill as it is
+            let kept = structure.with_couplings(&[]).unwrap();
+            assert_eq!(kept.pattern().ordering().nonzeros(), structure.pattern().ordering().nonzeros());
+            assert!(wider.factor_size().nonzeros < 3 * structure.factor_size().nonzeros);
+        }
+    }
 }

@@ -10,7 +10,10 @@ pub(crate) mod supports;
 
 use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
 use crate::error::FemError;
-use nastic_linear::{Corners, Graph, Ordering, Pattern, Precision, Solver, SparseMatrix, StructureError, Symbolic};
+use nastic_linear::{
+    Corners, Graph, Ordering, Pattern, Precision, Solver, SolverFactory, SparseMatrix, Structure, StructureError,
+    Symbolic,
+};
 use nastic_mesh::Mesh;
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -22,9 +25,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 pub struct Discretization {
     mesh: Arc<Mesh>,
     points: Arc<QuadraturePoints>,
-    pattern: Arc<Pattern>,
-    symbolic: Arc<Symbolic>,
-    /// That of one unknown per node, made when first asked for.
+    structure: Arc<Structure>,
+    /// The symbolic factorisation of one unknown per node, made when first asked for.
     scalar: OnceLock<Arc<Symbolic>>,
     /// Per kind of cell: the scatter map of every cell, one after the other.
     scatter: Vec<Vec<u32>>,
@@ -58,7 +60,6 @@ impl Discretization {
         let graph = Graph::from_cliques(mesh.points().len(), cells.chain(couplings.iter().map(Vec::as_slice)))?;
         let ordering = Ordering::best(&graph, mesh.points())?;
         let pattern = Arc::new(Pattern::new(&graph, mesh.dim(), ordering)?);
-        let symbolic = Arc::new(Symbolic::new(&pattern)?);
         let of_part = |p: &CellGroup| {
             let mut maps = Vec::new();
             for c in 0..p.cells.len() {
@@ -71,8 +72,7 @@ impl Discretization {
         Ok(Arc::new(Discretization {
             mesh,
             points,
-            pattern,
-            symbolic,
+            structure: Structure::new(pattern),
             scalar,
             scatter,
             corners,
@@ -88,7 +88,7 @@ impl Discretization {
     /// # Errors
     /// [`FemError::Structure`].
     pub fn with_couplings(self: &Arc<Self>, more: &[Vec<u32>]) -> Result<Arc<Self>, FemError> {
-        if more.iter().all(|nodes| self.pattern.scatter_map(nodes).is_ok()) {
+        if more.iter().all(|nodes| self.pattern().scatter_map(nodes).is_ok()) {
             return Ok(self.clone());
         }
         let couplings: Vec<Vec<u32>> = self.couplings.iter().chain(more).cloned().collect();
@@ -146,37 +146,37 @@ impl Discretization {
 
     /// The sparsity pattern of the tangent.
     pub fn pattern(&self) -> &Arc<Pattern> {
-        &self.pattern
+        self.structure.pattern()
     }
 
-    /// The symbolic factorisation of the tangent.
+    /// The structure of the tangent: its pattern, and its symbolic factorisation once a solver has asked for it.
+    pub fn structure(&self) -> &Arc<Structure> {
+        &self.structure
+    }
+
+    /// The symbolic factorisation of the tangent, made when first asked for.
     pub fn symbolic(&self) -> &Arc<Symbolic> {
-        &self.symbolic
+        self.structure.symbolic()
     }
 
     /// Bytes of a factor of the tangent in double precision.
     pub fn factor_bytes(&self) -> usize {
-        self.symbolic.factor_bytes()
+        self.structure.factor_size().bytes()
     }
 
     /// Bytes of a factorisation of the tangent in double precision at its largest, predicted: the factor and its working memory.
     pub fn factorisation_bytes(&self) -> usize {
-        self.symbolic.factorisation_bytes(Precision::Double)
+        self.symbolic().factorisation_bytes(Precision::Double)
     }
 
     /// The symbolic factorisation of scalar fields, in the same order of nodes.
-    pub(crate) fn scalar_symbolic(&self) -> Result<Arc<Symbolic>, nastic_linear::StructureError> {
-        if let Some(known) = self.scalar.get() {
-            return Ok(known.clone());
-        }
-        let pattern = Arc::new(self.pattern.with_dim(1));
-        let new = Arc::new(Symbolic::new(&pattern)?);
-        Ok(self.scalar.get_or_init(|| new).clone())
+    pub(crate) fn scalar_symbolic(&self) -> &Arc<Symbolic> {
+        self.scalar.get_or_init(|| Arc::new(Symbolic::new(&Arc::new(self.pattern().with_dim(1)))))
     }
 
     /// The solver that a solve on this mesh takes unless it is told which, see [`Solver::cheaper`].
-    pub fn solver(&self) -> Solver {
-        Solver::cheaper(&self.pattern, &self.symbolic)
+    pub fn solver(&self) -> &'static dyn SolverFactory {
+        Solver::cheaper(&self.structure)
     }
 
     /// How second-order cells contain first-order ones; nothing on a mesh of first-order cells. Made when first asked for.
@@ -198,7 +198,7 @@ impl Discretization {
 
     /// A zero matrix of the tangent's pattern.
     pub fn matrix(&self) -> SparseMatrix {
-        SparseMatrix::zeros(self.pattern.clone())
+        SparseMatrix::zeros(self.pattern().clone())
     }
 
     /// Scatter maps of the cells of one part of the body's sampling.

@@ -103,7 +103,7 @@ impl Newton<'_> {
             let mut system = SaddlePoint::new(self.model, tangent);
             let failed = |error: LinearError| match error {
                 // Constraints that depend on each other are so at any control.
-                LinearError::Border { .. } => Stop::Linear(error),
+                LinearError::Border { .. } | LinearError::NotCounted { .. } => Stop::Linear(error),
                 _ if error.is_lack_of_memory() => Stop::Linear(error),
                 _ => Stop::Slow { residual: relative },
             };

@@ -110,7 +110,7 @@ impl Newton<'_> {
         let slack = || (0..scalars).filter(|&k| !acting[k]);
         slack().for_each(|k| system.add_column(k, u[dofs + k], &mut rhs[..dofs]));
         let (mut steps, negative) = system.solve(systems, &u[..dofs], &[&rhs], FULL_STEP, report)?;
-        let negative = negative.ok_or(LinearError::Border { scalars })?;
+        let negative = negative.ok_or_else(|| systems.uncounted(scalars))?;
         let mut step = steps.pop().unwrap_or_default();
         let (mut wrong, mut touching) = (vec![0.0; scalars], acting.to_vec());
         for k in (0..scalars).filter(|&k| inequalities[k] && acting[k]) {

@@ -1,7 +1,7 @@
 //! [`SolveOptions`]: how an equilibrium is to be found.
 
 use crate::solution::state::State;
-use nastic_linear::Solver;
+use nastic_linear::SolverFactory;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,8 +14,9 @@ pub struct SolveOptions<'a> {
     /// A guess of the equilibrium, flat displacements, from which the first attempt begins; where that leads nowhere, it
     /// is as if none had been given. Another length than that of the body's displacements is an error.
     pub guess: Option<&'a [f64]>,
-    /// By what tangent systems are solved. Default: what [`Solver::cheaper`] expects to be cheaper.
-    pub solver: Option<Solver>,
+    /// By what tangent systems are solved: a row of [`Solver::CATALOGUE`](crate::Solver::CATALOGUE), or a factory of your own. Default:
+    /// what [`Solver::cheaper`](crate::Solver::cheaper) expects to be cheaper.
+    pub solver: Option<&'a dyn SolverFactory>,
     /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads.
     pub accuracy: f64,
     /// Newton iterations allowed downhill per load step; where that many lead nowhere, up to 40 with strains of their own at the

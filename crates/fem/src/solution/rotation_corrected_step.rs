@@ -48,7 +48,7 @@ impl GradientFit {
     pub fn new(model: &Model, parallel: bool) -> Option<Self> {
         let disc = model.discretization();
         let dim = disc.dim();
-        let symbolic = disc.scalar_symbolic().ok()?;
+        let symbolic = disc.scalar_symbolic();
         let laplacian = laplacian(disc, SparseMatrix::zeros(symbolic.pattern().clone()));
         let diagonal = laplacian.diagonal().into_iter().fold(0.0, f64::max);
         let mut known: Vec<(Vec<bool>, Arc<Factor>)> = Vec::new();

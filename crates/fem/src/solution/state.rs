@@ -1,7 +1,7 @@
 //! [`State`]: an equilibrium, as a value.
 
 use crate::contributions::controls::Controls;
-use nastic_linear::{LinearWork, Solver};
+use nastic_linear::{LinearSolver, LinearWork, Solver};
 use std::sync::Arc;
 
 /// A converged equilibrium, or the end of a time step. It holds no factor: that stays in the [`Workspace`](crate::Workspace).
@@ -34,10 +34,10 @@ impl State {
 }
 
 /// What a solve took and how good its answer is.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveReport {
-    /// By what the last tangent system was solved.
-    pub solver: Solver,
+    /// Name of what solved the last tangent system; "direct" where there was none.
+    pub solver: &'static str,
     /// Newton iterations, those of abandoned load steps included.
     pub newton: usize,
     /// Numeric factorisations.
@@ -66,10 +66,31 @@ pub struct SolveReport {
     pub shifted: usize,
 }
 
+impl Default for SolveReport {
+    fn default() -> Self {
+        SolveReport {
+            solver: Solver::DIRECT.name(),
+            newton: 0,
+            factorisations: 0,
+            reused: 0,
+            back_substitutions: 0,
+            hierarchies: 0,
+            cycles: 0,
+            load_steps: 0,
+            cuts: 0,
+            residual: 0.0,
+            min_j: 0.0,
+            energy: 0.0,
+            restarts: 0,
+            shifted: 0,
+        }
+    }
+}
+
 impl SolveReport {
     /// Adds the work of a linear system.
-    pub(crate) fn add_linear(&mut self, work: &LinearWork) {
-        self.solver = work.solver;
+    pub(crate) fn add_linear(&mut self, solver: &dyn LinearSolver, work: &LinearWork) {
+        self.solver = solver.name();
         self.factorisations += work.factorisations;
         self.reused += work.reused;
         self.back_substitutions += work.back_substitutions;

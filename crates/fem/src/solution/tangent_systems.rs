@@ -6,7 +6,7 @@ use crate::solution::state::SolveReport;
 use nastic_linear::solver::{
     Accuracy, BlockElimination, Border, Configuration, Curvature, Shift, System, solve_bordered,
 };
-use nastic_linear::{Corners, Factor, LinearError, LinearSolver, LinearWork, Operator, Rotations, SparseMatrix};
+use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, SparseMatrix};
 use nastic_numeric::vector::norm;
 use std::sync::{Arc, OnceLock};
 
@@ -77,7 +77,7 @@ impl<'a> TangentSystems<'a> {
             }
             Err(other) => Err(other),
         };
-        report.add_linear(&work);
+        report.add_linear(self.solver, &work);
         step
     }
 
@@ -92,7 +92,7 @@ impl<'a> TangentSystems<'a> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let mut work = LinearWork::default();
         let step = self.shift.step(self.solver, &configuration.system(matrix), rhs, &mut work);
-        report.add_linear(&work);
+        report.add_linear(self.solver, &work);
         step
     }
 
@@ -136,7 +136,7 @@ impl<'a> TangentSystems<'a> {
             Transposition::No => self.solver.solve(&system, b, accuracy, &mut work),
             Transposition::Yes => self.solver.solve_transposed(&system, b, accuracy, &mut work),
         };
-        report.add_linear(&work);
+        report.add_linear(self.solver, &work);
         solution
     }
 
@@ -155,7 +155,7 @@ impl<'a> TangentSystems<'a> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let mut work = LinearWork::default();
         let solved = self.solver.solve_definite(&configuration.system(matrix), b, &mut work);
-        report.add_linear(&work);
+        report.add_linear(self.solver, &work);
         let mut x = solved?.ok_or(LinearError::Indefinite)?;
         let mut rest = vec![0.0; b.len()];
         matrix.multiply_on(&x, &mut rest, self.parallel);
@@ -173,7 +173,7 @@ impl<'a> TangentSystems<'a> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let mut work = LinearWork::default();
         let prepared = self.solver.prepare(&configuration.system(matrix), &mut work);
-        report.add_linear(&work);
+        report.add_linear(self.solver, &work);
         prepared
     }
 
@@ -191,13 +191,13 @@ impl<'a> TangentSystems<'a> {
         let system = configuration.system(matrix);
         let mut work = LinearWork::default();
         let found = solve_bordered(self.solver, &system, border, rhs, false, FULL_STEP, &mut work);
-        report.add_linear(&work);
+        report.add_linear(self.solver, &work);
         found
     }
 
     /// The same for several right-hand sides and a K that is [prepared](Self::prepare), and the number of negative eigenvalues of the
-    /// whole, `None` where rounding decides the sign of one. K is counted by the factor that solves; multigrid solves positive definite
-    /// matrices alone.
+    /// whole, `None` where rounding decides the sign of one or the solver does not count. K is counted by the factor that solves;
+    /// multigrid solves positive definite matrices alone.
     #[allow(clippy::type_complexity)] // pairs of vectors, in and out
     pub fn eliminate_border(
         &mut self,
@@ -220,12 +220,20 @@ impl<'a> TangentSystems<'a> {
                 (true, None) => LinearError::Border { scalars: border.columns.len() },
                 _ => error,
             })?;
-            let of_matrix = self.solver.factor().map_or(0, Factor::negative_pivots);
-            Ok((solved, of_border.map(|of_border| of_matrix + of_border)))
+            let of_matrix = self.solver.negative();
+            Ok((solved, of_border.zip(of_matrix).map(|(of_border, of_matrix)| of_border + of_matrix)))
         };
         let solved = solve();
-        report.add_linear(&work);
+        report.add_linear(self.solver, &work);
         solved
+    }
+
+    /// Why [`eliminate_border`](Self::eliminate_border) did not tell the number of negative eigenvalues.
+    pub fn uncounted(&self, scalars: usize) -> LinearError {
+        match self.solver.negative() {
+            None => LinearError::NotCounted { solver: self.solver.name() },
+            Some(_) => LinearError::Border { scalars },
+        }
     }
 
     /// Negative eigenvalues of `[K B; B^T D]`, K a tangent at u whose supports are eliminated.
@@ -238,10 +246,10 @@ impl<'a> TangentSystems<'a> {
     ) -> Result<usize, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let system = configuration.system(matrix);
-        let of_matrix = self.solver.inertia(&system)?.negative;
+        let of_matrix = negative(self.solver, &system)?;
         let mut work = LinearWork::default();
         let elimination = BlockElimination::new(self.solver, &system, border, false, FULL_STEP, &mut work);
-        report.add_linear(&work);
+        report.add_linear(self.solver, &work);
         let scalars = border.columns.len();
         Ok(of_matrix + elimination?.negative().ok_or(LinearError::Border { scalars })?)
     }
@@ -260,7 +268,7 @@ impl<'a> TangentSystems<'a> {
         let empty = self.model.matrix_without_values();
         let mut work = LinearWork::default();
         let x = self.solver.solve_by_products(product, &configuration.system(&empty), b, accuracy, most, &mut work);
-        report.add_linear(&work);
+        report.add_linear(self.solver, &work);
         x
     }
 
@@ -268,7 +276,15 @@ impl<'a> TangentSystems<'a> {
     pub fn negative_pivots(&mut self, mut matrix: SparseMatrix, u: &[f64]) -> Result<usize, LinearError> {
         eliminate(self.model, &mut matrix);
         let configuration = Deformed::new(self.model, u, self.parallel);
-        Ok(self.solver.inertia(&configuration.system(&matrix))?.negative)
+        negative(self.solver, &configuration.system(&matrix))
+    }
+}
+
+/// Negative eigenvalues of a matrix; refused by a solver that does not count them.
+fn negative(solver: &mut dyn LinearSolver, system: &System) -> Result<usize, LinearError> {
+    match solver.inertia(system)? {
+        Some(counted) => Ok(counted.negative),
+        None => Err(LinearError::NotCounted { solver: solver.name() }),
     }
 }
 
@@ -294,7 +310,7 @@ impl<'a> Deformed<'a> {
     }
 
     fn system<'s>(&'s self, matrix: &'s SparseMatrix) -> System<'s> {
-        System { matrix, fixed: self.model.supports.fixed(), configuration: self, parallel: self.parallel }
+        System { matrix, extra: &[], fixed: self.model.supports.fixed(), configuration: self, parallel: self.parallel }
     }
 }
 

@@ -3,8 +3,8 @@
 use crate::contributions::controls::Controls;
 use crate::model::Model;
 use crate::solution::state::State;
-use nastic_linear::solver::{Direct, solver};
-use nastic_linear::{Factor, LinearSolver, Solver, SparseMatrix, Symbolic};
+use nastic_linear::solver::Direct;
+use nastic_linear::{Factor, LinearSolver, Pattern, Solver, SolverFactory, SparseMatrix};
 use std::fmt;
 use std::sync::Arc;
 
@@ -24,46 +24,47 @@ struct KeptTangent {
     /// Of which state: these are shared with it, so that no other state of the body can have them.
     of: (Arc<Vec<f64>>, Arc<Controls>, f64),
     /// On which mesh.
-    symbolic: Arc<Symbolic>,
+    pattern: Arc<Pattern>,
     matrix: Option<SparseMatrix>,
     /// Whether the solver's factor is that of the matrix.
     factorised: bool,
 }
 
 struct Kept {
-    kind: Solver,
-    symbolic: Arc<Symbolic>,
+    /// Name of what made it.
+    name: &'static str,
+    pattern: Arc<Pattern>,
     solver: Box<dyn LinearSolver>,
 }
 
 impl Workspace {
     /// One that holds a factor of a tangent near the expected ones.
     pub fn with_factor(factor: Factor) -> Self {
-        let symbolic = factor.symbolic().clone();
+        let (name, pattern) = (Solver::DIRECT.name(), factor.symbolic().pattern().clone());
         let solver = Box::new(Direct::with_factor(factor));
-        Workspace { solver: Some(Kept { kind: Solver::Direct, symbolic, solver }), tangent: None }
+        Workspace { solver: Some(Kept { name, pattern, solver }), tangent: None }
     }
 
-    /// The linear solver of a kind for a model: the one that is here, if it is such.
-    pub(crate) fn solver(&mut self, kind: Solver, model: &Model) -> &mut dyn LinearSolver {
-        let symbolic = model.discretization().symbolic();
-        let fits = |kept: &Kept| kept.kind == kind && Arc::ptr_eq(&kept.symbolic, symbolic);
+    /// The linear solver of a factory for a model: the one that is here, if it is such.
+    pub(crate) fn solver(&mut self, factory: &dyn SolverFactory, model: &Model) -> &mut dyn LinearSolver {
+        let (name, structure) = (factory.name(), model.discretization().structure());
+        let fits = |kept: &Kept| kept.name == name && Arc::ptr_eq(&kept.pattern, structure.pattern());
         let kept = self.solver.take().filter(fits);
-        let new = || Kept { kind, symbolic: symbolic.clone(), solver: solver(kind, symbolic) };
+        let new = || Kept { name, pattern: structure.pattern().clone(), solver: factory.make(structure) };
         self.solver.insert(kept.unwrap_or_else(new)).solver.as_mut()
     }
 
     /// Notes that second derivatives at a state are asked for; whether that is not the first time in a row.
     pub(crate) fn comes_again(&mut self, state: &State, model: &Model) -> bool {
-        let symbolic = model.discretization().symbolic();
+        let pattern = model.discretization().pattern();
         let again = self.tangent.as_ref().is_some_and(|kept| {
             let (u, controls, load) = &kept.of;
             let same_state = Arc::ptr_eq(u, &state.u) && Arc::ptr_eq(controls, &state.controls) && *load == state.load;
-            same_state && Arc::ptr_eq(symbolic, &kept.symbolic)
+            same_state && Arc::ptr_eq(pattern, &kept.pattern)
         });
         if !again {
             let of = (state.u.clone(), state.controls.clone(), state.load);
-            self.tangent = Some(KeptTangent { of, symbolic: symbolic.clone(), matrix: None, factorised: false });
+            self.tangent = Some(KeptTangent { of, pattern: pattern.clone(), matrix: None, factorised: false });
         }
         again
     }
@@ -89,11 +90,6 @@ impl Workspace {
         }
     }
 
-    /// The factor kept for the next solve, if there is one.
-    pub fn factor(&self) -> Option<&Factor> {
-        self.solver.as_ref().and_then(|kept| kept.solver.factor())
-    }
-
     /// Memory of what is kept, in bytes.
     pub fn factor_bytes(&self) -> usize {
         self.solver.as_ref().map_or(0, |kept| kept.solver.bytes())
@@ -109,7 +105,7 @@ impl Workspace {
 impl Clone for Workspace {
     fn clone(&self) -> Self {
         let copy =
-            |kept: &Kept| Kept { kind: kept.kind, symbolic: kept.symbolic.clone(), solver: kept.solver.boxed_clone() };
+            |kept: &Kept| Kept { name: kept.name, pattern: kept.pattern.clone(), solver: kept.solver.boxed_clone() };
         Workspace { solver: self.solver.as_ref().map(copy), tangent: self.tangent.clone() }
     }
 }

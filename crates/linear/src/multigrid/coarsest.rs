@@ -17,7 +17,7 @@ pub(super) fn analyse(matrix: &BlockMatrix<f64>) -> Result<Arc<Symbolic>, Struct
     let pairs: Vec<[u32; 2]> = (0..matrix.rows()).flat_map(|i| below(i).map(move |&j| [i as u32, j])).collect();
     let graph = Graph::from_cliques(matrix.rows(), pairs.iter().map(|pair| &pair[..]))?;
     let pattern = Pattern::new(&graph, matrix.shape.0, Ordering::multilevel(&graph))?;
-    Ok(Arc::new(Symbolic::new(&Arc::new(pattern))?))
+    Ok(Arc::new(Symbolic::new(&Arc::new(pattern))))
 }
 
 /// The factor; its error names a node of this level.

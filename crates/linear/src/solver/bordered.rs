@@ -129,8 +129,8 @@ impl<'b> BlockElimination<'b> {
             let settled = norm(&dx) <= SETTLED * norm(&x);
             axpy(1.0, &dx, &mut x);
             match transposed {
-                true => system.matrix.multiply_transposed(&x, &mut residual_f, system.parallel),
-                false => system.matrix.multiply_on(&x, &mut residual_f, system.parallel),
+                true => system.multiply_transposed(&x, &mut residual_f),
+                false => system.multiply(&x, &mut residual_f),
             }
             residual_f.iter_mut().zip(f).for_each(|(r, f)| *r = f - *r);
             for (k, b) in columns.iter().enumerate() {

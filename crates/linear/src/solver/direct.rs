@@ -1,13 +1,15 @@
 //! [`Direct`]: a sparse factor, kept as preconditioner while it serves.
 
 use super::factor_reuse::FactorReuse;
-use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Solver, Step, System};
+use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
 use crate::error::FactorError;
 use crate::factor::{Factor, Pivots, Precision};
+use crate::gmres::gmres;
 use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient, refine};
 use crate::matrix::SparseMatrix;
-use crate::operator::{OnThreads, Operator};
+use crate::operator::Operator;
 use crate::rotations::CorotatedPreconditioner;
+use crate::structure::Structure;
 use crate::symbolic::Symbolic;
 use nastic_numeric::Random;
 use nastic_numeric::vector::norm;
@@ -20,6 +22,10 @@ const ENOUGH: f64 = 0.1;
 const FRESH: usize = 12;
 /// Relative error of a solution that rounding alone may leave.
 const SETTLED: f64 = 1e-7;
+/// Relative residual of a solution with extra blocks whose matrix is to be shown positive definite.
+const DEFINITE: f64 = 1e-10;
+/// Iterations allowed with a factor of the matrix without its extra blocks.
+const MOST: usize = 300;
 /// Rounding of a Rayleigh quotient, in units of the rounding of the terms that cancel in it.
 const ROUNDING: f64 = 4.0;
 
@@ -27,7 +33,7 @@ const ROUNDING: f64 = 4.0;
 /// exact matrix; in double precision where single is too coarse; `L D L^T` where the matrix is indefinite.
 #[derive(Clone, Debug)]
 pub struct Direct {
-    symbolic: Arc<Symbolic>,
+    structure: Arc<Structure>,
     factor: Option<Factor>,
     reuse: FactorReuse,
     /// In which the next factor is made: single, until that turns out too coarse for the matrices.
@@ -35,15 +41,20 @@ pub struct Direct {
 }
 
 impl Direct {
-    /// For matrices of the pattern that was analysed.
-    pub fn new(symbolic: Arc<Symbolic>) -> Self {
-        Direct { symbolic, factor: None, reuse: FactorReuse::default(), precision: Precision::Single }
+    /// For matrices of a structure.
+    pub fn new(structure: Arc<Structure>) -> Self {
+        Direct { structure, factor: None, reuse: FactorReuse::default(), precision: Precision::Single }
     }
 
     /// One that begins with a factor of a matrix near the expected ones.
     pub fn with_factor(factor: Factor) -> Self {
         let precision = factor.precision();
-        Direct { symbolic: factor.symbolic().clone(), factor: Some(factor), reuse: FactorReuse::default(), precision }
+        let structure = Structure::analysed(factor.symbolic().clone());
+        Direct { structure, factor: Some(factor), reuse: FactorReuse::default(), precision }
+    }
+
+    fn symbolic(&self) -> &Arc<Symbolic> {
+        self.structure.symbolic()
     }
 
     /// The kept factor, if it serves as a preconditioner.
@@ -56,7 +67,7 @@ impl Direct {
         work.factorisations += 1;
         let mut fresh = match self.factor.take() {
             Some(mut own) => own.approximate(system.matrix, system.parallel).map(|()| own)?,
-            None => self.symbolic.approximate(system.matrix, system.parallel)?,
+            None => self.symbolic().approximate(system.matrix, system.parallel)?,
         };
         fresh.set_rotations(system.configuration.rotations().clone());
         Ok(self.factor.insert(fresh))
@@ -71,7 +82,7 @@ impl Direct {
         work: &mut LinearWork,
     ) -> Result<(Vec<f64>, CgReport), FactorError> {
         let fresh = self.refactorize_single(system, work)?;
-        let (x, cg) = precondition(&product(system), fresh, system, b, test, FRESH);
+        let (x, cg) = precondition(system, fresh, system, b, test, FRESH);
         work.back_substitutions += cg.iterations;
         Ok((x, cg))
     }
@@ -81,7 +92,7 @@ impl Direct {
         work.factorisations += 1;
         let mut fresh = match self.factor.take() {
             Some(mut own) => own.refactorize(system.matrix, pivots, system.parallel).map(|()| own)?,
-            None => self.symbolic.factorize(system.matrix, pivots, system.parallel)?,
+            None => self.symbolic().factorize(system.matrix, pivots, system.parallel)?,
         };
         fresh.set_rotations(system.configuration.rotations().clone());
         self.factor = Some(fresh);
@@ -106,7 +117,7 @@ impl Direct {
     ) -> Option<Vec<f64>> {
         let factor = self.factor.as_ref().filter(|f| f.is_usable() && f.pivots() == Pivots::AnySign)?;
         let mut x = self.back_substitute(b, work);
-        let multiply = |v: &[f64], out: &mut [f64]| system.matrix.multiply(v, out);
+        let multiply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
         let refined = refine(&multiply, factor, b, &mut x, accuracy.residual, 3);
         work.back_substitutions += refined.iterations;
         refined.converged().then_some(x)
@@ -121,13 +132,29 @@ impl Direct {
         x
     }
 
+    /// The solution by the factor of the matrix itself: one back substitution, or GMRES where extra blocks come to it.
+    fn by_own_factor(
+        &self,
+        system: &System,
+        b: &[f64],
+        wanted: f64,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        let Some(factor) = self.factor.as_ref().filter(|_| !system.extra.is_empty()) else {
+            return Ok(self.back_substitute(b, work));
+        };
+        let (x, report) = gmres(&|v, out| system.multiply(v, out), factor, b, wanted, MOST);
+        work.back_substitutions += report.iterations;
+        if report.converged { Ok(x) } else { Err(LinearError::Singular { residual: report.residual, wanted }) }
+    }
+
     /// With the kept factor: a step, or whether the matrix showed to be indefinite.
     fn step_by_kept(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Kept {
-        let Some(kept) = self.kept().filter(|_| self.reuse.serves(&self.symbolic, tolerance)) else {
+        let Some(kept) = self.kept().filter(|_| self.reuse.serves(self.symbolic(), tolerance)) else {
             return Kept::Nothing { indefinite: false };
         };
-        let most = FactorReuse::worth(&self.symbolic);
-        let (x, cg) = precondition(&product(system), kept, system, b, tolerance.into(), most);
+        let most = FactorReuse::worth(self.symbolic());
+        let (x, cg) = precondition(system, kept, system, b, tolerance.into(), most);
         work.back_substitutions += cg.iterations;
         self.reuse.spent += cg.iterations;
         if cg.converged() || (matches!(cg.end, CgEnd::Exhausted | CgEnd::Stagnated) && cg.residual <= ENOUGH) {
@@ -175,6 +202,10 @@ enum Kept {
 }
 
 impl LinearSolver for Direct {
+    fn name(&self) -> &'static str {
+        "direct"
+    }
+
     fn restart(&mut self) {
         self.reuse = FactorReuse::default();
         self.precision = self.factor.as_ref().map_or(Precision::Single, Factor::precision);
@@ -186,7 +217,6 @@ impl LinearSolver for Direct {
 
     fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
         symmetric(system)?;
-        work.solver = Solver::Direct;
         if self.precision == Precision::Single {
             match self.refactorize_single(system, work) {
                 Ok(_) => return Ok(()),
@@ -199,7 +229,6 @@ impl LinearSolver for Direct {
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
         symmetric(system)?;
-        work.solver = Solver::Direct;
         let mut indefinite = match self.step_by_kept(system, b, tolerance, work) {
             Kept::Step(step) => return Ok(step),
             Kept::Nothing { indefinite } => indefinite,
@@ -213,15 +242,19 @@ impl LinearSolver for Direct {
         }
         if !indefinite {
             match self.refactorize(system, Pivots::Positive, work) {
-                Ok(()) => return Ok(Step { x: self.back_substitute(b, work), curvature: Curvature::Positive }),
+                Ok(()) if system.extra.is_empty() => {
+                    return Ok(Step { x: self.back_substitute(b, work), curvature: Curvature::Positive });
+                }
+                // Conjugate gradients have shown that the blocks make it indefinite, or a worse preconditioner.
+                Ok(()) => (),
                 Err(FactorError::NotPositive { .. }) => (),
                 Err(other) => return Err(other.into()),
             }
         }
         self.refactorize(system, Pivots::AnySign, work)?;
-        let x = self.back_substitute(b, work);
+        let x = self.by_own_factor(system, b, tolerance, work)?;
         // Of no use as a preconditioner.
-        let definite = self.factor.take().is_some_and(|f| f.negative_pivots() == 0);
+        let definite = self.factor.take().is_some_and(|f| f.negative_pivots() == 0) && system.extra.is_empty();
         if definite {
             self.precision = Precision::Double;
         }
@@ -236,14 +269,13 @@ impl LinearSolver for Direct {
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
         symmetric(system)?;
-        work.solver = Solver::Direct;
         let test = StoppingTest::Error(accuracy.error);
         if let Some(x) = self.solve_by_any_sign(system, b, accuracy, work) {
             return Ok(x);
         }
         if let Some(kept) = self.kept() {
-            let most = FactorReuse::worth(&self.symbolic);
-            let (x, cg) = precondition(&product(system), kept, system, b, test, most);
+            let most = FactorReuse::worth(self.symbolic());
+            let (x, cg) = precondition(system, kept, system, b, test, most);
             work.back_substitutions += cg.iterations;
             if exact(&cg, accuracy.residual) {
                 return Ok(x);
@@ -258,14 +290,14 @@ impl LinearSolver for Direct {
             }
         }
         self.refactorize_any(system, work)?;
-        let mut x = self.back_substitute(b, work);
+        let mut x = self.by_own_factor(system, b, accuracy.residual, work)?;
         let Some(fresh) = &self.factor else { return Err(LinearError::Indefinite) };
-        let multiply = |v: &[f64], out: &mut [f64]| system.matrix.multiply(v, out);
+        let multiply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
         let refined = refine(&multiply, fresh, b, &mut x, accuracy.residual, 10);
         work.back_substitutions += refined.iterations;
         // Refinement stalls where double precision ends: in thin bodies at residuals far above the tolerance, because large
         // terms cancel in A x. A solution that one more correction leaves alone is still an answer, another is not.
-        if refined.converged() || refined.residual <= 1e3 * accuracy.residual || settled(system.matrix, fresh, b, &x) {
+        if refined.converged() || refined.residual <= 1e3 * accuracy.residual || settled(system, fresh, b, &x) {
             return Ok(x);
         }
         Err(LinearError::Singular { residual: refined.residual, wanted: accuracy.residual })
@@ -293,21 +325,35 @@ impl LinearSolver for Direct {
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
         match self.refactorize(system, Pivots::Positive, work) {
-            Ok(()) => {
+            Ok(()) if system.extra.is_empty() => {
                 let x = self.back_substitute(b, work);
                 self.factor = None;
                 Ok(Some(x))
+            }
+            Ok(()) => {
+                let Some(own) = self.factor.take() else { return Err(LinearError::Indefinite) };
+                let (x, cg) = precondition(system, &own, system, b, DEFINITE.into(), MOST);
+                work.back_substitutions += cg.iterations;
+                match cg.end {
+                    CgEnd::NegativeCurvature { .. } => Ok(None),
+                    _ if cg.converged() => Ok(Some(x)),
+                    _ => Err(LinearError::Singular { residual: cg.residual, wanted: DEFINITE }),
+                }
             }
             Err(FactorError::NotPositive { .. }) => Ok(None),
             Err(other) => Err(other.into()),
         }
     }
 
-    fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError> {
+    fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         symmetric(system)?;
-        let factor = match self.symbolic.factorize(system.matrix, Pivots::Positive, system.parallel) {
+        if !system.extra.is_empty() {
+            return Ok(None);
+        }
+        let symbolic = self.symbolic();
+        let factor = match symbolic.factorize(system.matrix, Pivots::Positive, system.parallel) {
             Err(FactorError::NotPositive { .. }) => {
-                self.symbolic.factorize(system.matrix, Pivots::AnySign, system.parallel)?
+                symbolic.factorize(system.matrix, Pivots::AnySign, system.parallel)?
             }
             done => done?,
         };
@@ -317,24 +363,20 @@ impl LinearSolver for Direct {
         if smallest < rounding {
             return Err(LinearError::NearlySingular { smallest, rounding });
         }
-        Ok(Inertia { negative })
+        Ok(Some(Inertia { negative }))
+    }
+
+    fn negative(&self) -> Option<usize> {
+        self.factor.as_ref().filter(|factor| factor.is_usable()).map(Factor::negative_pivots)
     }
 
     fn bytes(&self) -> usize {
         self.factor.as_ref().map_or(0, Factor::bytes)
     }
 
-    fn factor(&self) -> Option<&Factor> {
-        self.factor.as_ref()
-    }
-
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(self.clone())
     }
-}
-
-fn product<'a>(system: &System<'a>) -> OnThreads<'a> {
-    OnThreads { matrix: system.matrix, parallel: system.parallel }
 }
 
 fn symmetric(system: &System) -> Result<(), LinearError> {
@@ -383,9 +425,9 @@ fn exact(cg: &CgReport, tolerance: f64) -> bool {
 }
 
 /// Whether the factor's correction of x is below [`SETTLED`] of it: an estimate of the error, not of the residual.
-fn settled(matrix: &SparseMatrix, factor: &Factor, b: &[f64], x: &[f64]) -> bool {
+fn settled(system: &System, factor: &Factor, b: &[f64], x: &[f64]) -> bool {
     let mut correction = vec![0.0; b.len()];
-    matrix.multiply(x, &mut correction);
+    system.multiply(x, &mut correction);
     correction.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
     factor.solve(&mut correction, 1);
     let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();

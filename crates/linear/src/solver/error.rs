@@ -65,6 +65,12 @@ pub enum LinearError {
     /// Signs of eigenvalues are counted of symmetric matrices alone.
     #[error("the matrix is not symmetric, so that signs of its eigenvalues are not counted")]
     NoInertia,
+    /// The solver does not count signs of eigenvalues, or cannot tell whether a matrix is positive definite.
+    #[error("the solver \"{solver}\" does not tell the signs of eigenvalues; take \"direct\" where they are wanted")]
+    NotCounted {
+        /// Its name.
+        solver: &'static str,
+    },
     /// The solver takes symmetric matrices alone.
     #[error("the matrix is not symmetric; use the general solver")]
     NotSymmetric,

@@ -1,35 +1,34 @@
 //! [`MultigridOrDirect`]: multigrid while it converges, then a factor if that fits.
 
-use super::choice::fits;
+use super::factory::fits;
 use super::{Accuracy, Direct, Inertia, LinearError, LinearSolver, LinearWork, MultigridSolver, Step, System};
-use crate::factor::Factor;
-use crate::symbolic::Symbolic;
+use crate::structure::Structure;
 use std::sync::Arc;
 
 /// Multigrid, until it fails or meets an indefinite matrix of which an exact solution is asked; from then on [`Direct`],
-/// since whatever made multigrid fail stays true nearby. [`LinearWork::solver`] tells which of the two served.
+/// since whatever made multigrid fail stays true nearby. [`name`](LinearSolver::name) tells which of the two served.
 #[derive(Clone, Debug)]
 pub struct MultigridOrDirect {
-    symbolic: Arc<Symbolic>,
+    structure: Arc<Structure>,
     multigrid: Option<MultigridSolver>,
     direct: Direct,
 }
 
 impl MultigridOrDirect {
-    /// For matrices of the pattern that was analysed.
-    pub fn new(symbolic: Arc<Symbolic>) -> Self {
-        let direct = Direct::new(symbolic.clone());
-        MultigridOrDirect { symbolic, multigrid: Some(MultigridSolver::default()), direct }
+    /// For matrices of a structure, which is analysed only if a factor is needed.
+    pub fn new(structure: Arc<Structure>) -> Self {
+        let direct = Direct::new(structure.clone());
+        MultigridOrDirect { structure, multigrid: Some(MultigridSolver::default()), direct }
     }
 
     fn too_large(&self, why: LinearError) -> LinearError {
-        let gib = self.symbolic.factor_bytes() as f64 / f64::from(1 << 30);
+        let gib = self.structure.factor_size().bytes() as f64 / f64::from(1 << 30);
         LinearError::TooLarge { source: Box::new(why), gib }
     }
 
     /// From multigrid to a factor, unless that is too large.
     fn fall_back(&mut self, why: LinearError) -> Result<(), LinearError> {
-        if !fits(&self.symbolic) {
+        if !fits(self.structure.factor_size().bytes()) {
             return Err(self.too_large(why));
         }
         self.multigrid = None;
@@ -38,6 +37,10 @@ impl MultigridOrDirect {
 }
 
 impl LinearSolver for MultigridOrDirect {
+    fn name(&self) -> &'static str {
+        self.multigrid.as_ref().map_or(self.direct.name(), |multigrid| multigrid.name())
+    }
+
     fn restart(&mut self) {
         self.direct.restart();
     }
@@ -101,20 +104,20 @@ impl LinearSolver for MultigridOrDirect {
         self.direct.solve_definite(system, b, work)
     }
 
-    fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError> {
+    fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         match self.multigrid.as_mut().map(|multigrid| multigrid.inertia(system)) {
             Some(Ok(inertia)) => Ok(inertia),
-            Some(Err(why)) if !fits(&self.symbolic) => Err(self.too_large(why)),
+            Some(Err(why)) if !fits(self.structure.factor_size().bytes()) => Err(self.too_large(why)),
             _ => self.direct.inertia(system),
         }
     }
 
-    fn bytes(&self) -> usize {
-        self.direct.bytes()
+    fn negative(&self) -> Option<usize> {
+        self.multigrid.as_ref().map_or(self.direct.negative(), |multigrid| multigrid.negative())
     }
 
-    fn factor(&self) -> Option<&Factor> {
-        self.direct.factor()
+    fn bytes(&self) -> usize {
+        self.direct.bytes()
     }
 
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {

@@ -1,11 +1,11 @@
 //! [`General`]: matrices that are not symmetric.
 
-use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Solver, Step, System};
+use super::{Accuracy, Curvature, Form, Inertia, LinearError, LinearSolver, LinearWork, Lu, Step, System};
 use crate::error::FactorError;
 use crate::factor::{Factor, Pivots};
 use crate::gmres::gmres;
 use crate::rotations::CorotatedPreconditioner;
-use crate::symbolic::Symbolic;
+use crate::structure::Structure;
 use std::sync::Arc;
 
 /// Iterations after which a new factor is due.
@@ -13,25 +13,21 @@ const WORN: usize = 30;
 /// Iterations allowed with a factor of the matrix's own symmetric part.
 const MOST: usize = 300;
 
-/// `A = S + W` by GMRES with a factor of the symmetric part S as preconditioner: in double precision, of any signs. It is
-/// kept while it serves. A general sparse LU factorisation of a body of 95,000 unknowns takes ten times the memory.
+/// `A = S + W` by GMRES with a factor of the symmetric part S as preconditioner: in double precision, of any signs, kept while
+/// it serves. Where that does not converge, or S has no factor, an LU factorisation of A takes its place from then on: whatever
+/// made S fail stays true nearby. LU comes second because it takes several times the memory and time (docs/development/performance.md).
 #[derive(Clone, Debug)]
 pub struct General {
-    symbolic: Arc<Symbolic>,
+    structure: Arc<Structure>,
     factor: Option<Factor>,
-}
-
-/// Which system is solved.
-#[derive(Clone, Copy, PartialEq)]
-enum Form {
-    Plain,
-    Transposed,
+    /// What it fell back on.
+    lu: Option<Lu>,
 }
 
 impl General {
-    /// For matrices of the pattern that was analysed.
-    pub fn new(symbolic: Arc<Symbolic>) -> Self {
-        General { symbolic, factor: None }
+    /// For matrices of a structure.
+    pub fn new(structure: Arc<Structure>) -> Self {
+        General { structure, factor: None, lu: None }
     }
 
     fn run(
@@ -42,7 +38,9 @@ impl General {
         form: Form,
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
-        work.solver = Solver::General;
+        if let Some(lu) = &mut self.lu {
+            return lu.run(system, b, tolerance, form, work);
+        }
         if let Some(kept) = &self.factor {
             let (x, report) = iterate(system, kept, b, tolerance, form, WORN);
             work.back_substitutions += report.iterations;
@@ -51,29 +49,36 @@ impl General {
                 return Ok(x);
             }
         }
-        self.prepare(system, work)?;
-        let Some(factor) = &self.factor else { return Err(LinearError::Indefinite) };
-        let (x, report) = iterate(system, factor, b, tolerance, form, MOST);
-        work.back_substitutions += report.iterations;
-        if report.converged {
-            return Ok(x);
-        }
-        let (residual, iterations) = (report.residual, report.iterations);
-        Err(LinearError::Gmres { residual, iterations, wanted: tolerance })
-    }
-}
-
-impl LinearSolver for General {
-    fn restart(&mut self) {}
-
-    fn clear(&mut self) {
+        let why = match self.factorise(system, work) {
+            Ok(factor) => {
+                let (x, report) = iterate(system, factor, b, tolerance, form, MOST);
+                work.back_substitutions += report.iterations;
+                if report.converged {
+                    return Ok(x);
+                }
+                let (residual, iterations) = (report.residual, report.iterations);
+                LinearError::Gmres { residual, iterations, wanted: tolerance }
+            }
+            Err(singular @ FactorError::Singular { .. }) => singular.into(),
+            Err(other) => return Err(other.into()),
+        };
         self.factor = None;
+        let mut lu = Lu::new(self.structure.clone());
+        match lu.run(system, b, tolerance, form, work) {
+            Ok(x) => {
+                self.lu = Some(lu);
+                Ok(x)
+            }
+            Err(lacking) if lacking.is_lack_of_memory() => Err(lacking),
+            Err(_) => Err(why),
+        }
     }
 
-    fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
+    /// A factor of the symmetric part in the memory of the kept one.
+    fn factorise(&mut self, system: &System, work: &mut LinearWork) -> Result<&Factor, FactorError> {
         let symmetric = system.matrix.symmetric_part();
         work.factorisations += 1;
-        let mut fresh = self.factor.take().unwrap_or_else(|| Factor::empty(&self.symbolic));
+        let mut fresh = self.factor.take().unwrap_or_else(|| Factor::empty(self.structure.symbolic()));
         match fresh.refactorize(&symmetric, Pivots::Positive, system.parallel) {
             Err(FactorError::NotPositive { .. }) => {
                 work.factorisations += 1;
@@ -82,8 +87,37 @@ impl LinearSolver for General {
             done => done?,
         }
         fresh.set_rotations(system.configuration.rotations().clone());
-        self.factor = Some(fresh);
-        Ok(())
+        Ok(self.factor.insert(fresh))
+    }
+}
+
+impl LinearSolver for General {
+    fn name(&self) -> &'static str {
+        self.lu.as_ref().map_or("general", |lu| lu.name())
+    }
+
+    fn restart(&mut self) {}
+
+    /// What it fell back on stays.
+    fn clear(&mut self) {
+        self.factor = None;
+        if let Some(lu) = &mut self.lu {
+            lu.clear();
+        }
+    }
+
+    fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
+        if let Some(lu) = &mut self.lu {
+            return lu.prepare(system, work);
+        }
+        match self.factorise(system, work) {
+            Ok(_) => Ok(()),
+            Err(FactorError::Singular { .. }) => {
+                self.factor = None;
+                self.lu.insert(Lu::new(self.structure.clone())).prepare(system, work)
+            }
+            Err(other) => Err(other.into()),
+        }
     }
 
     /// The curvature told is that of the symmetric part where a factor of it was made, else taken for positive.
@@ -120,30 +154,29 @@ impl LinearSolver for General {
         b: &[f64],
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.prepare(system, work)?;
-        if self.factor.as_ref().is_none_or(|f| f.negative_pivots() > 0) {
-            self.factor = None;
-            return Ok(None);
-        }
-        let x = self.run(system, b, 1e-4, Form::Plain, work);
-        self.factor = None;
-        x.map(Some)
+        let definite = match self.factorise(system, work) {
+            Ok(factor) => factor.negative_pivots() == 0,
+            Err(FactorError::Singular { .. }) => false,
+            Err(other) => return Err(other.into()),
+        };
+        let x = definite.then(|| self.run(system, b, 1e-4, Form::Plain, work));
+        self.clear();
+        x.transpose()
     }
 
-    fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError> {
+    fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         if !system.matrix.is_symmetric() {
             return Err(LinearError::NoInertia);
         }
-        let factor = self.symbolic.factorize(system.matrix, Pivots::AnySign, system.parallel)?;
-        Ok(Inertia { negative: factor.negative_pivots() })
+        if !system.extra.is_empty() {
+            return Ok(None);
+        }
+        let factor = self.structure.symbolic().factorize(system.matrix, Pivots::AnySign, system.parallel)?;
+        Ok(Some(Inertia { negative: factor.negative_pivots() }))
     }
 
     fn bytes(&self) -> usize {
-        self.factor.as_ref().map_or(0, Factor::bytes)
-    }
-
-    fn factor(&self) -> Option<&Factor> {
-        self.factor.as_ref()
+        self.factor.as_ref().map_or(0, Factor::bytes) + self.lu.as_ref().map_or(0, |lu| lu.bytes())
     }
 
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {
@@ -161,8 +194,8 @@ fn iterate(
 ) -> (Vec<f64>, crate::gmres::GmresReport) {
     let preconditioner = CorotatedPreconditioner::new(factor, system.configuration.rotations(), system.fixed);
     let apply = |v: &[f64], out: &mut [f64]| match form {
-        Form::Plain => system.matrix.multiply_on(v, out, system.parallel),
-        Form::Transposed => system.matrix.multiply_transposed(v, out, system.parallel),
+        Form::Plain => system.multiply(v, out),
+        Form::Transposed => system.multiply_transposed(v, out),
     };
     gmres(&apply, &preconditioner, b, tolerance, most)
 }

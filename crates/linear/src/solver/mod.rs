@@ -1,57 +1,31 @@
 //! [`LinearSolver`]: tangent systems, whatever solves them.
 
 mod bordered;
-mod choice;
 mod direct;
 mod error;
 mod factor_reuse;
+mod factory;
 mod fallback;
 mod general;
+mod lu;
 mod multigrid;
 mod shift;
+mod system;
 
 pub use bordered::{BlockElimination, Border, solve_bordered};
-pub use choice::Solver;
-pub(super) use choice::fits;
 pub use direct::Direct;
 pub use error::LinearError;
+pub(super) use factory::fits;
+pub use factory::{Solver, SolverFactory};
 pub use fallback::MultigridOrDirect;
 pub use general::General;
+pub use lu::Lu;
 pub use multigrid::MultigridSolver;
 pub use shift::Shift;
+pub use system::{Configuration, ElementBlock, System};
 
-use super::matrix::SparseMatrix;
-use super::multigrid::Corners;
 use super::operator::Operator;
-use super::rotations::Rotations;
-use super::symbolic::Symbolic;
 use std::fmt::Debug;
-use std::sync::Arc;
-
-/// Where a matrix was taken: what preconditioners need besides its entries.
-pub trait Configuration: Sync {
-    /// Current positions of the nodes (z = 0 in two dimensions).
-    fn positions(&self) -> &[[f64; 3]];
-
-    /// Rotation of the body at every node.
-    fn rotations(&self) -> &Arc<Rotations>;
-
-    /// The corner nodes of second-order elements.
-    fn corners(&self) -> Option<&Corners>;
-}
-
-/// A matrix whose supported rows and columns are eliminated, with where it was taken.
-#[derive(Clone, Copy)]
-pub struct System<'a> {
-    /// The matrix.
-    pub matrix: &'a SparseMatrix,
-    /// By unknown: whether its row and column were eliminated.
-    pub fixed: &'a [bool],
-    /// Where the matrix was taken.
-    pub configuration: &'a dyn Configuration,
-    /// Whether to use all threads; the bits are the same.
-    pub parallel: bool,
-}
 
 /// How exact a solution has to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,8 +67,6 @@ pub struct Inertia {
 /// What was done, in counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinearWork {
-    /// What solved the last system.
-    pub solver: Solver,
     /// Numeric factorisations.
     pub factorisations: usize,
     /// Steps found with a factor or a multigrid hierarchy kept from earlier.
@@ -114,6 +86,9 @@ pub struct LinearWork {
 /// Matrices change from call to call, their pattern does not. Results depend on what was kept within the accuracy asked;
 /// the same calls in the same order give the same bits.
 pub trait LinearSolver: Debug + Send + Sync {
+    /// The name of what solves now: that of its [`SolverFactory`], or of what it fell back on.
+    fn name(&self) -> &'static str;
+
     /// Begins another nonlinear solve: counts that decide about new factors start again, what is kept stays.
     fn restart(&mut self);
 
@@ -183,29 +158,30 @@ pub trait LinearSolver: Debug + Send + Sync {
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError>;
 
-    /// Counts negative eigenvalues.
+    /// Counts negative eigenvalues; `None` where this solver cannot.
     ///
     /// # Errors
     /// A matrix that is singular to working precision, or not symmetric.
-    fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError>;
+    fn inertia(&mut self, _system: &System) -> Result<Option<Inertia>, LinearError> {
+        Ok(None)
+    }
+
+    /// Negative eigenvalues of the matrix (without extra blocks) whose system was prepared or solved last, where what is kept
+    /// tells; else `None`.
+    fn negative(&self) -> Option<usize> {
+        None
+    }
 
     /// Memory of what is kept, in bytes.
     fn bytes(&self) -> usize;
-
-    /// The factor that is kept, if this solver keeps one.
-    fn factor(&self) -> Option<&super::factor::Factor> {
-        None
-    }
 
     /// A copy with what is kept.
     fn boxed_clone(&self) -> Box<dyn LinearSolver>;
 }
 
-/// The solver of a name for matrices of a pattern; multigrid falls back on a factor where it fails and a factor fits.
-pub fn solver(kind: Solver, symbolic: &Arc<Symbolic>) -> Box<dyn LinearSolver> {
-    match kind {
-        Solver::Direct => Box::new(Direct::new(symbolic.clone())),
-        Solver::Multigrid => Box::new(MultigridOrDirect::new(symbolic.clone())),
-        Solver::General => Box::new(General::new(symbolic.clone())),
-    }
+/// Which system is solved.
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    Plain,
+    Transposed,
 }

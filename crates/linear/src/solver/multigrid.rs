@@ -1,6 +1,6 @@
 //! [`MultigridSolver`]: conjugate gradients with multigrid.
 
-use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Solver, Step, System};
+use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
 use crate::error::FactorError;
 use crate::iterative::{CgEnd, CgReport, conjugate_gradient};
 use crate::matrix::SparseMatrix;
@@ -47,7 +47,6 @@ impl MultigridSolver {
         if !system.matrix.is_symmetric() {
             return Err(LinearError::NotSymmetric);
         }
-        work.solver = Solver::Multigrid;
         if let Some(kept) = self.kept.take() {
             let most = (WORN * self.rate * decades(tolerance)).ceil() as usize;
             let (x, cg) = iterate(system, &kept, b, tolerance, most.min(MOST), work);
@@ -78,6 +77,10 @@ impl MultigridSolver {
 }
 
 impl LinearSolver for MultigridSolver {
+    fn name(&self) -> &'static str {
+        "multigrid"
+    }
+
     fn restart(&mut self) {}
 
     fn clear(&mut self) {
@@ -128,14 +131,19 @@ impl LinearSolver for MultigridSolver {
 
     /// 0 for a matrix that is positive definite as far as conjugate gradients with a right-hand side of fixed random numbers
     /// can tell: they do not converge to 1e-8 where it is not, without meeting negative curvature.
-    fn inertia(&mut self, system: &System) -> Result<Inertia, LinearError> {
+    fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         let golden = |i: usize| (1.0 + i as f64 * 0.618_033_988_75).fract() - 0.5;
         let n = system.matrix.pattern().dofs();
         let b: Vec<f64> = (0..n).map(|i| if system.fixed[i] { 0.0 } else { golden(i) }).collect();
         match self.run(system, &b, EVIDENCE, &mut LinearWork::default())? {
-            Outcome::Solved(_) => Ok(Inertia { negative: 0 }),
+            Outcome::Solved(_) => Ok(Some(Inertia { negative: 0 })),
             Outcome::Indefinite(_) => Err(LinearError::Indefinite),
         }
+    }
+
+    /// None: it solves positive definite matrices alone.
+    fn negative(&self) -> Option<usize> {
+        self.kept.as_ref().map(|_| 0)
     }
 
     fn bytes(&self) -> usize {
@@ -167,7 +175,7 @@ fn iterate(
     work: &mut LinearWork,
 ) -> (Vec<f64>, CgReport) {
     let mut x = vec![0.0; b.len()];
-    let apply = |v: &[f64], out: &mut [f64]| system.matrix.multiply_on(v, out, system.parallel);
+    let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
     let cg = conjugate_gradient(&apply, multigrid, b, &mut x, tolerance, most);
     work.cycles += cg.iterations;
     (x, cg)

@@ -66,7 +66,7 @@ fn stages(member: CaseMember<'_>) -> usize {
 /// Seconds that the tangent at rest takes to be assembled and factorised, or why they are not known.
 fn tangent(member: CaseMember<'_>) -> Result<f64, String> {
     let (solid, disc) = (member.solid(), member.solid().discretization());
-    if solid.model().solver() == Solver::Multigrid {
+    if solid.model().solver() == Solver::MULTIGRID {
         return Err("the linear solver is multigrid".to_owned());
     }
     let available = available_memory().map_err(|error| error.to_string())?.unwrap_or(usize::MAX);

@@ -12,9 +12,9 @@ pub(in super::super) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let (factor, peak) = (megabytes(disc.factor_bytes()), megabytes(disc.factorisation_bytes()));
     let members = problem.members().count();
     let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
-    let text = match problem.solid().model().solver() {
-        Solver::Multigrid => format!("multigrid; a factor would have {factor}, {peak} while it is made on one thread"),
-        _ => format!(
+    let text = match problem.solid().model().solver() == Solver::MULTIGRID {
+        true => format!("multigrid; a factor would have {factor}, {peak} while it is made on one thread"),
+        false => format!(
             "a factor has {factor}{each}, {peak} while it is made on one thread (in single precision half of it)"
         ),
     };

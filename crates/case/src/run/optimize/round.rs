@@ -118,7 +118,7 @@ impl Round<'_> {
     /// How many runs the memory at hand can hold, if each makes the factors of its members at once; how many there are changes no result.
     fn most_at_once(&self) -> usize {
         let problem = &self.session.problem;
-        if problem.solid().model().solver() == Solver::Multigrid {
+        if problem.solid().model().solver() == Solver::MULTIGRID {
             return usize::MAX;
         }
         let each = problem.members().count() * problem.solid().discretization().factorisation_bytes();

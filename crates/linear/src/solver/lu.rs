@@ -1,0 +1,146 @@
+//! [`Lu`]: a sparse LU factorisation, for matrices that are not symmetric.
+
+use super::{Accuracy, Curvature, Form, LinearError, LinearSolver, LinearWork, Step, System};
+use crate::error::FactorError;
+use crate::gmres::{GmresReport, gmres};
+use crate::lu_factor::{LuAnalysis, LuFactor};
+use crate::structure::Structure;
+use std::sync::Arc;
+
+/// Iterations after which a new factorisation is due.
+const WORN: usize = 30;
+/// Iterations allowed with a factorisation of the matrix itself: two are enough without extra blocks.
+const MOST: usize = 100;
+
+/// `A x = b` by GMRES with `P A Q = L U` as preconditioner, which is kept while it serves; the analysis of the columns is made
+/// once. It takes matrices of any symmetry and signs, and counts none.
+#[derive(Clone, Debug)]
+pub struct Lu {
+    structure: Arc<Structure>,
+    analysis: Option<Arc<LuAnalysis>>,
+    factor: Option<Arc<LuFactor>>,
+}
+
+impl Lu {
+    /// For matrices of a structure.
+    pub fn new(structure: Arc<Structure>) -> Self {
+        Lu { structure, analysis: None, factor: None }
+    }
+
+    /// A factorisation of the matrix in the place of the kept one.
+    fn factorise(&mut self, system: &System, work: &mut LinearWork) -> Result<&LuFactor, FactorError> {
+        // Two factors at a time would be too many.
+        self.factor = None;
+        let analysis = match &self.analysis {
+            Some(known) => known.clone(),
+            None => Arc::new(LuAnalysis::new(&self.structure)?),
+        };
+        work.factorisations += 1;
+        let fresh = Arc::new(LuFactor::new(analysis.clone(), system.matrix)?);
+        self.analysis = Some(analysis);
+        Ok(self.factor.insert(fresh))
+    }
+
+    /// The solution to a relative residual, A or its transpose.
+    pub(super) fn run(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        tolerance: f64,
+        form: Form,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        if let Some(kept) = &self.factor {
+            let (x, report) = iterate(system, kept, b, tolerance, form, WORN);
+            work.back_substitutions += report.iterations;
+            if report.converged {
+                work.reused += 1;
+                return Ok(x);
+            }
+        }
+        let fresh = self.factorise(system, work)?;
+        let (x, report) = iterate(system, fresh, b, tolerance, form, MOST);
+        work.back_substitutions += report.iterations;
+        match report.converged {
+            true => Ok(x),
+            false => Err(LinearError::Singular { residual: report.residual, wanted: tolerance }),
+        }
+    }
+}
+
+impl LinearSolver for Lu {
+    fn name(&self) -> &'static str {
+        "lu"
+    }
+
+    fn restart(&mut self) {}
+
+    fn clear(&mut self) {
+        self.factor = None;
+    }
+
+    fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
+        self.factorise(system, work)?;
+        Ok(())
+    }
+
+    /// The curvature is not known and taken for positive.
+    fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
+        let x = self.run(system, b, tolerance, Form::Plain, work)?;
+        Ok(Step { x, curvature: Curvature::Positive })
+    }
+
+    fn solve(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        self.run(system, b, accuracy.residual, Form::Plain, work)
+    }
+
+    fn solve_transposed(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        self.run(system, b, accuracy.residual, Form::Transposed, work)
+    }
+
+    /// Pivots of an LU factorisation do not tell whether the matrix is positive definite.
+    ///
+    /// # Errors
+    /// [`LinearError::NotCounted`].
+    fn solve_definite(&mut self, _: &System, _: &[f64], _: &mut LinearWork) -> Result<Option<Vec<f64>>, LinearError> {
+        Err(LinearError::NotCounted { solver: self.name() })
+    }
+
+    /// Of the entries that the elimination order of the structure would give: a lower bound.
+    fn bytes(&self) -> usize {
+        self.factor.as_ref().map_or(0, |factor| factor.least_bytes())
+    }
+
+    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
+        Box::new(self.clone())
+    }
+}
+
+fn iterate(
+    system: &System,
+    factor: &LuFactor,
+    b: &[f64],
+    tolerance: f64,
+    form: Form,
+    most: usize,
+) -> (Vec<f64>, GmresReport) {
+    match form {
+        Form::Plain => gmres(&|v, out| system.multiply(v, out), factor, b, tolerance, most),
+        Form::Transposed => {
+            let apply = |v: &[f64], out: &mut [f64]| system.multiply_transposed(v, out);
+            gmres(&apply, &factor.transposed(), b, tolerance, most)
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! [`Structure`]: what all matrices of one pattern share.
+
+use super::error::StructureError;
+use super::graph::Graph;
+use super::ordering::Ordering;
+use super::pattern::Pattern;
+use super::symbolic::Symbolic;
+use std::sync::{Arc, OnceLock};
+
+/// The pattern of a matrix, and its symbolic factorisation, made when first asked for: solvers that make no factor need none.
+#[derive(Debug)]
+pub struct Structure {
+    pattern: Arc<Pattern>,
+    symbolic: OnceLock<Arc<Symbolic>>,
+}
+
+impl Structure {
+    /// That of a pattern.
+    pub fn new(pattern: Arc<Pattern>) -> Arc<Self> {
+        Arc::new(Structure { pattern, symbolic: OnceLock::new() })
+    }
+
+    /// That of a symbolic factorisation.
+    pub fn analysed(symbolic: Arc<Symbolic>) -> Arc<Self> {
+        Arc::new(Structure { pattern: symbolic.pattern().clone(), symbolic: OnceLock::from(symbolic) })
+    }
+
+    /// The structure in which these sets of nodes are coupled too, in the same order of elimination: the fill alone is counted
+    /// anew. The order is that of the first pattern, and the better the fewer pairs are added.
+    ///
+    /// # Errors
+    /// A node that does not exist; more blocks than 32 bits can name.
+    pub fn with_couplings(&self, more: &[Vec<u32>]) -> Result<Arc<Self>, StructureError> {
+        let pairs = self.pattern.pairs();
+        let cliques = pairs.iter().map(<[u32; 2]>::as_slice).chain(more.iter().map(Vec::as_slice));
+        let graph = Graph::from_cliques(self.pattern.nodes(), cliques)?;
+        let ordering = Ordering::given(&graph, self.pattern.ordering().new_to_old())?;
+        Ok(Self::new(Arc::new(Pattern::new(&graph, self.pattern.dim(), ordering)?)))
+    }
+
+    /// The pattern.
+    pub fn pattern(&self) -> &Arc<Pattern> {
+        &self.pattern
+    }
+
+    /// The symbolic factorisation; the first call makes it.
+    pub fn symbolic(&self) -> &Arc<Symbolic> {
+        self.symbolic.get_or_init(|| Arc::new(Symbolic::new(&self.pattern)))
+    }
+
+    /// Whether the symbolic factorisation has been made.
+    pub fn is_analysed(&self) -> bool {
+        self.symbolic.get().is_some()
+    }
+
+    /// What a factor takes, from the fronts of the elimination order alone: the numbers of [`symbolic`](Self::symbolic), which is
+    /// not made for them.
+    pub fn factor_size(&self) -> FactorSize {
+        FactorSize::new(&self.pattern)
+    }
+}
+
+/// What a factor of a pattern takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FactorSize {
+    /// Values stored, the explicit zeros of merged fronts and the upper triangles of their diagonal blocks among them.
+    pub values: usize,
+    /// Entries of the lower triangle, explicit zeros among them.
+    pub nonzeros: u64,
+    /// Floating-point operations of one factorisation, multiplications and additions counted separately.
+    pub flops: f64,
+}
+
+impl FactorSize {
+    /// `sum_f w_f h_f` values over the fronts of w columns and h rows.
+    fn new(pattern: &Pattern) -> Self {
+        let (ordering, dim) = (pattern.ordering(), pattern.dim());
+        let mut size = FactorSize::default();
+        for (columns, &height) in ordering.fronts().windows(2).zip(ordering.heights()) {
+            size.add(dim * (columns[1] - columns[0]) as usize, dim * height as usize);
+        }
+        size
+    }
+
+    /// Adds that of a front by its dofs.
+    pub(super) fn add(&mut self, width: usize, height: usize) {
+        self.values += width * height;
+        let (w, h) = (width as u64, height as u64);
+        self.nonzeros += w * h - w * w.saturating_sub(1) / 2;
+        self.flops += front_flops(width as f64, height as f64);
+    }
+
+    /// Bytes of a factor in double precision.
+    pub fn bytes(&self) -> usize {
+        size_of::<f64>() * self.values
+    }
+}
+
+/// Sum of `k^2` over the column lengths `k = height - width + 1 ..= height`.
+pub(super) fn front_flops(width: f64, height: f64) -> f64 {
+    let squares = |n: f64| n * (n + 1.0) * (2.0 * n + 1.0) / 6.0;
+    squares(height) - squares(height - width)
+}
