@@ -88,9 +88,11 @@ pub(super) const ROUNDING: f64 = 1e-10;
 pub(super) const LOST: (usize, usize) = (30, 3);
 /// A full step shorter than this share of the body's size is below what double precision resolves.
 pub(super) const RESOLUTION: f64 = 1e-12;
-/// Largest relative residual that such a step may leave of an equilibrium; where more is left, the tangent grows without bound as the step
-/// shrinks (that of a tendon whose guides meet), and nothing balances.
+/// Largest relative residual that such a step may leave of an equilibrium whose forces are larger than rounding; where more is left, the
+/// tangent grows without bound as the step shrinks (that of a tendon whose guides meet), and nothing balances.
 const RESOLVED: f64 = 1e-6;
+/// Absolute row sums of a tangent over its diagonal entries, at most.
+const NEIGHBOURS: f64 = 100.0;
 
 /// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
 /// measure it by. The largest; steps shorter than that share of the body are solved as exactly as they are short, since what they leave may
@@ -163,10 +165,21 @@ impl Newton<'_> {
             if tiny && length == 1.0 {
                 let (_, relative) = self.residual(&now);
                 self.record(&now, relative, report);
-                return if relative <= RESOLVED { Ok(last) } else { Err(Stop::Slow { residual: relative }) };
+                let balanced = relative <= RESOLVED || self.is_below_resolution(&now, matrix);
+                return if balanced { Ok(last) } else { Err(Stop::Slow { residual: relative }) };
             }
         }
         Err(Stop::Slow { residual: self.residual(&now).1 })
+    }
+
+    /// Whether a residual is what a displacement below the resolution takes of a typical stiffness: near rest it may be large beside the forces.
+    fn is_below_resolution(&self, now: &Sums, matrix: &SparseMatrix) -> bool {
+        let (residual, _) = self.residual(now);
+        let mut diagonal: Vec<f64> = matrix.diagonal().iter().map(|d| d.abs()).collect();
+        diagonal.sort_unstable_by(f64::total_cmp);
+        let stiffness = diagonal.get(diagonal.len() / 2).copied().unwrap_or(0.0);
+        let resolution = RESOLUTION * self.model.discretization().mesh().diagonal();
+        max_abs(&residual) <= NEIGHBOURS * stiffness * resolution
     }
 
     pub(super) fn at<'u>(&'u self, u: &'u [f64]) -> Instant<'u> {
