@@ -91,7 +91,7 @@ impl Reduced {
             }
         }
         shot = self.with_actuations(shot, fields.state)?;
-        let at = Instant::new(&fields.state.u, &fields.state.controls, fields.state.load);
+        let at = Instant::of(fields.state);
         shot = shot.with_lines(self.solid().model().lines(&at).unwrap_or_default());
         Ok(self.with_state(shot, fields)?)
     }

@@ -1,6 +1,6 @@
 //! States and reports of work as bytes.
 
-use nastic_fem::{Controls, SolveReport, Solver, State};
+use nastic_fem::{Controls, History, SolveReport, Solver, State};
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// What a report that was read back calls a solver that is not in the catalogue.
 const OWN: &str = "own";
 
-/// A state with its controls, those of internal variables included.
+/// A state with its controls.
 pub fn write_whole_state(state: &State, out: &mut Writer) {
     (0..state.controls.len()).for_each(|k| out.floats(state.controls.values(k)));
     write_state(state, out);
@@ -37,7 +37,7 @@ pub fn read_whole_state(input: &mut Reader<'_>, like: &State) -> Result<State, S
 
 /// All but the controls, which follow from the control vector.
 pub(crate) fn write_state(state: &State, out: &mut Writer) {
-    let State { u, controls: _, load, time, velocity, acceleration, internal, report } = state;
+    let State { u, controls: _, load, time, velocity, acceleration, history, report } = state;
     out.floats(u);
     out.float(*load);
     out.float(*time);
@@ -45,7 +45,7 @@ pub(crate) fn write_state(state: &State, out: &mut Writer) {
         out.count(usize::from(rate.is_some()));
         rate.iter().for_each(|rate| out.floats(rate));
     }
-    out.floats(internal);
+    out.floats(&history.to_floats());
     write_report(report, out);
 }
 
@@ -57,9 +57,14 @@ pub(crate) fn read_state(input: &mut Reader<'_>, controls: Controls) -> Result<S
         time: input.float()?,
         velocity: if input.flag()? { Some(Arc::new(input.floats()?)) } else { None },
         acceleration: if input.flag()? { Some(Arc::new(input.floats()?)) } else { None },
-        internal: Arc::new(input.floats()?),
+        history: Arc::new(read_history(input)?),
         report: read_report(input)?,
     })
+}
+
+fn read_history(input: &mut Reader<'_>) -> Result<History, SavedRunError> {
+    let floats = input.floats()?;
+    History::from_floats(&floats).ok_or_else(|| input.damaged("internal variables that are none"))
 }
 
 /// A report of work as bytes.

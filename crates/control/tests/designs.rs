@@ -3,7 +3,7 @@
 use nastic_control::{Consumer, ControlError, ControlMap, Direction, PowerLaw, Reduced, Space, Target, Tracking};
 use nastic_energy::{EnergyTerm, FiberTension, Magnet, MooneyRivlin, NeoHooke, Slot, Turgor};
 use nastic_fem::{
-    Contribution, ControlPoint, Controls, Demand, Increment, Instant, Inadmissible, SecondDerivativeError,
+    Contribution, ControlPoint, Controls, Demand, Inadmissible, Increment, Instant, SecondDerivativeError,
     SecondSensitivities, Sensitivities, Solid, SolveOptions, Sums,
 };
 use nastic_linear::SparseMatrix;

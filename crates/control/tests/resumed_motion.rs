@@ -75,7 +75,8 @@ fn observe(problem: &Reduced, at: usize, from: Option<Vec<u8>>) -> Done<(Result<
 fn bits(state: &State) -> Vec<u64> {
     let controls = (0..state.controls.len()).flat_map(|k| state.controls.values(k));
     let rates = state.velocity.iter().chain(&state.acceleration).flat_map(|rate| rate.iter());
-    let numbers = state.u.iter().chain(state.internal.iter()).chain(controls).chain(rates);
+    let history = state.history.to_floats();
+    let numbers = state.u.iter().chain(&history).chain(controls).chain(rates);
     numbers.chain([&state.time, &state.report.min_j]).map(|x| x.to_bits()).collect()
 }
 

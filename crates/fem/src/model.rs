@@ -1,9 +1,11 @@
 //! [`Model`]: a discrete problem, the sum of contributions on supported unknowns.
 
 mod held;
+mod history;
 mod inequalities;
 
 use crate::contributions::body_energy::BodyEnergy;
+use crate::contributions::body_energy::driving::Driving;
 use crate::contributions::body_energy::point_strains::PointStrains;
 use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
@@ -121,7 +123,7 @@ impl Model {
     pub fn controllable(&self) -> Vec<Controllable<'_>> {
         let of_body = self.body.actuations().iter().map(|a| Controllable {
             name: &a.name,
-            slots: if a.law.evolution().is_some() { &[] } else { a.law.slots() },
+            slots: a.controlled_slots(),
             regions: Some(&a.regions),
             cells: Some(&a.cells),
             measure: 0.0,
@@ -140,26 +142,21 @@ impl Model {
         of_body.chain(own).collect()
     }
 
-    /// The controls with relaxed viscous laws: their internal variables act no more.
-    pub fn relaxed(&self, controls: &Controls) -> Controls {
-        self.taken_over(controls.clone(), &self.zero_controls(), |slot| slot.is_none())
-    }
-
-    /// The controls without loads; designs and internal variables stay as they are.
+    /// The controls without loads; designs stay as they are.
     pub fn unactuated(&self, controls: &Controls) -> Controls {
-        self.taken_over(controls.clone(), &self.zero_controls(), |slot| slot.is_some_and(|slot| !slot.is_design()))
+        self.taken_over(controls.clone(), &self.zero_controls(), |slot| !slot.is_design())
     }
 
     /// Controls with the designs of others.
     pub(crate) fn with_designs(&self, controls: Controls, of: &Controls) -> Controls {
-        self.taken_over(controls, of, |slot| slot.is_some_and(Slot::is_design))
+        self.taken_over(controls, of, Slot::is_design)
     }
 
-    /// Controls with the values of others in some slots; internal variables are none.
-    fn taken_over(&self, mut controls: Controls, of: &Controls, which: impl Fn(Option<&Slot>) -> bool) -> Controls {
+    /// Controls with the values of others in some slots.
+    fn taken_over(&self, mut controls: Controls, of: &Controls, which: impl Fn(&Slot) -> bool) -> Controls {
         for (k, own) in self.controllable().iter().enumerate() {
             let width = controls.slots(k);
-            for slot in (0..width).filter(|&slot| which(own.slots.get(slot))) {
+            for (slot, _) in own.slots.iter().enumerate().filter(|(_, slot)| which(slot)) {
                 let values = controls.values_mut(k).iter_mut().zip(of.values(k));
                 values.skip(slot).step_by(width).for_each(|(value, other)| *value = *other);
             }
@@ -272,7 +269,7 @@ impl Model {
         sums: &mut Sums,
         tangent: &mut SparseMatrix,
     ) -> Result<(), Inadmissible> {
-        self.body.add_with_point_strains((at.u, at.controls), strains, sums, tangent, at.parallel)?;
+        self.body.add_with_point_strains((at.u, Driving::of(at)), strains, sums, tangent, at.parallel)?;
         let demand = Demand { energy: false, force: true };
         self.dead_load.add_residual(at, demand, sums)?;
         self.each_other(at, |contribution, at| {
@@ -372,17 +369,17 @@ impl Model {
         self.each_other(&Instant::new(&rest, controls, 1.0), |contribution, at| contribution.check_constraints(at))
     }
 
-    /// A contribution by name, the index of its block of controls, and that of its first multiplier.
-    pub(crate) fn contribution(&self, name: &str) -> Option<(&dyn Contribution, usize, usize)> {
-        let mut found: Option<(&dyn Contribution, usize, usize)> = None;
+    /// A contribution by name, the index of its block of controls, that of its first multiplier, and that of its internal variables.
+    pub(crate) fn contribution(&self, name: &str) -> Option<(&dyn Contribution, usize, usize, usize)> {
+        let mut found: Option<(&dyn Contribution, usize, usize, usize)> = None;
         let (mut block, mut scalar) = (self.body.actuations().len(), self.discretization().dofs());
         for contribution in [&self.body as &dyn Contribution, &self.dead_load].into_iter().filter(|c| c.name() == name)
         {
-            found = Some((contribution, 0, scalar));
+            found = Some((contribution, 0, scalar, usize::MAX));
         }
-        for contribution in &self.others {
+        for (contribution, memory) in self.others.iter().zip(block..) {
             if contribution.name() == name {
-                found = Some((contribution.as_ref(), block, scalar));
+                found = Some((contribution.as_ref(), block, scalar, memory));
             }
             scalar += contribution.constraints();
             block += usize::from(!contribution.slots().is_empty());
@@ -425,16 +422,6 @@ impl Model {
         self.each_other(at, ask).err()
     }
 
-    /// Internal variables at the end of a time step.
-    pub(crate) fn commit(&self, at: &Instant) -> Result<Vec<f64>, Inadmissible> {
-        let mut internal = Vec::new();
-        self.each(at, |contribution, at| {
-            contribution.commit(at, &mut internal);
-            Ok(())
-        })?;
-        Ok(internal)
-    }
-
     /// Calls with every contribution, in a fixed order, and where it is evaluated.
     fn each<E>(
         &self,
@@ -454,8 +441,8 @@ impl Model {
         mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,
     ) -> Result<(), E> {
         let (mut block, mut scalar) = (self.body.actuations().len(), self.discretization().dofs());
-        for contribution in &self.others {
-            call(contribution.as_ref(), &Instant { block, scalar, ..*at })?;
+        for (contribution, memory) in self.others.iter().zip(block..) {
+            call(contribution.as_ref(), &Instant { block, scalar, memory, ..*at })?;
             scalar += contribution.constraints();
             block += usize::from(!contribution.slots().is_empty());
         }

@@ -194,7 +194,8 @@ fn memory_is_told_beforehand() -> Outcome {
     let of = |state: &State| {
         let rates = [&state.velocity, &state.acceleration].into_iter().flatten().map(|v| v.len()).sum::<usize>();
         let controls: usize = (0..state.controls.len()).map(|k| state.controls.values(k).len()).sum();
-        8 * (state.u.len() + rates + controls)
+        let history: usize = (0..state.history.len()).map(|k| state.history.values(k).len()).sum();
+        8 * (state.u.len() + rates + controls + history)
     };
     let found: usize = trajectory.states()[1..].iter().map(of).sum();
     let told = Checkpoints::all(19, 8)?.bytes(model, &scheme);

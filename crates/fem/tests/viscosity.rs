@@ -6,7 +6,7 @@ use common::block::STRICT;
 use common::motion::{schemes, steps};
 use common::{Outcome, regular};
 use nastic_energy::{FiberTension, KelvinVoigt, MaxwellBranch, NeoHooke};
-use nastic_fem::{Inertia, Scheme, Solid, State, StepTo, Trajectory, Workspace};
+use nastic_fem::{Demand, Inertia, Instant, Scheme, Solid, State, StepTo, Trajectory, Workspace};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ fn cube(ends: Option<f64>, traction: f64) -> Outcome<Solid> {
 
 /// Nodal force at x+, and the displacement there.
 fn pulled(solid: &Solid, state: &State) -> Outcome<[f64; 2]> {
-    let sums = solid.body().evaluate(&state.u, &state.controls, true, false)?;
+    let sums = solid.model().evaluate(&Instant::of(state), Demand { energy: true, force: true })?;
     let nodes = solid.nodes_of("x+")?;
     let force = nodes.iter().map(|&node| sums.force[3 * node as usize]).sum();
     Ok([force, state.u[3 * nodes[0] as usize]])

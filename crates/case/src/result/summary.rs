@@ -196,7 +196,7 @@ fn is_active(unknown: usize, value: f64, field: &ControlField) -> bool {
 /// `{ SUPPORT: [x, y, z] }`: the forces the supports exert on the body.
 fn reactions(member: CaseMember<'_>, state: &State) -> Result<Value, Inadmissible> {
     let solid = member.solid();
-    let at = Instant::new(&state.u, &state.controls, state.load);
+    let at = Instant::of(state);
     let residual = solid.model().evaluate(&at, Demand { energy: false, force: true })?.force;
     let entries = solid.supports().reactions(&residual).into_iter().map(|(name, force)| (name, json!(force)));
     Ok(Value::Object(entries.collect()))
@@ -204,7 +204,7 @@ fn reactions(member: CaseMember<'_>, state: &State) -> Result<Value, Inadmissibl
 
 /// `{ CONTRIBUTION: { "pressure": .., "volume": .. } }`; nothing where no contribution reports anything.
 fn contributions(member: CaseMember<'_>, state: &State) -> Result<Map<String, Value>, Inadmissible> {
-    let at = Instant::new(&state.u, &state.controls, state.load);
+    let at = Instant::of(state);
     let mut out = Map::new();
     for (name, quantity, value) in member.solid().model().quantities(&at)? {
         out.entry(name).or_insert_with(|| json!({}))[quantity] = json!(value);
@@ -215,8 +215,7 @@ fn contributions(member: CaseMember<'_>, state: &State) -> Result<Map<String, Va
 /// The potential of passive laws, actuations and loads at a state of a motion, with relaxed viscous laws.
 pub(crate) fn potential(member: CaseMember<'_>, state: &State) -> f64 {
     let model = member.solid().model();
-    let relaxed = model.relaxed(&state.controls);
-    let at = Instant::new(&state.u, &relaxed, 1.0);
+    let at = Instant::new(&state.u, &state.controls, 1.0);
     model.evaluate(&at, Demand { energy: true, force: false }).map_or(f64::NAN, |sums| sums.energy)
 }
 

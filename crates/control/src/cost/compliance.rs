@@ -88,7 +88,7 @@ impl Cost for Bound {
         let model = at.solid.model();
         let solved = model.adjoint(state, &[&self.force], &SolveOptions::default())?;
         let v = solved.lambda.into_iter().next().unwrap_or_default();
-        let instant = Instant::new(&state.u, &state.controls, state.load);
+        let instant = Instant::of(state);
         let compliance = self.compliance(model, &instant, &v)?;
         if compliance <= 0.0 {
             let what =

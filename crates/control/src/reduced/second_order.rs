@@ -203,7 +203,7 @@ impl Reduced {
     /// What a functional with these partials by the state and this adjoint owes to the values at the points.
     fn by_point(&self, point: &Evaluated, by_u: &[f64], lambda: &[f64]) -> Result<Controls, ControlError> {
         let state = &point.state;
-        let mut at = Instant::new(&state.u, &state.controls, state.load);
+        let mut at = Instant::of(state);
         at.parallel = self.parallel;
         Ok(self.solid.model().sensitivities(&at, by_u, lambda)?.controls)
     }

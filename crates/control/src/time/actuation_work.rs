@@ -51,7 +51,7 @@ fn check_moved(layout: &Layout) -> Result<(), ControlError> {
 
 /// Without actuation and with it; viscous laws hold the same in both, so that they cancel.
 fn pair<'a>(state: &'a State, passive: &'a Controls) -> [Instant<'a>; 2] {
-    [Instant::new(&state.u, passive, 1.0), Instant::new(&state.u, &state.controls, 1.0)]
+    [Instant::of(state).under(passive), Instant::of(state)]
 }
 
 /// g of every state.

@@ -112,7 +112,8 @@ impl Model {
 
     /// Where a state was evaluated, at the end of a time step if there is one.
     pub(crate) fn instant<'s>(&self, state: &'s State, step: Option<&'s TimeStep>, parallel: bool) -> Instant<'s> {
-        Instant { parallel, step, ..Instant::new(&state.u, &state.controls, state.load) }
+        let at = Instant { parallel, ..Instant::of(state) };
+        step.map_or(at, |step| at.in_step(step))
     }
 
     /// Number of negative eigenvalues of the tangent at a state: 0 for a stable equilibrium.

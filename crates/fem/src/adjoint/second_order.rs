@@ -54,7 +54,7 @@ impl<'a> SecondOrder<'a> {
         workspace: &'a mut Workspace,
     ) -> Result<Self, StateError> {
         model.check_state(state)?;
-        if !state.internal.is_empty() {
+        if !state.history.is_empty() {
             let what = "second derivatives of laws with internal variables are not there yet".to_owned();
             return Err(crate::FemError::Meaningless { what }.into());
         }

@@ -1,11 +1,12 @@
 //! [`check_contribution`]: what every contribution must fulfil.
 
-use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use super::{BeforeStep, Contribution, Demand, History, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::TimeStep;
 use crate::error::{Inadmissible, SecondDerivativeError};
 use crate::model::Model;
 use crate::solution::saddle_point::BorderedTangent;
+use crate::solution::state::State;
 use nastic_linear::Symmetry;
 use nastic_numeric::Random;
 use nastic_numeric::vector::{axpy, dot, max_abs, norm, sub};
@@ -26,7 +27,7 @@ const TOLERANCE: f64 = 1e-7;
 /// # Errors
 /// What is violated, where, by how much; an unknown name.
 pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), String> {
-    let (contribution, block, scalar) =
+    let (contribution, block, scalar, memory) =
         model.contribution(name).ok_or_else(|| format!("there is no contribution \"{name}\""))?;
     let mut random = Random::new(seed);
     let n = model.unknowns().len();
@@ -45,9 +46,14 @@ pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), St
         let scale = if k == block { CONTROL } else { 0.0 };
         controls.values_mut(k).iter_mut().for_each(|m| *m = scale * random.symmetric());
     }
-    let step = TimeStep::backward_euler(&before, 0.3);
+    let mut history = model.zero_history();
+    history.dt = 0.3;
+    let own = history.values_mut(memory);
+    own.iter_mut().for_each(|z| *z = size * random.symmetric());
+    let step = TimeStep { history: history.into(), ..TimeStep::backward_euler(&before, 0.3) };
     for step in [None, Some(&step)] {
-        let at = Instant { step, block, scalar, ..Instant::new(&u, &controls, 0.7) };
+        let at = Instant { block, scalar, memory, ..Instant::new(&u, &controls, 0.7) };
+        let at = step.map_or(at, |step| at.in_step(step));
         let subject = Subject { contribution, model, at };
         subject.check(&direction, &lambda).map_err(|why| {
             let when = if step.is_some() { "in a time step" } else { "static" };
@@ -252,6 +258,7 @@ impl Subject<'_> {
             agree("the derivative by the controls", &[slope], "differences", &expected, scale)?;
         }
         let Some(step) = self.at.step else { return Ok(()) };
+        self.check_before(&found.before, step, lambda)?;
         let offset = |b: &[f64], s: f64| -> Vec<f64> { b.iter().zip(lambda).map(|(b, d)| b + s * d).collect() };
         let with = |velocity: f64, acceleration: f64| TimeStep {
             velocity: (step.velocity.0, offset(&step.velocity.1, velocity)),
@@ -271,6 +278,27 @@ impl Subject<'_> {
         let dofs = self.model.discretization().dofs();
         mass.multiply(&lambda[..dofs], &mut product[..dofs]);
         agree("the mass times a vector", &product, "the derivative by the acceleration", &found.acceleration, size)
+    }
+
+    /// By the state that the step begins at, whose velocity and acceleration go into those of the end, not into this.
+    fn check_before(&self, found: &BeforeStep, step: &TimeStep, lambda: &[f64]) -> Result<(), String> {
+        let work = |step: &TimeStep| Ok(vec![dot(lambda, &self.sums(Instant { step: Some(step), ..self.at })?.force)]);
+        let with = |s: f64| {
+            let u = step.before.u.iter().zip(lambda).map(|(u, d)| u + s * d).collect::<Vec<f64>>();
+            let mut controls = Controls::clone(&step.before.controls);
+            (0..controls.len()).for_each(|k| controls.values_mut(k).iter_mut().for_each(|m| *m += s * CONTROL));
+            let mut history = History::clone(&step.history);
+            (0..history.len()).for_each(|k| history.values_mut(k).iter_mut().for_each(|z| *z += s));
+            let before = State { u: u.into(), controls: controls.into(), ..step.before.clone() };
+            TimeStep { before, history: history.into(), ..step.clone() }
+        };
+        let expected = difference(|s| work(&with(s)))?;
+        let by_u: f64 = dot(&found.u, lambda);
+        let by_controls = (0..found.controls.len()).flat_map(|k| found.controls.values(k)).sum::<f64>() * CONTROL;
+        let by_history: f64 = (0..found.history.len()).flat_map(|k| found.history.values(k)).sum();
+        let slope = by_u + by_controls + by_history;
+        let scale = by_u.abs() + by_controls.abs() + by_history.abs();
+        agree("the derivative by the state before", &[slope], "differences", &expected, scale)
     }
 
     fn tangent(&self, at: Instant) -> Result<BorderedTangent, Inadmissible> {

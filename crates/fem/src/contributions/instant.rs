@@ -1,7 +1,9 @@
 //! [`Instant`]: where contributions are evaluated.
 
 use crate::contributions::controls::Controls;
+use crate::contributions::history::History;
 use crate::solution::state::State;
+use std::sync::Arc;
 
 /// The unknowns and everything prescribed, at one instant.
 #[derive(Clone, Copy)]
@@ -16,22 +18,53 @@ pub struct Instant<'a> {
     pub step: Option<&'a TimeStep>,
     /// Whether to use all threads; the bits are the same.
     pub parallel: bool,
+    /// Internal variables outside of a time step: those of a state.
+    pub(crate) remembered: &'a History,
     /// Index of the contribution's own block of controls.
     pub(crate) block: usize,
     /// Index in u of the contribution's own first multiplier.
     pub(crate) scalar: usize,
+    /// Index of the contribution's own block of internal variables.
+    pub(crate) memory: usize,
 }
 
 impl<'a> Instant<'a> {
     /// A static instant.
     pub fn new(u: &'a [f64], controls: &'a Controls, load: f64) -> Self {
-        Instant { u, controls, load, step: None, parallel: false, block: 0, scalar: u.len() }
+        let (remembered, scalar) = (History::relaxed(), u.len());
+        Instant { u, controls, load, step: None, parallel: false, remembered, block: 0, scalar, memory: 0 }
     }
 
-    /// The same in a time step.
+    /// That of a state, the internal variables with it.
+    pub fn of(state: &'a State) -> Self {
+        Instant { remembered: &state.history, ..Instant::new(&state.u, &state.controls, state.load) }
+    }
+
+    /// The same in a time step, with the internal variables that it begins with.
     #[must_use]
     pub fn in_step(self, step: &'a TimeStep) -> Self {
         Instant { step: Some(step), ..self }
+    }
+
+    /// The same under other controls.
+    #[must_use]
+    pub fn under(self, controls: &'a Controls) -> Self {
+        Instant { controls, ..self }
+    }
+
+    /// The internal variables that the time step which ends here began with, or those of a state.
+    pub fn history(&self) -> &'a History {
+        self.step.map_or(self.remembered, |step| &step.history)
+    }
+
+    /// The internal variables of the contribution that is asked; none where nothing was remembered yet.
+    pub fn internal(&self) -> &'a [f64] {
+        self.history().values(self.memory)
+    }
+
+    /// The state that the time step begins at; `None` in a static problem.
+    pub fn before(&self) -> Option<&'a State> {
+        self.step.map(|step| &step.before)
     }
 
     /// The value of a slot of the contribution that is asked.
@@ -87,6 +120,8 @@ pub struct TimeStep {
     pub acceleration: (f64, Vec<f64>),
     /// The state before.
     pub before: State,
+    /// The internal variables that it begins with.
+    pub history: Arc<History>,
     /// Where the end is extrapolated from the stage that this belongs to: what the prescribed unknowns follow from.
     pub(crate) end: Option<ExtrapolatedEnd>,
 }
@@ -109,7 +144,8 @@ impl TimeStep {
         let v = before.velocity.as_deref();
         let acceleration = velocity.iter().enumerate().map(|(i, b)| (b - v.map_or(0.0, |v| v[i])) / dt).collect();
         let (c_v, c_a) = (1.0 / dt, 1.0 / (dt * dt));
-        TimeStep { dt, velocity: (c_v, velocity), acceleration: (c_a, acceleration), before: before.clone(), end: None }
+        let (velocity, acceleration, history) = ((c_v, velocity), (c_a, acceleration), Arc::default());
+        TimeStep { dt, velocity, acceleration, before: before.clone(), history, end: None }
     }
 
     /// The velocity at a displacement.

@@ -9,6 +9,7 @@ pub(crate) mod controls;
 pub(crate) mod dead_load;
 mod foundation;
 pub(crate) mod guides;
+pub(crate) mod history;
 pub(crate) mod inertia;
 pub(crate) mod instant;
 mod motion;
@@ -24,6 +25,7 @@ pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use controls::{ControlPoint, Controls};
 pub use foundation::Foundation;
+pub use history::{BeforeStep, History, Remembers};
 pub use inertia::Inertia;
 pub use instant::{Instant, TimeStep};
 pub use motion::Motion;
@@ -144,6 +146,12 @@ pub trait Contribution: Debug + Send + Sync {
         true
     }
 
+    /// Its internal variables, if it remembers where it has been. They enter the residual by [`Instant::internal`], and `vjp` adds what it
+    /// owes to them (and to the rest of the state that the step begins at, [`Instant::before`]) to [`Sensitivities::before`].
+    fn remembers(&self) -> Option<&dyn Remembers> {
+        None
+    }
+
     /// Number of its constraints, each with a multiplier.
     fn constraints(&self) -> usize {
         0
@@ -230,9 +238,6 @@ pub trait Contribution: Debug + Send + Sync {
     ) -> Result<(), SecondDerivativeError> {
         Err(no_second_derivatives(self.name(), "second_vjp"))
     }
-
-    /// Internal variables at the end of a time step, appended to those of the state.
-    fn commit(&self, _at: &Instant, _internal: &mut Vec<f64>) {}
 }
 
 fn no_second_derivatives(name: &str, method: &'static str) -> SecondDerivativeError {

@@ -2,6 +2,7 @@
 //! [`SecondSensitivities`]: how `lambda . dr/d(u, controls)` changes along an [`Increment`].
 
 use crate::contributions::controls::Controls;
+use crate::contributions::history::BeforeStep;
 use crate::contributions::instant::Instant;
 
 /// Vector-Jacobian products of a residual, added up over contributions.
@@ -13,14 +14,17 @@ pub struct Sensitivities {
     pub velocity: Vec<f64>,
     /// By the acceleration, flat; empty in a static problem.
     pub acceleration: Vec<f64>,
+    /// By the state that the time step begins at; by the internal variables alone in a static problem.
+    pub before: BeforeStep,
 }
 
 impl Sensitivities {
     /// Zero, for the controls of a model; with room for those by velocity and acceleration in a time step.
     pub fn zero(controls: Controls, at: &Instant) -> Self {
         let dofs = if at.step.is_some() { at.u.len() } else { 0 };
-        let controls = controls.zeroed();
-        Sensitivities { controls, velocity: vec![0.0; dofs], acceleration: vec![0.0; dofs] }
+        let (controls, history) = (controls.zeroed(), at.history().zeroed());
+        let before = BeforeStep { u: vec![0.0; dofs], controls: controls.clone(), history };
+        Sensitivities { controls, velocity: vec![0.0; dofs], acceleration: vec![0.0; dofs], before }
     }
 
     /// Adds to the derivative by a slot of the contribution that is asked.

@@ -1,5 +1,6 @@
 //! [`CellFields`]: J, stresses and energies of a state, averaged over cells.
 
+use crate::contributions::body_energy::driving::Driving;
 use crate::error::Inadmissible;
 use crate::solid::Solid;
 use crate::solution::state::State;
@@ -78,6 +79,7 @@ impl Solid {
         let kinematics = self.body().kinematics_of_laws(&state.u)?;
         let n = kinematics.len();
         let (mut piola, mut energy) = (vec![Mat3::zeros(); n], vec![0.0; n]);
+        let driving = Driving { controls: &state.controls, history: &state.history };
         for (cell, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
             let range = first..first + count;
             let at = PointBatch { kinematics: &kinematics[range.clone()], cell, first };
@@ -91,9 +93,7 @@ impl Solid {
             }
             for &k in &composition.actuations {
                 let want = Want { energy: self.body().actuations[k].law.is_material(), ..want };
-                let width = state.controls.slots(k);
-                let values = &state.controls.values(k)[first * width..(first + count) * width];
-                self.body().actuations[k].law.respond(&at, Slots { values, width }, want, &mut out);
+                self.body().actuations[k].law.respond(&at, driving.slots(k, &at), want, &mut out);
             }
         }
         Ok(PointStresses { kinematics, piola, energy })

@@ -67,7 +67,7 @@ impl Solid {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn nodal_reactions(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
-        let at = Instant::new(&state.u, &state.controls, state.load);
+        let at = Instant::of(state);
         let force = self.model().evaluate(&at, Demand { energy: false, force: true })?.force;
         let (dim, fixed) = (self.mesh().dim(), self.supports().fixed());
         let held = |dof: usize| if fixed[dof] { force[dof] } else { 0.0 };

@@ -1,6 +1,7 @@
 //! [`State`]: an equilibrium, as a value.
 
 use crate::contributions::controls::Controls;
+use crate::contributions::history::History;
 use nastic_linear::{LinearSolver, LinearWork, Solver};
 use std::sync::Arc;
 
@@ -19,8 +20,8 @@ pub struct State {
     pub velocity: Option<Arc<Vec<f64>>>,
     /// Acceleration, flat, where a time scheme carries one.
     pub acceleration: Option<Arc<Vec<f64>>>,
-    /// Internal variables of the contributions, in their order.
-    pub internal: Arc<Vec<f64>>,
+    /// The internal variables that the step which led to it began with; none of a static state.
+    pub history: Arc<History>,
     /// How it was found.
     pub report: SolveReport,
 }
@@ -28,8 +29,8 @@ pub struct State {
 impl State {
     /// A state of a static problem.
     pub fn equilibrium(u: Vec<f64>, controls: Controls, load: f64, report: SolveReport) -> Self {
-        let (u, controls, internal) = (Arc::new(u), Arc::new(controls), Arc::default());
-        State { u, controls, load, time: 0.0, velocity: None, acceleration: None, internal, report }
+        let (u, controls, history) = (Arc::new(u), Arc::new(controls), Arc::default());
+        State { u, controls, load, time: 0.0, velocity: None, acceleration: None, history, report }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The acceleration of a state that does not carry one, and its adjoint.
 
 use crate::contributions::Demand;
-use crate::contributions::body_energy::history::History;
+use crate::contributions::history::History;
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::{FemError, Inadmissible, StateError};
 use crate::model::Model;
@@ -48,9 +48,7 @@ impl Model {
 
     /// A state with the internal variables behind it, in a step without length.
     pub(super) fn at_instant(&self, state: &State, history: &History) -> State {
-        let mut controls = state.controls.as_ref().clone();
-        self.body.put_history(history, 0.0, &mut controls);
-        State { controls: Arc::new(controls), ..state.clone() }
+        State { history: Arc::new(self.history_of_step(history, 0.0)), ..state.clone() }
     }
 
     /// `M^-1 b` on the free unknowns.
@@ -92,5 +90,6 @@ impl Model {
 pub(super) fn without_acceleration(state: &State) -> TimeStep {
     let zero = vec![0.0; state.u.len()];
     let velocity = state.velocity.as_deref().unwrap_or(&zero).clone();
-    TimeStep { dt: 0.0, velocity: (0.0, velocity), acceleration: (0.0, zero), before: state.clone(), end: None }
+    let (before, history) = (state.clone(), state.history.clone());
+    TimeStep { dt: 0.0, velocity: (0.0, velocity), acceleration: (0.0, zero), before, history, end: None }
 }

@@ -59,7 +59,8 @@ impl Model {
         }
         let mut mass = self.mass();
         mass.eliminate(self.supports.fixed(), 0.0);
-        let state = State { controls: Arc::new(controls.clone()), ..begin.clone() };
+        let history = step.history.clone();
+        let state = State { controls: Arc::new(controls.clone()), history, ..begin.clone() };
         let free = self.supports.fixed().iter().filter(|fixed| !**fixed).count();
         let modes = self.lowest_modes(&state, MassMatrix::Sparse(&mass), count.min(free), how)?;
         let times_mass = |x: &[f64]| {
@@ -70,7 +71,7 @@ impl Model {
         let momenta: Vec<Vec<f64>> = modes.vectors.iter().map(|shape| times_mass(shape)).collect();
         let inverted =
             |at: Inadmissible| StateError::Inadmissible { at, load: 1.0, cuts: 0, last: Box::new(begin.clone()) };
-        let at = Instant { parallel: how.parallel, ..Instant::new(&begin.u, controls, 1.0) };
+        let at = Instant { parallel: how.parallel, remembered: &step.history, ..Instant::new(&begin.u, controls, 1.0) };
         let force = self.evaluate(&at, Demand { energy: false, force: true }).map_err(inverted)?.force;
         let mut damping = DMatrix::zeros(momenta.len(), momenta.len());
         for (k, shape) in modes.vectors.iter().enumerate() {

@@ -69,7 +69,8 @@ impl<'a> Points<'a> {
             let rest = self.combine(Quantity::Displacement, rest.iter());
             ExtrapolatedEnd { alpha, rest, controls: to.clone() }
         });
-        TimeStep { dt: self.h, velocity: (c_v, b_v), acceleration: (c_a, b_a), before: self.begin.clone(), end }
+        let (before, history) = (self.begin.clone(), Arc::default());
+        TimeStep { dt: self.h, velocity: (c_v, b_v), acceleration: (c_a, b_a), before, history, end }
     }
 
     /// Where the next stage is if its acceleration is the last one known, else zero; `None` of a stage without inertia.

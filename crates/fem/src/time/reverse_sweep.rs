@@ -1,10 +1,10 @@
 //! The discrete adjoint of a trajectory, from its end to its beginning.
 
-use crate::contributions::body_energy::history::History;
 use crate::contributions::controls::Controls;
-use crate::contributions::instant::Instant;
+use crate::contributions::history::{BeforeStep, History};
+use crate::contributions::instant::{Instant, TimeStep};
 use crate::contributions::sensitivities::{Increment, Sensitivities};
-use crate::error::{FemError, Inadmissible, StateError};
+use crate::error::{FemError, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
@@ -14,9 +14,11 @@ use crate::time::initial_acceleration::without_acceleration;
 use crate::time::owed::{Owed, StatePartials, add};
 use crate::time::points::Points;
 use crate::time::scheme::{Point, Quantity, Term};
+use crate::time::step::inverted;
 use crate::time::trajectory::{Begin, Trajectory};
 use nastic_numeric::vector::axpy;
 use std::mem::{replace, take};
+use std::sync::Arc;
 
 /// Instants of the step that is swept.
 const END: usize = 0;
@@ -113,7 +115,7 @@ impl<'a> ReverseSweep<'a> {
     pub fn new(model: &'a Model, how: &'a SolveOptions<'a>, workspace: &'a mut Workspace) -> Self {
         let controls = [model.zero_controls(), model.zero_controls()];
         let report = SolveReport::default();
-        ReverseSweep { model, how, workspace, owed: Default::default(), controls, history: History::new(), report }
+        ReverseSweep { model, how, workspace, owed: Default::default(), controls, history: History::default(), report }
     }
 
     /// The k-th step of a part of the motion, the one before the step that was swept last, with the partial derivatives at its end.
@@ -134,11 +136,12 @@ impl<'a> ReverseSweep<'a> {
         self.check(begin)?;
         self.add_partials(&by_end)?;
         let before = k.checked_sub(1).map(|k| &states[k]);
-        let history = self.model.next_history(begin, self.how.parallel)?;
+        let history = self.model.next_history(begin, self.how.parallel).map_err(|at| inverted(at, begin))?;
         let mut points = Points::new(&step.scheme, h, (begin, before), step.started.as_ref());
         let mut time_steps = Vec::new();
-        for u in &step.stages {
-            let time_step = points.next(&end.controls);
+        for (u, stage) in step.stages.iter().zip(&step.scheme.stages) {
+            let of_stage = Arc::new(self.model.history_of_step(&history, stage.time * h));
+            let time_step = TimeStep { history: of_stage, ..points.next(&end.controls) };
             points.found(u.clone(), &time_step);
             time_steps.push(time_step);
         }
@@ -158,8 +161,7 @@ impl<'a> ReverseSweep<'a> {
             let Owed { u: mut by_u, velocity, acceleration } = owed.clone();
             add(time_step.velocity.0, &velocity, &mut by_u);
             add(time_step.acceleration.0, &acceleration, &mut by_u);
-            let mut controls = begin.controls.blend(&end.controls, stage.time);
-            self.model.body.put_history(&history, stage.time * h, &mut controls);
+            let controls = begin.controls.blend(&end.controls, stage.time);
             let u = if step.scheme.is_linearised() { &begin.u } else { &step.stages[k] };
             let at = Instant { parallel: self.how.parallel, ..Instant::new(u, &controls, 1.0) };
             let at = at.in_step(time_step);
@@ -180,7 +182,7 @@ impl<'a> ReverseSweep<'a> {
                     }
                 }
             }
-            self.take_history(&history, &mut by.controls);
+            self.take_before(by.before);
             self.add_controls(END, stage.time, &by.controls);
             self.add_controls(BEGIN, 1.0 - stage.time, &by.controls);
             add(1.0, &by.velocity, &mut owed.velocity);
@@ -235,10 +237,6 @@ impl<'a> ReverseSweep<'a> {
     }
 
     fn check(&self, state: &State) -> Result<(), StateError> {
-        if !state.internal.is_empty() {
-            let what = "the adjoint of contributions with internal variables is not there yet".to_owned();
-            return Err(FemError::Meaningless { what }.into());
-        }
         self.model.check_state(state)
     }
 
@@ -255,7 +253,7 @@ impl<'a> ReverseSweep<'a> {
 
     /// Of `r(u_n) + K(u_n) (w - u_n) = 0`: what is owed by the dependence of K on `u_n` and on the controls.
     fn linearisation(&mut self, at: &Instant, lambda: &[f64], w: &[f64], by: &mut Controls) -> Result<(), StateError> {
-        if self.model.body.has_history() {
+        if self.model.has_history() {
             let what = "the adjoint of linearly_implicit_euler takes second derivatives of stresses, which viscous laws do not give: \
                         take backward_euler"
                 .to_owned();
@@ -271,34 +269,30 @@ impl<'a> ReverseSweep<'a> {
 
     /// What is owed to the controls of the end of a step by the unknowns that they hold there.
     fn end_holds(&mut self, force: &[f64], end: &State) {
-        let at = Instant::new(&end.u, &end.controls, 1.0);
+        let at = Instant { load: 1.0, ..Instant::of(end) };
         let mut by = Sensitivities::zero(self.model.controls(), &at);
         self.model.add_prescribed_vjp(&at, force, &mut by);
         self.add_controls(END, 1.0, &by.controls);
     }
 
-    /// Moves what is owed by internal variables out of the controls.
-    fn take_history(&mut self, history: &History, by: &mut Controls) {
-        for (k, _) in history {
-            let found = by.values_mut(*k);
-            match self.history.iter_mut().find(|(known, _)| known == k) {
-                Some((_, sum)) => axpy(1.0, found, sum),
-                None => self.history.push((*k, found.to_vec())),
-            }
-            found.fill(0.0);
+    /// Takes what is owed to the state that the step begins at, and to the internal variables that it begins with.
+    fn take_before(&mut self, before: BeforeStep) {
+        if before.u.iter().any(|d| *d != 0.0) {
+            add(1.0, &before.u, &mut self.owed[BEGIN].u);
         }
+        if (0..before.controls.len()).any(|block| before.controls.values(block).iter().any(|d| *d != 0.0)) {
+            self.add_controls(BEGIN, 1.0, &before.controls);
+        }
+        self.history.add(&before.history);
     }
 
     /// From the internal variables of the step behind a state to that state and to those of the step that led to it.
     fn pass_history(&mut self, state: &State) -> Result<(), StateError> {
         let by_next = take(&mut self.history);
-        if by_next.iter().all(|(_, by)| by.iter().all(|&d| d == 0.0)) {
-            return Ok(());
+        if !by_next.is_zero() {
+            let before = self.model.history_vjp(state, &by_next).map_err(|at| inverted(at, state))?;
+            self.take_before(before);
         }
-        let by_u = &mut self.owed[BEGIN].u;
-        by_u.resize(self.model.unknowns().len(), 0.0);
-        let before = self.model.body.history_vjp(&state.u, &state.controls, &by_next, by_u);
-        self.history = before.map_err(|at| inverted(at, state))?;
         Ok(())
     }
 
@@ -326,8 +320,8 @@ impl<'a> ReverseSweep<'a> {
         let tangent = model.tangent_at(&at, state)?;
         let mut by_u = vec![0.0; mu.len()];
         tangent.multiply_transposed(&mu, &mut by_u, parallel);
-        let mut by = model.vjp(&at, &mu).map_err(|at| inverted(at, state))?;
-        self.take_history(history, &mut by.controls);
+        let by = model.vjp(&at, &mu).map_err(|at| inverted(at, state))?;
+        self.take_before(by.before);
         add(1.0, &by_u, &mut self.owed[BEGIN].u);
         add(1.0, &by.velocity, &mut self.owed[BEGIN].velocity);
         self.add_controls(BEGIN, 1.0, &by.controls);
@@ -373,8 +367,4 @@ impl<'a> ReverseSweep<'a> {
             (0..by.len()).for_each(|block| axpy(factor, by.values(block), into.values_mut(block)));
         }
     }
-}
-
-fn inverted(at: Inadmissible, state: &State) -> StateError {
-    StateError::Inadmissible { at, load: state.load, cuts: 0, last: Box::new(state.clone()) }
 }

@@ -1,7 +1,6 @@
 //! [`Model::advance`]: one stepper for all schemes.
 
 use crate::contributions::Demand;
-use crate::contributions::body_energy::history::History;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::{FemError, Inadmissible, StateError};
@@ -104,7 +103,8 @@ impl Model {
     ) -> Result<Found, StateError> {
         let (begin, h) = (trajectory.end(), to.dt);
         let before = trajectory.states().len().checked_sub(2).map(|n| &trajectory.states()[n]);
-        let history = self.next_history(begin, how.parallel)?;
+        let history = self.next_history(begin, how.parallel);
+        let history = history.map_err(|at| inverted(at, begin))?;
         let started = match scheme.needs_acceleration() && begin.acceleration.is_none() {
             true => Some(Arc::new(self.initial_acceleration(begin, &history, how.parallel)?)),
             false => None,
@@ -114,9 +114,9 @@ impl Model {
         let mut modes = None;
         let mut here = begin.clone();
         for stage in &scheme.stages {
-            let time_step = points.next(&to.controls);
-            let mut controls = begin.controls.blend(&to.controls, stage.time);
-            self.body.put_history(&history, stage.time * h, &mut controls);
+            let of_stage = Arc::new(self.history_of_step(&history, stage.time * h));
+            let time_step = TimeStep { history: of_stage, ..points.next(&to.controls) };
+            let controls = begin.controls.blend(&to.controls, stage.time);
             let options = SolveOptions { near: Some(&here), guess: None, ..how.clone() };
             modes = match scheme.exact_modes() {
                 0 => None,
@@ -134,11 +134,6 @@ impl Model {
             let mut found = found.map_err(|error| in_step(error, begin.time, h))?;
             found.report.add_work(&work);
             work = found.report;
-            let at = self.instant(&found, Some(&time_step), how.parallel);
-            let last = || Box::new(begin.clone());
-            let internal =
-                self.commit(&at).map_err(|at| StateError::Inadmissible { at, load: 1.0, cuts: 0, last: last() })?;
-            found.internal = Arc::new(internal);
             points.found(found.u.clone(), &time_step);
             stages.push(found.u.clone());
             here = found;
@@ -150,21 +145,13 @@ impl Model {
         if let (Some(modes), Some(velocity)) = (&modes, &mut state.velocity) {
             modes.replace_rate(Arc::<Vec<f64>>::make_mut(velocity));
         }
-        let mut controls = to.controls.clone();
-        self.body.put_history(&history, h, &mut controls);
-        (state.controls, state.time) = (Arc::new(controls), begin.time + h);
+        state.history = Arc::new(self.history_of_step(&history, h));
+        (state.controls, state.time) = (Arc::new(to.controls.clone()), begin.time + h);
         if scheme.extrapolates() {
             self.check_extrapolated(&mut state, begin, h, how.parallel)?;
         }
         drop(points);
         Ok(Found { step: Step { dt: h, scheme, stages, started }, state, error })
-    }
-
-    /// Internal variables for the step behind a state.
-    pub(super) fn next_history(&self, begin: &State, parallel: bool) -> Result<History, StateError> {
-        let last =
-            |at: Inadmissible| StateError::Inadmissible { at, load: 1.0, cuts: 0, last: Box::new(begin.clone()) };
-        self.body.next_history(&begin.u, &begin.controls, parallel).map_err(last)
     }
 
     /// Whether the incremental potential of a stage is lower at a displacement than at a state; false without a potential.
@@ -180,7 +167,7 @@ impl Model {
 
     /// An end that is no equilibrium was not seen by any solve.
     fn check_extrapolated(&self, state: &mut State, begin: &State, dt: f64, parallel: bool) -> Result<(), StateError> {
-        let at = Instant { parallel, ..Instant::new(&state.u, &state.controls, 1.0) };
+        let at = Instant { parallel, load: 1.0, ..Instant::of(state) };
         match self.evaluate(&at, Demand { energy: true, force: false }) {
             Ok(sums) => {
                 state.report.min_j = state.report.min_j.min(sums.min_j);
@@ -189,6 +176,10 @@ impl Model {
             Err(at) => Err(StateError::EndOfStep { at, time: begin.time, dt, last: Box::new(begin.clone()) }),
         }
     }
+}
+
+pub(super) fn inverted(at: Inadmissible, state: &State) -> StateError {
+    StateError::Inadmissible { at, load: state.load, cuts: 0, last: Box::new(state.clone()) }
 }
 
 /// What shorter steps may mend.

@@ -121,6 +121,6 @@ fn is_uniform(block: &ControlBlock) -> bool {
 
 /// What contributions report.
 fn quantities(member: CaseMember<'_>, state: &State) -> Vec<(String, &'static str, f64)> {
-    let at = Instant::new(&state.u, &state.controls, state.load);
+    let at = Instant::of(state);
     member.solid().model().quantities(&at).unwrap_or_default()
 }

@@ -20,7 +20,7 @@ pub(super) fn same_program(ensemble: &Ensemble, point: &EnsemblePoint) -> Result
     }
     for (member, at) in ensemble.members().iter().zip(&point.members) {
         let state = &at.state;
-        let place = Instant::new(&state.u, &state.controls, state.load);
+        let place = Instant::of(state);
         let now = member.problem().solid().model().evaluate(&place, Demand { energy: true, force: false });
         let now = now.map_err(|error| error.to_string())?;
         let same = (now.energy - state.report.energy).abs() <= SAME * now.energy_scale;

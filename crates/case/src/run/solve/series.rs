@@ -109,7 +109,7 @@ impl<'p> Series<'p> {
     }
 
     fn quantities(&self, state: &State) -> Vec<(String, &'static str, f64)> {
-        let at = Instant::new(&state.u, &state.controls, state.load);
+        let at = Instant::of(state);
         self.member.solid().model().quantities(&at).unwrap_or_default()
     }
 

@@ -4,13 +4,13 @@
 
 use crate::contributions::Sums;
 use crate::contributions::body_energy::BodyEnergy;
-use crate::contributions::controls::Controls;
+use crate::contributions::body_energy::driving::Driving;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::patch::Patch;
-use nastic_energy::{EnergyTerm, PointBatch, Response, Slots, Want};
+use nastic_energy::{EnergyTerm, Response, Slots, Want};
 use nastic_linear::SparseMatrix;
 use nastic_tensor::Kinematics;
 use std::ops::Range;
@@ -38,14 +38,14 @@ struct PatchResult {
 /// Adds to `total` and, where it is wanted, to `tangent`.
 pub(super) fn add(
     body: &BodyEnergy,
-    (u, controls): (&[f64], &Controls),
+    (u, driving): (&[f64], Driving),
     demand: Terms,
     total: &mut Sums,
     mut tangent: Option<&mut SparseMatrix>,
     parallel: bool,
 ) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
-        let job = Job { body, cells, u, controls, demand };
+        let job = Job { body, cells, u, driving, demand };
         sweep(&job, patches, parallel, |patch, result| job.add(patch, result, total, tangent.as_deref_mut()))?;
     }
     Ok(())
@@ -55,7 +55,7 @@ struct Job<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
-    controls: &'a Controls,
+    driving: Driving<'a>,
     demand: Terms,
 }
 
@@ -92,7 +92,7 @@ impl CellWork for Job<'_> {
             }
             out.stress = wanted(&mut scratch.driving, &range);
             for &k in &composition.actuations {
-                self.body.actuations[k].law.respond(&at, slots(self.controls, k, &at), want, &mut out);
+                self.body.actuations[k].law.respond(&at, self.driving.slots(k, &at), want, &mut out);
             }
         }
         let weights = &scratch.weights;
@@ -145,10 +145,4 @@ impl Job<'_> {
 /// The values at the points of one cell; none where they are not wanted.
 fn wanted<'a, T>(values: &'a mut [T], range: &Range<usize>) -> &'a mut [T] {
     values.get_mut(range.clone()).unwrap_or_default()
-}
-
-/// The values of the k-th actuation at the points of one cell.
-pub(crate) fn slots<'a>(controls: &'a Controls, k: usize, at: &PointBatch) -> Slots<'a> {
-    let width = controls.slots(k);
-    Slots { values: &controls.values(k)[at.first * width..(at.first + at.len()) * width], width }
 }

@@ -1,7 +1,7 @@
 //! The change of the internal forces along a change of the controls.
 
 use crate::contributions::body_energy::BodyEnergy;
-use crate::contributions::body_energy::assembly::slots;
+use crate::contributions::body_energy::driving::{Driving, slots};
 use crate::contributions::body_energy::tangent_product::weigh;
 use crate::contributions::controls::Controls;
 use crate::error::Inadmissible;
@@ -15,13 +15,13 @@ use nastic_tensor::Mat3;
 /// `out += dr/dm v`: at every point the change of stress `sum_k v_k dP/dm_k`, spread like a stress.
 pub(super) fn add(
     body: &BodyEnergy,
-    at: (&[f64], &Controls),
+    at: (&[f64], Driving),
     v: &Controls,
     out: &mut [f64],
     parallel: bool,
 ) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
-        let work = Product { body, cells, u: at.0, controls: at.1, v };
+        let work = Product { body, cells, u: at.0, driving: at.1, v };
         sweep(&work, patches, parallel, |patch, rows| cells.scatter(patch, rows, out))?;
     }
     Ok(())
@@ -31,7 +31,7 @@ struct Product<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
-    controls: &'a Controls,
+    driving: Driving<'a>,
     v: &'a Controls,
 }
 
@@ -56,7 +56,10 @@ impl CellWork for Product<'_> {
         scratch.clear_stress();
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
             for &k in &self.body.composition_of(at.cell).actuations {
-                let (m, v) = (slots(self.controls, k, &at), slots(self.v, k, &at));
+                let (m, v) = (self.driving.slots(k, &at), slots(self.v, k, &at));
+                if v.width == 0 {
+                    continue; // a viscous law
+                }
                 scratch.by_control.resize(at.len() * m.width, Mat3::zeros());
                 self.body.actuations[k].law.stress_by_control(&at, m, &mut scratch.by_control);
                 add_weighted(&scratch.by_control, v, &mut scratch.stress[range.clone()]);

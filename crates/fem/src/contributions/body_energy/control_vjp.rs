@@ -1,8 +1,9 @@
 //! The control derivative of a body's virtual work.
 
 use crate::contributions::body_energy::BodyEnergy;
-use crate::contributions::body_energy::assembly::slots;
+use crate::contributions::body_energy::driving::Driving;
 use crate::contributions::controls::Controls;
+use crate::contributions::history::History;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
@@ -13,26 +14,38 @@ use nastic_tensor::Mat3;
 /// `int (dP/dm_k) : grad lambda dX`, split by point and slot, for every actuation.
 pub(super) fn add(
     body: &BodyEnergy,
-    at: (&[f64], &Controls),
+    at: (&[f64], Driving),
     lambda: &[f64],
-    out: &mut Controls,
+    (controls, history): (&mut Controls, &mut History),
     parallel: bool,
 ) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
-        let work = ControlVjp { body, cells, u: at.0, controls: at.1, lambda };
-        sweep(&work, patches, parallel, |patch, values: &Vec<f64>| add_by_slot(body, cells, patch, values, out))?;
+        let work = ControlVjp { body, cells, u: at.0, driving: at.1, lambda };
+        sweep(&work, patches, parallel, |patch, values: &Vec<f64>| {
+            add_by_slot(body, cells, patch, values, (&mut *controls, &mut *history));
+        })?;
     }
     Ok(())
 }
 
 /// Adds values of the actuations of a patch, cell by cell and one actuation after the other, shape `[points][slots]`.
-pub(super) fn add_by_slot(body: &BodyEnergy, cells: Cells, patch: Patch, mut values: &[f64], out: &mut Controls) {
+pub(super) fn add_by_slot(
+    body: &BodyEnergy,
+    cells: Cells,
+    patch: Patch,
+    mut values: &[f64],
+    (controls, history): (&mut Controls, &mut History),
+) {
     let (part, points) = (cells.part, cells.part.table.points);
     for &c in patch.cells {
         for &k in &body.composition_of(part.cells[c as usize] as usize).actuations {
-            let (width, first) = (out.slots(k), part.first_point(c as usize));
+            let first = part.first_point(c as usize);
+            let (width, sums) = match history.width(k) {
+                0 => (controls.slots(k), controls.values_mut(k)),
+                width => (width, history.values_mut(k)),
+            };
             let (own, rest) = values.split_at(width * points);
-            let sums = &mut out.values_mut(k)[width * first..][..own.len()];
+            let sums = &mut sums[width * first..][..own.len()];
             sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
             values = rest;
         }
@@ -43,7 +56,7 @@ struct ControlVjp<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
-    controls: &'a Controls,
+    driving: Driving<'a>,
     lambda: &'a [f64],
 }
 
@@ -57,7 +70,7 @@ impl CellWork for ControlVjp<'_> {
     }
 
     fn room(&self) -> (Vec<f64>, usize) {
-        let slots: usize = (0..self.controls.len()).map(|k| self.controls.slots(k)).sum();
+        let slots: usize = (0..self.body.actuations.len()).map(|k| self.driving.width(k)).sum();
         (Vec::new(), slots * self.cells.part.table.points)
     }
 
@@ -70,7 +83,10 @@ impl CellWork for ControlVjp<'_> {
         self.body.arithmetic_of(self.cells.first(patch)).change(self.cells, patch, self.lambda, scratch);
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
             for &k in &self.body.composition_of(at.cell).actuations {
-                let m = slots(self.controls, k, &at);
+                let m = self.driving.slots(k, &at);
+                if m.width == 0 {
+                    continue; // relaxed
+                }
                 let law = &self.body.actuations[k].law;
                 if let Some(evolution) = law.evolution() {
                     for (q, kinematics) in at.kinematics.iter().enumerate() {

@@ -1,16 +1,14 @@
-//! Internal variables of the viscous laws of a body, which are slots of its [`Controls`]: a state has those of the step that led to
-//! it, from which and from its displacement those of the next step follow.
+//! Internal variables of the viscous laws of a body: from those of the step that led to a state and from its displacement those of the
+//! next step follow.
 
-use crate::contributions::body_energy::BodyEnergy;
-use crate::contributions::controls::Controls;
+use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
+use crate::contributions::history::{BeforeStep, History};
+use crate::contributions::instant::Instant;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use nastic_energy::{Evolution, Place};
 use nastic_tensor::Mat3;
 use rayon::prelude::*;
-
-/// Blocks of controls with internal variables: index and values.
-pub(crate) type History = Vec<(usize, Vec<f64>)>;
 
 impl BodyEnergy {
     fn evolutions(&self) -> impl Iterator<Item = (usize, &dyn Evolution)> {
@@ -27,82 +25,72 @@ impl BodyEnergy {
         self.evolutions().all(|(_, evolution)| evolution.is_known_at_instants())
     }
 
-    /// The points of the cells that the k-th actuation acts on, with the place of each.
-    fn points_of(&self, k: usize) -> Vec<Place> {
-        let ranges = self.disc.points_of_cells();
-        let cells = self.actuations[k].cells.iter().map(|&cell| cell as usize);
-        cells
-            .flat_map(|cell| (ranges[cell].0..ranges[cell].0 + ranges[cell].1).map(move |point| Place { cell, point }))
-            .collect()
+    /// Of every actuation the internal variables per point, and how many there are.
+    pub(crate) fn memory(&self) -> impl Iterator<Item = (usize, usize)> {
+        let points = self.disc.points().len();
+        let width = |attached: &AttachedActuation| attached.law.slots().len() - attached.controlled_slots().len();
+        self.actuations.iter().map(width).map(move |width| (width, width * points))
     }
 
-    /// The internal variables of the step behind a state of this displacement and these controls, without its length.
-    pub(crate) fn next_history(&self, u: &[f64], controls: &Controls, parallel: bool) -> Result<History, Inadmissible> {
+    /// The internal variables of the step behind an instant, without its length.
+    pub(crate) fn advance(&self, at: &Instant, next: &mut History) -> Result<(), Inadmissible> {
         if !self.has_history() {
-            return Ok(Vec::new());
+            return Ok(());
         }
-        let kinematics = self.kinematics_of_laws(u)?;
-        let next = |(k, evolution): (usize, &dyn Evolution)| {
-            let (now, width) = (controls.values(k), controls.slots(k));
+        let kinematics = self.kinematics_of_laws(at.u)?;
+        for (k, evolution) in self.evolutions() {
+            let (now, width) = (at.history().values(k), at.history().width(k));
             let advance = |place: &Place| {
                 let slots = &now[width * place.point..][..width];
                 let mut own = slots.to_vec();
                 evolution.advance(*place, &kinematics[place.point], slots, &mut own);
                 own
             };
-            let places = self.points_of(k);
-            let found: Vec<Vec<f64>> = match parallel {
+            let places: Vec<Place> = self.places(k).collect();
+            let found: Vec<Vec<f64>> = match at.parallel {
                 true => places.par_iter().with_min_len(64).map(advance).collect(),
                 false => places.iter().map(advance).collect(),
             };
-            let mut next = vec![0.0; now.len()];
             for (place, own) in places.iter().zip(found) {
-                next[width * place.point..][..width].copy_from_slice(&own);
+                next.values_mut(k)[width * place.point..][..width].copy_from_slice(&own);
             }
-            (k, next)
-        };
-        Ok(self.evolutions().map(next).collect())
+        }
+        Ok(())
     }
 
-    /// Puts internal variables into the controls of a step of this length.
-    pub(crate) fn put_history(&self, history: &History, dt: f64, controls: &mut Controls) {
-        for (k, values) in history {
-            let Some(evolution) = self.actuations[*k].law.evolution() else { continue };
-            let width = controls.slots(*k);
-            let into = controls.values_mut(*k);
-            into.copy_from_slice(values);
-            for place in self.points_of(*k) {
-                evolution.set_step(place, dt, &mut into[width * place.point..][..width]);
-            }
+    /// Sets what depends on the length of the step.
+    pub(crate) fn set_step(&self, dt: f64, history: &mut History) {
+        for (k, evolution) in self.evolutions() {
+            let width = history.width(k);
+            let own = history.values_mut(k);
+            self.places(k).for_each(|at| evolution.set_step(at, dt, &mut own[width * at.point..][..width]));
         }
     }
 
-    /// The transpose of [`next_history`](Self::next_history): adds what derivatives by its internal variables owe to the displacement
-    /// of the state, and returns what they owe to those of the step before.
-    pub(crate) fn history_vjp(
+    /// The transpose of [`advance`](Self::advance): adds what derivatives by its internal variables owe to the displacement and to those of
+    /// the step before.
+    pub(crate) fn advance_vjp(
         &self,
-        u: &[f64],
-        controls: &Controls,
+        at: &Instant,
         by_next: &History,
-        by_u: &mut [f64],
-    ) -> Result<History, Inadmissible> {
-        let kinematics = self.kinematics_of_laws(u)?;
+        into: &mut BeforeStep,
+    ) -> Result<(), Inadmissible> {
+        if !self.has_history() {
+            return Ok(());
+        }
+        let kinematics = self.kinematics_of_laws(at.u)?;
         let mut by_f = vec![Mat3::zeros(); kinematics.len()];
-        let mut out = Vec::new();
-        for (k, by_next) in by_next {
-            let Some(evolution) = self.actuations[*k].law.evolution() else { continue };
-            let (now, width) = (controls.values(*k), controls.slots(*k));
-            let mut before = vec![0.0; now.len()];
-            for place in self.points_of(*k) {
+        for (k, evolution) in self.evolutions() {
+            let (now, width, by_next) = (at.history().values(k), at.history().width(k), by_next.values(k));
+            let before = into.history.values_mut(k);
+            for place in self.places(k) {
                 let own = width * place.point..width * (place.point + 1);
                 let (slots, by_next) = (&now[own.clone()], &by_next[own.clone()]);
                 let by_f = &mut by_f[place.point];
                 evolution.advance_vjp(place, &kinematics[place.point], slots, by_next, by_f, &mut before[own]);
             }
-            out.push((*k, before));
         }
-        self.add_forces(u, &by_f, by_u)?;
-        Ok(out)
+        self.add_forces(at.u, &by_f, &mut into.u)
     }
 
     /// Adds `sum_q by_F : dF/du` at the points: nodal forces of stresses that carry their weights.

@@ -1,15 +1,18 @@
 //! [`BodyEnergy`]: the energy of a body, `int W(F) dX` summed over laws and actuations.
 
 use crate::contributions::controls::Controls;
-use crate::contributions::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use crate::contributions::{
+    Contribution, Demand, History, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
+};
 use crate::discretization::Discretization;
 use crate::error::{FemError, Inadmissible, InvertedAt, SecondDerivativeError};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
 use crate::kernels::patch::{Patch, Patches};
 use assembly::Terms;
+use driving::Driving;
 use formulation::Formulation;
-use nastic_energy::{Actuation, EnergyTerm, Outside, PointBatch};
+use nastic_energy::{Actuation, EnergyTerm, Outside, PointBatch, Slot};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::GroupNames;
 use nastic_tensor::Kinematics;
@@ -18,6 +21,7 @@ use std::sync::Arc;
 pub(crate) mod assembly;
 mod control_product;
 mod control_vjp;
+pub(crate) mod driving;
 pub(crate) mod formulation;
 pub(crate) mod history;
 pub(crate) mod max_step;
@@ -53,6 +57,13 @@ pub struct AttachedActuation {
     pub regions: GroupNames,
     /// Their cells.
     pub cells: Vec<u32>,
+}
+
+impl AttachedActuation {
+    /// Its slots that are controls: none of a viscous law, whose slots are internal variables.
+    pub fn controlled_slots(&self) -> &[Slot] {
+        if self.law.evolution().is_some() { &[] } else { self.law.slots() }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -107,7 +118,7 @@ impl BodyEnergy {
     /// Controls of this body at rest: loads zero, designs as their actuations say.
     pub fn controls(&self) -> Controls {
         let points = self.disc.points().len();
-        let mut controls = Controls::zeros(self.actuations.iter().map(|a| (a.law.slots().len(), points)));
+        let mut controls = Controls::zeros(self.actuations.iter().map(|a| (a.controlled_slots().len(), points)));
         for (k, attached) in self.actuations.iter().enumerate() {
             let slots = attached.law.slots();
             for (slot, _) in slots.iter().enumerate().filter(|(_, slot)| slot.is_design()) {
@@ -194,14 +205,14 @@ impl BodyEnergy {
         self.materials_of(at.cell).try_for_each(|law| law.check_domain(at).map_err(|outside| beyond(at, outside)))
     }
 
-    /// Energy alone, or energy and internal force.
+    /// Energy alone, or energy and internal force, with relaxed viscous laws ([`Model::evaluate`](crate::Model::evaluate) knows those of a state).
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn evaluate(&self, u: &[f64], controls: &Controls, force: bool, parallel: bool) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(if force { self.disc.dofs() } else { 0 });
         let terms = Terms { energy: true, force, tangent: false };
-        assembly::add(self, (u, controls), terms, &mut sums, None, parallel)?;
+        assembly::add(self, (u, Driving::relaxed(controls)), terms, &mut sums, None, parallel)?;
         Ok(sums)
     }
 
@@ -218,7 +229,7 @@ impl BodyEnergy {
     ) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(self.disc.dofs());
         let terms = Terms { energy: true, force: true, tangent: true };
-        assembly::add(self, (u, controls), terms, &mut sums, Some(tangent), parallel)?;
+        assembly::add(self, (u, Driving::relaxed(controls)), terms, &mut sums, Some(tangent), parallel)?;
         Ok(sums)
     }
 
@@ -234,7 +245,7 @@ impl BodyEnergy {
         parallel: bool,
     ) -> Result<(), Inadmissible> {
         let terms = Terms { energy: false, force: false, tangent: true };
-        assembly::add(self, (u, controls), terms, &mut Sums::zero(0), Some(tangent), parallel)
+        assembly::add(self, (u, Driving::relaxed(controls)), terms, &mut Sums::zero(0), Some(tangent), parallel)
     }
 
     /// The longest step `s <= 1` from u along du on which no point loses more than nine tenths of its volume.
@@ -260,7 +271,7 @@ impl BodyEnergy {
         parallel: bool,
     ) -> Result<(), Inadmissible> {
         out.fill(0.0);
-        tangent_product::add(self, (u, controls), v, out, parallel)
+        tangent_product::add(self, (u, Driving::relaxed(controls)), v, out, parallel)
     }
 
     /// Derivative of the body's virtual work with respect to the controls at the points: for every actuation,
@@ -276,7 +287,8 @@ impl BodyEnergy {
         parallel: bool,
     ) -> Result<Controls, Inadmissible> {
         let mut out = self.controls().zeroed();
-        control_vjp::add(self, (u, controls), lambda, &mut out, parallel)?;
+        let (at, mut none) = ((u, Driving::relaxed(controls)), History::default());
+        control_vjp::add(self, at, lambda, (&mut out, &mut none), parallel)?;
         Ok(out)
     }
 }
@@ -295,15 +307,16 @@ impl Contribution for BodyEnergy {
 
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let terms = Terms { energy: demand.energy, force: demand.force, tangent: false };
-        assembly::add(self, (at.u, at.controls), terms, sums, None, at.parallel)
+        assembly::add(self, (at.u, Driving::of(at)), terms, sums, None, at.parallel)
     }
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        BodyEnergy::add_tangent(self, at.u, at.controls, tangent, at.parallel)
+        let terms = Terms { energy: false, force: false, tangent: true };
+        assembly::add(self, (at.u, Driving::of(at)), terms, &mut Sums::zero(0), Some(tangent), at.parallel)
     }
 
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
-        tangent_product::add(self, (at.u, at.controls), v, out, at.parallel).map(|()| true)
+        tangent_product::add(self, (at.u, Driving::of(at)), v, out, at.parallel).map(|()| true)
     }
 
     fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
@@ -311,11 +324,17 @@ impl Contribution for BodyEnergy {
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
-        control_vjp::add(self, (at.u, at.controls), lambda, &mut into.controls, at.parallel)
+        control_vjp::add(
+            self,
+            (at.u, Driving::of(at)),
+            lambda,
+            (&mut into.controls, &mut into.before.history),
+            at.parallel,
+        )
     }
 
     fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
-        Ok(control_product::add(self, (at.u, at.controls), v, out, at.parallel)?)
+        Ok(control_product::add(self, (at.u, Driving::of(at)), v, out, at.parallel)?)
     }
 
     fn second_vjp(
@@ -325,6 +344,6 @@ impl Contribution for BodyEnergy {
         along: &Increment,
         into: &mut SecondSensitivities,
     ) -> Result<(), SecondDerivativeError> {
-        second_order::add(self, (at.u, at.controls), (lambda, along), into, at.parallel)
+        second_order::add(self, (at.u, Driving::of(at)), (lambda, along), into, at.parallel)
     }
 }

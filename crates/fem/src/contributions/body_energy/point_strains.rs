@@ -31,8 +31,7 @@
 
 use crate::contributions::Sums;
 use crate::contributions::body_energy::BodyEnergy;
-use crate::contributions::body_energy::assembly::slots;
-use crate::contributions::controls::Controls;
+use crate::contributions::body_energy::driving::Driving;
 use crate::error::{Inadmissible, InvertedAt};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
@@ -112,14 +111,14 @@ impl BodyEnergy {
     /// Adds residual and tangent of the linearised equations.
     pub(crate) fn add_with_point_strains(
         &self,
-        (u, controls): (&[f64], &Controls),
+        (u, driving): (&[f64], Driving),
         strains: &PointStrains,
         total: &mut Sums,
         tangent: &mut SparseMatrix,
         parallel: bool,
     ) -> Result<(), Inadmissible> {
         for (cells, patches) in self.groups() {
-            let work = Linearised { body: self, cells, u, controls, strains };
+            let work = Linearised { body: self, cells, u, driving, strains };
             sweep(&work, patches, parallel, |patch, (rows, matrix)| {
                 cells.scatter(patch, rows, &mut total.force);
                 cells.scatter_matrix(patch, matrix, &mut tangent.values);
@@ -192,7 +191,7 @@ struct Linearised<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
-    controls: &'a Controls,
+    driving: Driving<'a>,
     strains: &'a PointStrains,
 }
 
@@ -222,7 +221,7 @@ impl CellWork for Linearised<'_> {
             let (stress, tangent) = (&mut scratch.stress[range.clone()], &mut scratch.tangent[range.clone()]);
             let mut out = Response { energy: &mut [], stress, tangent };
             for &k in &self.body.composition_of(at.cell).actuations {
-                let m = slots(self.controls, k, &at);
+                let m = self.driving.slots(k, &at);
                 self.body.actuations[k].law.respond(&at, m, Want::TANGENT, &mut out);
             }
             let own = at.first..at.first + at.len();
@@ -309,6 +308,7 @@ impl CellWork for Extrapolate<'_> {
 mod tests {
     use super::PointStrains;
     use crate::contributions::Sums;
+    use crate::contributions::body_energy::driving::Driving;
     use crate::contributions::body_energy::formulation::Formulation;
     use crate::{Discretization, Model};
     use nastic_energy::{EnergyTerm, MooneyRivlin, NeoHooke, NeoHookeIsochoric};
@@ -341,7 +341,13 @@ mod tests {
             let sums = model.body.evaluate_tangent(&u, &controls, &mut expected, false)?;
             let strains = PointStrains::of(&model.body, &u, false)?;
             let mut own = Sums::zero(u.len());
-            model.body.add_with_point_strains((&u, &controls), &strains, &mut own, &mut tangent, false)?;
+            model.body.add_with_point_strains(
+                (&u, Driving::relaxed(&controls)),
+                &strains,
+                &mut own,
+                &mut tangent,
+                false,
+            )?;
             let apart = |a: &[f64], b: &[f64]| {
                 let largest = b.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
                 a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / largest

@@ -1,12 +1,12 @@
 //! Second derivatives of a body's virtual work `lambda . r = int P(F, m) : grad lambda dX`.
 
 use crate::contributions::body_energy::BodyEnergy;
-use crate::contributions::body_energy::assembly::slots;
 use crate::contributions::body_energy::control_product::add_weighted;
 use crate::contributions::body_energy::control_vjp::add_by_slot;
+use crate::contributions::body_energy::driving::{Driving, slots};
 use crate::contributions::body_energy::formulation::StressJet;
 use crate::contributions::body_energy::tangent_product::weigh;
-use crate::contributions::controls::Controls;
+use crate::contributions::history::History;
 use crate::contributions::{Increment, SecondSensitivities};
 use crate::error::SecondDerivativeError;
 use crate::kernels::cell_scratch::Scratch;
@@ -26,17 +26,17 @@ use std::ops::Range;
 /// one above, `dP/dF : F''(lambda, du)`; by slot there is `dP/dm_k : F''(lambda, du)` more.
 pub(super) fn add(
     body: &BodyEnergy,
-    at: (&[f64], &Controls),
+    at: (&[f64], Driving),
     (lambda, along): (&[f64], &Increment),
     out: &mut SecondSensitivities,
     parallel: bool,
 ) -> Result<(), SecondDerivativeError> {
     let SecondSensitivities { u, controls } = out;
     for (cells, patches) in body.groups() {
-        let work = SecondOrder { body, cells, u: at.0, controls: at.1, lambda, along };
+        let work = SecondOrder { body, cells, u: at.0, driving: at.1, lambda, along };
         sweep(&work, patches, parallel, |patch, answer: &PatchAnswer| {
             cells.scatter(patch, &answer.rows, u);
-            add_by_slot(body, cells, patch, &answer.by_slot, controls);
+            add_by_slot(body, cells, patch, &answer.by_slot, (&mut *controls, &mut History::default()));
         })?;
     }
     Ok(())
@@ -46,7 +46,7 @@ struct SecondOrder<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
-    controls: &'a Controls,
+    driving: Driving<'a>,
     lambda: &'a [f64],
     along: &'a Increment<'a>,
 }
@@ -70,7 +70,7 @@ impl CellWork for SecondOrder<'_> {
 
     fn room(&self) -> (PatchAnswer, usize) {
         let points = self.cells.part.table.points;
-        let slots: usize = (0..self.controls.len()).map(|k| self.controls.slots(k)).sum();
+        let slots: usize = (0..self.body.actuations.len()).map(|k| self.driving.width(k)).sum();
         (PatchAnswer::default(), self.cells.row_length() + (slots + 9) * points)
     }
 
@@ -104,8 +104,15 @@ impl CellWork for SecondOrder<'_> {
             }
             for &k in &composition.actuations {
                 let law = &self.body.actuations[k].law;
-                let (m, v) = (slots(self.controls, k, &at), slots(self.along.controls, k, &at));
+                let (m, v) = (self.driving.slots(k, &at), slots(self.along.controls, k, &at));
                 law.second_stress_change(&at, m, changes, stress)?;
+                if v.width == 0 {
+                    // a viscous law, which has second derivatives where it is relaxed
+                    if let Some(bend) = &mut bend {
+                        bend.add(law, (&at, &range), m, changes, stress);
+                    }
+                    continue;
+                }
                 let by_control = &mut scratch.by_control;
                 by_control.resize(at.len() * m.width, Mat3::zeros());
                 law.control_stress_change(&at, m, changes[0], Slots::none(), by_control)?;
@@ -151,7 +158,7 @@ impl SecondOrder<'_> {
         let zeros = vec![Mat3::zeros(); scratch.kinematics.len()];
         Bend {
             second: self.body.arithmetic_of(self.cells.first(patch)).second_change(scratch, along),
-            stress: self.body.stresses(self.cells, patch, scratch, self.controls),
+            stress: self.body.stresses(self.cells, patch, scratch, self.driving),
             of_lambda: zeros.clone(),
             of_along: zeros,
         }

@@ -1,9 +1,8 @@
 //! A product with the tangent for which no matrix is assembled.
 
 use crate::contributions::body_energy::BodyEnergy;
-use crate::contributions::body_energy::assembly::slots;
+use crate::contributions::body_energy::driving::Driving;
 use crate::contributions::body_energy::formulation::StressJet;
-use crate::contributions::controls::Controls;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
@@ -15,13 +14,13 @@ use nastic_tensor::Mat3;
 /// `out += K(u, m) v`: at every point the change of stress `dP/dF : F'(u) v`, spread like a stress, and what the stress has by `F''(u)`.
 pub(super) fn add(
     body: &BodyEnergy,
-    at: (&[f64], &Controls),
+    at: (&[f64], Driving),
     v: &[f64],
     out: &mut [f64],
     parallel: bool,
 ) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
-        let work = Product { body, cells, u: at.0, controls: at.1, v };
+        let work = Product { body, cells, u: at.0, driving: at.1, v };
         sweep(&work, patches, parallel, |patch, rows| cells.scatter(patch, rows, out))?;
     }
     Ok(())
@@ -31,7 +30,7 @@ struct Product<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
-    controls: &'a Controls,
+    driving: Driving<'a>,
     v: &'a [f64],
 }
 
@@ -59,7 +58,7 @@ impl CellWork for Product<'_> {
                 self.body.terms[t].stress_change(&at, Slots::none(), change, stress);
             }
             for &k in &composition.actuations {
-                self.body.actuations[k].law.stress_change(&at, slots(self.controls, k, &at), change, stress);
+                self.body.actuations[k].law.stress_change(&at, self.driving.slots(k, &at), change, stress);
             }
         }
         weigh(&mut scratch.stress, &scratch.weights);
@@ -68,7 +67,7 @@ impl CellWork for Product<'_> {
             formulation.add_force(self.cells, scratch, &scratch.stress, rows);
             return Ok(());
         }
-        let mut stress = self.body.stresses(self.cells, patch, scratch, self.controls);
+        let mut stress = self.body.stresses(self.cells, patch, scratch, self.driving);
         weigh(&mut stress, &scratch.weights);
         let jet = StressJet { along: [&scratch.dilatation.along, &[]], parts: [&stress, &scratch.stress, &[], &[]] };
         formulation.add_force_derivative(self.cells, scratch, jet, 1, rows);
@@ -83,7 +82,7 @@ pub(super) fn weigh(stress: &mut [Mat3], weights: &[f64]) {
 
 impl BodyEnergy {
     /// P of all terms and actuations at the points of a patch that was moved to.
-    pub(super) fn stresses(&self, cells: Cells, patch: Patch, scratch: &Scratch, controls: &Controls) -> Vec<Mat3> {
+    pub(super) fn stresses(&self, cells: Cells, patch: Patch, scratch: &Scratch, driving: Driving) -> Vec<Mat3> {
         let mut stress = vec![Mat3::zeros(); scratch.kinematics.len()];
         for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let mut out = Response { energy: &mut [], stress: &mut stress[range], tangent: &mut [] };
@@ -92,7 +91,7 @@ impl BodyEnergy {
                 self.terms[t].respond(&at, Slots::none(), Want::STRESS, &mut out);
             }
             for &k in &composition.actuations {
-                self.actuations[k].law.respond(&at, slots(controls, k, &at), Want::STRESS, &mut out);
+                self.actuations[k].law.respond(&at, driving.slots(k, &at), Want::STRESS, &mut out);
             }
         }
         stress

@@ -115,7 +115,7 @@ impl BodyEnergy {
         law.slots().len() == 1 && self.places(actuation).next().is_some_and(|at| law.direction(at).is_some())
     }
 
-    pub(super) fn places(&self, actuation: usize) -> impl Iterator<Item = Place> {
+    pub(crate) fn places(&self, actuation: usize) -> impl Iterator<Item = Place> {
         let points = self.disc.points_of_cells();
         self.actuations[actuation].cells.iter().flat_map(move |&cell| {
             let (first, count) = points[cell as usize];
