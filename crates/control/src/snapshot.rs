@@ -143,8 +143,10 @@ impl Reduced {
         }
         match block.basis.space() {
             Space::Node => {
-                let cells = &self.solid().body().actuations()[block.targets[0].actuation].cells;
-                shot.with_points(name, n, by_node(self.solid().mesh(), cells, block, values))
+                let actuations = self.solid().body().actuations();
+                let of = block.targets.iter().filter_map(|target| actuations.get(target.actuation));
+                let cells: Vec<u32> = of.flat_map(|attached| attached.cells.iter().copied()).collect();
+                shot.with_points(name, n, by_node(self.solid().mesh(), &cells, block, values))
             }
             Space::Grid(_) | Space::Point => shot.with_cells(name, n, self.cell_means(block, values)),
             _ => shot.with_cells(name, n, self.by_cell(block, values)),

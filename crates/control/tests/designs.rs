@@ -132,7 +132,9 @@ fn a_design_field_serves_several_consumers() -> Outcome {
             .through(Direction([0.6, 0.0, 0.8])),
     ];
     for space in [Space::Uniform, Space::Cell, Space::Node, Space::Grid([2, 1, 1])] {
-        let problem = Reduced::new(weight(body.clone())?).design("rho", space, &consumers)?.cost(target())?;
+        let across = vec![0.05; body.discretization().points().len()];
+        let problem = Reduced::new(weight(body.clone())?).design("rho", space, &consumers)?.fix(2, 3, &across)?;
+        let problem = problem.cost(target())?;
         let m = repeated(&[0.9], problem.layout().len());
         let controls = problem.layout().to_points(&m)?;
         let rho = problem.layout().block("rho")?.basis.values(&m, 1);
