@@ -13,6 +13,7 @@
 
 use nastic_case::lower::CaseProblem;
 use nastic_case::syntax::Document;
+use nastic_control::ControlTarget;
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;

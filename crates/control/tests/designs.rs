@@ -53,7 +53,6 @@ fn assert_orders(problem: &Reduced, m: &[f64], what: &str) -> Outcome {
     assert!(report.passed(), "{what}: {report}");
     for direction in &report.directions {
         let second = direction.second.as_ref().ok_or("no second derivative")?;
-        println!("{what}: first order {:.3}, second {:.3}", direction.order1, second.order);
         let quadratic = second.verdict == Verdict::Quadratic;
         assert!(direction.order1 > 1.95 && (quadratic || second.order > 2.95), "{what}: {direction:?}");
     }
