@@ -25,10 +25,10 @@ pub use contributions::{
     Inertia, Instant, Motion, Remembers, SecondSensitivities, Sensitivities, Spring, Sums, Tendon, TimeStep,
     check_contribution,
 };
-pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
+pub use discretization::{Discretization, StructureCounts};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
 pub use model::{Controllable, Model, Unknowns};
 pub use nastic_linear::memory::{

@@ -1,6 +1,6 @@
 //! The graph whose vertices are mesh nodes and whose edges join nodes that share an element.
 
-use super::error::StructureError;
+use super::error::{NotCoupled, StructureError};
 
 /// Adjacency of mesh nodes: symmetric, without loops, neighbours ascending.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,7 +13,8 @@ impl Graph {
     /// The union of one clique per element: every node of an element is coupled with every other one.
     ///
     /// # Errors
-    /// [`StructureError::NodeOutOfRange`] when an element names a node `>= nodes`.
+    /// [`StructureError::NodeOutOfRange`] when an element names a node `>= nodes`, [`StructureError::TooLarge`] for more pairs than 32
+    /// bits can number.
     pub fn from_cliques<'a>(
         nodes: usize,
         cliques: impl IntoIterator<Item = &'a [u32]>,
@@ -40,6 +41,10 @@ impl Graph {
             graph.neighbours[first..].sort_unstable();
             graph.starts.push(graph.neighbours.len());
         }
+        let blocks = nodes + graph.edges();
+        if blocks > (u32::MAX / 2) as usize {
+            return Err(StructureError::TooLarge { what: "matrix blocks", count: blocks as u64 });
+        }
         Ok(graph)
     }
 
@@ -51,6 +56,21 @@ impl Graph {
     /// Number of edges, each counted once.
     pub fn edges(&self) -> usize {
         self.neighbours.len() / 2
+    }
+
+    /// Whether all of some nodes are coupled with each other.
+    ///
+    /// # Errors
+    /// [`NotCoupled`] names two that are not.
+    pub fn check_coupled(&self, nodes: &[u32]) -> Result<(), NotCoupled> {
+        let known = |node: u32| (node as usize) < self.nodes();
+        let pair = |a: u32, b: u32| a == b || self.neighbours(a as usize).binary_search(&b).is_ok();
+        for (k, &a) in nodes.iter().enumerate() {
+            if let Some(&b) = nodes[..=k].iter().find(|&&b| !(known(a) && known(b) && pair(a, b))) {
+                return Err(NotCoupled { a, b });
+            }
+        }
+        Ok(())
     }
 
     /// The nodes coupled with `node`, ascending, without `node` itself.

@@ -28,25 +28,31 @@ impl Pattern {
         dim: usize,
         elements: impl IntoIterator<Item = &'a [u32]>,
     ) -> Result<Self, StructureError> {
-        let graph = Graph::from_cliques(points.len(), elements)?;
-        let ordering = Ordering::best(&graph, points)?;
-        Self::new(&graph, dim, ordering)
+        Ok(Self::of_graph(&Graph::from_cliques(points.len(), elements)?, points, dim))
+    }
+
+    /// The pattern of a node graph with `dim` dofs per node, in the best of the known orderings; `points` are the nodes' positions
+    /// (without one per node the graph alone decides).
+    pub fn of_graph(graph: &Graph, points: &[[f64; 3]], dim: usize) -> Self {
+        let ordering = Ordering::best(graph, points).unwrap_or_else(|_| Ordering::multilevel(graph));
+        Self::laid_out(graph, dim, ordering)
     }
 
     /// The pattern of a node graph with `dim` dofs per node.
     ///
     /// # Errors
-    /// [`StructureError::Length`] when graph and ordering differ in size, [`StructureError::TooLarge`].
+    /// [`StructureError::Length`] when graph and ordering differ in size.
     pub fn new(graph: &Graph, dim: usize, ordering: Ordering) -> Result<Self, StructureError> {
         let nodes = graph.nodes();
         if ordering.nodes() != nodes {
             return Err(StructureError::Length { what: "ordering", expected: nodes, found: ordering.nodes() });
         }
-        let blocks = nodes + graph.edges();
-        if blocks > (u32::MAX / 2) as usize {
-            return Err(StructureError::TooLarge { what: "matrix blocks", count: blocks as u64 });
-        }
-        let mut rows = Vec::with_capacity(blocks);
+        Ok(Self::laid_out(graph, dim, ordering))
+    }
+
+    fn laid_out(graph: &Graph, dim: usize, ordering: Ordering) -> Self {
+        let nodes = graph.nodes();
+        let mut rows = Vec::with_capacity(nodes + graph.edges());
         let mut starts = Vec::with_capacity(nodes + 1);
         starts.push(0);
         for (j, &node) in ordering.new_to_old().iter().enumerate() {
@@ -57,7 +63,7 @@ impl Pattern {
             rows[first..].sort_unstable();
             starts.push(rows.len() as u32);
         }
-        Ok(Self { dim, ordering, starts, rows })
+        Self { dim, ordering, starts, rows }
     }
 
     /// The same nodes in the same order, with another number of dofs each.

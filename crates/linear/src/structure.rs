@@ -5,6 +5,7 @@ use super::graph::Graph;
 use super::ordering::Ordering;
 use super::pattern::Pattern;
 use super::symbolic::Symbolic;
+use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 use std::sync::{Arc, OnceLock};
 
 /// The pattern of a matrix, and its symbolic factorisation, made when first asked for: solvers that make no factor need none.
@@ -12,17 +13,28 @@ use std::sync::{Arc, OnceLock};
 pub struct Structure {
     pattern: Arc<Pattern>,
     symbolic: OnceLock<Arc<Symbolic>>,
+    /// Symbolic factorisations made of all structures that share it.
+    analyses: Arc<AtomicUsize>,
 }
 
 impl Structure {
     /// That of a pattern.
     pub fn new(pattern: Arc<Pattern>) -> Arc<Self> {
-        Arc::new(Structure { pattern, symbolic: OnceLock::new() })
+        Self::counted(pattern, Arc::default())
+    }
+
+    /// That of a pattern, whose symbolic factorisation is counted where others are.
+    pub fn counted(pattern: Arc<Pattern>, analyses: Arc<AtomicUsize>) -> Arc<Self> {
+        Arc::new(Structure { pattern, symbolic: OnceLock::new(), analyses })
     }
 
     /// That of a symbolic factorisation.
     pub fn analysed(symbolic: Arc<Symbolic>) -> Arc<Self> {
-        Arc::new(Structure { pattern: symbolic.pattern().clone(), symbolic: OnceLock::from(symbolic) })
+        Arc::new(Structure {
+            pattern: symbolic.pattern().clone(),
+            symbolic: OnceLock::from(symbolic),
+            analyses: Arc::default(),
+        })
     }
 
     /// The structure in which these sets of nodes are coupled too, in the same order of elimination: the fill alone is counted
@@ -35,7 +47,8 @@ impl Structure {
         let cliques = pairs.iter().map(<[u32; 2]>::as_slice).chain(more.iter().map(Vec::as_slice));
         let graph = Graph::from_cliques(self.pattern.nodes(), cliques)?;
         let ordering = Ordering::given(&graph, self.pattern.ordering().new_to_old())?;
-        Ok(Self::new(Arc::new(Pattern::new(&graph, self.pattern.dim(), ordering)?)))
+        let pattern = Arc::new(Pattern::new(&graph, self.pattern.dim(), ordering)?);
+        Ok(Self::counted(pattern, self.analyses.clone()))
     }
 
     /// The pattern.
@@ -45,12 +58,20 @@ impl Structure {
 
     /// The symbolic factorisation; the first call makes it.
     pub fn symbolic(&self) -> &Arc<Symbolic> {
-        self.symbolic.get_or_init(|| Arc::new(Symbolic::new(&self.pattern)))
+        self.symbolic.get_or_init(|| {
+            self.analyses.fetch_add(1, Memory::Relaxed);
+            Arc::new(Symbolic::new(&self.pattern))
+        })
     }
 
     /// Whether the symbolic factorisation has been made.
     pub fn is_analysed(&self) -> bool {
         self.symbolic.get().is_some()
+    }
+
+    /// How many symbolic factorisations have been made, of this structure and all that are counted with it.
+    pub fn analyses(&self) -> usize {
+        self.analyses.load(Memory::Relaxed)
     }
 
     /// What a factor takes, from the fronts of the elimination order alone: the numbers of [`symbolic`](Self::symbolic), which is

@@ -6,30 +6,29 @@ mod nodal_fields;
 mod nodal_volumes;
 mod patches;
 pub(crate) mod quadrature_points;
+pub(crate) mod structure;
 pub(crate) mod supports;
 
 use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
 use crate::error::FemError;
-use nastic_linear::{
-    Corners, Graph, Ordering, Pattern, Precision, Solver, SolverFactory, SparseMatrix, Structure, StructureError,
-    Symbolic,
-};
+use nastic_linear::{Corners, Graph, Pattern, Precision, Solver, SolverFactory, SparseMatrix, Structure, Symbolic};
 use nastic_mesh::Mesh;
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+pub use structure::StructureCounts;
+use structure::{Counters, TangentStructure};
 
-/// A mesh with its quadrature points, numbering, sparsity pattern and symbolic factorisation.
+/// A mesh with its quadrature points, which nodes are coupled in tangents, and what follows from that when first asked for: numbering,
+/// sparsity pattern, scatter maps; where a factor is made, its symbolic factorisation.
 ///
 /// Shared (by [`Arc`]) among all solids on the mesh: scenarios and load cases differ in physics alone. The numbering
 /// keeps supported components in, so that one symbolic analysis serves every choice of supports.
 pub struct Discretization {
     mesh: Arc<Mesh>,
     points: Arc<QuadraturePoints>,
-    structure: Arc<Structure>,
-    /// The symbolic factorisation of one unknown per node, made when first asked for.
-    scalar: OnceLock<Arc<Symbolic>>,
-    /// Per kind of cell: the scatter map of every cell, one after the other.
-    scatter: Vec<Vec<u32>>,
+    graph: Graph,
+    structure: OnceLock<TangentStructure>,
+    counters: Arc<Counters>,
     corners: OnceLock<Option<Corners>>,
     /// See [`patches`](patches::patches).
     patches: OnceLock<Arc<Vec<u32>>>,
@@ -47,48 +46,28 @@ impl Discretization {
     /// whose tangent has more blocks than 32 bits can name.
     pub fn new(mesh: Arc<Mesh>) -> Result<Arc<Self>, FemError> {
         let points = QuadraturePoints::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?;
-        Self::structured(mesh, Arc::new(points), Vec::new(), OnceLock::new())
+        Self::coupled_by(mesh, Arc::new(points), Vec::new(), (Arc::default(), OnceLock::new()))
     }
 
-    fn structured(
+    fn coupled_by(
         mesh: Arc<Mesh>,
         points: Arc<QuadraturePoints>,
         couplings: Vec<Vec<u32>>,
-        patches: OnceLock<Arc<Vec<u32>>>,
+        (counters, patches): (Arc<Counters>, OnceLock<Arc<Vec<u32>>>),
     ) -> Result<Arc<Self>, FemError> {
         let cells = points.parts.iter().flat_map(|p| (0..p.cells.len()).map(|c| p.nodes_of(c)));
         let graph = Graph::from_cliques(mesh.points().len(), cells.chain(couplings.iter().map(Vec::as_slice)))?;
-        let ordering = Ordering::best(&graph, mesh.points())?;
-        let pattern = Arc::new(Pattern::new(&graph, mesh.dim(), ordering)?);
-        let of_part = |p: &CellGroup| {
-            let mut maps = Vec::new();
-            for c in 0..p.cells.len() {
-                maps.extend(pattern.scatter_map(p.nodes_of(c)).map_err(StructureError::from)?);
-            }
-            Ok(maps)
-        };
-        let scatter = points.parts.iter().map(of_part).collect::<Result<_, FemError>>()?;
-        let (scalar, corners, coupled) = (OnceLock::new(), OnceLock::new(), Mutex::default());
-        Ok(Arc::new(Discretization {
-            mesh,
-            points,
-            structure: Structure::new(pattern),
-            scalar,
-            scatter,
-            corners,
-            patches,
-            couplings,
-            coupled,
-        }))
+        let (structure, corners, coupled) = (OnceLock::new(), OnceLock::new(), Mutex::default());
+        Ok(Arc::new(Discretization { mesh, points, graph, structure, counters, corners, patches, couplings, coupled }))
     }
 
     /// The discretisation of the same mesh in whose tangents these sets of nodes are coupled too; the same one where they
-    /// are already. Solids that ask for the same couplings share it.
+    /// are already. Solids that ask for the same couplings share it. Nothing is put in order for it yet.
     ///
     /// # Errors
     /// [`FemError::Structure`].
     pub fn with_couplings(self: &Arc<Self>, more: &[Vec<u32>]) -> Result<Arc<Self>, FemError> {
-        if more.iter().all(|nodes| self.pattern().scatter_map(nodes).is_ok()) {
+        if more.iter().all(|nodes| self.graph.check_coupled(nodes).is_ok()) {
             return Ok(self.clone());
         }
         let couplings: Vec<Vec<u32>> = self.couplings.iter().chain(more).cloned().collect();
@@ -98,9 +77,25 @@ impl Discretization {
         if let Some(found) = known.iter().filter_map(Weak::upgrade).find(|disc| disc.couplings == couplings) {
             return Ok(found);
         }
-        let new = Self::structured(self.mesh.clone(), self.points.clone(), couplings, self.patches.clone())?;
+        let shared = (self.counters.clone(), self.patches.clone());
+        let new = Self::coupled_by(self.mesh.clone(), self.points.clone(), couplings, shared)?;
         known.push(Arc::downgrade(&new));
         Ok(new)
+    }
+
+    fn tangents(&self) -> &TangentStructure {
+        let make = || TangentStructure::new(&self.graph, &self.mesh, &self.points, &self.counters);
+        self.structure.get_or_init(make)
+    }
+
+    /// How often the tangents of this mesh, with all couplings, were put in order and analysed so far.
+    pub fn structure_counts(&self) -> StructureCounts {
+        self.counters.read()
+    }
+
+    /// Which nodes are coupled.
+    pub(crate) fn graph(&self) -> &Graph {
+        &self.graph
     }
 
     /// The mesh.
@@ -146,22 +141,22 @@ impl Discretization {
 
     /// The sparsity pattern of the tangent.
     pub fn pattern(&self) -> &Arc<Pattern> {
-        self.structure.pattern()
+        self.structure().pattern()
     }
 
     /// The structure of the tangent: its pattern, and its symbolic factorisation once a solver has asked for it.
     pub fn structure(&self) -> &Arc<Structure> {
-        &self.structure
+        &self.tangents().equations
     }
 
     /// The symbolic factorisation of the tangent, made when first asked for.
     pub fn symbolic(&self) -> &Arc<Symbolic> {
-        self.structure.symbolic()
+        self.structure().symbolic()
     }
 
     /// Bytes of a factor of the tangent in double precision.
     pub fn factor_bytes(&self) -> usize {
-        self.structure.factor_size().bytes()
+        self.structure().factor_size().bytes()
     }
 
     /// Bytes of a factorisation of the tangent in double precision at its largest, predicted: the factor and its working memory.
@@ -171,12 +166,12 @@ impl Discretization {
 
     /// The symbolic factorisation of scalar fields, in the same order of nodes.
     pub(crate) fn scalar_symbolic(&self) -> &Arc<Symbolic> {
-        self.scalar.get_or_init(|| Arc::new(Symbolic::new(&Arc::new(self.pattern().with_dim(1)))))
+        self.tangents().scalar()
     }
 
     /// The solver that a solve on this mesh takes unless it is told which, see [`Solver::cheaper`].
     pub fn solver(&self) -> &'static dyn SolverFactory {
-        Solver::cheaper(&self.structure)
+        Solver::cheaper(self.structure())
     }
 
     /// How second-order cells contain first-order ones; nothing on a mesh of first-order cells. Made when first asked for.
@@ -203,7 +198,7 @@ impl Discretization {
 
     /// Scatter maps of the cells of one part of the body's sampling.
     pub(crate) fn scatter(&self, part: usize) -> &[u32] {
-        &self.scatter[part]
+        &self.tangents().scatter[part]
     }
 }
 

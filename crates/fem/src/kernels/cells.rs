@@ -6,7 +6,6 @@ use crate::error::{Inadmissible, InvertedAt};
 use crate::kernels::patch::Patch;
 use crate::kernels::{CellKernel, kernel};
 use nastic_energy::PointBatch;
-use nastic_linear::Pattern;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
 use std::ops::Range;
 
@@ -18,9 +17,8 @@ pub(crate) struct Cells<'a> {
     pub dim: usize,
     /// Of all points of the body.
     weights: &'a [f64],
-    /// Scatter maps of the cells, one after the other.
-    maps: &'a [u32],
-    pattern: &'a Pattern,
+    disc: &'a Discretization,
+    group: usize,
 }
 
 /// What a patch adds to a tangent: the element matrices of its cells, and one of all its nodes where there are several cells, as
@@ -35,8 +33,14 @@ impl<'a> Cells<'a> {
     /// The p-th group of a discretisation; `None` of lines, which are no bodies.
     pub fn of(disc: &'a Discretization, p: usize) -> Option<Self> {
         let part = &disc.points().parts[p];
-        let (weights, maps, pattern) = (disc.points().weights(), disc.scatter(p), disc.pattern().as_ref());
-        Some(Cells { part, kernel: kernel(part.kind)?, dim: disc.dim(), weights, maps, pattern })
+        Some(Cells {
+            part,
+            kernel: kernel(part.kind)?,
+            dim: disc.dim(),
+            weights: disc.points().weights(),
+            disc,
+            group: p,
+        })
     }
 
     /// All groups of a discretisation.
@@ -155,12 +159,14 @@ impl<'a> Cells<'a> {
 
     /// Adds the matrix of a patch to the values of a tangent.
     pub fn scatter_matrix(&self, patch: Patch, matrix: &PatchMatrix, values: &mut [f64]) {
-        let pairs = self.maps.len() / self.part.cells.len();
+        let maps = self.disc.scatter(self.group);
+        let pairs = maps.len() / self.part.cells.len();
         for (matrix, &c) in matrix.cells.chunks_exact(self.matrix_length()).zip(patch.cells) {
-            self.kernel.scatter(&self.maps[c as usize * pairs..][..pairs], matrix, values);
+            self.kernel.scatter(&maps[c as usize * pairs..][..pairs], matrix, values);
         }
         if patch.cells.len() > 1 {
-            self.pattern.scatter(patch.map, &matrix.across, values);
+            let pattern = self.disc.pattern();
+            pattern.scatter(patch.map(pattern), &matrix.across, values);
         }
     }
 }

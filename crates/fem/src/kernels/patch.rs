@@ -1,8 +1,10 @@
 //! [`Patch`]: cells that a formulation takes together.
 
 use crate::discretization::quadrature_points::CellGroup;
-use nastic_linear::{Pattern, StructureError};
+use crate::discretization::structure::map_of_coupled;
+use nastic_linear::{Graph, Pattern, StructureError};
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 /// Cells of one kind whose deformation gradients depend on each other: one cell by itself, or several of [`patches`].
 ///
@@ -17,14 +19,19 @@ pub(crate) struct Patch<'a> {
     pub nodes: usize,
     /// Of several cells: the number, among those, of every node of every cell.
     pub local: &'a [u32],
-    /// Of several cells: the scatter map of those nodes.
-    pub map: &'a [u32],
+    /// Of several cells: where it is among which.
+    of: Option<(&'a Patches, usize)>,
 }
 
-impl Patch<'_> {
+impl<'a> Patch<'a> {
     /// A cell by itself.
-    pub fn single(cell: &u32) -> Patch<'_> {
-        Patch { cells: std::slice::from_ref(cell), nodes: 0, local: &[], map: &[] }
+    pub fn single(cell: &'a u32) -> Self {
+        Patch { cells: std::slice::from_ref(cell), nodes: 0, local: &[], of: None }
+    }
+
+    /// Of several cells: the scatter map of the distinct nodes in the pattern of their discretisation.
+    pub fn map(&self, pattern: &Pattern) -> &'a [u32] {
+        self.of.map_or(&[], |(patches, k)| patches.maps(pattern).get(k))
     }
 }
 
@@ -34,7 +41,8 @@ pub(crate) struct Patches {
     cells: Lists,
     nodes: Lists,
     local: Lists,
-    maps: Lists,
+    /// Scatter maps, made with the first tangent.
+    maps: OnceLock<Lists>,
 }
 
 impl Patches {
@@ -42,27 +50,30 @@ impl Patches {
     pub fn of_single_cells(group: &CellGroup) -> Self {
         let mut patches = Self::default();
         for c in 0..group.cells.len() as u32 {
-            patches.push(&[c], [&[], &[], &[]]);
+            patches.push(&[c], [&[], &[]]);
         }
         patches
     }
 
-    fn push(&mut self, cells: &[u32], [nodes, local, map]: [&[u32]; 3]) {
+    fn push(&mut self, cells: &[u32], [nodes, local]: [&[u32]; 2]) {
         self.cells.push(cells);
         self.nodes.push(nodes);
         self.local.push(local);
-        self.maps.push(map);
+    }
+
+    fn maps(&self, pattern: &Pattern) -> &Lists {
+        self.maps.get_or_init(|| {
+            let mut maps = Lists::default();
+            (0..self.len()).for_each(|k| maps.push(&map_of_coupled(pattern, self.nodes.get(k))));
+            maps
+        })
     }
 
     /// The cells with the same number in `of_cell` (by cell of the mesh) together; those for which there is none by themselves.
     ///
     /// # Errors
-    /// [`StructureError::NotCoupled`]: a pattern in which nodes of a patch are not coupled.
-    pub fn new(
-        group: &CellGroup,
-        of_cell: impl Fn(u32) -> Option<u32>,
-        pattern: &Pattern,
-    ) -> Result<Self, StructureError> {
+    /// [`StructureError::NotCoupled`]: a graph in which nodes of a patch are not coupled.
+    pub fn new(group: &CellGroup, of_cell: impl Fn(u32) -> Option<u32>, graph: &Graph) -> Result<Self, StructureError> {
         let (mut members, mut known): (Vec<Vec<u32>>, BTreeMap<u32, usize>) = Default::default();
         for (c, &cell) in group.cells.iter().enumerate() {
             let new = members.len();
@@ -80,7 +91,8 @@ impl Patches {
             nodes.sort_unstable();
             nodes.dedup();
             let local: Vec<u32> = of_cells().map(|node| nodes.partition_point(|n| n < node) as u32).collect();
-            patches.push(&cells, [&nodes, &local, &pattern.scatter_map(&nodes)?]);
+            graph.check_coupled(&nodes)?;
+            patches.push(&cells, [&nodes, &local]);
         }
         Ok(patches)
     }
@@ -93,7 +105,7 @@ impl Patches {
     /// The k-th.
     pub fn get(&self, k: usize) -> Patch<'_> {
         let (cells, nodes) = (self.cells.get(k), self.nodes.get(k).len());
-        Patch { cells, nodes, local: self.local.get(k), map: self.maps.get(k) }
+        Patch { cells, nodes, local: self.local.get(k), of: Some((self, k)) }
     }
 
     /// All of them.

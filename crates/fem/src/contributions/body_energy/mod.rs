@@ -88,7 +88,7 @@ impl BodyEnergy {
     /// [`FemError::Structure`] where it does not couple what the formulations of the cells couple.
     pub(crate) fn set_discretization(&mut self, disc: Arc<Discretization>) -> Result<(), FemError> {
         let patch = |cell: u32| self.is_in_patch(cell).then(|| disc.patches()[cell as usize]);
-        let of_group = |group| Patches::new(group, patch, disc.pattern());
+        let of_group = |group| Patches::new(group, patch, disc.graph());
         let patches = disc.points().parts.iter().map(of_group).collect::<Result<_, _>>()?;
         self.patches = Arc::new(patches);
         self.disc = disc;
