@@ -52,10 +52,8 @@ impl Contribution for Springs {
     fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let k = self.stiffness;
         for &node in &self.nodes {
-            // a node is always coupled with itself; two nodes of different cells are if `couplings` says so
-            if let Ok(map) = tangent.pattern().scatter_map(&[node]) {
-                tangent.add_element(&map, &[k, 0.0, 0.0, 0.0, k, 0.0, 0.0, 0.0, k]);
-            }
+            // a node is always coupled with itself; two nodes of different cells are if `couplings` says so, else this is an error
+            tangent.add_pairs(&[node], &[k, 0.0, 0.0, 0.0, k, 0.0, 0.0, 0.0, k])?;
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use crate::contributions::body_energy::tensions::ExcessTension;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::solution::state::State;
 use nastic_energy::{EnergyError, Outside};
-use nastic_linear::{LinearError, StructureError};
+use nastic_linear::{LinearError, NotCoupled, StructureError};
 use nastic_mesh::{CellKind, MeshError};
 use std::fmt;
 
@@ -33,15 +33,51 @@ pub enum Inadmissible {
         /// How deep.
         depth: f64,
     },
+    /// Not of the displacement, and no reason to shorten a step: a contribution adds entries to a tangent for nodes that it does not
+    /// couple. Solves and adjoints end with [`FemError::NotCoupled`].
+    #[error("contribution \"{contribution}\": {lacking}")]
+    NotCoupled {
+        /// Name of the contribution.
+        contribution: String,
+        /// The nodes.
+        lacking: NotCoupled,
+    },
+}
+
+impl From<NotCoupled> for Inadmissible {
+    /// The model adds the name of the contribution.
+    fn from(lacking: NotCoupled) -> Self {
+        Inadmissible::NotCoupled { contribution: String::new(), lacking }
+    }
 }
 
 impl Inadmissible {
+    /// With the name of the contribution that it comes from, where that belongs to it.
+    pub(crate) fn of(self, name: &str) -> Self {
+        match self {
+            Inadmissible::NotCoupled { contribution, lacking } if contribution.is_empty() => {
+                Inadmissible::NotCoupled { contribution: name.to_owned(), lacking }
+            }
+            other => other,
+        }
+    }
+
+    /// What no other displacement would mend.
+    pub(crate) fn problem(&self) -> Option<FemError> {
+        match self {
+            Inadmissible::NotCoupled { contribution, lacking } => {
+                Some(FemError::NotCoupled { contribution: contribution.clone(), lacking: *lacking })
+            }
+            _ => None,
+        }
+    }
+
     /// The cell and its quadrature point, where it is the deformation of the body that is refused.
     #[must_use]
     pub fn cell(&self) -> Option<&InvertedAt> {
         match self {
             Inadmissible::Inverted(at) | Inadmissible::OutsideDomain { at, .. } => Some(at),
-            Inadmissible::Penetrates { .. } => None,
+            Inadmissible::Penetrates { .. } | Inadmissible::NotCoupled { .. } => None,
         }
     }
 
@@ -54,13 +90,14 @@ impl Inadmissible {
         }
     }
 
-    /// A stable name: `inverted`, `outside_domain`, `penetrates`.
+    /// A stable name: `inverted`, `outside_domain`, `penetrates`, `not_coupled`.
     #[must_use]
     pub fn code(&self) -> &'static str {
         match self {
             Inadmissible::Inverted(_) => "inverted",
             Inadmissible::OutsideDomain { .. } => "outside_domain",
             Inadmissible::Penetrates { .. } => "penetrates",
+            Inadmissible::NotCoupled { .. } => "not_coupled",
         }
     }
 }
@@ -102,6 +139,18 @@ pub enum FemError {
     /// The mesh is too large for its tangent.
     #[error(transparent)]
     Structure(#[from] StructureError),
+    /// A contribution adds entries to a tangent for nodes that it does not couple.
+    #[error(
+        "contribution \"{contribution}\" adds entries to a tangent for nodes {} and {}, which share no cell; name them in its \
+         `Contribution::couplings`",
+        .lacking.a, .lacking.b
+    )]
+    NotCoupled {
+        /// Name of the contribution.
+        contribution: String,
+        /// The nodes.
+        lacking: NotCoupled,
+    },
     /// The reference configuration is inverted somewhere.
     #[error(
         "cell {cell} of {mesh} is inverted or flat at a quadrature point (det dX/dxi = {jacobian:.3e}); repair the mesh"
@@ -407,6 +456,14 @@ pub enum StateError {
 }
 
 impl StateError {
+    /// That of a displacement on the way beyond `last`, or of a contribution that is at fault at any displacement.
+    pub(crate) fn inadmissible(at: Inadmissible, load: f64, cuts: usize, last: Box<State>) -> Self {
+        match at.problem() {
+            Some(problem) => problem.into(),
+            None => StateError::Inadmissible { at, load, cuts, last },
+        }
+    }
+
     /// Whether no other way to the state is to be tried: the caller asked to stop, or memory is lacking.
     pub fn is_final(&self) -> bool {
         matches!(self, StateError::Cancelled) || self.is_lack_of_memory()

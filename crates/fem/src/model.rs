@@ -229,7 +229,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        self.each(at, |contribution, at| contribution.add_tangent(at, tangent))
+        self.each(at, |contribution, at| contribution.add_tangent(at, tangent).map_err(|e| e.of(contribution.name())))
     }
 
     /// The tangent with the border of the constraints, supports not eliminated.
@@ -238,24 +238,33 @@ impl Model {
     /// [`Inadmissible`] where u is.
     pub(crate) fn bordered_tangent(&self, at: &Instant) -> Result<BorderedTangent, Inadmissible> {
         let mut tangent = BorderedTangent::zero(self);
-        self.each(at, |contribution, at| tangent.add(contribution, at))?;
+        self.each(at, |contribution, at| tangent.add(contribution, at).map_err(|e| e.of(contribution.name())))?;
         Ok(tangent)
     }
 
     /// The mass matrix of all contributions, supports not eliminated; zero of a body without inertia.
-    pub fn mass(&self) -> SparseMatrix {
+    ///
+    /// # Errors
+    /// [`FemError::NotCoupled`].
+    pub fn mass(&self) -> Result<SparseMatrix, FemError> {
         let mut mass = self.discretization().matrix();
-        self.others.iter().for_each(|contribution| contribution.add_mass(&mut mass));
-        mass
+        for contribution in &self.others {
+            let named = |lacking| FemError::NotCoupled { contribution: contribution.name().to_owned(), lacking };
+            contribution.add_mass(&mut mass).map_err(named)?;
+        }
+        Ok(mass)
     }
 
     /// `v . M v / 2` of a state in motion; 0 without a velocity.
-    pub fn kinetic_energy(&self, state: &State) -> f64 {
-        let Some(velocity) = &state.velocity else { return 0.0 };
+    ///
+    /// # Errors
+    /// [`FemError::NotCoupled`].
+    pub fn kinetic_energy(&self, state: &State) -> Result<f64, FemError> {
+        let Some(velocity) = &state.velocity else { return Ok(0.0) };
         let v = self.nodal(velocity);
         let mut image = vec![0.0; v.len()];
-        self.mass().multiply(v, &mut image);
-        0.5 * dot(v, &image)
+        self.mass()?.multiply(v, &mut image);
+        Ok(0.5 * dot(v, &image))
     }
 
     /// Residual and tangent with strains of their own at the quadrature points of the body.
@@ -274,7 +283,7 @@ impl Model {
         self.dead_load.add_residual(at, demand, sums)?;
         self.each_other(at, |contribution, at| {
             contribution.add_residual(at, demand, sums)?;
-            contribution.add_tangent(at, tangent)
+            contribution.add_tangent(at, tangent).map_err(|e| e.of(contribution.name()))
         })
     }
 
@@ -287,7 +296,7 @@ impl Model {
         let mut complete = true;
         self.each(at, |contribution, at| {
             complete &= contribution.add_tangent_product(at, v, out)?;
-            Ok(())
+            Ok::<(), Inadmissible>(())
         })?;
         Ok(complete)
     }
@@ -300,7 +309,7 @@ impl Model {
         let mut least: f64 = 1.0;
         self.each(at, |contribution, at| {
             least = least.min(contribution.max_step(at, du)?);
-            Ok(())
+            Ok::<(), Inadmissible>(())
         })?;
         Ok(least)
     }
@@ -310,7 +319,7 @@ impl Model {
         let mut least: f64 = 1.0;
         self.each_other(at, |contribution, at| {
             least = least.min(contribution.max_step(at, du)?);
-            Ok(())
+            Ok::<(), Inadmissible>(())
         })?;
         Ok(least)
     }
@@ -398,7 +407,7 @@ impl Model {
         self.each_other(at, |contribution, at| {
             let own = contribution.quantities(at);
             all.extend(own.into_iter().map(|(name, value)| (contribution.name().to_owned(), name, value)));
-            Ok(())
+            Ok::<(), Inadmissible>(())
         })?;
         Ok(all)
     }
@@ -411,7 +420,7 @@ impl Model {
         let mut all = Vec::new();
         self.each_other(at, |contribution, at| {
             all.extend(contribution.lines(at));
-            Ok(())
+            Ok::<(), Inadmissible>(())
         })?;
         Ok(all)
     }

@@ -1,6 +1,6 @@
 //! [`smallest_eigenpairs`]: `A x = lambda M x` by shift-invert Lanczos.
 
-use super::error::FactorError;
+use super::error::{FactorError, StructureError};
 use super::factor::{Factor, Pivots};
 use super::matrix::SparseMatrix;
 use super::solver::{LinearError, fits};
@@ -158,16 +158,16 @@ impl Eigenproblem<'_> {
     }
 
     /// `A - sigma M`, fixed unknowns left alone.
-    fn shifted(&self, sigma: f64) -> SparseMatrix {
+    fn shifted(&self, sigma: f64) -> Result<SparseMatrix, FactorError> {
         let mut matrix = self.matrix.clone();
         match self.mass {
             MassMatrix::Diagonal(mass) => {
                 let entry = |(m, &fixed): (&f64, &bool)| if fixed { 0.0 } else { -sigma * m };
                 matrix.add_diagonal(&mass.iter().zip(self.fixed).map(entry).collect::<Vec<_>>());
             }
-            MassMatrix::Sparse(mass) => matrix.add_scaled(-sigma, mass),
+            MassMatrix::Sparse(mass) => matrix.add_scaled(-sigma, mass).map_err(StructureError::from)?,
         }
-        matrix
+        Ok(matrix)
     }
 
     /// Zero, or a shift below all eigenvalues, with the Cholesky factor of the shifted matrix.
@@ -184,7 +184,7 @@ impl Eigenproblem<'_> {
         let mut distance = distance.max(LEAST_SHIFT * most);
         while distance < MOST_SHIFT * most {
             let sigma = value - distance;
-            match self.symbolic.factorize(&self.shifted(sigma), Pivots::Positive, self.parallel) {
+            match self.symbolic.factorize(&self.shifted(sigma)?, Pivots::Positive, self.parallel) {
                 Err(FactorError::NotPositive { .. }) => distance *= SHIFT_GROWTH,
                 done => return Ok((sigma, done?)),
             }
@@ -213,7 +213,7 @@ impl Eigenproblem<'_> {
 
     /// Number of eigenvalues below mu.
     fn count_below(&self, mu: f64) -> Result<usize, LinearError> {
-        let matrix = self.shifted(mu);
+        let matrix = self.shifted(mu)?;
         Ok(self.symbolic.factorize(&matrix, Pivots::AnySign, self.parallel)?.negative_pivots())
     }
 

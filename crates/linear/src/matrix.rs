@@ -284,19 +284,22 @@ impl SparseMatrix {
         diagonal
     }
 
-    /// `A += factor B` for a symmetric B all of whose couplings this pattern has. Fast where both share one pattern.
-    pub fn add_scaled(&mut self, factor: f64, other: &SparseMatrix) {
+    /// `A += factor B` for a symmetric B. Fast where both share one pattern.
+    ///
+    /// # Errors
+    /// [`NotCoupled`] where this pattern lacks a coupling at which B is not zero; A is then of no use.
+    pub fn add_scaled(&mut self, factor: f64, other: &SparseMatrix) -> Result<(), NotCoupled> {
         if Arc::ptr_eq(&self.pattern, &other.pattern) {
             self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
-            return;
+            return Ok(());
         }
-        other.for_each_entry(|row, column, value| {
-            let at = self.pattern.value_index(row, column);
-            debug_assert!(at.is_some() || value == 0.0, "the pattern lacks a coupling of the matrix that is added");
-            if let Some(at) = at {
-                self.values[at] += factor * value;
-            }
+        let (dim, mut lacking) = (self.pattern.dim(), None);
+        other.for_each_entry(|row, column, value| match self.pattern.value_index(row, column) {
+            Some(at) => self.values[at] += factor * value,
+            None if value == 0.0 => {}
+            None => lacking = lacking.or(Some(NotCoupled { a: (row / dim) as u32, b: (column / dim) as u32 })),
         });
+        lacking.map_or(Ok(()), Err)
     }
 
     /// Adds `shift` times the identity.

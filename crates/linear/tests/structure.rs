@@ -100,6 +100,13 @@ fn entries_that_the_pattern_lacks_are_refused() {
         let expected = if symmetry == Symmetry::General { element[3] } else { element[12] };
         assert_eq!((matrix.get(5, 4), matrix.get(4, 3)), (element[4], expected));
     }
+    let wider = Arc::new(Pattern::of_elements(&[[0.0; 3]; 4], 2, elements.into_iter().chain([&[0, 3][..]])).unwrap());
+    let (mut narrow, mut wide) = (SparseMatrix::zeros(pattern), SparseMatrix::zeros(wider));
+    wide.add_to_diagonal(1.0);
+    assert_eq!(narrow.add_scaled(2.0, &wide), Ok(()), "what is zero needs no place");
+    wide.add_pairs(&[0, 3], &[1.0; 16]).unwrap();
+    let NotCoupled { a, b } = narrow.add_scaled(2.0, &wide).unwrap_err();
+    assert_eq!((a.min(b), a.max(b)), (0, 3));
 }
 
 #[test]

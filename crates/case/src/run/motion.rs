@@ -249,7 +249,7 @@ pub(super) fn ghosts(
 
 /// Kinetic energy, and the potential of stresses, actuations and loads.
 fn energies(member: CaseMember<'_>, state: &State) -> [f64; 2] {
-    [member.solid().model().kinetic_energy(state), summary::potential(member, state)]
+    [member.solid().model().kinetic_energy(state).unwrap_or(f64::NAN), summary::potential(member, state)]
 }
 
 /// Removes the checkpoint of a motion that has come to its end, after all results are written.

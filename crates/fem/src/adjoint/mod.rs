@@ -162,8 +162,7 @@ impl Model {
         let at = self.instant(state, None, parallel);
         let last = || Box::new(state.clone());
         let found = self.bordered_tangent(&at).and_then(|tangent| Ok((tangent, self.acting(&at)?)));
-        let (tangent, acting) =
-            found.map_err(|at| StateError::Inadmissible { at, load: state.load, cuts: 0, last: last() })?;
+        let (tangent, acting) = found.map_err(|at| StateError::inadmissible(at, state.load, 0, last()))?;
         let mut system = SaddlePoint::new(self, tangent);
         system.set_acting(&acting, false);
         Ok(system)
@@ -178,12 +177,7 @@ impl Model {
     pub(crate) fn tangent_at(&self, at: &Instant, state: &State) -> Result<SparseMatrix, StateError> {
         let mut matrix = self.matrix();
         let last = || Box::new(state.clone());
-        self.add_tangent(at, &mut matrix).map_err(|at| StateError::Inadmissible {
-            at,
-            load: state.load,
-            cuts: 0,
-            last: last(),
-        })?;
+        self.add_tangent(at, &mut matrix).map_err(|at| StateError::inadmissible(at, state.load, 0, last()))?;
         Ok(matrix)
     }
 }

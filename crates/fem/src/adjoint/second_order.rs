@@ -184,7 +184,7 @@ impl<'a> SecondOrder<'a> {
     fn failed(&self, error: SecondDerivativeError) -> StateError {
         match error {
             SecondDerivativeError::Inadmissible(at) => {
-                StateError::Inadmissible { at, load: self.state.load, cuts: 0, last: Box::new(self.state.clone()) }
+                StateError::inadmissible(at, self.state.load, 0, Box::new(self.state.clone()))
             }
             refused => refused.into(),
         }

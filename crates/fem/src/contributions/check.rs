@@ -273,7 +273,7 @@ impl Subject<'_> {
         let size = norm(&found.acceleration);
         agree("the derivative by the acceleration", &slope, "differences", &by_acceleration, size)?;
         let mut mass = self.model.matrix();
-        self.contribution.add_mass(&mut mass);
+        self.contribution.add_mass(&mut mass).map_err(|lacking| lacking.to_string())?;
         let mut product = vec![0.0; lambda.len()];
         let dofs = self.model.discretization().dofs();
         mass.multiply(&lambda[..dofs], &mut product[..dofs]);

@@ -147,7 +147,7 @@ impl Contribution for Springs {
     fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         for (nodes, k) in &self.pieces {
             let n = self.dim * nodes.len();
-            add_element(nodes, self.dim, tangent, |a, i, b, j| k[n * (self.dim * a + i) + self.dim * b + j]);
+            add_element(nodes, self.dim, tangent, |a, i, b, j| k[n * (self.dim * a + i) + self.dim * b + j])?;
         }
         Ok(())
     }

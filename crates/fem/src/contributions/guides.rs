@@ -2,7 +2,7 @@
 
 use crate::contributions::body_point::AttachedPoint;
 use crate::error::MeetingGuides;
-use nastic_linear::SparseMatrix;
+use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_tensor::{Mat3, Vec3};
 
 /// Points nearer to each other than this share of the body's diagonal coincide.
@@ -120,18 +120,19 @@ impl Guides {
     }
 
     /// Adds `factor d2L/du2`.
-    pub fn add_curvature(&self, u: &[f64], factor: f64, tangent: &mut SparseMatrix) {
+    pub fn add_curvature(&self, u: &[f64], factor: f64, tangent: &mut SparseMatrix) -> Result<(), NotCoupled> {
         for segment in self.segments(u).filter(|segment| segment.length > 0.0) {
             let n = segment.direction;
-            segment.add_block(&(factor / segment.length * (Mat3::identity() - n * n.transpose())), tangent);
+            segment.add_block(&(factor / segment.length * (Mat3::identity() - n * n.transpose())), tangent)?;
         }
+        Ok(())
     }
 
     /// Adds `factor dL/du (x) dL/du`, which couples all points.
-    pub fn add_gradient_product(&self, u: &[f64], factor: f64, tangent: &mut SparseMatrix) {
+    pub fn add_gradient_product(&self, u: &[f64], factor: f64, tangent: &mut SparseMatrix) -> Result<(), NotCoupled> {
         let (nodes, gradient) = (self.nodes(), self.gradient(u));
         let component = |a: usize, i: usize| gradient[self.dim * nodes[a] as usize + i];
-        add_element(&nodes, self.dim, tangent, |a, i, b, j| factor * component(a, i) * component(b, j));
+        add_element(&nodes, self.dim, tangent, |a, i, b, j| factor * component(a, i) * component(b, j))
     }
 }
 
@@ -147,10 +148,10 @@ impl Segment<'_> {
     }
 
     /// Adds a second derivative by d.
-    pub fn add_block(&self, block: &Mat3, tangent: &mut SparseMatrix) {
+    pub fn add_block(&self, block: &Mat3, tangent: &mut SparseMatrix) -> Result<(), NotCoupled> {
         let nodes = union(self.ends.into_iter());
         let weights = signed_weights(&nodes, self.ends);
-        add_element(&nodes, self.dim, tangent, |a, i, b, j| weights[a] * weights[b] * block[(i, j)]);
+        add_element(&nodes, self.dim, tangent, |a, i, b, j| weights[a] * weights[b] * block[(i, j)])
     }
 
     /// Calls with every unknown of both ends and its share of `d -> by_change . d`.
@@ -191,7 +192,7 @@ pub(crate) fn add_element(
     dim: usize,
     tangent: &mut SparseMatrix,
     entry: impl Fn(usize, usize, usize, usize) -> f64,
-) {
+) -> Result<(), NotCoupled> {
     let n = dim * nodes.len();
     let element: Vec<f64> = (0..n * n)
         .map(|at| {
@@ -199,10 +200,5 @@ pub(crate) fn add_element(
             entry(row / dim, row % dim, column / dim, column % dim)
         })
         .collect();
-    // Couplings of the contribution put all of them into the pattern.
-    let map = tangent.pattern().scatter_map(nodes);
-    debug_assert!(map.is_ok(), "the tangent's pattern lacks a coupling of points");
-    if let Ok(map) = map {
-        tangent.add_element(&map, &element);
-    }
+    tangent.add_pairs(nodes, &element)
 }

@@ -3,7 +3,7 @@
 use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::discretization::Discretization;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
-use nastic_linear::SparseMatrix;
+use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_mesh::GroupNames;
 use nastic_numeric::vector::{axpy, dot};
 
@@ -109,9 +109,12 @@ impl Mass {
         }
     }
 
-    fn add_to(&self, factor: f64, matrix: &mut SparseMatrix) {
+    fn add_to(&self, factor: f64, matrix: &mut SparseMatrix) -> Result<(), NotCoupled> {
         match self {
-            Mass::Lumped(diagonal) => matrix.add_diagonal(&diagonal.iter().map(|m| factor * m).collect::<Vec<_>>()),
+            Mass::Lumped(diagonal) => {
+                matrix.add_diagonal(&diagonal.iter().map(|m| factor * m).collect::<Vec<_>>());
+                Ok(())
+            }
             Mass::Consistent(mass) => matrix.add_scaled(factor, mass),
         }
     }
@@ -145,7 +148,7 @@ impl Contribution for BodyInertia {
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if let Some(step) = at.step {
-            self.mass.add_to(step.acceleration.0, tangent);
+            self.mass.add_to(step.acceleration.0, tangent)?;
         }
         Ok(())
     }
@@ -157,8 +160,8 @@ impl Contribution for BodyInertia {
         Ok(true)
     }
 
-    fn add_mass(&self, mass: &mut SparseMatrix) {
-        self.mass.add_to(1.0, mass);
+    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+        self.mass.add_to(1.0, mass)
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {

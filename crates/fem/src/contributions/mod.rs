@@ -30,7 +30,7 @@ pub use inertia::Inertia;
 pub use instant::{Instant, TimeStep};
 pub use motion::Motion;
 use nastic_energy::Slot;
-use nastic_linear::{SparseMatrix, Symmetry};
+use nastic_linear::{NotCoupled, SparseMatrix, Symmetry};
 use nastic_mesh::Polyline;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 pub use spring::Spring;
@@ -184,7 +184,7 @@ pub trait Contribution: Debug + Send + Sync {
     /// [`Inadmissible`] where u is.
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible>;
 
-    /// Adds the tangent by the displacement, supports not eliminated.
+    /// Adds the tangent by the displacement, supports not eliminated ([`SparseMatrix::add_pairs`], with `?` where nodes are not coupled).
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
@@ -199,7 +199,12 @@ pub trait Contribution: Debug + Send + Sync {
     }
 
     /// Adds its mass matrix `dr/da`, which is symmetric and does not change: what accelerations follow from where a motion begins.
-    fn add_mass(&self, _mass: &mut SparseMatrix) {}
+    ///
+    /// # Errors
+    /// [`NotCoupled`] where the pattern lacks a pair of nodes that it couples.
+    fn add_mass(&self, _mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+        Ok(())
+    }
 
     /// The longest step `s <= 1` along du that it bears.
     ///

@@ -4,7 +4,7 @@ use super::inertia::add_linear;
 use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use crate::model::Model;
-use nastic_linear::SparseMatrix;
+use nastic_linear::{SparseMatrix, StructureError};
 use nastic_numeric::vector::axpy;
 
 /// **Residual.** `r = C v`, `C = a0 M + a1 K(0)`, M the mass of all contributions (a0 in 1/s) and K(0) the tangent of
@@ -33,7 +33,7 @@ impl RayleighDamping {
             return Err(FemError::Meaningless { what });
         }
         model.body.check_complete()?;
-        let mass = model.mass();
+        let mass = model.mass()?;
         if a0 > 0.0 && mass.values.iter().all(|&m| m == 0.0) {
             let what = "Rayleigh damping with a0 > 0 needs a mass: add the inertia before it".to_owned();
             return Err(FemError::Meaningless { what });
@@ -43,8 +43,8 @@ impl RayleighDamping {
         let inverted = |at: Inadmissible| FemError::Meaningless { what: format!("no stiffness at rest: {at}") };
         model.body.add_tangent(&rest.u, &rest.controls, &mut stiffness, true).map_err(inverted)?;
         let mut matrix = model.discretization().matrix();
-        matrix.add_scaled(a0, &mass);
-        matrix.add_scaled(a1, &stiffness);
+        matrix.add_scaled(a0, &mass).map_err(StructureError::from)?;
+        matrix.add_scaled(a1, &stiffness).map_err(StructureError::from)?;
         Ok(RayleighDamping { matrix })
     }
 
@@ -70,7 +70,7 @@ impl Contribution for RayleighDamping {
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if let Some(step) = at.step {
-            tangent.add_scaled(step.velocity.0, &self.matrix);
+            tangent.add_scaled(step.velocity.0, &self.matrix)?;
         }
         Ok(())
     }

@@ -38,7 +38,7 @@ impl Model {
             if let Some(memory) = contribution.remembers() {
                 memory.advance(at, next.values_mut(at.memory));
             }
-            Ok(())
+            Ok::<(), Inadmissible>(())
         })?;
         Ok(next)
     }
@@ -63,7 +63,7 @@ impl Model {
             if let Some(memory) = contribution.remembers() {
                 memory.advance_vjp(at, by_next.values(at.memory), &mut into);
             }
-            Ok(())
+            Ok::<(), Inadmissible>(())
         })?;
         Ok(into)
     }

@@ -61,7 +61,7 @@ impl Failure {
     pub fn into_error(self, last: &State) -> StateError {
         let (load, last) = (last.load, Box::new(last.clone()));
         match self {
-            Failure::Inadmissible(at) => StateError::Inadmissible { at, load, cuts: 0, last },
+            Failure::Inadmissible(at) => StateError::inadmissible(at, load, 0, last),
             Failure::Linear(error) => error.into(),
             Failure::Slow { residual, newton, s } => StateError::NoConvergence {
                 load: s,

@@ -254,6 +254,7 @@ impl Model {
                 }
                 Err(Stop::Cancelled) => return Err(StateError::Cancelled),
                 Err(Stop::Linear(error)) => return Err(error.into()),
+                Err(stop) if stop.is_final() => return Err(self.give_up(stop, path, (&steps, None), to, report, here)),
                 Err(stop) => {
                     if steps.failed(path) || report.newton > most {
                         let suspect = self.suspect(&newton.at(&u));
@@ -279,7 +280,7 @@ impl Model {
     ) -> StateError {
         let (cuts, last) = (report.cuts, Box::new(here));
         match stop {
-            Stop::Inadmissible(at) => StateError::Inadmissible { at, load, cuts, last },
+            Stop::Inadmissible(at) => StateError::inadmissible(at, load, cuts, last),
             Stop::Slow { residual } => {
                 let excess = self.body.excess_tension(controls).map(Cause::Convexity);
                 let limit = || steps.limit_point().map(|load| Cause::LimitPoint { load });

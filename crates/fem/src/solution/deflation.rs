@@ -107,6 +107,7 @@ impl Model {
                         all.found.push(next);
                     }
                     Err(Stop::Cancelled) => return Err(StateError::Cancelled),
+                    Err(Stop::Problem(error)) => return Err(error.into()),
                     // Another start may lead somewhere.
                     Err(Stop::Failed) => workspace.forget(),
                 }
@@ -165,12 +166,13 @@ impl Model {
 /// Why a start leads nowhere.
 enum Stop {
     Failed,
+    Problem(FemError),
     Cancelled,
 }
 
 impl From<Inadmissible> for Stop {
-    fn from(_: Inadmissible) -> Self {
-        Stop::Failed
+    fn from(at: Inadmissible) -> Self {
+        at.problem().map_or(Stop::Failed, Stop::Problem)
     }
 }
 

@@ -39,7 +39,8 @@ impl Stop {
         match self {
             Stop::Cancelled => true,
             Stop::Linear(error) => error.is_lack_of_memory(),
-            Stop::Inadmissible(_) | Stop::Slow { .. } => false,
+            Stop::Inadmissible(at) => at.problem().is_some(),
+            Stop::Slow { .. } => false,
         }
     }
 
@@ -48,6 +49,7 @@ impl Stop {
         match self {
             Stop::Linear(error) if error.is_lack_of_memory() => Some(error.into()),
             Stop::Cancelled => Some(StateError::Cancelled),
+            Stop::Inadmissible(at) => at.problem().map(StateError::from),
             _ => None,
         }
     }

@@ -38,9 +38,7 @@ impl Model {
             Err(stop) => {
                 workspace.forget();
                 Err(match stop {
-                    Stop::Inadmissible(at) => {
-                        StateError::Inadmissible { at, load: 1.0, cuts: 0, last: Box::new(from.clone()) }
-                    }
+                    Stop::Inadmissible(at) => StateError::inadmissible(at, 1.0, 0, Box::new(from.clone())),
                     Stop::Linear(error) => error.into(),
                     Stop::Slow { .. } | Stop::Cancelled => StateError::Cancelled,
                 })

@@ -73,7 +73,7 @@ impl Model {
         count: usize,
         how: &SolveOptions,
     ) -> Result<Vec<VibrationMode>, StateError> {
-        let (dim, mut mass) = (self.discretization().dim(), self.mass());
+        let (dim, mut mass) = (self.discretization().dim(), self.mass()?);
         mass.eliminate(self.supports.fixed(), 0.0);
         self.check_positive(&mass)?;
         let found = self.lowest_modes(state, MassMatrix::Sparse(&mass), count, how)?;

@@ -40,8 +40,7 @@ impl Model {
         let state = &self.at_instant(state, history);
         let step = without_acceleration(state);
         let at = self.beginning(state, &step, parallel);
-        let last =
-            |at: Inadmissible| StateError::Inadmissible { at, load: 1.0, cuts: 0, last: Box::new(state.clone()) };
+        let last = |at: Inadmissible| StateError::inadmissible(at, 1.0, 0, Box::new(state.clone()));
         let sums = self.evaluate(&at, Demand { energy: false, force: true }).map_err(last)?;
         self.divide_by_mass(sums.force.iter().map(|f| -f).collect(), parallel)
     }
@@ -53,7 +52,7 @@ impl Model {
 
     /// `M^-1 b` on the free unknowns.
     pub(super) fn divide_by_mass(&self, mut b: Vec<f64>, parallel: bool) -> Result<Vec<f64>, StateError> {
-        let mass = self.mass();
+        let mass = self.mass()?;
         let mut diagonal = mass.diagonal();
         self.supports.fixed().iter().zip(&mut diagonal).filter(|(fixed, _)| **fixed).for_each(|(_, m)| *m = 1.0);
         if let Some(dof) = diagonal.iter().position(|m| !(m.is_finite() && *m > 0.0)) {

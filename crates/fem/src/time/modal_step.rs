@@ -57,7 +57,7 @@ impl Model {
             let what = "siere takes modes of a symmetric stiffness: with forces that have no potential (pressure on an open surface) take tr_bdf2";
             return Err(FemError::Meaningless { what: what.to_owned() }.into());
         }
-        let mut mass = self.mass();
+        let mut mass = self.mass()?;
         mass.eliminate(self.supports.fixed(), 0.0);
         let history = step.history.clone();
         let state = State { controls: Arc::new(controls.clone()), history, ..begin.clone() };
@@ -69,8 +69,7 @@ impl Model {
             out
         };
         let momenta: Vec<Vec<f64>> = modes.vectors.iter().map(|shape| times_mass(shape)).collect();
-        let inverted =
-            |at: Inadmissible| StateError::Inadmissible { at, load: 1.0, cuts: 0, last: Box::new(begin.clone()) };
+        let inverted = |at: Inadmissible| StateError::inadmissible(at, 1.0, 0, Box::new(begin.clone()));
         let at = Instant { parallel: how.parallel, remembered: &step.history, ..Instant::new(&begin.u, controls, 1.0) };
         let force = self.evaluate(&at, Demand { energy: false, force: true }).map_err(inverted)?.force;
         let mut damping = DMatrix::zeros(momenta.len(), momenta.len());

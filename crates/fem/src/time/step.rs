@@ -179,7 +179,7 @@ impl Model {
 }
 
 pub(super) fn inverted(at: Inadmissible, state: &State) -> StateError {
-    StateError::Inadmissible { at, load: state.load, cuts: 0, last: Box::new(state.clone()) }
+    StateError::inadmissible(at, state.load, 0, Box::new(state.clone()))
 }
 
 /// What shorter steps may mend.

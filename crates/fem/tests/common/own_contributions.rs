@@ -8,7 +8,7 @@ use nastic_fem::{
     Contribution, Controls, Demand, Inadmissible, Increment, Instant, SecondDerivativeError, SecondSensitivities,
     Sensitivities, Solid, Sums,
 };
-use nastic_linear::{SparseMatrix, Symmetry};
+use nastic_linear::{NotCoupled, SparseMatrix, Symmetry};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 
@@ -67,8 +67,9 @@ impl Contribution for Oscillators {
         Ok(())
     }
 
-    fn add_mass(&self, mass: &mut SparseMatrix) {
+    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
         mass.add_to_diagonal(self.mass);
+        Ok(())
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
@@ -136,8 +137,7 @@ impl Contribution for Swirl {
         let s = at.control(0) * self.rate;
         let element = [0.0, -s, 0.0, s, 0.0, 0.0, 0.0, 0.0, 0.0];
         for &node in &self.nodes {
-            let map = tangent.pattern().scatter_map(&[node]).unwrap();
-            tangent.add_element(&map, &element);
+            tangent.add_pairs(&[node], &element)?;
         }
         Ok(())
     }

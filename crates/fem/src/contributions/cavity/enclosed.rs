@@ -5,7 +5,7 @@ use super::rim::{ON_PLANE, Plane, RimEdge, open_edges, rims};
 use super::triple_product::{Term, Volume};
 use crate::discretization::supports::Supports;
 use crate::error::FemError;
-use nastic_linear::SparseMatrix;
+use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_mesh::{CellKind, Mesh, Rule};
 use nastic_tensor::Vec3;
 use std::sync::Arc;
@@ -175,19 +175,14 @@ impl Patch<'_> {
     }
 
     /// Adds `factor` times the second derivative.
-    pub fn add_hessian(&self, factor: f64, tangent: &mut SparseMatrix) {
+    pub fn add_hessian(&self, factor: f64, tangent: &mut SparseMatrix) -> Result<(), NotCoupled> {
         let (n, dim) = (self.nodes.len(), self.dim);
         let entry = |at: usize| {
             let (row, column) = (at / (dim * n), at % (dim * n));
             factor * self.second((row / dim, row % dim), (column / dim, column % dim))
         };
         let element: Vec<f64> = (0..(dim * n).pow(2)).map(entry).collect();
-        // Facets share a cell and rims are coupled by the contribution, so the pattern has them.
-        let map = tangent.pattern().scatter_map(self.nodes);
-        debug_assert!(map.is_ok(), "the tangent's pattern lacks a coupling of the cavity");
-        if let Ok(map) = map {
-            tangent.add_element(&map, &element);
-        }
+        tangent.add_pairs(self.nodes, &element)
     }
 
     /// Adds `factor` times the second derivative times v.

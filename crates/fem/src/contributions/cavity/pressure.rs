@@ -63,7 +63,13 @@ impl Contribution for CavityPressure {
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let pressure = at.control(0);
         if pressure != 0.0 {
-            self.0.enclosed.each(Some(at.u), true, |patch| patch.add_hessian(-pressure, tangent));
+            let mut added = Ok(());
+            self.0.enclosed.each(Some(at.u), true, |patch| {
+                if added.is_ok() {
+                    added = patch.add_hessian(-pressure, tangent);
+                }
+            });
+            added?;
         }
         Ok(())
     }

@@ -85,9 +85,9 @@ impl Contribution for SpringForce {
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let quadratic = self.stiffness * Mat3::identity();
-        self.ends.segments(at.u).for_each(|segment| segment.add_block(&quadratic, tangent));
+        self.ends.segments(at.u).try_for_each(|segment| segment.add_block(&quadratic, tangent))?;
         if self.rest_length > 0.0 {
-            self.ends.add_curvature(at.u, -self.stiffness * self.rest_length, tangent);
+            self.ends.add_curvature(at.u, -self.stiffness * self.rest_length, tangent)?;
         }
         Ok(())
     }

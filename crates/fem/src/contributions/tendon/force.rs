@@ -173,10 +173,10 @@ impl Contribution for TendonForce {
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let tension = self.tension(at);
         if tension.value != 0.0 {
-            self.guides.add_curvature(at.u, tension.value, tangent);
+            self.guides.add_curvature(at.u, tension.value, tangent)?;
         }
         if tension.by_length != 0.0 {
-            self.guides.add_gradient_product(at.u, tension.by_length, tangent);
+            self.guides.add_gradient_product(at.u, tension.by_length, tangent)?;
         }
         Ok(())
     }

@@ -127,7 +127,7 @@ impl Contribution for InextensibleTendon {
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if at.multiplier(0) != 0.0 {
-            self.guides.add_curvature(at.u, at.multiplier(0), tangent);
+            self.guides.add_curvature(at.u, at.multiplier(0), tangent)?;
         }
         Ok(())
     }
