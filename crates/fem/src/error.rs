@@ -233,15 +233,15 @@ pub enum FemError {
         /// What is wrong and what to try.
         what: String,
     },
-    /// What does not go with equality constraints.
-    #[error("{what} cannot be had with the constraint of \"{name}\": {instead}")]
-    Constrained {
+    /// What a model does not go with, see [`Model::supports`](crate::Model::supports).
+    #[error("{what} does not go with \"{with}\": {why}")]
+    Unsupported {
         /// What was asked for.
-        what: &'static str,
-        /// Name of the contribution with the constraint.
-        name: String,
-        /// What to use instead.
-        instead: &'static str,
+        what: String,
+        /// Name of the contribution, or the laws, that it does not go with.
+        with: String,
+        /// Why, and what to take instead.
+        why: String,
     },
     /// An array of the wrong length or with a value that is not finite.
     #[error("{what} has {found} values where {expected} are needed")]
@@ -394,6 +394,12 @@ pub enum StateError {
         /// The last equilibrium found on the way.
         last: Box<State>,
     },
+    /// The state to begin at is not admissible.
+    #[error("{at} in the state to begin at; begin at an equilibrium, or at rest")]
+    Start {
+        /// Why.
+        at: Inadmissible,
+    },
     /// A time step has no solution.
     #[error("in the time step of {dt:.3e} from t = {time:.6e}: {source}; shorter steps may help")]
     InStep {
@@ -482,7 +488,9 @@ impl StateError {
     /// A stable name: `inverted`, `outside_domain` (of a law), `penetrates`, `no_convergence`, `linear`, `cancelled`, `second_derivatives`, `problem`.
     pub fn code(&self) -> &'static str {
         match self {
-            StateError::Inadmissible { at, .. } | StateError::EndOfStep { at, .. } => at.code(),
+            StateError::Inadmissible { at, .. } | StateError::EndOfStep { at, .. } | StateError::Start { at } => {
+                at.code()
+            }
             StateError::NoConvergence { .. } => "no_convergence",
             StateError::InStep { source, .. } => source.code(),
             StateError::Linear(_) => "linear",

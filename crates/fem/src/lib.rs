@@ -10,6 +10,7 @@ mod discretization;
 mod error;
 mod kernels;
 mod model;
+mod nonlinear;
 mod solid;
 mod solution;
 pub mod time;
@@ -30,7 +31,7 @@ pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
 pub use discretization::{Discretization, StructureCounts};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
-pub use model::{Controllable, Model, Unknowns};
+pub use model::{Controllable, Feature, Model, Unknowns};
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };

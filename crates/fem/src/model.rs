@@ -1,5 +1,7 @@
 //! [`Model`]: a discrete problem, the sum of contributions on supported unknowns.
 
+mod admissible;
+mod features;
 mod held;
 mod history;
 mod inequalities;
@@ -22,6 +24,8 @@ use nastic_linear::{Solver, SolverFactory, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
 use nastic_numeric::vector::dot;
 use std::sync::Arc;
+
+pub use features::Feature;
 
 /// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
 ///
@@ -301,29 +305,6 @@ impl Model {
         Ok(complete)
     }
 
-    /// The longest step `s <= 1` along du that every contribution bears.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where J <= 0 at u itself.
-    pub fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
-        let mut least: f64 = 1.0;
-        self.each(at, |contribution, at| {
-            least = least.min(contribution.max_step(at, du)?);
-            Ok::<(), Inadmissible>(())
-        })?;
-        Ok(least)
-    }
-
-    /// [`max_step`](Self::max_step) of the contributions beside the body energy.
-    pub(crate) fn max_step_of_others(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
-        let mut least: f64 = 1.0;
-        self.each_other(at, |contribution, at| {
-            least = least.min(contribution.max_step(at, du)?);
-            Ok::<(), Inadmissible>(())
-        })?;
-        Ok(least)
-    }
-
     /// `lambda . dr/dp` by controls, velocity and acceleration.
     ///
     /// # Errors
@@ -362,14 +343,6 @@ impl Model {
     /// The displacement among all unknowns.
     pub fn nodal<'u>(&self, u: &'u [f64]) -> &'u [f64] {
         &u[..u.len().min(self.discretization().dofs())]
-    }
-
-    /// Refuses what does not go with constraints.
-    pub(crate) fn refuse_constraints(&self, what: &'static str, instead: &'static str) -> Result<(), FemError> {
-        match self.others.iter().find(|contribution| contribution.constraints() > 0) {
-            None => Ok(()),
-            Some(constraint) => Err(FemError::Constrained { what, name: constraint.name().to_owned(), instead }),
-        }
     }
 
     /// Whether all constraints can be fulfilled under these controls.
@@ -473,10 +446,6 @@ impl Model {
     /// Checks that the problem is complete for motion, in which a body may be free.
     pub(crate) fn check_in_motion(&self) -> Result<(), FemError> {
         self.body.check_complete()?;
-        if !self.has_potential() {
-            let instead = "Newton's method under constraints needs a potential; drive it by a force or a pressure";
-            self.refuse_constraints("a contribution without a potential", instead)?;
-        }
         self.others.iter().try_for_each(|contribution| contribution.check(&self.supports))
     }
 }

@@ -5,7 +5,7 @@ use super::factor::{Factor, Pivots};
 use super::matrix::SparseMatrix;
 use super::solver::{LinearError, fits};
 use super::symbolic::Symbolic;
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 use nastic_numeric::Random;
 use nastic_numeric::vector::{axpy, dot, scale};
 use std::borrow::Cow;
@@ -38,7 +38,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// A vector that orthogonalisation leaves this share of lies in the span of the others.
 const SPANNED: f64 = 1e-12;
 
-/// `A x = lambda M x` on the unknowns that are not fixed.
+/// `A x = lambda M x` on the unknowns that are not fixed; with constraints `A x + B p = lambda M x`, `B^T x = 0`.
 #[derive(Clone, Copy)]
 pub struct Eigenproblem<'a> {
     /// A, symmetric, with rows and columns of fixed unknowns replaced by positive multiples of those of the identity.
@@ -47,6 +47,8 @@ pub struct Eigenproblem<'a> {
     pub mass: MassMatrix<'a>,
     /// By unknown: whether it is fixed.
     pub fixed: &'a [bool],
+    /// Columns of B, zero where fixed: the pairs are those on the null space of `B^T`. Empty for all.
+    pub constraints: &'a [Vec<f64>],
     /// The symbolic factorisation of A.
     pub symbolic: &'a Arc<Symbolic>,
     /// Whether to use all threads; the bits are the same.
@@ -72,7 +74,7 @@ pub struct Eigenpairs {
     /// What rounding of the entries of A may change each eigenvalue by, `16 eps |x| . |A| |x|`: a smaller one cannot be
     /// told from zero.
     pub rounding: Vec<f64>,
-    /// Negative eigenvalues of the matrix, counted by the pivots of `A = L D L^T`.
+    /// Negative eigenvalues of the matrix (on the null space of `B^T`), counted by the pivots of `A = L D L^T`.
     pub negative: usize,
 }
 
@@ -87,13 +89,18 @@ pub struct Eigenpairs {
 /// transformation Lanczos method for the numerical solution of large sparse generalized symmetric eigenvalue problems",
 /// Math. Comp. 35 (1980).
 ///
+/// With constraints `C = (A - sigma M)^-1` becomes `C - C B S^-1 B^T C`, `S = B^T C B`, the inverse on the null space of `B^T`, and the
+/// number of eigenvalues below mu that of the negative pivots of `A - mu M` less the negative eigenvalues of `B^T (A - mu M)^-1 B`
+/// (Haynsworth's inertia additivity).
+///
 /// # Errors
 /// A matrix that is not symmetric or not finite; more eigenvalues wanted than there are unknowns; a factor beyond 8
 /// GiB; [`LinearError::Eigenpairs`] where the iteration does not find them.
 pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigenpairs, LinearError> {
-    let unknowns = problem.fixed.iter().filter(|&&fixed| !fixed).count();
+    let free = problem.fixed.iter().filter(|&&fixed| !fixed).count();
+    let unknowns = free.saturating_sub(problem.constraints.len());
     problem.check(count, unknowns)?;
-    let (mut sigma, mut factor) = problem.below_spectrum()?;
+    let (mut sigma, mut inverse) = problem.below_spectrum()?;
     let negative = if sigma == 0.0 { 0 } else { problem.count_negative()? };
     let wanted = count.max(negative);
     let magnitudes = problem.matrix.magnitudes();
@@ -106,9 +113,9 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
     // A run that adds no eigenpair adds none the next time either; one that does may have found a copy of a multiple value alone.
     for run in 0..=unknowns {
         let (steps, before) = (steps(missing, unknowns), found.values.len());
-        found.add(lanczos(problem, &factor, &found.vectors, missing, steps, run as u64), problem);
+        found.add(lanczos(problem, &inverse, &found.vectors, missing, steps, run as u64), problem);
         if let Some(distance) = found.separation(wanted, sigma, &rounding) {
-            (sigma, factor) = problem.shifted_below(found.values[0], distance)?;
+            (sigma, inverse) = problem.shifted_below(found.values[0], distance)?;
             (found, missing) = (Found::default(), wanted);
             continue;
         }
@@ -171,22 +178,22 @@ impl Eigenproblem<'_> {
     }
 
     /// Zero, or a shift below all eigenvalues, with the Cholesky factor of the shifted matrix.
-    fn below_spectrum(&self) -> Result<(f64, Factor), LinearError> {
+    fn below_spectrum(&self) -> Result<(f64, Inverse<'_>), LinearError> {
         match self.symbolic.factorize(self.matrix, Pivots::Positive, self.parallel) {
             Err(FactorError::NotPositive { .. }) => self.shifted_below(0.0, 0.0),
-            done => Ok((0.0, done?)),
+            done => Ok((0.0, Inverse::new(done?, self.constraints)?)),
         }
     }
 
     /// The first shift at this distance below a value, or farther, that is below all eigenvalues.
-    fn shifted_below(&self, value: f64, distance: f64) -> Result<(f64, Factor), LinearError> {
+    fn shifted_below(&self, value: f64, distance: f64) -> Result<(f64, Inverse<'_>), LinearError> {
         let most = self.largest_quotient();
         let mut distance = distance.max(LEAST_SHIFT * most);
         while distance < MOST_SHIFT * most {
             let sigma = value - distance;
             match self.symbolic.factorize(&self.shifted(sigma)?, Pivots::Positive, self.parallel) {
                 Err(FactorError::NotPositive { .. }) => distance *= SHIFT_GROWTH,
-                done => return Ok((sigma, done?)),
+                done => return Ok((sigma, Inverse::new(done?, self.constraints)?)),
             }
         }
         Err(LinearError::Shift)
@@ -213,8 +220,16 @@ impl Eigenproblem<'_> {
 
     /// Number of eigenvalues below mu.
     fn count_below(&self, mu: f64) -> Result<usize, LinearError> {
-        let matrix = self.shifted(mu)?;
-        Ok(self.symbolic.factorize(&matrix, Pivots::AnySign, self.parallel)?.negative_pivots())
+        let factor = self.symbolic.factorize(&self.shifted(mu)?, Pivots::AnySign, self.parallel)?;
+        if self.constraints.is_empty() {
+            return Ok(factor.negative_pivots());
+        }
+        let (_, mut schur) = schur(&factor, self.constraints);
+        // Congruence with a diagonal matrix keeps the signs, and takes the units of the constraints away.
+        let size: Vec<f64> = (0..schur.nrows()).map(|k| schur.row(k).amax().sqrt().max(f64::MIN_POSITIVE)).collect();
+        schur = DMatrix::from_fn(size.len(), size.len(), |i, k| schur[(i, k)] / (size[i] * size[k]));
+        let of_constraints = schur.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count();
+        Ok(factor.negative_pivots().saturating_sub(of_constraints))
     }
 
     fn times_mass(&self, x: &[f64]) -> Vec<f64> {
@@ -258,6 +273,42 @@ fn quadratic_form(matrix: &SparseMatrix, x: &[f64], parallel: bool) -> f64 {
     dot(x, &product)
 }
 
+/// `B^T A^-1 B` and the columns `A^-1 B`.
+fn schur(factor: &Factor, constraints: &[Vec<f64>]) -> (Vec<Vec<f64>>, DMatrix<f64>) {
+    let inverse = |column: &Vec<f64>| {
+        let mut z = column.clone();
+        factor.solve(&mut z, 1);
+        z
+    };
+    let z: Vec<Vec<f64>> = constraints.iter().map(inverse).collect();
+    let schur =
+        DMatrix::from_fn(z.len(), z.len(), |i, k| 0.5 * (dot(&constraints[i], &z[k]) + dot(&constraints[k], &z[i])));
+    (z, schur)
+}
+
+/// The inverse of a positive definite matrix on the null space of `B^T`.
+struct Inverse<'a> {
+    factor: Factor,
+    constraints: &'a [Vec<f64>],
+    z: Vec<Vec<f64>>,
+    schur: Cholesky<f64, Dyn>,
+}
+
+impl<'a> Inverse<'a> {
+    fn new(factor: Factor, constraints: &'a [Vec<f64>]) -> Result<Self, LinearError> {
+        let (z, schur) = schur(&factor, constraints);
+        let schur = schur.cholesky().ok_or(LinearError::Border { scalars: constraints.len() })?;
+        Ok(Inverse { factor, constraints, z, schur })
+    }
+
+    fn apply(&self, x: &mut [f64]) {
+        self.factor.solve(x, 1);
+        let slopes = DVector::from_iterator(self.z.len(), self.constraints.iter().map(|column| dot(column, x)));
+        let p = self.schur.solve(&slopes);
+        self.z.iter().zip(p.iter()).for_each(|(z, p)| axpy(-p, z, x));
+    }
+}
+
 /// Eigenpairs found so far, ascending.
 #[derive(Default)]
 struct Found {
@@ -288,7 +339,7 @@ impl Found {
 /// steps do not suffice or the space is exhausted.
 fn lanczos(
     problem: &Eigenproblem,
-    factor: &Factor,
+    inverse: &Inverse,
     known: &[Vec<f64>],
     wanted: usize,
     steps: usize,
@@ -296,6 +347,10 @@ fn lanczos(
 ) -> Vec<Vec<f64>> {
     let mut random = Random::new(seed);
     let mut q: Vec<f64> = problem.fixed.iter().map(|&fixed| if fixed { 0.0 } else { random.symmetric() }).collect();
+    if !problem.constraints.is_empty() {
+        q = problem.times_mass(&q);
+        inverse.apply(&mut q);
+    }
     let size = dot(&q, &problem.times_mass(&q)).sqrt();
     let (_, left) = problem.orthogonalize(&mut q, known.iter());
     if left <= SPANNED * size {
@@ -308,7 +363,7 @@ fn lanczos(
     loop {
         let j = basis.len() - 1;
         let mut w = problem.times_mass(&basis[j]);
-        factor.solve(&mut w, 1);
+        inverse.apply(&mut w);
         let (h, left) = problem.orthogonalize(&mut w, known.iter().chain(&basis));
         alpha.push(h[known.len() + j]);
         let largest = alpha.iter().chain(&beta).fold(0.0, |most: f64, t| most.max(t.abs()));

@@ -35,7 +35,7 @@ fn dense_eigenvalues(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool]) ->
 
 fn find(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool], count: usize) -> Result<Eigenpairs, LinearError> {
     let symbolic = Arc::new(Symbolic::new(matrix.pattern()));
-    let problem = Eigenproblem { matrix, mass, fixed, symbolic: &symbolic, parallel: false };
+    let problem = Eigenproblem { matrix, mass, fixed, constraints: &[], symbolic: &symbolic, parallel: false };
     smallest_eigenpairs(&problem, count)
 }
 

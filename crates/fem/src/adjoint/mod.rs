@@ -3,10 +3,10 @@
 pub(crate) mod second_order;
 
 use crate::contributions::instant::{Instant, TimeStep};
-use crate::error::StateError;
+use crate::error::{Inadmissible, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
-use crate::solution::saddle_point::SaddlePoint;
+use crate::solution::saddle_point::{BorderedTangent, SaddlePoint};
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent_systems::{EXACT, TangentSystems};
 use crate::solution::workspace::Workspace;
@@ -68,20 +68,14 @@ impl Model {
         let mut report = SolveReport::default();
         let solver = self.linear_solver(how, workspace);
         let mut systems = TangentSystems::new(self, how.parallel, solver);
-        if self.unknowns().scalars > 0 {
-            let system = self.saddle_point(state, how.parallel)?;
-            let u = self.nodal(&state.u);
-            system.prepare(&mut systems, u, &mut report)?;
-            let (lambda, _) = system.solve(&mut systems, u, &columns, EXACT, &mut report)?;
-            return Ok(Adjoint { lambda, report });
-        }
-        if let [b] = columns[..]
+        if self.unknowns().scalars == 0
+            && let [b] = columns[..]
             && let Some(lambda) = self.solve_by_products(state, b, how, (EXACT, &mut systems), &mut report)
         {
             return Ok(Adjoint { lambda: vec![lambda], report });
         }
-        let matrix = self.tangent(state, how.parallel)?;
-        let lambda = systems.solve_transposed(matrix, &state.u, &columns, &mut report)?;
+        let at = self.instant(state, None, how.parallel);
+        let lambda = self.solve_transposed_at(&at, &columns, state, &mut systems, &mut report)?;
         Ok(Adjoint { lambda, report })
     }
 
@@ -159,13 +153,52 @@ impl Model {
 
     /// The bordered tangent at a state, with the constraints that act there.
     pub(crate) fn saddle_point(&self, state: &State, parallel: bool) -> Result<SaddlePoint, StateError> {
-        let at = self.instant(state, None, parallel);
-        let last = || Box::new(state.clone());
-        let found = self.bordered_tangent(&at).and_then(|tangent| Ok((tangent, self.acting(&at)?)));
-        let (tangent, acting) = found.map_err(|at| StateError::inadmissible(at, state.load, 0, last()))?;
+        self.saddle_point_at(&self.instant(state, None, parallel)).map_err(|at| inverted(at, state))
+    }
+
+    /// The same at an instant, at the end of a time step if there is one.
+    pub(crate) fn saddle_point_at(&self, at: &Instant) -> Result<SaddlePoint, Inadmissible> {
+        let tangent = self.bordered_tangent(at)?;
+        let acting = self.acting(at)?;
         let mut system = SaddlePoint::new(self, tangent);
         system.set_acting(&acting, false);
         Ok(system)
+    }
+
+    /// The tangent at a state, supports not eliminated, and the derivatives of the constraints that act there.
+    pub(crate) fn acting_tangent(
+        &self,
+        state: &State,
+        parallel: bool,
+    ) -> Result<(SparseMatrix, Vec<Vec<f64>>), StateError> {
+        let at = self.instant(state, None, parallel);
+        let found = self.bordered_tangent(&at).and_then(|tangent| Ok((tangent, self.acting(&at)?)));
+        let (BorderedTangent { matrix, columns }, acting) = found.map_err(|at| inverted(at, state))?;
+        let own = columns.into_iter().zip(acting).filter(|(_, acting)| *acting);
+        let clear = |(mut column, _): (Vec<f64>, bool)| {
+            self.supports.clear(&mut column);
+            column
+        };
+        Ok((matrix, own.map(clear).collect()))
+    }
+
+    /// `[K B; B^T 0]^T x = b` at an instant with the constraints that act there, for right-hand sides that are zero on the supports.
+    pub(crate) fn solve_transposed_at(
+        &self,
+        at: &Instant,
+        rhs: &[&[f64]],
+        state: &State,
+        systems: &mut TangentSystems,
+        report: &mut SolveReport,
+    ) -> Result<Vec<Vec<f64>>, StateError> {
+        if self.unknowns().scalars == 0 {
+            return Ok(systems.solve_transposed(self.tangent_at(at, state)?, at.u, rhs, report)?);
+        }
+        let mut system = self.saddle_point_at(at).map_err(|at| inverted(at, state))?;
+        let u = self.nodal(at.u);
+        system.transpose();
+        system.prepare(systems, u, report)?;
+        Ok(system.solve(systems, u, rhs, EXACT, report)?.0)
     }
 
     /// The tangent K(u, m) at a state, supports not eliminated.
@@ -176,8 +209,12 @@ impl Model {
     /// The tangent at the instant of a state.
     pub(crate) fn tangent_at(&self, at: &Instant, state: &State) -> Result<SparseMatrix, StateError> {
         let mut matrix = self.matrix();
-        let last = || Box::new(state.clone());
-        self.add_tangent(at, &mut matrix).map_err(|at| StateError::inadmissible(at, state.load, 0, last()))?;
+        self.add_tangent(at, &mut matrix).map_err(|at| inverted(at, state))?;
         Ok(matrix)
     }
+}
+
+/// A state that cannot be derived.
+pub(crate) fn inverted(at: Inadmissible, state: &State) -> StateError {
+    StateError::inadmissible(at, state.load, 0, Box::new(state.clone()))
 }

@@ -150,7 +150,10 @@ impl<'a> SecondOrder<'a> {
         }
         let Self { model, state, how, again, accuracy, .. } = *self;
         if model.unknowns().scalars > 0 {
-            let system = model.saddle_point(state, how.parallel)?;
+            let mut system = model.saddle_point(state, how.parallel)?;
+            if transposition == Transposition::Yes {
+                system.transpose();
+            }
             let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
             let u = model.nodal(&state.u);
             system.prepare(&mut systems, u, &mut self.report)?;

@@ -98,15 +98,16 @@ enum Mass {
 }
 
 impl Mass {
+    /// Zero behind the displacement.
     fn times(&self, v: &[f64], parallel: bool) -> Vec<f64> {
+        let mut out = vec![0.0; v.len()];
         match self {
-            Mass::Lumped(diagonal) => diagonal.iter().zip(v).map(|(m, v)| m * v).collect(),
-            Mass::Consistent(matrix) => {
-                let mut out = vec![0.0; v.len()];
-                matrix.multiply_on(v, &mut out, parallel);
-                out
+            Mass::Lumped(diagonal) => {
+                out.iter_mut().zip(diagonal).zip(v).for_each(|((out, m), v)| *out = m * v);
             }
+            Mass::Consistent(matrix) => matrix.multiply_on(v, &mut out, parallel),
         }
+        out
     }
 
     fn add_to(&self, factor: f64, matrix: &mut SparseMatrix) -> Result<(), NotCoupled> {

@@ -53,8 +53,7 @@ impl Model {
     /// and the answer is [`Connected`](Connection::Connected), unless its [report](State::report) tells of a shifted tangent or
     /// a restart, or it took five Newton iterations or more and the tangent has negative pivots at one of three states between the
     /// two. One that is not trusted is made again in parts of the way: where all of them are trusted and lead to the same state,
-    /// the two are connected. Otherwise the [`path`](Self::path) from one to the other is followed by arc length; under constraints,
-    /// where there is none, the answer is then [`Unknown`](Connection::Unknown).
+    /// the two are connected. Otherwise the [`path`](Self::path) from one to the other is followed by arc length.
     ///
     /// # Errors
     /// As [`path`](Self::path); a cancelled solve, a lack of memory.
@@ -68,9 +67,6 @@ impl Model {
             || self.is_reached_in_parts(from, to, how, (&mut workspace, &fit))?
         {
             return Ok(Connection::Connected);
-        }
-        if self.unknowns().scalars > 0 {
-            return Ok(Connection::Unknown(0.0));
         }
         let options = PathOptions { step: STEP, points: POINTS, range: [BEHIND, 1.0], to_limit: true };
         let target = (&*to.controls, to.load);
@@ -107,6 +103,10 @@ impl Model {
         let fit = fit.get_or_init(|| GradientFit::new(self, how.parallel));
         for share in BETWEEN {
             let between = self.between(from, to, share, fit.as_ref(), how.parallel);
+            let at = self.instant(from, None, how.parallel);
+            if !self.admissible_move_of_others(&at, &between.u).is_ok_and(|share| share >= 1.0) {
+                return Ok(true);
+            }
             match self.negative_pivots_with(&between, how, workspace) {
                 Ok(0) => {}
                 Err(error) if error.is_final() => return Err(error),

@@ -5,8 +5,9 @@ use crate::contributions::instant::TimeStep;
 use crate::error::FemError;
 use crate::error::{Cause, StateError};
 use crate::model::Model;
+use crate::nonlinear::equations::Equations;
+use crate::nonlinear::iteration::Stop;
 use crate::solution::load_steps::LoadSteps;
-use crate::solution::newton::{Newton, Stop};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
@@ -27,11 +28,12 @@ impl Model {
     /// The straight way from the starting state (rest with the designs of these controls, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
     /// with strains of their own at the quadrature points (slender and nearly incompressible bodies); where that fails too,
     /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
-    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all. When a warm start leads nowhere, or fails after more
+    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all, if a straight move from `how.near` to it is admissible. When a warm start leads nowhere, or fails after more
     /// than three times `how.max_newton` iterations, the way from rest is tried.
     ///
     /// # Errors
-    /// A typed [`StateError`]; where there was progress it holds the last equilibrium.
+    /// A typed [`StateError`]; where there was progress it holds the last equilibrium. [`StateError::Start`] where the way would begin
+    /// outside of the admissible set.
     pub fn solve(&self, controls: &Controls, how: &SolveOptions) -> Result<State, StateError> {
         self.solve_with(controls, how, &mut Workspace::default())
     }
@@ -77,17 +79,26 @@ impl Model {
             let what = "guess of the displacement".to_owned();
             return Err(FemError::Length { what, found: guess.len(), expected: rest.u.len() }.into());
         }
-        how.near.map_or(Ok(()), |near| self.check_state(near))?;
+        if let Some(near) = how.near {
+            self.check_state(near)?;
+        }
+        let start = how.near.unwrap_or(&rest);
+        // those of a motion were checked where it began
+        if time_step.is_none() {
+            self.check_start(start, how.parallel)?;
+        }
         if let Some(found) =
             how.guess.and_then(|guess| self.jump(guess, controls, (how, time_step), workspace, &mut spent).transpose())
         {
             return found;
         }
+        let most = if time_step.is_none() { WARM * how.max_newton } else { MOST };
         let Some(near) = how.near else {
             return self.walk(&rest, controls, (how, time_step), MOST, workspace, &mut spent);
         };
-        match self.walk(near, controls, (how, time_step), WARM * how.max_newton, workspace, &mut spent) {
-            Err(error) if error.is_final() => Err(error),
+        match self.walk(near, controls, (how, time_step), most, workspace, &mut spent) {
+            // a motion does not begin again at rest in the middle
+            Err(error) if error.is_final() || time_step.is_some() => Err(error),
             Err(failed) => {
                 workspace.forget();
                 let how = (how, time_step);
@@ -101,24 +112,12 @@ impl Model {
         }
     }
 
-    /// Newton's method at a load.
-    pub(super) fn newton<'a>(
-        &'a self,
-        controls: &'a Controls,
-        load: f64,
-        time_step: Option<&'a TimeStep>,
-        path: f64,
-        options: &'a SolveOptions<'a>,
-    ) -> Newton<'a> {
-        Newton { model: self, controls, load, time_step, path, options }
-    }
-
     /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
     /// points; once these have helped, the next steps begin with them. Not where the path seems to turn back, nor beyond the
     /// convexity bound (`hopeless`). Where it fails, u is the last iterate.
     fn attempt(
         &self,
-        newton: &Newton,
+        newton: &Equations,
         u: &mut Vec<f64>,
         (helped, hopeless): (&mut bool, bool),
         workspace: &mut Workspace,
@@ -164,7 +163,11 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
         let brief = SolveOptions { max_newton: how.max_newton.min(GUESS), ..how.clone() };
-        let newton = self.newton(controls, 1.0, time_step, 1.0, &brief);
+        let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
+        let from = how.near.map_or(guess, |near| &near.u);
+        if !newton.admissible_chord(from, guess).is_ok_and(|share| share >= 1.0) {
+            return Ok(None);
+        }
         let mut u = guess.to_vec();
         match newton.solve(&mut u, self.linear_solver(how, workspace), report) {
             Ok(_) => {
@@ -243,7 +246,7 @@ impl Model {
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
-            let newton = self.newton(&controls, load, time_step, path, how);
+            let newton = self.equations(&controls, load, time_step, path, how);
             let hopeless = unbounded || steps.limit_point().is_some();
             let mut u = here.u.to_vec();
             match self.attempt(&newton, &mut u, (&mut helped, hopeless), workspace, report) {
@@ -257,7 +260,7 @@ impl Model {
                 Err(stop) if stop.is_final() => return Err(self.give_up(stop, path, (&steps, None), to, report, here)),
                 Err(stop) => {
                     if steps.failed(path) || report.newton > most {
-                        let suspect = self.suspect(&newton.at(&u));
+                        let suspect = newton.at(&u, |at| self.suspect(at));
                         return Err(self.give_up(stop, path, (&steps, suspect), to, report, here));
                     }
                     report.cuts += 1;

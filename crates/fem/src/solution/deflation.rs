@@ -2,14 +2,14 @@
 
 use crate::contributions::Demand;
 use crate::contributions::instant::Instant;
-use crate::error::{FemError, Inadmissible, StateError};
-use crate::model::Model;
-use crate::solution::options::{Progress, SolveOptions};
+use crate::error::{FemError, StateError};
+use crate::model::{Feature, Model};
+use crate::nonlinear::direction::deflated::{Deflated, Known};
+use crate::nonlinear::iteration::{Iteration, Limits, Stop};
+use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
-use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use crate::solution::workspace::Workspace;
-use nastic_linear::{LinearError, SparseMatrix};
-use nastic_numeric::vector::{axpy, dot, max_abs, norm};
+use nastic_numeric::vector::axpy;
 
 /// Equilibria under the same controls and loads, all different.
 #[derive(Debug, Clone)]
@@ -42,17 +42,6 @@ const SAMPLES: usize = 48;
 const AMPLITUDES: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 /// Newton iterations from one start.
 const ITERATIONS: usize = 40;
-/// Largest component of one step, as a share of the body's diagonal.
-const LONGEST: f64 = 0.1;
-/// The distance at which deflation is as strong as the shift, as a share of the body's diagonal.
-const RANGE: f64 = 0.1;
-/// Equilibria nearer than this share of the body's diagonal (root mean square) are the same.
-const SAME: f64 = 1e-6;
-/// A step shorter than this share of the body's size is below what double precision resolves.
-const RESOLUTION: f64 = 1e-12;
-/// Below this relative residual an iteration that does not halve it has met the limit of double precision.
-const ROUNDING: f64 = 1e-10;
-
 impl Model {
     /// Up to `count` equilibria under the controls and the load of one that is known, itself included.
     ///
@@ -83,9 +72,9 @@ impl Model {
         watch: &mut dyn FnMut(&Equilibrium),
     ) -> Result<Equilibria, StateError> {
         self.check()?;
-        let instead = "hold the multipliers found (pressures, tensions) as controls and look for equilibria there";
-        self.refuse_constraints("other equilibria by deflation", instead)?;
+        self.supports(Feature::Deflation)?;
         self.check_state(known)?;
+        self.check_start(known, how.parallel)?;
         if count == 0 {
             return Err(
                 FemError::Meaningless { what: "no equilibria are asked for; ask for 1 or more".to_owned() }.into()
@@ -98,18 +87,18 @@ impl Model {
         while from < all.found.len() && all.found.len() < count {
             for start in self.starts(&all.found[from].state, how)? {
                 all.starts += 1;
-                let (found, newton) = Deflation::new(self, &all.found, how).solve(start, workspace);
-                all.newton += newton;
+                let mut report = SolveReport::default();
+                let found = self.deflated(&all.found, start, how, workspace, &mut report);
+                all.newton += report.newton;
                 match found {
-                    Ok(state) => {
+                    Ok(Some(state)) => {
                         let next = self.with_inertia(state, how);
                         watch(&next);
                         all.found.push(next);
                     }
-                    Err(Stop::Cancelled) => return Err(StateError::Cancelled),
-                    Err(Stop::Problem(error)) => return Err(error.into()),
+                    Ok(None) => workspace.forget(),
                     // Another start may lead somewhere.
-                    Err(Stop::Failed) => workspace.forget(),
+                    Err(stop) => stop.final_error().map_or(Ok(workspace.forget()), Err)?,
                 }
                 if all.found.len() == count {
                     break;
@@ -137,7 +126,7 @@ impl Model {
                 let displaced = |share: f64| {
                     let mut u = state.u.to_vec();
                     axpy(side * share * size, shape, &mut u);
-                    let energy = self.energy(&u, state, how);
+                    let energy = self.energy_beside(&u, state, how);
                     (energy, u)
                 };
                 let sample = |k: usize| displaced(LARGEST * GROWTH.powi(k as i32 + 1 - SAMPLES as i32));
@@ -155,132 +144,34 @@ impl Model {
         Ok(ordered(stationary).chain(ordered(further)).collect())
     }
 
-    /// The potential under the controls and the load of a state; infinite where a cell inverts.
-    fn energy(&self, u: &[f64], state: &State, how: &SolveOptions) -> f64 {
-        let at = Instant { parallel: how.parallel, ..Instant::new(u, &state.controls, state.load) };
-        let sums = self.evaluate(&at, Demand { energy: true, force: false });
+    /// The potential under the controls, the load and the multipliers of a state; infinite where a cell inverts, and
+    /// where another contribution refuses the straight move from it.
+    pub(super) fn energy_beside(&self, u: &[f64], state: &State, how: &SolveOptions) -> f64 {
+        let at = |u| Instant { parallel: how.parallel, ..Instant::new(u, &state.controls, state.load) };
+        if !self.admissible_move_of_others(&at(&state.u), u).is_ok_and(|share| share >= 1.0) {
+            return f64::INFINITY;
+        }
+        let sums = self.evaluate(&at(u), Demand { energy: true, force: false });
         sums.map_or(f64::INFINITY, |sums| sums.energy)
     }
-}
 
-/// Why a start leads nowhere.
-enum Stop {
-    Failed,
-    Problem(FemError),
-    Cancelled,
-}
-
-impl From<Inadmissible> for Stop {
-    fn from(at: Inadmissible) -> Self {
-        at.problem().map_or(Stop::Failed, Stop::Problem)
-    }
-}
-
-impl From<LinearError> for Stop {
-    fn from(_: LinearError) -> Self {
-        Stop::Failed
-    }
-}
-
-/// Newton's method for the deflated residual.
-struct Deflation<'a> {
-    model: &'a Model,
-    known: &'a [Equilibrium],
-    how: &'a SolveOptions<'a>,
-    /// `V_a / (V l^2)` by unknown.
-    weights: Vec<f64>,
-    size: f64,
-}
-
-impl<'a> Deflation<'a> {
-    fn new(model: &'a Model, known: &'a [Equilibrium], how: &'a SolveOptions<'a>) -> Self {
-        let disc = model.discretization();
-        let size = disc.mesh().diagonal();
-        let mut weights = disc.volumes_by_unknown();
-        let scale = weights.iter().sum::<f64>() / disc.dim() as f64 * (RANGE * size).powi(2);
-        weights.iter_mut().for_each(|w| *w /= scale);
-        Deflation { model, known, how, weights, size }
-    }
-
-    /// From u to an equilibrium that is not known, and the iterations it took.
-    fn solve(&self, u: Vec<f64>, workspace: &mut Workspace) -> (Result<State, Stop>, usize) {
-        let mut report = SolveReport::default();
-        let found = self.iterate(u, workspace, &mut report);
-        (found, report.newton)
-    }
-
-    fn iterate(&self, mut u: Vec<f64>, workspace: &mut Workspace, report: &mut SolveReport) -> Result<State, Stop> {
-        let (mut before, mut tiny) = (f64::INFINITY, false);
-        for _ in 0..=ITERATIONS {
-            if self.how.cancelled() {
-                return Err(Stop::Cancelled);
-            }
-            let now = self.model.evaluate(&self.at(&u), Demand { energy: true, force: true })?;
-            let mut residual = now.force;
-            self.model.supports.clear(&mut residual);
-            let size = norm(&residual);
-            let relative = if size == 0.0 { 0.0 } else { size / norm(&now.force_scale) };
-            (report.residual, report.min_j, report.energy) = (relative, now.min_j, now.energy);
-            self.tell(report);
-            if tiny || relative <= self.how.accuracy || (relative <= ROUNDING && relative > 0.5 * before) {
-                return self.distinct(u, report);
-            }
-            before = relative;
-            let mut matrix: SparseMatrix = self.model.matrix();
-            self.model.add_tangent(&self.at(&u), &mut matrix)?;
-            eliminate(self.model, &mut matrix);
-            let rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
-            let solver = self.model.linear_solver(self.how, workspace);
-            let newton = TangentSystems::new(self.model, self.how.parallel, solver).solve(&matrix, &u, &rhs, report)?;
-            report.newton += 1;
-            let factor = self.factor(&u, &newton);
-            let longest = LONGEST * self.size / max_abs(&newton).max(f64::MIN_POSITIVE);
-            let mut step: Vec<f64> = newton.iter().map(|d| factor.clamp(-longest, longest) * d).collect();
-            let admissible = self.model.max_step(&self.at(&u), &step)?;
-            step.iter_mut().for_each(|d| *d *= admissible);
-            tiny = max_abs(&newton) <= RESOLUTION * self.size;
-            axpy(1.0, &step, &mut u);
-        }
-        Err(Stop::Failed)
-    }
-
-    fn at<'u>(&'u self, u: &'u [f64]) -> Instant<'u> {
-        let first = &self.known[0].state;
-        Instant { parallel: self.how.parallel, ..Instant::new(u, &first.controls, first.load) }
-    }
-
-    /// `1 / (1 - (grad log m) . d)` for Newton's step d.
-    fn factor(&self, u: &[f64], step: &[f64]) -> f64 {
-        let slope = |known: &Equilibrium| {
-            let away: Vec<f64> = u.iter().zip(known.state.u.iter()).map(|(u, v)| u - v).collect();
-            let weighted: Vec<f64> = away.iter().zip(&self.weights).map(|(v, w)| v * w).collect();
-            let square = dot(&away, &weighted);
-            -2.0 * dot(&weighted, step) / (square * (1.0 + square))
-        };
-        let factor = 1.0 / (1.0 - self.known.iter().map(slope).sum::<f64>());
-        if factor.is_finite() { factor } else { f64::MAX }
-    }
-
-    /// The equilibrium, unless it is one that is known.
-    fn distinct(&self, u: Vec<f64>, report: &SolveReport) -> Result<State, Stop> {
-        let least = (SAME / RANGE).powi(2);
-        let near = |known: &Equilibrium| {
-            let squares = u.iter().zip(known.state.u.iter()).zip(&self.weights).map(|((u, v), w)| (u - v).powi(2) * w);
-            squares.sum::<f64>() < least
-        };
-        if self.known.iter().any(near) {
-            return Err(Stop::Failed);
-        }
-        let first = &self.known[0].state;
-        let mut state = State::equilibrium(u, (*first.controls).clone(), first.load, *report);
-        state.report.load_steps = 1;
-        Ok(state)
-    }
-
-    fn tell(&self, report: &SolveReport) {
-        if let Some(watch) = self.how.watch {
-            let SolveReport { newton, residual, energy, .. } = *report;
-            watch(&Progress { load: 1.0, newton, residual, step: 1.0, energy });
-        }
+    /// From u to an equilibrium; `None` where it is one that is known.
+    fn deflated(
+        &self,
+        known: &[Equilibrium],
+        mut u: Vec<f64>,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<Option<State>, Stop> {
+        let first = &known[0].state;
+        let equations = self.equations(&first.controls, first.load, None, 1.0, how);
+        let known = Known::new(&equations, known.iter().map(|known| &known.state).collect());
+        let solver = self.linear_solver(how, workspace);
+        let mut direction = Deflated::new(&equations, &mut u, &known, solver);
+        Iteration::new(&equations, Limits::new(ITERATIONS, how.accuracy)).run(&mut u, &mut direction, report)?;
+        let report = SolveReport { load_steps: 1, ..*report };
+        let new = !known.contains(&u);
+        Ok(new.then(|| State::equilibrium(u, (*first.controls).clone(), first.load, report)))
     }
 }

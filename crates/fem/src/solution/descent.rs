@@ -1,9 +1,7 @@
 //! [`Descent`]: from an unstable equilibrium to a minimum of the potential.
 
-use crate::contributions::Demand;
-use crate::contributions::instant::Instant;
 use crate::error::{Cause, FemError, StateError};
-use crate::model::Model;
+use crate::model::{Feature, Model};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
@@ -44,11 +42,11 @@ impl Model {
     /// last saddle where no lower equilibrium is found.
     pub fn descend(&self, state: &State, how: &SolveOptions, workspace: &mut Workspace) -> Result<Descent, StateError> {
         self.check()?;
-        let instead = "hold the multipliers found (pressures, tensions) as controls and descend there";
-        self.refuse_constraints("a descent from a saddle", instead)?;
+        self.supports(Feature::Descent)?;
         self.check_state(state)?;
-        if state.load != 1.0 || !self.has_potential() {
-            let what = "a descent needs a potential, and a state at full loads".to_owned();
+        self.check_start(state, how.parallel)?;
+        if state.load != 1.0 {
+            let what = "a descent needs a state at full loads".to_owned();
             return Err(FemError::Meaningless { what }.into());
         }
         let mut work = SolveReport::default();
@@ -88,7 +86,10 @@ impl Model {
                 let mut u = saddle.u.to_vec();
                 axpy(multiple * amplitude, mode, &mut u);
                 let (controls, mut report) = (&*saddle.controls, SolveReport::default());
-                let newton = self.newton(controls, 1.0, None, 1.0, how);
+                let newton = self.equations(controls, 1.0, None, 1.0, how);
+                if !newton.admissible_chord(&saddle.u, &u).is_ok_and(|share| share >= 1.0) {
+                    continue;
+                }
                 let found = newton.solve(&mut u, self.linear_solver(how, workspace), &mut report);
                 work.add_work(&report);
                 match found {
@@ -111,7 +112,7 @@ impl Model {
         Ok(None)
     }
 
-    /// The least value of the potential along one side of a mode before a cell inverts, and at which multiple of the
+    /// The least value of the potential along one side of a mode before a cell inverts or another contribution refuses the straight move, and at which multiple of the
     /// mode. Not the first minimum: near the saddle rounding makes many.
     fn lowest_along(&self, state: &State, mode: &[f64], side: f64, how: &SolveOptions) -> (f64, f64) {
         let size = self.discretization().mesh().diagonal();
@@ -120,12 +121,12 @@ impl Model {
         while share <= LARGEST {
             let mut u = state.u.to_vec();
             axpy(side * share * size, mode, &mut u);
-            let at = Instant { parallel: how.parallel, ..Instant::new(&u, &state.controls, state.load) };
-            let sums = self.evaluate(&at, Demand { energy: true, force: false });
-            match sums {
-                Ok(sums) if sums.energy < best.0 => best = (sums.energy, side * share * size),
-                Ok(_) => (),
-                Err(_) => break,
+            let energy = self.energy_beside(&u, state, how);
+            if energy == f64::INFINITY {
+                break;
+            }
+            if energy < best.0 {
+                best = (energy, side * share * size);
             }
             share *= GROWTH;
         }

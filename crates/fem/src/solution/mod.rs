@@ -1,23 +1,17 @@
 //! From controls to an equilibrium: load steps, Newton's method, tangent systems.
 
-mod active_set;
 mod arc_length;
 pub(crate) mod connection;
-mod constrained_newton;
-mod constrained_step;
 mod continuation;
 pub(crate) mod deflation;
 pub(crate) mod descent;
 mod limit_point;
 mod load_steps;
 pub(crate) mod modes;
-pub(crate) mod newton;
-mod newton_iteration;
 pub(crate) mod nodal_rotations;
 pub(crate) mod options;
 pub(crate) mod path;
 mod path_events;
-mod point_strain_newton;
 pub(crate) mod ramp;
 pub(crate) mod rotation_corrected_step;
 pub(crate) mod saddle_point;

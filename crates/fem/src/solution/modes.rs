@@ -1,7 +1,7 @@
 //! [`Modes`]: the smallest eigenvalues of the tangent at an equilibrium, and their modes.
 
 use crate::error::StateError;
-use crate::model::Model;
+use crate::model::{Feature, Model};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
 use crate::solution::tangent_systems::eliminate;
@@ -50,14 +50,14 @@ impl Model {
         how: &SolveOptions,
     ) -> Result<Eigenpairs, StateError> {
         self.check_state(state)?;
-        let instead = "the number of negative pivots is counted; for modes, hold the multipliers found (pressures, tensions) as controls";
-        self.refuse_constraints("modes", instead)?;
-        let mut matrix = self.tangent_at(&self.instant(state, None, how.parallel), state)?;
+        self.supports(Feature::Modes)?;
+        let (mut matrix, constraints) = self.acting_tangent(state, how.parallel)?;
         eliminate(self, &mut matrix);
         let problem = Eigenproblem {
             matrix: &matrix,
             mass,
             fixed: self.supports.fixed(),
+            constraints: &constraints,
             symbolic: self.discretization().symbolic(),
             parallel: how.parallel,
         };

@@ -2,8 +2,9 @@
 
 use crate::contributions::controls::Controls;
 use crate::error::{FemError, StateError};
-use crate::model::Model;
-use crate::solution::arc_length::{Equations, Failure, Point};
+use crate::model::{Feature, Model};
+use crate::nonlinear::iteration::Stop;
+use crate::solution::arc_length::{PathEquations, Point};
 use crate::solution::options::SolveOptions;
 use crate::solution::path_events::{Between, events};
 use crate::solution::state::State;
@@ -142,13 +143,13 @@ impl Model {
         watch: &mut dyn FnMut(&PathPoint),
     ) -> Result<EquilibriumPath, StateError> {
         self.check()?;
-        let instead = "a ramp along the prescribed quantity (a volume) passes limit points of its multiplier (the pressure) by itself";
-        self.refuse_constraints("a path by arc length", instead)?;
+        self.supports(Feature::Path)?;
         self.check_state(from)?;
         self.check_controls(to.0)?;
         options.check()?;
-        let mut equations = Equations::new(self, from, to, how, workspace);
-        let start = equations.start().map_err(|failure| failure.into_error(from))?;
+        self.check_start(from, how.parallel)?;
+        let mut equations = PathEquations::new(self, from, to, how, workspace);
+        let start = equations.start(from).map_err(|stop| stop.into_error(0, from))?;
         let mut path =
             EquilibriumPath { points: vec![equations.told(&start)], events: Vec::new(), end: PathEnd::Points };
         watch(&path.points[0]);
@@ -163,7 +164,7 @@ impl Model {
                     watch(&told);
                     path.points.push(told);
                     stretched = 0;
-                    step = length * (WANTED / point.newton.max(1) as f64).sqrt().clamp(0.5, 2.0);
+                    step = length * (WANTED / point.report.newton.max(1) as f64).sqrt().clamp(0.5, 2.0);
                     here = point;
                     if left {
                         path.end = PathEnd::Left;
@@ -174,12 +175,12 @@ impl Model {
                         break;
                     }
                 }
-                Err(Failure::Cancelled) => {
+                Err(Stop::Cancelled) => {
                     path.end = PathEnd::Cancelled;
                     break;
                 }
                 // A bifurcation stands in the way, and may be stepped over.
-                Err(Failure::Linear(_)) if stretched < STRETCHES => {
+                Err(Stop::Linear(_)) if stretched < STRETCHES => {
                     stretched += 1;
                     step = STRETCH * length;
                 }
@@ -187,7 +188,7 @@ impl Model {
                     step = 0.5 * length;
                     if step < SHORTEST * FIRST {
                         let last = &path.points[path.points.len() - 1].state;
-                        path.end = PathEnd::Stuck(why.into_error(last));
+                        path.end = PathEnd::Stuck(why.into_error(last.report.newton, last));
                         break;
                     }
                 }
@@ -215,24 +216,29 @@ struct Advance {
     left: bool,
 }
 
+/// Of a step to a point that may be on another branch, or behind several events.
+pub(super) fn too_long() -> Stop {
+    Stop::Slow { residual: 0.0 }
+}
+
 /// One step; a failure where it is too long.
 fn advance(
-    equations: &mut Equations,
+    equations: &mut PathEquations,
     path: &EquilibriumPath,
     here: &Point,
     length: f64,
     [low, high]: [f64; 2],
-) -> Result<Advance, Failure> {
+) -> Result<Advance, Stop> {
     let mut point = equations.step(here, length)?;
     // A point that stands on an end has not left it.
-    let crosses = |end: &f64| here.s != *end && (point.s - end) * (here.s - end) <= 0.0;
+    let crosses = |end: &f64| here.s() != *end && (point.s() - end) * (here.s() - end) <= 0.0;
     let end = [low, high].into_iter().find(crosses);
     if let Some(end) = end {
         point = equations.land(here, &point, end)?;
     }
     let separable = length > INSEPARABLE * FIRST;
     if separable && equations.product(&here.tangent, &point.tangent) < STRAIGHT {
-        return Err(Failure::TooLong);
+        return Err(too_long());
     }
     let told = equations.told(&point);
     // Of a point with a singular tangent nothing is known; what was known before it counts.

@@ -1,7 +1,8 @@
 //! Limit points and bifurcations between two points of a path.
 
-use crate::solution::arc_length::{Equations, Failure, Point};
-use crate::solution::path::{EventKind, PathEvent};
+use crate::nonlinear::iteration::Stop;
+use crate::solution::arc_length::{PathEquations, Point};
+use crate::solution::path::{EventKind, PathEvent, too_long};
 
 /// Bifurcations are known to this share of the step.
 const BISECTED: f64 = 1e-3;
@@ -22,40 +23,44 @@ pub(super) struct Between<'a> {
     pub index: usize,
 }
 
-/// What happens between two neighbours, in order; [`Failure::TooLong`] where a limit point and a bifurcation would have
+/// What happens between two neighbours, in order; too long a step where a limit point and a bifurcation would have
 /// to be told apart and shorter steps can.
-pub(super) fn events(equations: &mut Equations, between: &Between, separable: bool) -> Result<Vec<PathEvent>, Failure> {
+pub(super) fn events(
+    equations: &mut PathEquations,
+    between: &Between,
+    separable: bool,
+) -> Result<Vec<PathEvent>, Stop> {
     let &Between { here, there, before, after, index } = between;
-    let turns = here.tangent.s * there.tangent.s < 0.0;
+    let turns = here.slope() * there.slope() < 0.0;
     let counts = before.zip(after);
     if turns && separable && counts.is_some_and(|(before, after)| before.abs_diff(after) != 1) {
-        return Err(Failure::TooLong);
+        return Err(too_long());
     }
     if turns {
         let found = limit_point(equations, here, there)?;
-        let (s, state) = (found.s, equations.state(&found));
+        let (s, state) = (found.s(), equations.state(&found));
         return Ok(vec![PathEvent { kind: EventKind::LimitPoint, point: index, s, state, before, after }]);
     }
     counts.map_or(Ok(Vec::new()), |counts| bifurcations(equations, here, there, counts, index))
 }
 
 /// Where s' = 0 between two points: regula falsi with the Illinois weights on the step length from the first.
-fn limit_point(equations: &mut Equations, here: &Point, there: &Point) -> Result<Point, Failure> {
+fn limit_point(equations: &mut PathEquations, here: &Point, there: &Point) -> Result<Point, Stop> {
     let (mut low, mut high) = (0.0, equations.along(here, there));
-    let (mut at_low, mut at_high) = (here.tangent.s, there.tangent.s);
+    let (mut at_low, mut at_high) = (here.slope(), there.slope());
     let level = LEVEL * at_low.abs().max(at_high.abs());
     let mut best = if at_low.abs() < at_high.abs() { here.clone() } else { there.clone() };
     let mut last_side = 0;
     for _ in 0..ITERATIONS {
-        if best.tangent.s.abs() <= level {
+        if best.slope().abs() <= level {
             break;
         }
         let length = (low * at_high - high * at_low) / (at_high - at_low);
         let point = match equations.step(here, length) {
-            Err(Failure::Linear(_)) => break,
+            Err(Stop::Linear(_)) => break,
             done => done?,
         };
-        let slope = point.tangent.s;
+        let slope = point.slope();
         let side = if slope * at_low > 0.0 { -1 } else { 1 };
         if side < 0 {
             (low, at_low) = (length, slope);
@@ -65,7 +70,7 @@ fn limit_point(equations: &mut Equations, here: &Point, there: &Point) -> Result
             at_low *= if last_side == side { 0.5 } else { 1.0 };
         }
         last_side = side;
-        if slope.abs() < best.tangent.s.abs() {
+        if slope.abs() < best.slope().abs() {
             best = point;
         }
     }
@@ -74,11 +79,11 @@ fn limit_point(equations: &mut Equations, here: &Point, there: &Point) -> Result
 
 /// A point between two step lengths; `None` where the matrix is singular wherever it is tried, so near is the
 /// bifurcation.
-fn divide(equations: &mut Equations, here: &Point, low: f64, high: f64) -> Result<Option<(f64, Point)>, Failure> {
+fn divide(equations: &mut PathEquations, here: &Point, low: f64, high: f64) -> Result<Option<(f64, Point)>, Stop> {
     for share in [0.5, 0.3, 0.7, 0.1, 0.9] {
         let middle = low + share * (high - low);
         match equations.step(here, middle) {
-            Err(Failure::Linear(_)) => (),
+            Err(Stop::Linear(_)) => (),
             done => return Ok(Some((middle, done?))),
         }
     }
@@ -87,12 +92,12 @@ fn divide(equations: &mut Equations, here: &Point, low: f64, high: f64) -> Resul
 
 /// Where the number of negative pivots changes, by bisection; several changes one after the other.
 fn bifurcations(
-    equations: &mut Equations,
+    equations: &mut PathEquations,
     here: &Point,
     there: &Point,
     (mut before, last): (usize, usize),
     index: usize,
-) -> Result<Vec<PathEvent>, Failure> {
+) -> Result<Vec<PathEvent>, Stop> {
     let end = equations.along(here, there);
     let mut low = 0.0;
     let mut found = Vec::new();
@@ -106,7 +111,7 @@ fn bifurcations(
                 count => (high, after, at) = (middle, count.unwrap_or(after), point),
             }
         }
-        let (kind, s, state) = (EventKind::Bifurcation, at.s, equations.state(&at));
+        let (kind, s, state) = (EventKind::Bifurcation, at.s(), equations.state(&at));
         found.push(PathEvent { kind, point: index, s, state, before: Some(before), after: Some(after) });
         (low, before) = (high, after);
     }

@@ -2,7 +2,7 @@
 
 use crate::contributions::controls::Controls;
 use crate::error::{FemError, StateError};
-use crate::model::Model;
+use crate::model::{Feature, Model};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
 use crate::solution::workspace::Workspace;
@@ -67,6 +67,7 @@ impl Model {
         watch: &mut dyn FnMut(&RampPoint),
     ) -> Result<Ramp, StateError> {
         self.check()?;
+        self.supports(Feature::Ramp)?;
         self.check_controls(from)?;
         self.check_controls(to)?;
         if count < 2 {

@@ -88,6 +88,18 @@ pub(crate) struct SaddlePoint {
     acting: Vec<bool>,
     /// Whether constraints yield a little, `B^T x - c p = g`.
     softened: bool,
+    /// Whether the systems are those of the transposed matrix.
+    transposed: bool,
+}
+
+/// One unknown t and one equation beside the others: `K x + B p + c_u t = f`, `B^T x + c_p t = g`, `row . x + corner t = h`.
+#[derive(Debug)]
+pub(crate) struct Extension {
+    /// `(c_u, c_p)`, zero on supports.
+    pub column: Vec<f64>,
+    /// By the displacement.
+    pub row: Vec<f64>,
+    pub corner: f64,
 }
 
 /// The compliance c of constraints that yield, of scaled columns over the mean diagonal of K.
@@ -115,7 +127,7 @@ impl SaddlePoint {
         }
         matrix.add_diagonal(&added);
         let acting = vec![true; scales.len()];
-        SaddlePoint { matrix, columns, springs, scales, acting, softened: false }
+        SaddlePoint { matrix, columns, springs, scales, acting, softened: false, transposed: false }
     }
 
     /// Sets which constraints act, by constraint, and whether they yield a little: then those that depend on each other have multipliers,
@@ -123,6 +135,11 @@ impl SaddlePoint {
     pub fn set_acting(&mut self, acting: &[bool], softened: bool) {
         self.acting.copy_from_slice(acting);
         self.softened = softened;
+    }
+
+    /// From here on systems are those of `[K^T B; B^T 0]`.
+    pub fn transpose(&mut self) {
+        self.transposed = true;
     }
 
     /// `B_k . v` of a constraint.
@@ -191,7 +208,8 @@ impl SaddlePoint {
             (f.to_vec(), g)
         };
         let rhs: Vec<(Vec<f64>, Vec<f64>)> = rhs.iter().map(split).collect();
-        let (solved, negative) = systems.eliminate_border(&self.matrix, u, &self.border(), &rhs, accuracy, report)?;
+        let (solved, negative) =
+            systems.eliminate_border((&self.matrix, self.transposed), u, &self.border(), &rhs, accuracy, report)?;
         let whole = |(mut x, y): (Vec<f64>, Vec<f64>)| {
             let mut p = vec![0.0; self.scales.len()];
             self.members().zip(&y).for_each(|(k, y)| p[k] = y * self.scales[k]);
@@ -200,6 +218,59 @@ impl SaddlePoint {
         };
         let beyond = |negative: usize| negative.saturating_sub(self.members().count());
         Ok((solved.into_iter().map(whole).collect(), negative.map(beyond)))
+    }
+
+    /// The solution `(x, p)` and t with an [`Extension`], for f and g in one vector, multipliers, and h; those of constraints that do not act
+    /// become zero.
+    ///
+    /// K is singular at limit points, where block elimination would lose all digits. With `k = K_jj > 0` and q = k x_j,
+    /// j the component that moves most along the row, the same system is
+    ///
+    /// ```text
+    /// (K + k e_j e_j^T) x + c t - e_j q = f,    row . x + corner t = h,    k x_j - q = 0
+    /// ```
+    ///
+    /// whose first block, the tangent of the body held at j by a spring, is regular there, and positive definite around
+    /// the first limit point.
+    pub fn solve_extended(
+        &mut self,
+        systems: &mut TangentSystems,
+        u: &[f64],
+        Extension { column, row, corner }: Extension,
+        (fg, multipliers, h): (&[f64], &[f64], f64),
+        report: &mut SolveReport,
+    ) -> Result<(Vec<f64>, f64), LinearError> {
+        let scalars = self.scales.len();
+        let (f, g) = fg.split_at(fg.len() - scalars);
+        let mut f = f.to_vec();
+        (0..scalars).filter(|&k| !self.acting[k]).for_each(|k| self.add_column(k, multipliers[k], &mut f));
+        let largest = |at: usize, k: usize| if row[k].abs() > row[at].abs() { k } else { at };
+        let at = (0..row.len()).fold(0, largest);
+        let stiffness = if row[at] == 0.0 { 0.0 } else { self.matrix.diagonal()[at].abs() };
+        let mut diagonal = vec![0.0; row.len()];
+        diagonal[at] = stiffness;
+        self.matrix.add_diagonal(&diagonal);
+        let unit = |value: f64| {
+            let mut e = vec![0.0; row.len()];
+            e[at] = value;
+            e
+        };
+        let (column, of_multipliers) = column.split_at(f.len());
+        let mut border = self.border();
+        let own = border.corner.nrows();
+        border.columns.extend([column.to_vec(), unit(-1.0)]);
+        border.rows.extend([row.clone(), unit(stiffness)]);
+        border.corner = border.corner.resize(own + 2, own + 2, 0.0);
+        (border.corner[(own, own)], border.corner[(own + 1, own + 1)]) = (corner, -1.0);
+        self.members().enumerate().for_each(|(i, k)| border.corner[(i, own)] = of_multipliers[k] * self.scales[k]);
+        let mut rhs: Vec<f64> = self.members().map(|k| g[k] * self.scales[k]).collect();
+        rhs.resize(own, 0.0);
+        rhs.extend([h, 0.0]);
+        let (mut x, y) = systems.solve_bordered(&self.matrix, u, &border, (&f, &rhs), report)?;
+        let mut p: Vec<f64> = multipliers.iter().map(|p| -p).collect();
+        self.members().zip(&y).for_each(|(k, y)| p[k] = y * self.scales[k]);
+        x.extend(p);
+        Ok((x, y[own]))
     }
 
     /// Negative eigenvalues beyond one for each constraint that acts, K counted by a factor in double precision: the directions within the

@@ -23,7 +23,7 @@ pub(crate) const SYMMETRIC: Accuracy = Accuracy { error: 1e-13, residual: 1e-11 
 const DEFINITE: f64 = 1e-12;
 
 /// Of full steps of Newton's method with an indefinite or bordered tangent.
-pub(super) const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
+pub(crate) const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
 /// Which step is wanted where the tangent turns out to be indefinite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -195,13 +195,13 @@ impl<'a> TangentSystems<'a> {
         found
     }
 
-    /// The same for several right-hand sides and a K that is [prepared](Self::prepare), and the number of negative eigenvalues of the
+    /// The same, or with `K^T`, for several right-hand sides and a K that is [prepared](Self::prepare), and the number of negative eigenvalues of the
     /// whole, `None` where rounding decides the sign of one or the solver does not count. K is counted by the factor that solves;
     /// multigrid solves positive definite matrices alone.
     #[allow(clippy::type_complexity)] // pairs of vectors, in and out
     pub fn eliminate_border(
         &mut self,
-        matrix: &SparseMatrix,
+        (matrix, transposed): (&SparseMatrix, bool),
         u: &[f64],
         border: &Border,
         rhs: &[(Vec<f64>, Vec<f64>)],
@@ -212,7 +212,7 @@ impl<'a> TangentSystems<'a> {
         let system = configuration.system(matrix);
         let mut work = LinearWork::default();
         let mut solve = || {
-            let elimination = BlockElimination::new(self.solver, &system, border, false, accuracy, &mut work)?;
+            let elimination = BlockElimination::new(self.solver, &system, border, transposed, accuracy, &mut work)?;
             let of_border = elimination.negative();
             let mut solve = |(f, g): &(Vec<f64>, Vec<f64>)| elimination.solve(self.solver, &system, (f, g), &mut work);
             let solved = rhs.iter().map(&mut solve).collect::<Result<Vec<_>, _>>();

@@ -98,7 +98,13 @@ impl Model {
         }
         let begin = states.len().checked_sub(2)?;
         let before = begin.checked_sub(1).map(|n| &states[n]);
-        let mut points = Points::new(&step.scheme, step.dt, (&states[begin], before), step.started.as_ref());
+        let mut points = Points::new(
+            &step.scheme,
+            step.dt,
+            (&states[begin], before),
+            step.started.as_ref(),
+            self.discretization().dofs(),
+        );
         for u in &step.stages {
             let at = points.next(&states[begin + 1].controls);
             points.found(u.clone(), &at);
@@ -115,7 +121,7 @@ impl Model {
         controls: &dyn Fn(f64) -> Result<Controls, FemError>,
         (how, workspace): (&SolveOptions, &mut Workspace),
     ) -> Result<AdaptiveReport, StateError> {
-        self.check_motion(trajectory)?;
+        self.check_motion(trajectory, scheme)?;
         let begin = trajectory.end().time;
         check(scheme, begin, instants, tolerance)?;
         let mut report = AdaptiveReport::default();

@@ -50,9 +50,11 @@ impl Model {
         State { history: Arc::new(self.history_of_step(history, 0.0)), ..state.clone() }
     }
 
-    /// `M^-1 b` on the free unknowns.
+    /// `M^-1 b` on the free unknowns; multipliers, whose forces b holds as they are, have none.
     pub(super) fn divide_by_mass(&self, mut b: Vec<f64>, parallel: bool) -> Result<Vec<f64>, StateError> {
         let mass = self.mass()?;
+        let unknowns = b.len();
+        b.truncate(self.discretization().dofs());
         let mut diagonal = mass.diagonal();
         self.supports.fixed().iter().zip(&mut diagonal).filter(|(fixed, _)| **fixed).for_each(|(_, m)| *m = 1.0);
         if let Some(dof) = diagonal.iter().position(|m| !(m.is_finite() && *m > 0.0)) {
@@ -71,7 +73,10 @@ impl Model {
         let mut x = vec![0.0; b.len()];
         let report = conjugate_gradient(&product, &Diagonal(diagonal), &b, &mut x, RESIDUAL, ITERATIONS);
         match report.end {
-            CgEnd::Converged | CgEnd::Stagnated => Ok(x),
+            CgEnd::Converged | CgEnd::Stagnated => {
+                x.resize(unknowns, 0.0);
+                Ok(x)
+            }
             end => {
                 let what = format!("the mass matrix is not positive definite (conjugate gradients: {end:?})");
                 Err(FemError::Meaningless { what }.into())

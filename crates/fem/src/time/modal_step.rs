@@ -3,7 +3,7 @@
 use crate::contributions::Demand;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{Instant, TimeStep};
-use crate::error::{FemError, Inadmissible, StateError};
+use crate::error::{Inadmissible, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
@@ -36,7 +36,7 @@ impl Model {
     /// The `count` lowest modes, and all unstable ones, over a step from a state under these controls.
     ///
     /// # Errors
-    /// As [`modes`](Self::modes); viscous laws, forces without a potential, surfaces that controls move.
+    /// As [`modes`](Self::modes).
     pub(super) fn modal_step(
         &self,
         count: usize,
@@ -44,19 +44,6 @@ impl Model {
         step: &TimeStep,
         how: &SolveOptions,
     ) -> Result<ModalStep, StateError> {
-        if self.body.has_history() {
-            let what =
-                "siere takes modes of elastic bodies, with Rayleigh damping or none: with viscous laws take tr_bdf2";
-            return Err(FemError::Meaningless { what: what.to_owned() }.into());
-        }
-        if let Some(moves) = self.held_by() {
-            let what = format!("siere with the surface that \"{moves}\" moves is not there yet: take tr_bdf2");
-            return Err(FemError::Meaningless { what }.into());
-        }
-        if !self.has_potential() {
-            let what = "siere takes modes of a symmetric stiffness: with forces that have no potential (pressure on an open surface) take tr_bdf2";
-            return Err(FemError::Meaningless { what: what.to_owned() }.into());
-        }
         let mut mass = self.mass()?;
         mass.eliminate(self.supports.fixed(), 0.0);
         let history = step.history.clone();

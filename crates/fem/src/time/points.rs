@@ -38,6 +38,8 @@ pub(super) struct Points<'a> {
     now: Values,
     before: Values,
     stages: Vec<Values>,
+    /// Number of displacement components; the multipliers behind them have neither velocity nor acceleration.
+    dofs: usize,
 }
 
 impl<'a> Points<'a> {
@@ -47,11 +49,12 @@ impl<'a> Points<'a> {
         h: f64,
         (begin, before): (&'a State, Option<&State>),
         started: Option<&Arc<Vec<f64>>>,
+        dofs: usize,
     ) -> Self {
         let mut now = Values::of(begin);
         now.acceleration = started.cloned().or(now.acceleration);
         let before = before.map(Values::of).unwrap_or_default();
-        Points { scheme, h, begin, now, before, stages: Vec::new() }
+        Points { scheme, h, begin, now, before, stages: Vec::new(), dofs }
     }
 
     /// Velocity and acceleration of the next stage as functions of its displacement, in a step to these controls.
@@ -73,20 +76,26 @@ impl<'a> Points<'a> {
         TimeStep { dt: self.h, velocity: (c_v, b_v), acceleration: (c_a, b_a), before, history, end }
     }
 
-    /// Where the next stage is if its acceleration is the last one known, else zero; `None` of a stage without inertia.
-    pub fn predict(&self, step: &TimeStep) -> Option<Vec<f64>> {
+    /// Where the next stage is if its acceleration is the last one known, else zero, with the multipliers of a state; `None` of a stage
+    /// without inertia.
+    pub fn predict(&self, step: &TimeStep, here: &State) -> Option<Vec<f64>> {
         let (c, b) = &step.acceleration;
         if *c == 0.0 {
             return None;
         }
         let last = self.stages.last().unwrap_or(&self.now).acceleration.as_deref();
-        Some(b.iter().enumerate().map(|(i, b)| (last.map_or(0.0, |a| a[i]) - b) / c).collect())
+        let displacement = b[..self.dofs].iter().enumerate().map(|(i, b)| (last.map_or(0.0, |a| a[i]) - b) / c);
+        Some(displacement.chain(here.u[self.dofs..].iter().copied()).collect())
     }
 
     /// The next stage was found there.
     pub fn found(&mut self, u: Arc<Vec<f64>>, step: &TimeStep) {
-        let velocity = Some(Arc::new(step.velocity_at(&u)));
-        let acceleration = Some(Arc::new(step.acceleration_at(&u)));
+        let of_displacement = |mut rate: Vec<f64>| {
+            rate[self.dofs..].fill(0.0);
+            Some(Arc::new(rate))
+        };
+        let velocity = of_displacement(step.velocity_at(&u));
+        let acceleration = of_displacement(step.acceleration_at(&u));
         self.stages.push(Values { u: Some(u), velocity, acceleration });
     }
 

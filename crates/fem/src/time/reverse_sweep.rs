@@ -1,11 +1,12 @@
 //! The discrete adjoint of a trajectory, from its end to its beginning.
 
+use crate::adjoint::inverted;
 use crate::contributions::controls::Controls;
 use crate::contributions::history::{BeforeStep, History};
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::contributions::sensitivities::{Increment, Sensitivities};
 use crate::error::{FemError, StateError};
-use crate::model::Model;
+use crate::model::{Feature, Model};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent_systems::TangentSystems;
@@ -14,7 +15,6 @@ use crate::time::initial_acceleration::without_acceleration;
 use crate::time::owed::{Owed, StatePartials, add};
 use crate::time::points::Points;
 use crate::time::scheme::{Point, Quantity, Term};
-use crate::time::step::inverted;
 use crate::time::trajectory::{Begin, Trajectory};
 use nastic_numeric::vector::axpy;
 use std::mem::{replace, take};
@@ -128,16 +128,14 @@ impl<'a> ReverseSweep<'a> {
             return Err(FemError::Meaningless { what }.into());
         };
         let (begin, end, h) = (&states[k], &states[k + 1], step.dt);
-        if !step.scheme.has_adjoint() {
-            let what = "siere has no adjoint, which would take the derivatives of its modes: take tr_bdf2".to_owned();
-            return Err(FemError::Meaningless { what }.into());
-        }
+        self.model.supports(Feature::MotionAdjoint(&step.scheme))?;
         self.check(end)?;
         self.check(begin)?;
         self.add_partials(&by_end)?;
         let before = k.checked_sub(1).map(|k| &states[k]);
         let history = self.model.next_history(begin, self.how.parallel).map_err(|at| inverted(at, begin))?;
-        let mut points = Points::new(&step.scheme, h, (begin, before), step.started.as_ref());
+        let mut points =
+            Points::new(&step.scheme, h, (begin, before), step.started.as_ref(), self.model.discretization().dofs());
         let mut time_steps = Vec::new();
         for (u, stage) in step.stages.iter().zip(&step.scheme.stages) {
             let of_stage = Arc::new(self.model.history_of_step(&history, stage.time * h));
@@ -253,12 +251,6 @@ impl<'a> ReverseSweep<'a> {
 
     /// Of `r(u_n) + K(u_n) (w - u_n) = 0`: what is owed by the dependence of K on `u_n` and on the controls.
     fn linearisation(&mut self, at: &Instant, lambda: &[f64], w: &[f64], by: &mut Controls) -> Result<(), StateError> {
-        if self.model.has_history() {
-            let what = "the adjoint of linearly_implicit_euler takes second derivatives of stresses, which viscous laws do not give: \
-                        take backward_euler"
-                .to_owned();
-            return Err(FemError::Meaningless { what }.into());
-        }
         let change: Vec<f64> = w.iter().zip(at.u).map(|(w, u)| w - u).collect();
         let along = Increment { u: &change, controls: &self.model.zero_controls() };
         let second = self.model.second_vjp(at, lambda, &along)?;
@@ -317,9 +309,8 @@ impl<'a> ReverseSweep<'a> {
         let mu = model.divide_by_mass(owed.iter().map(|d| -d).collect(), parallel)?;
         let step = without_acceleration(state);
         let at = model.beginning(state, &step, parallel);
-        let tangent = model.tangent_at(&at, state)?;
-        let mut by_u = vec![0.0; mu.len()];
-        tangent.multiply_transposed(&mu, &mut by_u, parallel);
+        let tangent = model.bordered_tangent(&at).map_err(|at| inverted(at, state))?;
+        let by_u = tangent.multiply_transposed(&mu, parallel);
         let by = model.vjp(&at, &mu).map_err(|at| inverted(at, state))?;
         self.take_before(by.before);
         add(1.0, &by_u, &mut self.owed[BEGIN].u);
@@ -354,10 +345,9 @@ impl<'a> ReverseSweep<'a> {
         if rhs.iter().all(|&b| b == 0.0) {
             return Ok(vec![0.0; self.model.unknowns().len()]);
         }
-        let matrix = self.model.tangent_at(at, end)?;
         let solver = self.model.linear_solver(self.how, self.workspace);
         let mut systems = TangentSystems::new(self.model, self.how.parallel, solver);
-        let mut solved = systems.solve_transposed(matrix, at.u, &[&rhs], &mut self.report)?;
+        let mut solved = self.model.solve_transposed_at(at, &[&rhs], end, &mut systems, &mut self.report)?;
         Ok(solved.swap_remove(0))
     }
 

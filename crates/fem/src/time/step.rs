@@ -1,10 +1,12 @@
 //! [`Model::advance`]: one stepper for all schemes.
 
+use crate::adjoint::inverted;
 use crate::contributions::Demand;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{Instant, TimeStep};
-use crate::error::{FemError, Inadmissible, StateError};
-use crate::model::Model;
+use crate::error::{FemError, StateError};
+use crate::model::{Feature, Model};
+use crate::nonlinear::iteration::Stop;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
@@ -49,7 +51,10 @@ impl Model {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<(), StateError> {
-        self.check_motion(trajectory)?;
+        self.check_motion(trajectory, scheme)?;
+        if trajectory.steps().is_empty() {
+            self.check_start(trajectory.end(), how.parallel)?;
+        }
         if scheme.is_quasi_static() {
             self.check_quasi_static(trajectory, scheme)?;
         }
@@ -70,9 +75,9 @@ impl Model {
     }
 
     /// Whether a motion can go on from there.
-    pub(super) fn check_motion(&self, trajectory: &Trajectory) -> Result<(), StateError> {
+    pub(super) fn check_motion(&self, trajectory: &Trajectory, scheme: &Scheme) -> Result<(), StateError> {
         self.check_in_motion()?;
-        self.refuse_constraints("a step in time", "drive it by a force or a pressure")?;
+        self.supports(Feature::Motion(scheme))?;
         self.check_state(trajectory.end())?;
         Ok(self.check_held(trajectory.end())?)
     }
@@ -109,7 +114,7 @@ impl Model {
             true => Some(Arc::new(self.initial_acceleration(begin, &history, how.parallel)?)),
             false => None,
         };
-        let mut points = Points::new(&scheme, h, (begin, before), started.as_ref());
+        let mut points = Points::new(&scheme, h, (begin, before), started.as_ref(), self.discretization().dofs());
         let (mut stages, mut work) = (Vec::new(), SolveReport::default());
         let mut modes = None;
         let mut here = begin.clone();
@@ -125,7 +130,7 @@ impl Model {
             let found = match scheme.is_linearised() {
                 true => self.iterate_once(&controls, begin, (&options, &time_step), modes.as_ref(), workspace),
                 false => {
-                    let predicted = points.predict(&time_step);
+                    let predicted = points.predict(&time_step, &here);
                     let guess = predicted.filter(|u| self.is_lower(u, &here, (&controls, &time_step), how.parallel));
                     let options = SolveOptions { guess: guess.as_deref(), ..options };
                     self.find(&controls, &options, Some(&time_step), workspace)
@@ -154,20 +159,24 @@ impl Model {
         Ok(Found { step: Step { dt: h, scheme, stages, started }, state, error })
     }
 
-    /// Whether the incremental potential of a stage is lower at a displacement than at a state; false without a potential.
+    /// Whether a straight move leads from a state to a displacement where the incremental potential of a stage is lower; false without a
+    /// potential.
     fn is_lower(&self, u: &[f64], than: &State, (controls, step): (&Controls, &TimeStep), parallel: bool) -> bool {
         let demand = Demand { energy: true, force: false };
-        let energy = |u: &[f64]| {
-            let at = Instant { parallel, ..Instant::new(u, controls, 1.0) };
-            self.evaluate(&at.in_step(step), demand).ok().map(|sums| sums.energy)
-        };
-        let lower = || Some(energy(u)? < energy(&than.u)?);
+        let at = |u| Instant { parallel, ..Instant::new(u, controls, 1.0) }.in_step(step);
+        let energy = |u| self.evaluate(&at(u), demand).ok().map(|sums| sums.energy);
+        let reached = || self.admissible_move_of_others(&at(&than.u), u).is_ok_and(|share| share >= 1.0);
+        let lower = || Some(reached() && energy(u)? < energy(&than.u)?);
         self.has_potential() && lower().unwrap_or(false)
     }
 
     /// An end that is no equilibrium was not seen by any solve.
     fn check_extrapolated(&self, state: &mut State, begin: &State, dt: f64, parallel: bool) -> Result<(), StateError> {
         let at = Instant { parallel, load: 1.0, ..Instant::of(state) };
+        if !self.admissible_move_of_others(&Instant { u: &begin.u, ..at }, &state.u).is_ok_and(|share| share >= 1.0) {
+            let stop = Stop::Slow { residual: state.report.residual };
+            return Err(in_step(stop.into_error(state.report.newton, begin), begin.time, dt));
+        }
         match self.evaluate(&at, Demand { energy: true, force: false }) {
             Ok(sums) => {
                 state.report.min_j = state.report.min_j.min(sums.min_j);
@@ -176,10 +185,6 @@ impl Model {
             Err(at) => Err(StateError::EndOfStep { at, time: begin.time, dt, last: Box::new(begin.clone()) }),
         }
     }
-}
-
-pub(super) fn inverted(at: Inadmissible, state: &State) -> StateError {
-    StateError::inadmissible(at, state.load, 0, Box::new(state.clone()))
 }
 
 /// What shorter steps may mend.

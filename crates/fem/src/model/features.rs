@@ -1,0 +1,109 @@
+//! [`Feature`]: what commands ask a model for, and what it cannot give.
+
+use super::Model;
+use crate::error::FemError;
+use crate::time::scheme::Scheme;
+use nastic_linear::Symmetry;
+
+/// What a command is about to do with a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Feature<'a> {
+    /// Eigenvalues and modes of the tangent, and of small vibrations: [`Model::modes`], [`Model::vibration_modes`].
+    Modes,
+    /// Equilibria between two sets of controls: [`Model::ramp`].
+    Ramp,
+    /// A path through limit points: [`Model::path`].
+    Path,
+    /// Further equilibria: [`Model::equilibria`].
+    Deflation,
+    /// From a saddle to a minimum of the potential: [`Model::descend`].
+    Descent,
+    /// Steps in time: [`Model::advance`].
+    Motion(&'a Scheme),
+    /// The derivative of a functional of a motion: [`Model::reverse_sweep`].
+    MotionAdjoint(&'a Scheme),
+}
+
+/// A mode that no step resolves, `h w`, which a scheme has to damp beside constraints.
+const UNRESOLVED: f64 = 1e6;
+const DAMPED: f64 = 1.0 - 1e-3;
+
+impl Model {
+    /// Whether the model goes with that: asked once by every command, before it computes anything.
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`]: what, with which contribution or law it does not go, and what does instead.
+    pub fn supports(&self, feature: Feature) -> Result<(), FemError> {
+        match feature {
+            Feature::Ramp | Feature::Path => Ok(()),
+            Feature::Modes => self.refuse_unsymmetric(
+                "modes",
+                "the number of Newton iterations and ramps still tell where states change",
+            ),
+            Feature::Deflation => self.refuse_unsymmetric(
+                "other equilibria by deflation",
+                "which starts along modes: try other starts by near",
+            ),
+            Feature::Descent => match self.others.iter().find(|c| !c.has_potential()) {
+                None => Ok(()),
+                Some(other) => refuse("a descent from a saddle", other.name(), "it has no potential to descend in"),
+            },
+            Feature::Motion(scheme) => self.supports_motion(scheme),
+            Feature::MotionAdjoint(scheme) => self.supports_motion_adjoint(scheme),
+        }
+    }
+
+    fn refuse_unsymmetric(&self, what: &'static str, why: &'static str) -> Result<(), FemError> {
+        match self.others.iter().find(|c| c.symmetry() != Symmetry::Symmetric) {
+            None => Ok(()),
+            Some(other) => refuse(what, other.name(), why),
+        }
+    }
+
+    fn supports_motion(&self, scheme: &Scheme) -> Result<(), FemError> {
+        if scheme.exact_modes() > 0 {
+            let instead = "it takes modes of a symmetric stiffness: take tr_bdf2";
+            if self.has_history() {
+                return refuse(
+                    scheme.name(),
+                    "viscous laws",
+                    "it takes the modes of elastic bodies, with Rayleigh damping or none: take tr_bdf2",
+                );
+            }
+            if let Some(moves) = self.held_by() {
+                return refuse(scheme.name(), moves, "which moves a surface: take tr_bdf2");
+            }
+            if let Some(other) = self.others.iter().find(|c| !c.has_potential()) {
+                return refuse(scheme.name(), other.name(), instead);
+            }
+        }
+        let constraint = self.others.iter().find(|c| c.constraints() > 0);
+        let Some(constraint) = constraint else { return Ok(()) };
+        let why = if scheme.extrapolates() {
+            "the end of its steps is extrapolated, where no constraint would hold: take bdf2 or tr_bdf2"
+        } else if scheme.is_linearised() {
+            "its steps are linear, and no constraint would hold at their end: take bdf2 or backward_euler"
+        } else if !scheme.is_quasi_static() && scheme.amplification(UNRESOLVED, 0.0)?.modulus > DAMPED {
+            "it damps nothing, and the multiplier of a constraint would oscillate and grow: take bdf2 or tr_bdf2"
+        } else {
+            return Ok(());
+        };
+        refuse(scheme.name(), constraint.name(), why)
+    }
+
+    fn supports_motion_adjoint(&self, scheme: &Scheme) -> Result<(), FemError> {
+        self.supports_motion(scheme)?;
+        if !scheme.has_adjoint() {
+            return refuse("the adjoint", scheme.name(), "it would take the derivatives of its modes: take tr_bdf2");
+        }
+        if scheme.is_linearised() && self.has_history() {
+            let why = "it takes second derivatives of stresses, which these do not give: take backward_euler";
+            return refuse("the adjoint of linearly_implicit_euler", "viscous laws", why);
+        }
+        Ok(())
+    }
+}
+
+fn refuse(what: &str, with: &str, why: &str) -> Result<(), FemError> {
+    Err(FemError::Unsupported { what: what.to_owned(), with: with.to_owned(), why: why.to_owned() })
+}

@@ -1,0 +1,89 @@
+//! [`Plain`]: Newton's step by the displacement.
+
+use super::{Direction, Step, Take};
+use crate::nonlinear::equations::{Equations, Jump};
+use crate::nonlinear::iteration::{Iterate, ROUNDING, Stop};
+use crate::solution::state::SolveReport;
+use crate::solution::tangent_systems::{TangentSystems, Wanted, eliminate};
+use nastic_linear::{LinearSolver, SparseMatrix};
+use nastic_numeric::vector::max_abs;
+
+/// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
+/// measure it by. The largest; steps shorter than that share of the body are solved as exactly as they are short, since what they leave may
+/// be within the accuracy asked for at once.
+const JUMP: f64 = 1e-2;
+
+/// `K du = -r`, to an accuracy that follows the residual; prescribed components move in the first step, at once or not at all.
+pub(crate) struct Plain<'a> {
+    equations: &'a Equations<'a>,
+    systems: TangentSystems<'a>,
+    matrix: Option<SparseMatrix>,
+    rhs: Vec<f64>,
+    jump: Jump,
+}
+
+impl<'a> Plain<'a> {
+    pub fn new(equations: &'a Equations<'a>, u: &[f64], solver: &'a mut dyn LinearSolver) -> Self {
+        let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
+        Plain { equations, systems, matrix: None, rhs: Vec::new(), jump: equations.jump(u) }
+    }
+}
+
+impl Direction for Plain<'_> {
+    fn is_pending(&self) -> bool {
+        self.jump.is_some()
+    }
+
+    fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
+        let equations = self.equations;
+        let matrix = equations.tangent(here.x, &mut self.matrix)?;
+        self.rhs = equations.right_hand_side(matrix, here.residual, self.jump.as_deref());
+        let scale = equations.energy_scale(matrix, here.x, here.now);
+        eliminate(equations.model, matrix);
+        let accuracy = match &self.jump {
+            Some(jump) => (max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
+            None => forcing(here.relative, equations.options.accuracy),
+        };
+        let (mut dx, curvature) = self.systems.step(matrix, here.x, &self.rhs, (accuracy, Wanted::Newton), report)?;
+        if let Some(jump) = self.jump.take() {
+            equations.prescribe(&mut dx, &jump);
+            return Ok(Step { scale, ..Step::whole(dx, curvature, equations.dofs()) });
+        }
+        Ok(Step { size: max_abs(&dx), dx, curvature, scale, take: Take::Search })
+    }
+
+    /// With a shifted tangent.
+    fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
+        let Some(matrix) = &self.matrix else { return Err(Stop::Slow { residual: here.relative }) };
+        Ok(self.systems.shifted_step(matrix, here.x, &self.rhs, report)?)
+    }
+}
+
+impl Equations<'_> {
+    /// `-r - K d` on free unknowns, d the jump of the prescribed ones.
+    pub(super) fn right_hand_side(&self, matrix: &SparseMatrix, residual: &[f64], jump: Option<&[f64]>) -> Vec<f64> {
+        let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
+        if let Some(jump) = jump {
+            let mut pulled = vec![0.0; jump.len()];
+            matrix.multiply(jump, &mut pulled);
+            rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
+            self.model.supports.clear(&mut rhs);
+        }
+        rhs
+    }
+
+    /// Puts the jump of the prescribed components into a step.
+    pub(super) fn prescribe(&self, step: &mut [f64], jump: &[f64]) {
+        for ((s, &d), &fixed) in step.iter_mut().zip(jump).zip(self.model.supports.fixed()) {
+            if fixed {
+                *s = d;
+            }
+        }
+    }
+}
+
+/// Relative residual wanted of a Newton step: a tenth at most and ten times the residual itself, for that keeps convergence
+/// quadratic, and no smaller than a thousandth of what the end asks for. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
+fn forcing(relative: f64, accuracy: f64) -> f64 {
+    (10.0 * relative).clamp(1e-10, 0.1).max(1e-3 * accuracy / relative)
+}

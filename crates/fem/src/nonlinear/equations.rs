@@ -1,0 +1,215 @@
+//! [`Equations`]: the one place where solvers evaluate a model.
+
+use crate::contributions::controls::Controls;
+use crate::contributions::instant::{Instant, TimeStep};
+use crate::contributions::{Demand, Sums};
+use crate::error::Inadmissible;
+use crate::model::Model;
+use crate::solution::options::SolveOptions;
+use crate::solution::saddle_point::BorderedTangent;
+use crate::solution::state::State;
+use nastic_linear::SparseMatrix;
+use nastic_numeric::vector::norm;
+
+/// `r(x) = 0`: the residual of a model by the unknowns `x = (u, p)`, p the multipliers of constraints, or `x = (u, p, s)` along a path.
+pub(crate) struct Equations<'a> {
+    pub model: &'a Model,
+    pub drive: Drive<'a>,
+    pub options: &'a SolveOptions<'a>,
+}
+
+/// What drives the body.
+#[derive(Clone, Copy)]
+pub(crate) enum Drive<'a> {
+    /// Controls and loads are given.
+    Held {
+        controls: &'a Controls,
+        load: f64,
+        /// The time step that ends at this equilibrium, if it is one.
+        time_step: Option<&'a TimeStep>,
+        /// Share of the way to the controls asked for.
+        share: f64,
+    },
+    /// Controls `(1 - s) c_0 + s c_1` and loads `(1 - s) l_0 + s l_1`, s the last unknown.
+    Path { from: &'a State, to: (&'a Controls, f64) },
+}
+
+/// Where prescribed components are at a displacement, and how they still have to move.
+pub(super) type Jump = Option<Vec<f64>>;
+
+impl Equations<'_> {
+    /// Calls with where a vector of unknowns is evaluated.
+    fn with<T>(&self, x: &[f64], call: impl FnOnce(&Instant) -> T) -> T {
+        let parallel = self.options.parallel;
+        match self.drive {
+            Drive::Held { controls, load, time_step, .. } => {
+                call(&Instant { step: time_step, parallel, ..Instant::new(x, controls, load) })
+            }
+            Drive::Path { .. } => {
+                let (u, s) = self.split(x);
+                let (controls, load) = self.prescribed_at(s);
+                call(&Instant { parallel, ..Instant::new(u, &controls, load) })
+            }
+        }
+    }
+
+    /// Displacement with multipliers, and where on the way they are.
+    pub fn split<'x>(&self, x: &'x [f64]) -> (&'x [f64], f64) {
+        match self.drive {
+            Drive::Held { share, .. } => (x, share),
+            Drive::Path { .. } => (&x[..x.len() - 1], x[x.len() - 1]),
+        }
+    }
+
+    /// Controls and load at a place on the way.
+    pub fn prescribed_at(&self, s: f64) -> (Controls, f64) {
+        match self.drive {
+            Drive::Held { controls, load, .. } => (controls.clone(), load),
+            Drive::Path { from, to } => {
+                let load = if s == 1.0 { to.1 } else { from.load + s * (to.1 - from.load) };
+                (from.controls.blend(to.0, s), load)
+            }
+        }
+    }
+
+    /// Number of displacement components.
+    pub fn dofs(&self) -> usize {
+        self.model.discretization().dofs()
+    }
+
+    /// Energy and residual, without those of inequalities that are slack.
+    pub fn evaluate(&self, x: &[f64]) -> Result<Sums, Inadmissible> {
+        let mut sums = self.with(x, |at| self.model.evaluate(at, Demand { energy: true, force: true }))?;
+        self.model.leave_out_slack(self.split(x).0, &mut sums);
+        Ok(sums)
+    }
+
+    /// The residual alone, at another place on the way.
+    pub fn force_at(&self, u: &[f64], s: f64) -> Result<Vec<f64>, Inadmissible> {
+        let (controls, load) = self.prescribed_at(s);
+        let at = Instant { parallel: self.options.parallel, ..Instant::new(u, &controls, load) };
+        Ok(self.model.evaluate(&at, Demand { energy: false, force: true })?.force)
+    }
+
+    /// The sums of the contributions that have no potential.
+    pub fn without_potential(&self, x: &[f64]) -> Result<Sums, Inadmissible> {
+        self.with(x, |at| self.model.evaluate_without_potential(at))
+    }
+
+    /// The tangent by the displacement, in the memory of the one before.
+    pub fn tangent<'m>(
+        &self,
+        x: &[f64],
+        memory: &'m mut Option<SparseMatrix>,
+    ) -> Result<&'m mut SparseMatrix, Inadmissible> {
+        let matrix = memory.get_or_insert_with(|| self.model.matrix());
+        matrix.clear();
+        self.with(x, |at| self.model.add_tangent(at, matrix))?;
+        Ok(matrix)
+    }
+
+    /// The tangent with the border of the constraints.
+    pub fn bordered_tangent(&self, x: &[f64]) -> Result<BorderedTangent, Inadmissible> {
+        self.with(x, |at| self.model.bordered_tangent(at))
+    }
+
+    /// Puts the residuals `-g` of all inequalities, of slack ones too, among the others, and gives what their rounding is measured against.
+    pub fn put_slack(&self, x: &[f64], inequalities: &[bool], residual: &mut [f64]) -> Result<Vec<f64>, Inadmissible> {
+        if !inequalities.contains(&true) {
+            return Ok(Vec::new());
+        }
+        let of_them = self.with(x, |at| self.model.inequality_residuals(at))?;
+        let dofs = self.dofs();
+        for k in (0..inequalities.len()).filter(|&k| inequalities[k]) {
+            residual[dofs + k] = of_them.force[dofs + k];
+        }
+        Ok(of_them.force_scale[dofs..].to_vec())
+    }
+
+    /// Calls with where x is evaluated.
+    pub fn at<T>(&self, x: &[f64], call: impl FnOnce(&Instant) -> T) -> T {
+        self.with(x, call)
+    }
+
+    /// The longest share of the straight move from one displacement to another that every contribution bears.
+    pub fn admissible_move(&self, from: &[f64], to: &[f64]) -> Result<f64, Inadmissible> {
+        self.with(from, |at| self.model.admissible_move(at, self.split(to).0))
+    }
+
+    /// The same of the contributions beside the body, for moves on which the body may turn: a straight line inverts what turns by more
+    /// than 110 degrees.
+    pub fn admissible_chord(&self, from: &[f64], to: &[f64]) -> Result<f64, Inadmissible> {
+        self.with(from, |at| self.model.admissible_move_of_others(at, self.split(to).0))
+    }
+
+    /// Puts prescribed components where they belong at s, along a path; elsewhere they [jump](Self::jump) in a step.
+    pub fn place(&self, x: &mut [f64]) {
+        let Drive::Path { .. } = self.drive else { return };
+        let (controls, load) = self.prescribed_at(self.split(x).1);
+        let values = self.model.prescribed(&controls, load);
+        for ((u, &fixed), value) in x.iter_mut().zip(self.model.supports.fixed()).zip(values) {
+            if fixed {
+                *u = value;
+            }
+        }
+    }
+
+    /// What the prescribed components still have to move; `None` when they are in place.
+    pub fn jump(&self, x: &[f64]) -> Jump {
+        let Drive::Held { controls, load, time_step, share } = self.drive else { return None };
+        let prescribed = self.prescribed((controls, load), time_step, share);
+        let wanted = self.model.supports.fixed().iter().zip(&prescribed).zip(x);
+        let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { v - u } else { 0.0 }).collect();
+        jump.iter().any(|&d| d != 0.0).then_some(jump)
+    }
+
+    /// Where the prescribed components are wanted: those of an extrapolated end are on the way from the state before to that end.
+    fn prescribed(&self, (controls, load): (&Controls, f64), time_step: Option<&TimeStep>, share: f64) -> Vec<f64> {
+        let Some((step, end)) = time_step.and_then(|step| Some((step, step.end.as_ref()?))) else {
+            return self.model.prescribed(controls, load);
+        };
+        let controls = step.before.controls.blend(&end.controls, share);
+        let mut w = self.model.prescribed(&controls, load);
+        w.iter_mut().zip(&end.rest).for_each(|(w, b)| *w = (*w - b) / end.alpha);
+        w
+    }
+
+    /// Free residual, and its norm relative to the norm of the sums of absolute forces; of constraints each relative to its own scale.
+    pub fn residual(&self, now: &Sums) -> (Vec<f64>, f64) {
+        let mut residual = now.force.clone();
+        self.model.supports.clear(&mut residual);
+        let share = |r: &[f64], scale: &[f64]| {
+            let size = norm(r);
+            if size == 0.0 { 0.0 } else { size / norm(scale) }
+        };
+        let dofs = self.dofs();
+        let of_forces = share(self.model.nodal(&residual), self.model.nodal(&now.force_scale));
+        let of_constraint = |r: (&f64, &f64)| share(&[*r.0], &[*r.1]);
+        let constraints = residual.iter().zip(&now.force_scale).skip(dofs).map(of_constraint);
+        let relative = constraints.fold(of_forces, f64::max);
+        (residual, relative)
+    }
+
+    /// Energies are small differences of large terms, the smaller the nearer to rest: W vanishes there, while what it is
+    /// the difference of is of the size of `F : dP/dF : F`, or `x . K x` with the current positions x.
+    pub fn energy_scale(&self, matrix: &SparseMatrix, u: &[f64], now: &Sums) -> f64 {
+        let disc = self.model.discretization();
+        let dim = disc.dim();
+        let reference = disc.mesh().points().iter().flat_map(|x| &x[..dim]);
+        let x: Vec<f64> = reference.zip(u).map(|(x, u)| x + u).collect();
+        let mut stretched = vec![0.0; x.len()];
+        matrix.multiply_on(&x, &mut stretched, self.options.parallel);
+        let terms: f64 = x.iter().zip(&stretched).map(|(x, f)| x * f).sum();
+        now.energy_scale + terms.abs()
+    }
+
+    /// The size of the body.
+    pub fn diagonal(&self) -> f64 {
+        self.model.discretization().mesh().diagonal()
+    }
+}
+
+/// `u + length step`.
+pub(crate) fn moved(u: &[f64], step: &[f64], length: f64) -> Vec<f64> {
+    u.iter().zip(step).map(|(u, s)| u + length * s).collect()
+}

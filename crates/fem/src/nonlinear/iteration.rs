@@ -1,0 +1,214 @@
+//! [`Iteration`]: evaluate, test, find a step, take it.
+
+use crate::contributions::Sums;
+use crate::error::{Cause, Inadmissible, StateError};
+use crate::nonlinear::direction::Direction;
+use crate::nonlinear::equations::Equations;
+use crate::nonlinear::line_search::LineSearch;
+use crate::solution::options::Progress;
+use crate::solution::state::{SolveReport, State};
+use nastic_linear::LinearError;
+use nastic_linear::solver::Curvature;
+use nastic_numeric::vector::norm;
+
+/// Below this relative residual a step that does not halve it has met the limit of double precision.
+pub(super) const ROUNDING: f64 = 1e-10;
+/// A full step shorter than this share of the body's size is below what double precision resolves.
+const RESOLUTION: f64 = 1e-12;
+/// Largest relative residual that such a step may leave of an equilibrium, by the largest forces met on the way; where more is left, the
+/// tangent grows without bound as the step shrinks (that of a tendon whose guides meet), and nothing balances.
+const RESOLVED: f64 = 1e-6;
+
+/// Why it stopped short.
+#[derive(Debug)]
+pub(crate) enum Stop {
+    Inadmissible(Inadmissible),
+    Slow { residual: f64 },
+    Linear(LinearError),
+    Cancelled,
+}
+
+impl Stop {
+    /// Whether no other way would mend it.
+    pub fn is_final(&self) -> bool {
+        match self {
+            Stop::Cancelled => true,
+            Stop::Linear(error) => error.is_lack_of_memory(),
+            Stop::Inadmissible(at) => at.problem().is_some(),
+            Stop::Slow { .. } => false,
+        }
+    }
+
+    /// The error of what no other way would mend.
+    pub fn final_error(self) -> Option<StateError> {
+        match self {
+            Stop::Linear(error) if error.is_lack_of_memory() => Some(error.into()),
+            Stop::Inadmissible(at) => at.problem().map(StateError::from),
+            Stop::Cancelled => Some(StateError::Cancelled),
+            _ => None,
+        }
+    }
+}
+
+impl Stop {
+    /// The error of what cannot go on from a state.
+    pub fn into_error(self, newton: usize, last: &State) -> StateError {
+        let (load, last) = (last.load, Box::new(last.clone()));
+        match self {
+            Stop::Inadmissible(at) => StateError::inadmissible(at, load, 0, last),
+            Stop::Linear(error) => error.into(),
+            Stop::Slow { residual } => {
+                let (reached, cause) = (load, Cause::Unknown);
+                StateError::NoConvergence { load, cuts: 0, newton, residual, reached, cause, last }
+            }
+            Stop::Cancelled => StateError::Cancelled,
+        }
+    }
+}
+
+impl From<Inadmissible> for Stop {
+    fn from(at: Inadmissible) -> Self {
+        Stop::Inadmissible(at)
+    }
+}
+
+impl From<LinearError> for Stop {
+    fn from(error: LinearError) -> Self {
+        Stop::Linear(error)
+    }
+}
+
+/// Where an iteration stands.
+pub(crate) struct Iterate<'a> {
+    pub x: &'a [f64],
+    pub now: &'a Sums,
+    /// Free residual.
+    pub residual: &'a [f64],
+    /// Its norm relative to the sums of absolute forces.
+    pub relative: f64,
+}
+
+/// When an iteration ends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// Steps.
+    pub most: usize,
+    /// Relative residual of a solution.
+    pub accuracy: f64,
+    /// Iterations after which it is given up where the tangent was shifted so many times: it goes downhill far from any equilibrium,
+    /// which shorter load steps do not. Attempts that converge shift it once or twice.
+    pub lost: (usize, usize),
+    /// Growth of the residual beyond its least value at which it is given up.
+    pub diverged: f64,
+}
+
+impl Limits {
+    /// So many steps to an accuracy.
+    pub fn new(most: usize, accuracy: f64) -> Self {
+        Limits { most, accuracy, lost: (30, 3), diverged: f64::INFINITY }
+    }
+}
+
+/// Newton's method for some equations.
+pub(crate) struct Iteration<'a> {
+    equations: &'a Equations<'a>,
+    limits: Limits,
+    search: LineSearch<'a>,
+}
+
+impl<'a> Iteration<'a> {
+    pub fn new(equations: &'a Equations<'a>, limits: Limits) -> Self {
+        Iteration { equations, limits, search: LineSearch::new(equations) }
+    }
+
+    /// From x to a solution, and what the last tangent was (positive where none was needed); where it stops short, x is the last
+    /// iterate.
+    pub fn run(
+        &mut self,
+        x: &mut Vec<f64>,
+        direction: &mut dyn Direction,
+        report: &mut SolveReport,
+    ) -> Result<Curvature, Stop> {
+        let (equations, limits) = (self.equations, self.limits);
+        equations.place(x);
+        let mut now = equations.evaluate(x)?;
+        let (mut before, mut least) = (f64::INFINITY, f64::INFINITY);
+        let (mut last, mut tiny, mut forces) = (Curvature::Positive, None, 0.0_f64);
+        let shifted = report.shifted;
+        for iteration in 0..=limits.most {
+            if equations.options.cancelled() {
+                return Err(Stop::Cancelled);
+            }
+            let (residual, relative) = equations.residual(&now);
+            record(&now, relative, report);
+            let scale = norm(&now.force_scale[..equations.dofs()]);
+            forces = forces.max(scale);
+            // at rest no force is left to measure it by but those of the way there, or of a displacement that is not resolved
+            let resolved = |energy: f64| {
+                let unresolved = RESOLUTION * energy / equations.diagonal();
+                relative * scale <= RESOLVED * forces || norm(&residual[..equations.dofs()]) <= unresolved
+            };
+            let stagnates = relative <= ROUNDING && relative > 0.5 * before;
+            let rounding = stagnates || tiny.is_some_and(resolved);
+            if !direction.is_pending() && (relative <= limits.accuracy || rounding) {
+                return Ok(last);
+            }
+            // multipliers may still move where the body does not
+            let unresolved = tiny.is_some() && equations.model.unknowns().scalars == 0;
+            let lost = iteration >= limits.lost.0 && report.shifted - shifted >= limits.lost.1;
+            let diverged = limits.diverged.is_finite() && (relative > limits.diverged * least || !relative.is_finite());
+            if iteration == limits.most || unresolved || lost || diverged {
+                return Err(Stop::Slow { residual: relative });
+            }
+            (before, least) = (relative, relative.min(least));
+            let here = Iterate { x, now: &now, residual: &residual, relative };
+            (*x, now, last, tiny) = self.step(&here, direction, report)?;
+        }
+        Err(Stop::Slow { residual: report.residual })
+    }
+
+    /// One step from a start, whatever residual it leaves.
+    pub fn once(
+        &mut self,
+        x: &mut Vec<f64>,
+        direction: &mut dyn Direction,
+        report: &mut SolveReport,
+    ) -> Result<(), Stop> {
+        let now = self.equations.evaluate(x)?;
+        let (residual, relative) = self.equations.residual(&now);
+        let (next, now, ..) = self.step(&Iterate { x, now: &now, residual: &residual, relative }, direction, report)?;
+        record(&now, self.equations.residual(&now).1, report);
+        *x = next;
+        Ok(())
+    }
+
+    /// The next iterate, what the tangent was, and of a full step that double precision does not resolve the energy that a strain of
+    /// order 1 takes.
+    fn step(
+        &mut self,
+        here: &Iterate,
+        direction: &mut dyn Direction,
+        report: &mut SolveReport,
+    ) -> Result<(Vec<f64>, Sums, Curvature, Option<f64>), Stop> {
+        let step = direction.find(here, report)?;
+        report.newton += 1;
+        let taken = self.search.take(here, &step, direction, report)?;
+        let resolved = step.size > RESOLUTION * self.equations.diagonal();
+        let tiny = step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
+        self.tell(here.x, taken.length, &taken.now, report);
+        Ok((taken.x, taken.now, step.curvature, tiny.then_some(step.scale)))
+    }
+
+    fn tell(&self, x: &[f64], step: f64, now: &Sums, report: &SolveReport) {
+        if let Some(watch) = self.equations.options.watch {
+            let (residual, load) = (self.equations.residual(now).1, self.equations.split(x).1);
+            watch(&Progress { load, newton: report.newton, residual, step, energy: now.energy });
+        }
+    }
+}
+
+fn record(now: &Sums, relative: f64, report: &mut SolveReport) {
+    report.residual = relative;
+    report.min_j = now.min_j;
+    report.energy = now.energy;
+}

@@ -1,0 +1,214 @@
+//! [`LineSearch`]: how far a step goes.
+
+use crate::contributions::Sums;
+use crate::error::Inadmissible;
+use crate::nonlinear::direction::{Direction, Step, Take};
+use crate::nonlinear::equations::{Equations, moved};
+use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::merit::{Merit, augmented::Augmented, energy::Energy, residual::Residual};
+use crate::solution::rotation_corrected_step::{GradientFit, StepLimits};
+use crate::solution::state::SolveReport;
+use nastic_linear::solver::Curvature;
+
+/// Steps along a curve that leave less than this share of the smallest J are too long.
+const COLLAPSE: f64 = 0.09;
+/// Sufficient decrease wanted of a step, as a share of what the slope promises; lengths that are tried.
+const DESCENT: Rule = Rule { decrease: 1e-4, tries: 30 };
+/// The same where the tangent is not positive definite and an equilibrium nearby may be a saddle.
+const TO_SADDLE: Rule = Rule { decrease: 0.1, tries: 4 };
+/// Under constraints a whole step that leaves this share of the residual is taken whatever the potential.
+const FALLS: Rule = Rule { decrease: 0.5, tries: 1 };
+
+#[derive(Clone, Copy)]
+struct Rule {
+    decrease: f64,
+    tries: usize,
+}
+
+/// An accepted step.
+pub(super) struct Taken {
+    pub x: Vec<f64>,
+    pub now: Sums,
+    pub length: f64,
+}
+
+/// Along what trials lie: `x + s dx`, or the curve that turns with the body, of which every trial has to be reached by a straight move.
+type Path<'p> = (&'p dyn Fn(f64) -> Vec<f64>, Along);
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Along {
+    Straight,
+    Curve,
+}
+
+/// Takes steps within the admissible set.
+pub(super) struct LineSearch<'a> {
+    equations: &'a Equations<'a>,
+    fit: Option<GradientFit>,
+}
+
+impl<'a> LineSearch<'a> {
+    pub fn new(equations: &'a Equations<'a>) -> Self {
+        LineSearch { equations, fit: None }
+    }
+
+    /// As the step wants to be taken.
+    pub fn take(
+        &mut self,
+        here: &Iterate,
+        step: &Step,
+        direction: &mut dyn Direction,
+        report: &mut SolveReport,
+    ) -> Result<Taken, Stop> {
+        match step.take {
+            Take::Whole => self.within(here, &step.dx, 1.0),
+            Take::Longest => self.within(here, &step.dx, 0.0),
+            Take::Once => {
+                let x = moved(here.x, &step.dx, 1.0);
+                if self.equations.admissible_chord(here.x, &x)? < 1.0 {
+                    return Err(Stop::Slow { residual: here.relative });
+                }
+                let now = self.equations.evaluate(&x)?;
+                Ok(Taken { x, now, length: 1.0 })
+            }
+            Take::Checked { length } => {
+                let x = moved(here.x, &step.dx, 1.0);
+                let now = self.equations.evaluate(&x)?;
+                Ok(Taken { x, now, length })
+            }
+            Take::Search => self.search(here, step, direction, report),
+        }
+    }
+
+    /// As far as is admissible, at least this share of the step.
+    fn within(&self, here: &Iterate, dx: &[f64], least: f64) -> Result<Taken, Stop> {
+        let mut x = moved(here.x, dx, 1.0);
+        self.equations.place(&mut x);
+        let length = self.equations.admissible_move(here.x, &x)?;
+        if length < least {
+            return Err(Stop::Slow { residual: here.relative });
+        }
+        if length < 1.0 {
+            x = moved(here.x, dx, length);
+        }
+        let now = self.equations.evaluate(&x)?;
+        Ok(Taken { x, now, length })
+    }
+
+    /// Downhill in the potential, or in the augmented Lagrangian; where the tangent has negative eigenvalues an equilibrium nearby may be a
+    /// saddle, which is followed as long as the residual falls, and the state's inertia tells what was found. Without a potential the
+    /// residual falls, or the potential of those contributions that have one with the work of the others, whose forces stay.
+    fn search(
+        &mut self,
+        here: &Iterate,
+        step: &Step,
+        direction: &mut dyn Direction,
+        report: &mut SolveReport,
+    ) -> Result<Taken, Stop> {
+        let model = self.equations.model;
+        let constrained = model.unknowns().scalars > 0;
+        if constrained && let Some(taken) = self.residual_falls(here, &step.dx, FALLS)? {
+            return Ok(taken);
+        }
+        if !model.has_potential() {
+            if let Some(taken) = self.residual_falls(here, &step.dx, DESCENT)? {
+                return Ok(taken);
+            }
+            if constrained {
+                return Err(Stop::Slow { residual: here.relative });
+            }
+            let merit = Energy::lagged(self.equations, here, step)?;
+            return self.downhill(here, &step.dx, &merit);
+        }
+        if step.curvature != Curvature::Negative {
+            return self.descend(here, step, &step.dx);
+        }
+        if let Some(taken) = self.residual_falls(here, &step.dx, TO_SADDLE)? {
+            return Ok(taken);
+        }
+        let dx = direction.downhill(here, report)?;
+        self.descend(here, step, &dx)
+    }
+
+    fn descend(&mut self, here: &Iterate, step: &Step, dx: &[f64]) -> Result<Taken, Stop> {
+        if self.equations.model.unknowns().scalars > 0 {
+            let merit = Augmented::new(self.equations, here, dx, step.scale)?;
+            return self.downhill(here, dx, &merit);
+        }
+        let merit = Energy::new(here, dx, step.scale);
+        self.downhill(here, dx, &merit)
+    }
+
+    fn residual_falls(&self, here: &Iterate, dx: &[f64], rule: Rule) -> Result<Option<Taken>, Inadmissible> {
+        let merit = Residual::new(self.equations, here);
+        let straight = |s: f64| moved(here.x, dx, s);
+        let longest = self.equations.admissible_move(here.x, &straight(1.0))?;
+        if rule.tries == 1 && longest < 1.0 {
+            return Ok(None);
+        }
+        self.along(here, &merit, (&straight, Along::Straight), longest, rule)
+    }
+
+    /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
+    fn downhill(&mut self, here: &Iterate, dx: &[f64], merit: &dyn Merit) -> Result<Taken, Stop> {
+        let Equations { model, options, .. } = *self.equations;
+        let (u, du, parallel) = (model.nodal(here.x), model.nodal(dx), options.parallel);
+        let straight = |s: f64| moved(here.x, dx, s);
+        let reach = StepLimits::of(model.discretization(), u, du, parallel);
+        let others = self.equations.admissible_chord(here.x, &straight(1.0))?;
+        if let Some(longest) = reach.curved {
+            if self.fit.is_none() {
+                self.fit = GradientFit::new(model, parallel);
+            }
+            if let Some(fit) = &self.fit {
+                let curve = |s: f64| {
+                    let bent = fit.correction(model, u, du, s, parallel);
+                    let mut to = straight(s);
+                    to.iter_mut().zip(&bent).for_each(|(u, bent)| *u += bent);
+                    to
+                };
+                let taken = self.along(here, merit, (&curve, Along::Curve), longest.min(others), DESCENT)?;
+                if let Some(taken) = taken {
+                    return Ok(taken);
+                }
+            }
+        }
+        let longest = reach.straight.min(others);
+        let taken = self.along(here, merit, (&straight, Along::Straight), longest, DESCENT)?;
+        taken.ok_or(Stop::Slow { residual: here.relative })
+    }
+
+    /// The longest of a few lengths along a path that lowers a merit enough and is admissible.
+    fn along(
+        &self,
+        here: &Iterate,
+        merit: &dyn Merit,
+        (path, along): Path,
+        longest: f64,
+        rule: Rule,
+    ) -> Result<Option<Taken>, Inadmissible> {
+        let line = merit.line();
+        let least_j = if merit.is_energy() { COLLAPSE * here.now.min_j } else { f64::NEG_INFINITY };
+        let mut length = longest;
+        for _ in 0..rule.tries {
+            let trial = path(length);
+            // the straight move to the longest one was checked
+            let reached = along == Along::Straight || self.equations.admissible_chord(here.x, &trial)? >= 1.0;
+            let found = if reached { merit.value(self.equations, &trial).ok() } else { None };
+            let Some((value, now)) = found.filter(|(_, now)| now.min_j >= least_j) else {
+                length *= 0.5;
+                continue;
+            };
+            let change = value - line.start;
+            if change <= rule.decrease * length * line.slope + line.noise {
+                let now = merit.accepted(self.equations, (&trial, length), now)?;
+                return Ok(Some(Taken { x: trial, now, length }));
+            }
+            // the vertex of the parabola through the start, its slope and this value
+            let vertex = -line.slope * length * length / (2.0 * (change - line.slope * length));
+            let shorter = merit.is_energy() && vertex.is_finite();
+            length = if shorter { vertex.clamp(0.1 * length, 0.5 * length) } else { 0.5 * length };
+        }
+        Ok(None)
+    }
+}

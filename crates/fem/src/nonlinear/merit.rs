@@ -1,0 +1,45 @@
+//! [`Merit`]: what falls along a step.
+
+pub(super) mod augmented;
+pub(super) mod energy;
+pub(super) mod residual;
+
+use crate::contributions::Sums;
+use crate::error::Inadmissible;
+use crate::nonlinear::equations::Equations;
+
+/// A function of the unknowns along a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line {
+    /// Its value where the step begins.
+    pub start: f64,
+    /// Its derivative along the step there.
+    pub slope: f64,
+    /// What rounding may change it by.
+    pub noise: f64,
+}
+
+/// A function that has a minimum, along steps, where the equations are solved.
+pub(super) trait Merit {
+    /// What is known of it where the step begins.
+    fn line(&self) -> Line;
+
+    /// Its value, and what was evaluated for it.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] outside of the admissible set.
+    fn value(&self, equations: &Equations, trial: &[f64]) -> Result<(f64, Sums), Inadmissible>;
+
+    /// Whether it is made of energies, whose minima along a line parabolas tell, and which collapsed cells may lower.
+    fn is_energy(&self) -> bool {
+        true
+    }
+
+    /// Energy and residual at an accepted trial.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn accepted(&self, _equations: &Equations, _trial: (&[f64], f64), found: Sums) -> Result<Sums, Inadmissible> {
+        Ok(found)
+    }
+}

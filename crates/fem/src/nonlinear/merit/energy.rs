@@ -1,0 +1,54 @@
+//! [`Energy`]: the potential.
+
+use super::{Line, Merit};
+use crate::contributions::Sums;
+use crate::error::Inadmissible;
+use crate::nonlinear::direction::Step;
+use crate::nonlinear::equations::Equations;
+use crate::nonlinear::iteration::Iterate;
+use nastic_numeric::vector::dot;
+
+/// Rounding of the potential, as a share of the sum of its absolute terms.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// The potential `P(u)`; of a model of which some contributions have none that of the others and the work of those,
+/// `P(u) + f(u_0) . u`, with their forces f where the step begins.
+pub(in crate::nonlinear) struct Energy {
+    line: Line,
+    /// `f(u_0)`
+    lagged: Option<Vec<f64>>,
+}
+
+impl Energy {
+    /// Along a step; `scale` is what the rounding of the potential is measured against.
+    pub fn new(here: &Iterate, dx: &[f64], scale: f64) -> Self {
+        let slope = here.residual.iter().zip(dx).map(|(r, s)| r * s).sum();
+        Energy { line: Line { start: here.now.energy, slope, noise: ROUNDING * scale }, lagged: None }
+    }
+
+    /// With the work of the contributions that have no potential.
+    pub fn lagged(equations: &Equations, here: &Iterate, step: &Step) -> Result<Self, Inadmissible> {
+        let mut energy = Energy::new(here, &step.dx, step.scale);
+        let others = equations.without_potential(here.x)?;
+        let work = dot(&others.force, here.x);
+        energy.line.start += work - others.energy;
+        energy.line.noise += ROUNDING * (work.abs() + others.energy_scale);
+        energy.lagged = Some(others.force);
+        Ok(energy)
+    }
+}
+
+impl Merit for Energy {
+    fn line(&self) -> Line {
+        self.line
+    }
+
+    fn value(&self, equations: &Equations, trial: &[f64]) -> Result<(f64, Sums), Inadmissible> {
+        let now = equations.evaluate(trial)?;
+        let work = match &self.lagged {
+            None => 0.0,
+            Some(force) => dot(force, trial) - equations.without_potential(trial)?.energy,
+        };
+        Ok((now.energy + work, now))
+    }
+}

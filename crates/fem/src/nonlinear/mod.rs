@@ -1,0 +1,8 @@
+//! Newton's method: one [iteration], whatever finds its steps ([`direction`]) and whatever measures them ([`merit`]).
+
+pub(crate) mod direction;
+pub(crate) mod equations;
+pub(crate) mod iteration;
+mod line_search;
+mod merit;
+mod newton;

@@ -1,0 +1,112 @@
+//! Equilibria by the [iteration](super::iteration) with the direction that a model takes.
+
+use crate::contributions::controls::Controls;
+use crate::contributions::instant::TimeStep;
+use crate::error::StateError;
+use crate::model::Model;
+use crate::nonlinear::direction::bordered::Bordered;
+use crate::nonlinear::direction::linearised::Linearised;
+use crate::nonlinear::direction::plain::Plain;
+use crate::nonlinear::direction::point_strains::WithPointStrains;
+use crate::nonlinear::equations::{Drive, Equations};
+use crate::nonlinear::iteration::{Iteration, Limits, Stop};
+use crate::solution::options::SolveOptions;
+use crate::solution::state::{SolveReport, State};
+use crate::solution::workspace::Workspace;
+use crate::time::modal_step::ModalStep;
+use nastic_linear::LinearSolver;
+use nastic_linear::solver::Curvature;
+
+/// Iterations of an attempt with point strains.
+const MOST: usize = 40;
+/// Relative residual from which Newton's method on displacements takes over.
+const NEAR: f64 = 1e-6;
+/// Rounding of the potential, as a share of the sum of its absolute terms.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+impl Equations<'_> {
+    /// From x to equilibrium, and what the last tangent was (positive where none was needed); where it stops short, x is the
+    /// last iterate.
+    pub fn solve(
+        &self,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Curvature, Stop> {
+        let limits = Limits::new(self.options.max_newton, self.options.accuracy);
+        if self.model.unknowns().scalars > 0 {
+            let mut direction = Bordered::new(self, x, solver);
+            return Iteration::new(self, limits).run(x, &mut direction, report);
+        }
+        let mut direction = Plain::new(self, x, solver);
+        Iteration::new(self, limits).run(x, &mut direction, report)
+    }
+
+    /// From u, whose prescribed components are in place, to an equilibrium of less potential by strains of their own at the quadrature
+    /// points; where it stops short, u is the last iterate.
+    pub fn solve_with_point_strains(
+        &self,
+        u: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<(), Stop> {
+        let start = self.evaluate(u)?;
+        // these steps may lead over indefinite tangents as often as they like
+        let lost = (usize::MAX, 0);
+        let limits = Limits { lost, ..Limits::new(MOST.min(self.options.max_newton), NEAR) };
+        let mut direction = WithPointStrains::new(self, u, &mut *solver)?;
+        let curvature = Iteration::new(self, limits).run(u, &mut direction, report)?;
+        let residual = report.residual;
+        let last = self.solve(u, solver, report)?;
+        let sound = curvature == Curvature::Positive && last == Curvature::Positive;
+        let rounding = ROUNDING * (start.energy_scale + start.energy.abs());
+        let lower = sound && report.energy <= start.energy + rounding;
+        if lower { Ok(()) } else { Err(Stop::Slow { residual }) }
+    }
+}
+
+impl Model {
+    /// The equations of an equilibrium under controls and a load.
+    pub(crate) fn equations<'a>(
+        &'a self,
+        controls: &'a Controls,
+        load: f64,
+        time_step: Option<&'a TimeStep>,
+        share: f64,
+        options: &'a SolveOptions<'a>,
+    ) -> Equations<'a> {
+        Equations { model: self, drive: Drive::Held { controls, load, time_step, share }, options }
+    }
+
+    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part in modes that move otherwise. The report tells the residual that
+    /// is left.
+    ///
+    /// # Errors
+    /// [`StateError::Inadmissible`] where J <= 0 there, [`StateError::NoConvergence`] where the whole step is not admissible,
+    /// [`StateError::Linear`] where K is not positive definite.
+    pub(crate) fn iterate_once(
+        &self,
+        controls: &Controls,
+        from: &State,
+        (how, time_step): (&SolveOptions, &TimeStep),
+        modes: Option<&ModalStep>,
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        self.check_controls(controls)?;
+        if how.cancelled() {
+            return Err(StateError::Cancelled);
+        }
+        let equations = self.equations(controls, 1.0, Some(time_step), 1.0, how);
+        let mut report = SolveReport { load_steps: 1, ..SolveReport::default() };
+        let mut u = from.u.to_vec();
+        let mut direction = Linearised { equations: &equations, modes, solver: self.linear_solver(how, workspace) };
+        let limits = Limits::new(1, how.accuracy);
+        match Iteration::new(&equations, limits).once(&mut u, &mut direction, &mut report) {
+            Ok(()) => Ok(State::equilibrium(u, controls.clone(), 1.0, report)),
+            Err(stop) => {
+                workspace.forget();
+                Err(stop.into_error(report.newton, from))
+            }
+        }
+    }
+}
