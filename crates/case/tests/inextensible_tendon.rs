@@ -117,13 +117,32 @@ fn mistakes_are_told() {
     let error = Place::new().run(Command::Solve, &case([r#", "pull": "100 mm""#, LET_OUT], ""), &[]);
     let error = format!("{:?}", error.map(|outcome| outcome.result.to_string()));
     assert!(error.contains("leaves none of its length"), "{error}");
-    let time = r#""time": { "end": "10 ms", "step": "5 ms" }, "probes""#;
+    let time = r#""time": { "end": "10 ms", "step": "5 ms", "scheme": "implicit_midpoint" }, "probes""#;
     let moving = case([r#", "pull": "1 mm""#, LET_OUT], "").replace("\"probes\"", time);
     let found = problems(&moving.replace("\"law\"", "\"density\": \"1000 kg/m^3\", \"law\""));
-    assert!(found.contains("actuation/0/pull: the pull of \"flexor\" does not go with \"time\" yet"), "{found}");
-    let moving = case(["", LET_OUT], PULLED).replace("\"probes\"", time);
-    let found = problems(&moving.replace("\"law\"", "\"density\": \"1000 kg/m^3\", \"law\""));
-    assert!(found.contains("controls/0/of: the pull of \"flexor\" does not go"), "{found}");
+    assert!(found.contains("time/scheme: implicit_midpoint does not go with \"flexor\""), "{found}");
+}
+
+/// A pull in motion, along a path from rest, and the modes about its end: the tendon is as long as it is let.
+#[test]
+fn a_pull_goes_with_motions_paths_and_modes() {
+    let still = case([r#", "pull": "1 mm""#, LET_OUT], "");
+    let taut = |result: &serde_json::Value| {
+        let of = |key: &str| result["contributions"]["flexor"][key].as_f64().unwrap();
+        assert!(of("tension") > 0.0, "{result}");
+        assert!(((of("length") + of("pull")) / of("reference_length") - 1.0).abs() < 1e-10, "{result}");
+    };
+    let time = r#""time": { "end": "10 ms", "step": "5 ms", "start": "rest" }, "probes""#;
+    let moving = still.replace("\"probes\"", time).replace("\"law\"", "\"density\": \"1000 kg/m^3\", \"law\"");
+    let outcome = Place::new().run(Command::Solve, &moving, &[]).unwrap();
+    assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
+    taut(&outcome.result);
+    for analysis in [Analysis::Path, Analysis::Modes(2)] {
+        let place = Place::new();
+        let options = Options { analysis, ..place.options(&[]) };
+        let outcome = place.run_with(Command::Solve, &still, &Console::silent(), &options).unwrap();
+        assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
+    }
 }
 
 /// A misspelt "stiffness" makes it another tendon, of which controls and motions would be told what does not concern them.

@@ -163,7 +163,7 @@ fn exact_modes_are_told_as_they_are() {
         let costs = r#""costs": [ { "kind": "control_norm", "of": "swelling", "weight": 1 } ], "probes""#;
         let refused = place.run(command, &with(&case, r#""probes""#, costs), &[]).unwrap_err();
         assert_eq!(refused.exit(), Exit::BadInput);
-        assert!(refused.to_string().contains("\"siere\" has no derivative"), "{refused}");
+        assert!(refused.to_string().contains("the adjoint does not go with \"siere\""), "{refused}");
     }
 }
 

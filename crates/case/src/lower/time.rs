@@ -5,7 +5,7 @@ use super::context::Context;
 use crate::run::short;
 use crate::schema::{self, Beginning, Case, InTime, KnotInterpolation, Time, VectorField, vector_at};
 use nastic_control::{Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
-use nastic_fem::{Checkpoints, Solid};
+use nastic_fem::{Checkpoints, Feature, Solid};
 
 /// Makes the problem one in time, where the case says so; `found`: the instants of steps that were found.
 pub(super) fn apply(
@@ -16,6 +16,7 @@ pub(super) fn apply(
 ) -> Option<Reduced> {
     let Some(time) = &case.time else { return Some(reduced) };
     let scheme = context.take(&time.at.key("scheme"), time.built_scheme())?;
+    context.take(&time.at.key("scheme"), reduced.solid().model().supports(Feature::Motion(&scheme)))?;
     let instants = found.map_or_else(|| required(case, time), <[f64]>::to_vec);
     let mut timeline = context.take(&time.at, Timeline::through(scheme, instants))?;
     if time.start == Beginning::Rest {

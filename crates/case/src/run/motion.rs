@@ -22,7 +22,7 @@ use crate::result::summary;
 use crate::schema::{Command, Time};
 use crate::warning::Warning;
 use nastic_control::{ControlError, EnsemblePoint, Evaluated, StateFields, Timeline};
-use nastic_fem::State;
+use nastic_fem::{Feature, State};
 use nastic_io::write_atomically;
 use nastic_mesh::Snapshot;
 use rayon::prelude::*;
@@ -270,12 +270,11 @@ pub(super) fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<()
 
 /// Refuses schemes without an adjoint where derivatives are wanted.
 pub(super) fn check_adjoint(problem: &CaseProblem) -> Result<(), RunError> {
-    let timelines = problem.members().filter_map(|member| member.reduced().timeline().cloned());
-    let Some(scheme) = timelines.map(|line| line.scheme().clone()).find(|scheme| !scheme.has_adjoint()) else {
-        return Ok(());
-    };
-    let message = format!("\"{}\" has no derivative: \"solve\" takes it; here take \"tr_bdf2\"", scheme.name());
-    Err(problem.complain("time/scheme", message).into())
+    let refused = problem.members().find_map(|member| {
+        let (model, scheme) = (member.solid().model(), member.reduced().timeline()?.scheme());
+        model.supports(Feature::MotionAdjoint(scheme)).err()
+    });
+    refused.map_or(Ok(()), |error| Err(problem.complain("time/scheme", error.to_string()).into()))
 }
 
 /// The options of `solve` that look at one equilibrium.

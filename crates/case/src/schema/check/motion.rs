@@ -1,7 +1,6 @@
 //! What has a meaning in motion alone, and what a motion needs.
 
 use super::{Blocks, block};
-use crate::schema::actuation::Means;
 use crate::schema::control::{Control, Start};
 use crate::schema::field::Parameter;
 use crate::schema::optimizer::{Optimizer, Unstable};
@@ -74,7 +73,6 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
         }
     }
     check_scheme(time, blocks, reader);
-    check_lengths_and_volumes(blocks, reader);
     let optimizer: Option<Optimizer> = block(reader, "optimizer");
     let given = |key: &str, wanted: bool, reader: &mut Reader<'_>, message: &str| {
         if wanted {
@@ -95,52 +93,8 @@ fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
     }
 }
 
-/// Equality and inequality constraints, which steps in time do not have: a volume, the length of a cable that cannot stretch.
-fn check_lengths_and_volumes(blocks: &Blocks, reader: &mut Reader<'_>) {
-    for actuation in blocks.actuation.iter().filter(|actuation| blocks.is_sound(&actuation.at)) {
-        let Means::Contribution { values, .. } = &actuation.means else { continue };
-        for (name, slot) in actuation.slots() {
-            let instead = match slot.key {
-                "volume" => "drive it by its pressure",
-                "pull" if !values.numbers.contains_key("stiffness") => {
-                    "give the tendon a \"stiffness\", or drive it by its tension"
-                }
-                _ => continue,
-            };
-            let message =
-                format!("the {} of \"{}\" does not go with \"time\" yet: {instead}", slot.key, actuation.name);
-            if actuation.fixed.contains_key(slot.key) {
-                reader.complain_at(&actuation.at.key(slot.key), &message);
-            }
-            for control in controls(blocks).filter(|control| control.of == name) {
-                reader.complain_at(&control.at.key("of"), &message);
-            }
-        }
-    }
-}
-
-/// What goes with the modes of `siere`.
-fn check_modes(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
-    let at = time.at.key("scheme");
-    let viscous =
-        blocks.materials.iter().any(|material| !material.maxwell.is_empty() || material.kelvin_voigt.is_some());
-    if viscous {
-        let message =
-            "\"siere\" takes the modes of elastic bodies: with \"maxwell\" or \"kelvin_voigt\" take \"tr_bdf2\"";
-        reader.complain_at(&at, message);
-    }
-    if let Some(motion) = blocks.actuation.iter().find(|actuation| actuation.kind() == "motion") {
-        let message =
-            format!("\"siere\" does not go with the surface that \"{}\" moves: take \"tr_bdf2\"", motion.name);
-        reader.complain_at(&at, message);
-    }
-}
-
 /// What a scheme cannot begin with.
 fn check_scheme(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
-    if time.built_scheme().is_ok_and(|scheme| scheme.exact_modes() > 0) {
-        check_modes(time, blocks, reader);
-    }
     let (Ok(scheme), true) = (time.built_scheme(), time.velocity.is_some()) else { return };
     let name = scheme.name();
     let accelerated = scheme.needs_acceleration() || scheme.start().is_some_and(Scheme::needs_acceleration);
