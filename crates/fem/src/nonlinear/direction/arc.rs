@@ -4,7 +4,7 @@ use super::{Direction, Step};
 use crate::error::Inadmissible;
 use crate::nonlinear::equations::{Drive, Equations};
 use crate::nonlinear::iteration::{Iterate, Stop};
-use crate::solution::saddle_point::{Extension, SaddlePoint};
+use crate::solution::saddle_point::{BorderedTangent, Extension, SaddlePoint};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::TangentSystems;
 use nastic_linear::LinearSolver;
@@ -55,9 +55,11 @@ impl Direction for ArcStep<'_> {
         let away: Vec<f64> = here.x.iter().zip(origin).map(|(x, o)| x - o).collect();
         let short = distance - self.metric.product(&away, normal);
         let force: Vec<f64> = here.residual.iter().map(|r| -r).collect();
-        let mut dx = self.solve(here.x, (&force, short), report)?;
+        let tangent = self.equations.bordered_tangent(here.x)?;
+        let scale = self.equations.energy_scale(&tangent.matrix, self.equations.split(here.x).0, here.now);
+        let mut dx = self.solve(here.x, tangent, (&force, short), report)?;
         self.equations.keep_positive(here.x, &mut dx);
-        Ok(Step::whole(dx, Curvature::Positive, self.equations.dofs()))
+        Ok(Step { scale, ..Step::whole(dx, Curvature::Positive, self.equations.dofs()) })
     }
 }
 
@@ -65,15 +67,21 @@ impl ArcStep<'_> {
     /// The direction of the path at a point, with a product of 1 with the normal.
     pub fn tangent(&mut self, x: &[f64]) -> Result<Vec<f64>, Stop> {
         let none = vec![0.0; x.len() - 1];
-        self.solve(x, (&none, 1.0), &mut SolveReport::default())
+        let tangent = self.equations.bordered_tangent(x)?;
+        self.solve(x, tangent, (&none, 1.0), &mut SolveReport::default())
     }
 
     /// `K y + B q + r_s t = f`, `B^T y + .. = g`, `<normal, (y, t)> = h`: y with the supports' motion, q and t.
-    fn solve(&mut self, x: &[f64], (f, h): (&[f64], f64), report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
+    fn solve(
+        &mut self,
+        x: &[f64],
+        tangent: BorderedTangent,
+        (f, h): (&[f64], f64),
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, Stop> {
         let equations = self.equations;
         let (model, parallel) = (equations.model, equations.options.parallel);
         let (u, s) = equations.split(x);
-        let tangent = equations.bordered_tangent(x)?;
         let support = equations.support_motion(s);
         let mut column = equations.residual_by_s(u, s)?;
         let pulled = tangent.multiply(&support, parallel);

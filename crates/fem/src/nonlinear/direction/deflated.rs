@@ -85,23 +85,27 @@ impl<'a> Deflated<'a> {
 impl Direction for Deflated<'_> {
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
         let equations = self.equations;
-        let newton = match &mut self.newton {
+        let (newton, scale) = match &mut self.newton {
             Newton::Plain(solver) => {
                 let mut systems = TangentSystems::new(equations.model, equations.options.parallel, &mut **solver);
                 let mut memory = None;
                 let matrix = equations.tangent(here.x, &mut memory)?;
+                let scale = equations.energy_scale(matrix, here.x, here.now);
                 eliminate(equations.model, matrix);
                 let rhs: Vec<f64> = here.residual.iter().map(|r| -r).collect();
-                systems.solve(matrix, here.x, &rhs, report)?
+                (systems.solve(matrix, here.x, &rhs, report)?, scale)
             }
-            Newton::Bordered(bordered) => bordered.newton(here, report)?.0,
+            Newton::Bordered(bordered) => {
+                let (step, _, scale) = bordered.newton(here, report)?;
+                (step, scale)
+            }
         };
         let (u, du) = (equations.model.nodal(here.x), equations.model.nodal(&newton));
         let (factor, size) = (self.known.factor(u, du), max_abs(du));
         let longest = LONGEST * equations.diagonal() / size.max(f64::MIN_POSITIVE);
         let mut dx: Vec<f64> = newton.iter().map(|d| factor.clamp(-longest, longest) * d).collect();
         equations.keep_positive(here.x, &mut dx);
-        Ok(Step { dx, curvature: Curvature::Positive, size, scale: 0.0, take: Take::Longest })
+        Ok(Step { dx, curvature: Curvature::Positive, size, scale, take: Take::Longest })
     }
 }
 
