@@ -125,18 +125,20 @@ fn a_warm_start_arrives_where_a_cold_one_does() -> Outcome {
     Ok(())
 }
 
-/// A start that leads nowhere is left for the way from rest.
+/// A start that leads nowhere is left for the way from rest; one that is inverted, and one of another body, are refused.
 #[test]
 fn a_useless_warm_start_does_no_harm() -> Outcome {
     let solid = cantilever(CellKind::Hex8, 2)?;
     let controls = tension(&solid, -1.5e5)?;
     let good = solid.solve(&controls, &STRICT)?;
-    let mut u = good.u.to_vec();
-    u.iter_mut().enumerate().for_each(|(n, u)| *u += 0.5 * common::noise(n));
-    let inverted = State { u: u.into(), ..good.clone() };
-    let state = solid.solve(&controls, &SolveOptions { near: Some(&inverted), ..STRICT })?;
+    let displaced = |amount: f64| {
+        let u: Vec<f64> = good.u.iter().enumerate().map(|(n, u)| u + amount * common::noise(n)).collect();
+        State { u: u.into(), ..good.clone() }
+    };
+    let state = solid.solve(&controls, &SolveOptions { near: Some(&displaced(0.02)), ..STRICT })?;
     assert!(distance(&state.u, &good.u) < 1e-11);
-    // a state of another body is refused
+    let refused = solid.solve(&controls, &SolveOptions { near: Some(&displaced(0.5)), ..STRICT });
+    assert!(matches!(refused, Err(StateError::Start { .. })), "{refused:?}");
     let other = cantilever(CellKind::Hex8, 1)?;
     let refused = solid.solve(&controls, &SolveOptions { near: Some(&other.rest()), ..STRICT });
     assert!(matches!(refused, Err(StateError::Problem(FemError::Length { .. }))), "{refused:?}");
