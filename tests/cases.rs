@@ -233,7 +233,7 @@ fn tendons_are_drawn_in_by_lengths() {
         .replace("\"spacing\": 5", "\"spacing\": 5, \"stiffness\": \"2 N/mm\"")
         .replace("\"1 N\", \"upper\": \"15 N\"", "\"1 mm\", \"lower\": 0, \"upper\": 30");
     let text = text.split("\"expect\"").next().unwrap().to_owned() + "\"output\": { \"directory\": \"out\" } }";
-    let path = scratch("pulled").join("case.json");
+    let path = scratch("pulled").join("finger.json");
     std::fs::write(&path, text).unwrap();
     let outcome = command(Command::Optimize, &path, "pulled", &[]).unwrap();
     let tendon = |name: &str, what: &str| outcome.result["contributions"][name][what].as_f64().unwrap();
@@ -259,7 +259,7 @@ fn tendons_that_cannot_stretch_find_the_same_end() {
         text = text.replace(&format!("\"of\": \"{name}\""), &format!("\"of\": \"{name}.pull\""));
     }
     let text = text.split("\"expect\"").next().unwrap().to_owned() + "\"output\": { \"directory\": \"out\" } }";
-    let path = scratch("rigid").join("case.json");
+    let path = scratch("rigid").join("finger.json");
     std::fs::write(&path, text).unwrap();
     let outcome = command(Command::Optimize, &path, "rigid", &[]).unwrap();
     let tendon = |name: &str, what: &str| outcome.result["contributions"][name][what].as_f64().unwrap();
