@@ -70,6 +70,11 @@ fn a_search_that_stalls_offers_a_tolerance_that_it_meets() {
     let set = [&limits[..], &["controls/0/start=-1000"]].concat().iter().map(|&one| one.to_owned()).collect::<Vec<_>>();
     let (_, said) = optimize(&place, BAR, &set);
     assert!(said.contains("end         stalled"), "{said}");
+    // which kind of stall it is hangs on rounding, and so on the instructions of the processor
+    if said.contains("no decrease in ") {
+        assert!(said.contains("gradient check"), "{said}");
+        return;
+    }
     let next = settings(&said, "would have converged", &place);
     let (again, said) = optimize(&place, BAR, &next);
     assert!(again.result["converged"].as_bool().unwrap(), "{next:?}\n{said}");

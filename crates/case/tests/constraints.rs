@@ -171,12 +171,6 @@ fn ends_and_beginnings_inside_of_an_obstacle_are_told() {
     );
     let text = warnings(&with(&small, "\"2 mm\"", "0"));
     assert!(text.contains("the body at rest is inside of the obstacle between its nodes, at ("), "{text}");
-    // beside the clamp, where the body hardly moves
-    let beside = with(&with(&small, "[0.55, 0.05, 0.2]", "[0.05, 0.05, 0.2]"), "\"2 mm\"", "0");
-    let (place, heard) = (Place::new(), Heard::default());
-    let options = place.options(&["optimizer/max_iterations=1", "expect={}"]);
-    place.run_with(Command::Optimize, &beside, &Console::new(heard.clone()), &options).unwrap();
-    assert!(heard.text().contains(", which slips between the nodes"), "{}", heard.text());
 }
 
 /// A ball about the clamp: told before anything is solved, and by the end, with the node.

@@ -86,6 +86,14 @@ pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {
     Ok(out.remove(RESULT)?)
 }
 
+/// The files that an earlier run in a directory lists as its results.
+pub(super) fn listed(directory: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(directory.join("result.json")).unwrap_or_default();
+    let earlier: Value = serde_json::from_str(&text).unwrap_or_default();
+    let files = earlier["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    files.map(str::to_owned).collect()
+}
+
 /// Whether a name may be one of those that runs write into their directory; the list may be of another program, or edited.
 fn is_of_runs(name: &str) -> bool {
     const ENDINGS: [&str; 9] = ["bin", "csv", "html", "json", "jsonl", "png", "pvd", "svg", "vtu"];

@@ -4,7 +4,7 @@ use super::ensemble_progress::EnsembleProgress;
 use super::error::{Exit, RunError};
 use super::spectrum_request::SpectrumRequest;
 use super::states::Shown;
-use super::{OnTrial, Options, motion, number};
+use super::{OnTrial, Options, motion, number, report};
 use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
@@ -102,10 +102,18 @@ impl<'c> Session<'c> {
         Ok(session)
     }
 
-    /// The directory of the results, in which they replace nothing that the case reads.
+    /// The directory of the results, in which they replace nothing that the case reads, but for starts that an earlier run there has written
+    /// (`optimize` warns of these).
     pub fn claim(&self, directory: PathBuf) -> Result<Directory, RunError> {
-        let case = Path::new(self.problem.document.name());
-        let inputs = self.problem.files.iter().map(PathBuf::as_path).chain([case]);
+        let (problem, json) = (&self.problem, self.problem.document.json());
+        let mesh = json["mesh"].as_str().or(json["mesh"]["file"].as_str()).map(|mesh| problem.document.resolve(mesh));
+        let results = report::listed(&directory);
+        let is_result = |file: &Path| {
+            let name = file.file_name().and_then(|name| name.to_str());
+            mesh.as_deref() != Some(file) && results.iter().any(|result| name == Some(result))
+        };
+        let read = problem.files.iter().map(PathBuf::as_path).filter(|file| !is_result(file));
+        let inputs = read.chain(problem.case_file().map(Path::new));
         Ok(Directory::claim(directory, &written_by(&self.command), inputs)?)
     }
 
