@@ -120,7 +120,6 @@ fn strip(load: f64, floor: f64) -> Outcome<(Solid, Floor)> {
 
 fn sound(floor: &Floor, states: &[&State]) {
     let (evaluations, beyond) = (floor.evaluations.load(Ordering::Relaxed), floor.beyond.load(Ordering::Relaxed));
-    println!("{evaluations} evaluations, {beyond} beyond");
     assert!(evaluations > 10 && beyond == 0, "{beyond} of {evaluations} evaluations were beyond the floor");
     for state in states {
         let least = (0..floor.heights.len()).map(|node| floor.gap(node, &state.u)).fold(f64::INFINITY, f64::min);

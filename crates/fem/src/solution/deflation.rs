@@ -98,7 +98,10 @@ impl Model {
                     }
                     Ok(None) => workspace.forget(),
                     // Another start may lead somewhere.
-                    Err(stop) => stop.final_error().map_or(Ok(workspace.forget()), Err)?,
+                    Err(stop) => match stop.final_error() {
+                        Some(error) => return Err(error),
+                        None => workspace.forget(),
+                    },
                 }
                 if all.found.len() == count {
                     break;

@@ -64,7 +64,7 @@ pub(crate) struct Deflated<'a> {
 
 enum Newton<'a> {
     Plain(&'a mut dyn LinearSolver),
-    Bordered(Bordered<'a>),
+    Bordered(Box<Bordered<'a>>),
 }
 
 impl<'a> Deflated<'a> {
@@ -76,7 +76,7 @@ impl<'a> Deflated<'a> {
     ) -> Self {
         let newton = match equations.model.unknowns().scalars {
             0 => Newton::Plain(solver),
-            _ => Newton::Bordered(Bordered::new(equations, x, solver)),
+            _ => Newton::Bordered(Box::new(Bordered::new(equations, x, solver))),
         };
         Deflated { equations, known, newton }
     }
