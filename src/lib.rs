@@ -72,8 +72,8 @@ pub mod prelude {
         MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRivlin, Turgor,
     };
     pub use crate::fem::{
-        Cavity, Contribution, Discretization, Formulation, Foundation, Motion, Solid, SolveOptions, Spring, State,
-        Tendon,
+        Cavity, Contribution, Discretization, Formulation, Foundation, MovingSupport, Solid, SolveOptions, Spring,
+        State, Tendon,
     };
     pub use crate::mesh::{CellKind, Mesh, Snapshot, box_mesh, rectangle};
     pub use crate::opt::{

@@ -2,7 +2,7 @@
 
 use nastic_control::{Compliance, Ensemble, Reduced, Space, Target, Tracking};
 use nastic_energy::{FiberTension, NeoHooke};
-use nastic_fem::{Motion, Solid};
+use nastic_fem::{MovingSupport, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Bounds, Lbfgs, Optimizer, Taylor, Verdict};
 use nastic_tensor::Vec3;
@@ -20,7 +20,7 @@ fn bar_of(kind: CellKind, cells: [usize; 3], stiffer: f64) -> Outcome<Solid> {
         .material("body", NeoHooke::new(4e4 * stiffer, 6e4 * stiffer)?)?
         .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
         .clamp("x-")?
-        .motion(Motion::of("grip", "x+").about([2.1, 0.0, 0.1]))?)
+        .motion(MovingSupport::of("grip", "x+").about([2.1, 0.0, 0.1]))?)
 }
 
 /// Tracked are the whole body, so that the cost depends on the held nodes too, and the upper face.
@@ -104,7 +104,7 @@ fn a_column_behind_its_buckling_load_has_no_compliance() -> Outcome {
     let column = Solid::new(box_mesh([2.0, 0.1, 0.1], [20, 1, 1], CellKind::Hex20)?)?
         .material("body", NeoHooke::new(4e4, 6e4)?)?
         .clamp("x-")?
-        .motion(Motion::of("grip", "x+"))?;
+        .motion(MovingSupport::of("grip", "x+"))?;
     let problem = Reduced::new(column)
         .control("grip.translation", Space::Uniform)?
         .cost(Compliance::surface("z+", [0.0, 0.0, 1.0]))?;

@@ -5,7 +5,7 @@ use nastic_control::{
     Space, Target, Timeline, Tracking, When,
 };
 use nastic_energy::{FiberTension, MaxwellBranch, NeoHooke};
-use nastic_fem::{Inertia, Motion, Scheme, Solid};
+use nastic_fem::{Inertia, MovingSupport, Scheme, Solid};
 use nastic_mesh::{CellKind, box_mesh, rectangle};
 use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, Product, Taylor, Verdict};
 use nastic_tensor::Vec3;
@@ -20,7 +20,7 @@ fn arm() -> Done<Solid> {
     Ok(Solid::new(box_mesh([0.5, 0.05, 0.05], [4, 1, 2], CellKind::Hex8)?)?
         .material("body", NeoHooke::from_young_poisson(1e5, 0.3)?)?
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
-        .motion(Motion::of("gripper", "x-"))?
+        .motion(MovingSupport::of("gripper", "x-"))?
         .inertia(Inertia::new("body", 1000.0))?
         .rayleigh_damping(0.5, 1e-3)?)
 }
@@ -97,7 +97,7 @@ fn few_states_give_the_same_bits() -> Done {
 fn a_gripper_carries_an_arm_without_leaving_it_swinging() -> Done {
     let arm = Solid::new(rectangle([0.1, 0.03], [4, 1], CellKind::Quad9)?)?
         .material("body", NeoHooke::from_young_poisson(1e5, 0.3)?)?
-        .motion(Motion::of("gripper", "x-"))?
+        .motion(MovingSupport::of("gripper", "x-"))?
         .inertia(Inertia::new("body", 1000.0))?
         .rayleigh_damping(0.0, 3e-3)?;
     let place = Target::position(|x| [x[0], x[1] + 0.1, x[2]]);

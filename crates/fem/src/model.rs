@@ -2,9 +2,9 @@
 
 mod admissible;
 mod features;
-mod held;
 mod history;
 mod inequalities;
+mod prescribed;
 
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::driving::Driving;
@@ -13,7 +13,7 @@ use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use crate::contributions::{Contribution, ControlPoint, Demand, Sums};
+use crate::contributions::{Constrains, Contribution, ControlPoint, Demand, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
@@ -101,9 +101,8 @@ impl Model {
             return Err(FemError::Meaningless { what });
         }
         let disc = self.discretization().with_couplings(&contribution.couplings())?;
-        let held = contribution.held();
-        if !held.is_empty() {
-            self.supports.drive(name, &held)?;
+        if let Some(moved) = contribution.prescribes() {
+            self.supports.drive(name, &moved.unknowns())?;
         }
         self.body.set_discretization(disc)?;
         self.others.push(contribution);
@@ -118,7 +117,7 @@ impl Model {
     /// The unknowns.
     pub fn unknowns(&self) -> Unknowns {
         let disc = self.discretization();
-        let scalars = self.others.iter().map(|c| c.constraints()).sum();
+        let scalars = self.others.iter().map(count).sum();
         Unknowns { dim: disc.dim(), nodes: disc.mesh().points().len(), scalars }
     }
 
@@ -141,7 +140,7 @@ impl Model {
             cells: None,
             measure: c.measure(),
             points: c.control_points(),
-            holds: !c.held().is_empty(),
+            holds: c.prescribes().is_some(),
         });
         of_body.chain(own).collect()
     }
@@ -348,7 +347,9 @@ impl Model {
     /// Whether all constraints can be fulfilled under these controls.
     pub(crate) fn check_constraints(&self, controls: &Controls) -> Result<(), FemError> {
         let rest = vec![0.0; self.unknowns().len()];
-        self.each_other(&Instant::new(&rest, controls, 1.0), |contribution, at| contribution.check_constraints(at))
+        self.each_other(&Instant::new(&rest, controls, 1.0), |contribution, at| {
+            contribution.constrains().map_or(Ok(()), |constraints| constraints.check(at))
+        })
     }
 
     /// A contribution by name, the index of its block of controls, that of its first multiplier, and that of its internal variables.
@@ -363,7 +364,7 @@ impl Model {
             if contribution.name() == name {
                 found = Some((contribution.as_ref(), block, scalar, memory));
             }
-            scalar += contribution.constraints();
+            scalar += count(contribution);
             block += usize::from(!contribution.slots().is_empty());
         }
         found
@@ -425,7 +426,7 @@ impl Model {
         let (mut block, mut scalar) = (self.body.actuations().len(), self.discretization().dofs());
         for (contribution, memory) in self.others.iter().zip(block..) {
             call(contribution.as_ref(), &Instant { block, scalar, memory, ..*at })?;
-            scalar += contribution.constraints();
+            scalar += count(contribution);
             block += usize::from(!contribution.slots().is_empty());
         }
         Ok(())
@@ -438,7 +439,7 @@ impl Model {
     pub fn check(&self) -> Result<(), FemError> {
         // A body without materials has no use for advice on supports.
         self.body.check_complete()?;
-        let springs = self.others.iter().flat_map(|contribution| contribution.holds());
+        let springs = self.others.iter().flat_map(|contribution| contribution.resists());
         self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>())?;
         self.check_in_motion()
     }
@@ -448,4 +449,9 @@ impl Model {
         self.body.check_complete()?;
         self.others.iter().try_for_each(|contribution| contribution.check(&self.supports))
     }
+}
+
+/// Number of constraints of a contribution.
+pub(crate) fn count(contribution: &Arc<dyn Contribution>) -> usize {
+    contribution.constrains().map_or(0, Constrains::count)
 }

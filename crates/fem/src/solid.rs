@@ -7,7 +7,7 @@ use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
 use crate::contributions::inertia::BodyInertia;
 use crate::contributions::rayleigh_damping::RayleighDamping;
-use crate::contributions::{Cavity, Foundation, Inertia, Motion, Spring, Tendon};
+use crate::contributions::{Cavity, Foundation, Inertia, MovingSupport, Spring, Tendon};
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
@@ -318,7 +318,7 @@ impl Solid {
     ///
     /// # Errors
     /// An unknown surface, nodes that something else holds; a name that is taken.
-    pub fn motion(self, motion: Motion) -> Result<Self, FemError> {
+    pub fn motion(self, motion: MovingSupport) -> Result<Self, FemError> {
         let nodes = self.nodes_of(motion.surface())?;
         let contribution = motion.on(self.mesh(), nodes)?;
         self.contribution(contribution)

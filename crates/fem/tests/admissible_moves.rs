@@ -7,8 +7,8 @@ mod common;
 use common::{Outcome, largest, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
-    Contribution, Demand, Inadmissible, Inertia, Instant, PathOptions, Scheme, Sensitivities, Solid, SolveOptions,
-    State, StateError, StepTo, Sums, Trajectory, Workspace,
+    Contribution, Demand, Inadmissible, Inertia, Instant, PathOptions, Scheme, Solid, SolveOptions, State, StateError,
+    StepTo, Sums, Trajectory, Workspace,
 };
 use nastic_linear::SparseMatrix;
 use nastic_mesh::CellKind;
@@ -96,10 +96,6 @@ impl Contribution for Floor {
             if fall > 0.99 * gap { 0.9 * gap / fall } else { 1.0 }
         };
         Ok(nodes.map(share).fold(1.0, f64::min))
-    }
-
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
-        Ok(())
     }
 }
 

@@ -7,7 +7,7 @@ mod common;
 use common::block::STRICT;
 use common::{Outcome, largest, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Instant, Motion, PathOptions, Solid, SolveOptions, State, Workspace};
+use nastic_fem::{Instant, MovingSupport, PathOptions, Solid, SolveOptions, State, Workspace};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::f64::consts::PI;
@@ -31,12 +31,13 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 fn a_translation_is_a_prescribed_displacement() -> Outcome {
     for kind in [CellKind::Hex8, CellKind::Tet10, CellKind::Quad9] {
         let z = if kind.dim() == 3 { 0.1 } else { 0.0 };
-        let moved = solve(&bar(kind)?.clamp("x-")?.motion(Motion::of("grip", "x+"))?, [-0.2, 0.3, z, 0.0, 0.0, 0.0])?;
+        let moved =
+            solve(&bar(kind)?.clamp("x-")?.motion(MovingSupport::of("grip", "x+"))?, [-0.2, 0.3, z, 0.0, 0.0, 0.0])?;
         let displaced = bar(kind)?.clamp("x-")?.displace("x+", [Some(-0.2), Some(0.3), Some(z)])?;
         let held = displaced.solve(&displaced.controls(), &STRICT)?;
         assert!(difference(&moved.u, &held.u) < 1e-9, "{kind}: {:e}", difference(&moved.u, &held.u));
     }
-    let solid = bar(CellKind::Hex8)?.clamp("x-")?.motion(Motion::of("grip", "x+"))?;
+    let solid = bar(CellKind::Hex8)?.clamp("x-")?.motion(MovingSupport::of("grip", "x+"))?;
     assert!(
         solid.supports().reactions(&vec![1.0; solid.discretization().dofs()]).iter().any(|(name, _)| name == "grip")
     );
@@ -54,7 +55,7 @@ fn a_free_block_turns_without_energy() -> Outcome {
     ] {
         let plane = kind.dim() == 2;
         let centre = if plane { [0.3, -0.2, 0.0] } else { [0.3, -0.2, 0.1] };
-        let solid = bar(kind)?.motion(Motion::of("grip", "x-").about(centre))?;
+        let solid = bar(kind)?.motion(MovingSupport::of("grip", "x-").about(centre))?;
         let shift = Vec3::new(0.4, 0.1, if plane { 0.0 } else { -0.3 });
         let state = solve(&solid, [shift.x, shift.y, shift.z, rotation[0], rotation[1], rotation[2]])?;
         // the rotation by another formula
@@ -73,7 +74,7 @@ fn a_free_block_turns_without_energy() -> Outcome {
 /// The path by arc length to a turned grip ends in the state that the solve finds; so does the ramp.
 #[test]
 fn paths_and_ramps_go_along_a_rotation() -> Outcome {
-    let solid = bar(CellKind::Hex8)?.clamp("x-")?.motion(Motion::of("grip", "x+"))?;
+    let solid = bar(CellKind::Hex8)?.clamp("x-")?.motion(MovingSupport::of("grip", "x+"))?;
     let values = [-0.1, 0.0, 0.05, 0.3, 0.6, -0.2];
     let direct = solve(&solid, values)?;
     let mut controls = solid.controls();
@@ -101,12 +102,12 @@ fn what_cannot_move_is_refused() -> Outcome {
         let told = solid.err().map(|error| error.to_string()).unwrap_or_default();
         assert!(words.iter().all(|word| told.contains(word)), "{told}");
     };
-    let grip = || Motion::of("grip", "x+");
+    let grip = || MovingSupport::of("grip", "x+");
     told(bar(CellKind::Hex8)?.clamp("x+")?.motion(grip()), ["grip", "x+"]);
     told(bar(CellKind::Hex8)?.motion(grip())?.clamp("x+"), ["grip", "x+"]);
-    told(bar(CellKind::Hex8)?.motion(grip())?.motion(Motion::of("other", "y-")), ["grip", "other"]);
-    told(bar(CellKind::Hex8)?.motion(Motion::of("grip", "x*")), ["x*", "not found"]);
-    told(bar(CellKind::Hex8)?.clamp("x-")?.motion(Motion::of("x-", "x+")), ["x-", "rename the motion"]);
+    told(bar(CellKind::Hex8)?.motion(grip())?.motion(MovingSupport::of("other", "y-")), ["grip", "other"]);
+    told(bar(CellKind::Hex8)?.motion(MovingSupport::of("grip", "x*")), ["x*", "not found"]);
+    told(bar(CellKind::Hex8)?.clamp("x-")?.motion(MovingSupport::of("x-", "x+")), ["x-", "rename the motion"]);
     told(bar(CellKind::Hex8)?.motion(grip().about([f64::NAN, 0.0, 0.0])), ["grip", "finite"]);
     let plane = bar(CellKind::Quad4)?.clamp("x-")?.motion(grip())?;
     let why = solve(&plane, [0.0, 0.0, 0.0, 0.1, 0.0, 0.0]).err().ok_or("a turn out of the plane")?.to_string();

@@ -9,7 +9,7 @@ use common::motion::schemes_with_moving_supports;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
-    Controls, Inertia, Motion, Scheme, Solid, SolveOptions, State, StepTo, Tolerance, Trajectory, Workspace,
+    Controls, Inertia, MovingSupport, Scheme, Solid, SolveOptions, State, StepTo, Tolerance, Trajectory, Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
@@ -54,7 +54,7 @@ const RHO: f64 = 3.0;
 fn mass_on_a_spring((a0, a1): (f64, f64)) -> Outcome<Solid> {
     let solid = Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
         .material("body", NeoHooke::new(0.5 * YOUNG, 0.0)?)?
-        .motion(Motion::of("base", "x-"))?
+        .motion(MovingSupport::of("base", "x-"))?
         .inertia(Inertia::new("body", RHO))?;
     Ok(if a0 + a1 > 0.0 { solid.rayleigh_damping(a0, a1)? } else { solid })
 }
@@ -167,7 +167,7 @@ fn a_base_that_rises_faster_and_faster_is_weight() -> Outcome {
             .material("body", NeoHooke::new(2e5, 3e5)?)?
             .inertia(Inertia::new("body", 1e3))?)
     };
-    let (lifted, held) = (body()?.motion(Motion::of("base", "x-"))?, body()?.clamp("x-")?);
+    let (lifted, held) = (body()?.motion(MovingSupport::of("base", "x-"))?, body()?.clamp("x-")?);
     let held = held.body_force("body", Vec3::new(0.0, -1e3 * a, 0.0))?;
     let values = |t: f64| [0.0, 0.5 * a * t * t, 0.0, 0.0, 0.0, 0.0];
     let scheme = Scheme::implicit_midpoint();
@@ -213,7 +213,7 @@ fn a_step_of_a_base_may_be_found_in_parts() -> Outcome {
 fn bar() -> Outcome<Solid> {
     Ok(Solid::new(regular(CellKind::Hex8, [2.0, 0.5, 0.5], [4, 1, 1])?)?
         .material("body", NeoHooke::new(40.0, 60.0)?)?
-        .motion(Motion::of("base", "x-").about([0.3, -0.2, 0.1]))?
+        .motion(MovingSupport::of("base", "x-").about([0.3, -0.2, 0.1]))?
         .inertia(Inertia::new("body", 1.0))?)
 }
 

@@ -9,8 +9,8 @@ use common::motion::schemes_with_moving_supports;
 use common::{Outcome, noise, regular};
 use nastic_energy::{FiberTension, KelvinVoigt, MaxwellBranch, NeoHooke};
 use nastic_fem::{
-    Checkpoints, Controls, Inertia, Motion, Recording, ReverseSweep, Scheme, Solid, State, StateError, StatePartials,
-    StepTo, Trajectory, Workspace,
+    Checkpoints, Controls, Inertia, MovingSupport, Recording, ReverseSweep, Scheme, Solid, State, StateError,
+    StatePartials, StepTo, Trajectory, Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
@@ -38,7 +38,7 @@ fn strip(dissipation: Dissipation) -> Outcome<Solid> {
         .material("body", NeoHooke::new(1.0, 2.0)?)?
         .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
         .body_force("body", Vec3::new(0.0, -2e-3, 0.0))?
-        .motion(Motion::of("base", "x-").about([-0.5, 0.2, 0.0]))?
+        .motion(MovingSupport::of("base", "x-").about([-0.5, 0.2, 0.0]))?
         .displace("x+", [None, Some(0.0), None])?
         .inertia(Inertia::new("body", 1.0))?;
     Ok(match dissipation {

@@ -8,8 +8,8 @@ use common::Outcome;
 use common::block::STRICT;
 use common::own_contributions::bar;
 use nastic_fem::{
-    Contribution, Controls, Demand, FemError, Inadmissible, Instant, Scheme, Sensitivities, Solid, SolveOptions,
-    Solver, StateError, StepTo, Sums, Tendon, Trajectory, Workspace, check_contribution,
+    Contribution, Controls, Demand, FemError, Inadmissible, Instant, Scheme, Solid, SolveOptions, Solver, StateError,
+    StepTo, Sums, Tendon, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_tensor::Vec3;
@@ -66,10 +66,6 @@ impl Contribution for Link {
 
     fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
         if self.mass > 0.0 { mass.add_pairs(&self.nodes, &Link::element(self.mass)) } else { Ok(()) }
-    }
-
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
-        Ok(())
     }
 }
 

@@ -9,9 +9,8 @@ use common::own_contributions::{bar, swirling};
 use common::{Outcome, largest, noise};
 use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_fem::{
-    Contribution, Controls, Demand, Inadmissible, Increment, Instant, SecondDerivativeError, SecondOrder,
-    Sensitivities, Solid, SolveOptions, State, StateError, StatePartials, Sums, Trajectory, Workspace,
-    check_contribution,
+    Contribution, Controls, Demand, Inadmissible, Increment, Instant, SecondDerivativeError, SecondOrder, Solid,
+    SolveOptions, State, StateError, StatePartials, Sums, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::SparseMatrix;
 use nastic_tensor::Vec3;
@@ -99,9 +98,6 @@ fn contributions_without_second_derivatives_refuse() -> Outcome {
             Ok(())
         }
         fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), Inadmissible> {
-            Ok(())
-        }
-        fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
             Ok(())
         }
     }

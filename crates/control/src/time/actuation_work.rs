@@ -18,7 +18,7 @@ use nastic_numeric::vector::{axpy, dot};
 /// the trapezoidal rule of `-int g . du`. Without dissipation it is what kinetic energy, stored energy and the potential of dead loads gain, up
 /// to an error of second order in the step. It counts from the state at t = 0 on, and what flows back counts as negative.
 ///
-/// The work of surfaces that are held and moved ([`Motion`](nastic_fem::Motion)) is not in it: it takes reactions with the accelerations
+/// The work of surfaces that are held and moved ([`MovingSupport`](nastic_fem::MovingSupport)) is not in it: it takes reactions with the accelerations
 /// of held nodes, which not every scheme approximates. Beside given motions it is the work of the other actuations; beside controlled ones,
 /// which would drive the body for nothing, it is refused.
 ///

@@ -4,7 +4,7 @@ use crate::contributions::body_point::BodyPoint;
 use crate::contributions::cavity::{self, Cavity};
 use crate::contributions::foundation::Foundation;
 use crate::contributions::inertia::{BodyInertia, Inertia};
-use crate::contributions::motion::{self, Motion};
+use crate::contributions::moving_support::{self, MovingSupport};
 use crate::contributions::rayleigh_damping::RayleighDamping;
 use crate::contributions::spring::Spring;
 use crate::contributions::tendon::{Tendon, form as tendon};
@@ -158,8 +158,8 @@ pub const CATALOGUE: &[Entry] = &[
     },
     Entry {
         name: "motion",
-        form: Some(motion::FORM),
-        example: || block()?.motion(Motion::of("motion", "x+").about([2.8, 1.0, 0.5])),
+        form: Some(moving_support::FORM),
+        example: || block()?.motion(MovingSupport::of("motion", "x+").about([2.8, 1.0, 0.5])),
     },
     Entry {
         name: "cavity of a volume",

@@ -117,10 +117,8 @@ impl Subject<'_> {
 
     /// What it prescribes: the change along a change of the controls, and the derivative of its work with a force.
     fn check_prescribed(&self, force: &[f64]) -> Result<(), String> {
-        let held = self.contribution.held();
-        if held.is_empty() {
-            return Ok(());
-        }
+        let Some(prescribed) = self.contribution.prescribes() else { return Ok(()) };
+        let unknowns = prescribed.unknowns();
         let mut random = Random::new(13);
         let mut draw = || {
             let mut controls = self.model.controls();
@@ -133,17 +131,17 @@ impl Subject<'_> {
             let mut controls = m.clone();
             axpy(s, v.values(self.at.block), controls.values_mut(self.at.block));
             let mut u = vec![0.0; force.len()];
-            self.contribution.prescribe(&Instant { controls: &controls, ..self.at }, &mut u);
+            prescribed.prescribe(&Instant { controls: &controls, ..self.at }, &mut u);
             Ok(u)
         };
         let mut found = vec![0.0; force.len()];
-        self.contribution.add_prescribed_change(&at, &v, &mut found);
-        if let Some(dof) = (0..found.len()).find(|dof| found[*dof] != 0.0 && !held.contains(&(*dof as u32))) {
+        prescribed.add_change(&at, &v, &mut found);
+        if let Some(dof) = (0..found.len()).find(|dof| found[*dof] != 0.0 && !unknowns.contains(&(*dof as u32))) {
             return Err(format!("it moves unknown {dof}, which it does not hold"));
         }
         agree("the change of what it holds", &found, "differences", &difference(moved)?, 0.0)?;
         let mut by_controls = Sensitivities::zero(self.model.controls(), &at);
-        self.contribution.prescribed_vjp(&at, force, &mut by_controls);
+        prescribed.vjp(&at, force, &mut by_controls);
         let (left, right) =
             (dot(by_controls.controls.values(self.at.block), v.values(self.at.block)), dot(force, &found));
         agree("the derivative of a force's work", &[left], "the work along the change", &[right], 0.0)

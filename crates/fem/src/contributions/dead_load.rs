@@ -1,6 +1,6 @@
 //! [`DeadLoad`]: forces that do not depend on the displacement.
 
-use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sums};
 use crate::error::{Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 
@@ -35,10 +35,6 @@ impl Contribution for DeadLoad {
 
     fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, Inadmissible> {
         Ok(true)
-    }
-
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
-        Ok(())
     }
 
     fn second_vjp(

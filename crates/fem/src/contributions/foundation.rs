@@ -1,7 +1,7 @@
 //! [`Foundation`]: a surface on an elastic bed.
 
 use super::guides::add_element;
-use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sums};
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, GroupNames, Mesh};
@@ -119,7 +119,7 @@ impl Contribution for Springs {
         true
     }
 
-    fn holds(&self) -> &[Vec<(u32, f64)>] {
+    fn resists(&self) -> &[Vec<(u32, f64)>] {
         &self.holds
     }
 
@@ -155,10 +155,6 @@ impl Contribution for Springs {
     fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         self.each_product(v, |dof, value| out[dof] += value);
         Ok(true)
-    }
-
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
-        Ok(())
     }
 
     fn second_vjp(

@@ -5,6 +5,7 @@ pub(crate) mod body_point;
 pub mod catalogue;
 mod cavity;
 mod check;
+pub(crate) mod constrains;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
 mod foundation;
@@ -12,7 +13,8 @@ pub(crate) mod guides;
 pub(crate) mod history;
 pub(crate) mod inertia;
 pub(crate) mod instant;
-mod motion;
+mod moving_support;
+pub(crate) mod prescribes;
 pub(crate) mod rayleigh_damping;
 pub(crate) mod sensitivities;
 mod spring;
@@ -23,15 +25,17 @@ use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
+pub use constrains::Constrains;
 pub use controls::{ControlPoint, Controls};
 pub use foundation::Foundation;
 pub use history::{BeforeStep, History, Remembers};
 pub use inertia::Inertia;
 pub use instant::{Instant, TimeStep};
-pub use motion::Motion;
+pub use moving_support::MovingSupport;
 use nastic_energy::Slot;
 use nastic_linear::{NotCoupled, SparseMatrix, Symmetry};
 use nastic_mesh::Polyline;
+pub use prescribes::Prescribes;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 pub use spring::Spring;
 use std::fmt::Debug;
@@ -47,8 +51,8 @@ pub use tendon::Tendon;
 ///
 /// A contribution may hold the body to constraints `g_k(u; controls) = 0`. Its potential is then `-sum_k p_k g_k`, with
 /// a multiplier `p_k` each, which is an unknown ([`Instant::multiplier`]): the residual by it is `-g_k`, and the tangent gets a border
-/// ([`add_border`](Self::add_border)). Equilibria are saddle points of the whole potential. Where they are inequalities
-/// ([`has_inequalities`](Self::has_inequalities)), `g_k >= 0` with `p_k >= 0` and `p_k g_k = 0`, it gives all that as if they were
+/// ([`Constrains::add_border`]). Equilibria are saddle points of the whole potential. Where they are inequalities
+/// ([`Constrains::are_inequalities`]), `g_k >= 0` with `p_k >= 0` and `p_k g_k = 0`, it gives all that as if they were
 /// equations: whether one acts is decided where equilibria are sought and derived.
 pub trait Contribution: Debug + Send + Sync {
     /// What it is called in messages and results.
@@ -79,7 +83,7 @@ pub trait Contribution: Debug + Send + Sync {
     }
 
     /// Displacements that it resists to at rest, each a sum of weighted unknowns: they hold a body still as supports do.
-    fn holds(&self) -> &[Vec<(u32, f64)>] {
+    fn resists(&self) -> &[Vec<(u32, f64)>] {
         &[]
     }
 
@@ -127,23 +131,9 @@ pub trait Contribution: Debug + Send + Sync {
         Ok(())
     }
 
-    /// Unknowns that its controls prescribe: it holds them as supports do.
-    fn held(&self) -> Vec<u32> {
-        Vec::new()
-    }
-
-    /// Sets what it [holds](Self::held), `u_D(m)`.
-    fn prescribe(&self, _at: &Instant, _u: &mut [f64]) {}
-
-    /// Adds `du_D/dm v` to what it holds.
-    fn add_prescribed_change(&self, _at: &Instant, _v: &Controls, _du: &mut [f64]) {}
-
-    /// Adds `force . du_D/dm`.
-    fn prescribed_vjp(&self, _at: &Instant, _force: &[f64], _into: &mut Sensitivities) {}
-
-    /// Whether `u_D` has no second derivative along v and any other change of the controls.
-    fn prescribes_along_a_line(&self, _at: &Instant, _v: &Controls) -> bool {
-        true
+    /// Unknowns that it moves by its controls, if there are some.
+    fn prescribes(&self) -> Option<&dyn Prescribes> {
+        None
     }
 
     /// Its internal variables, if it remembers where it has been. They enter the residual by [`Instant::internal`], and `vjp` adds what it
@@ -152,30 +142,9 @@ pub trait Contribution: Debug + Send + Sync {
         None
     }
 
-    /// Number of its constraints, each with a multiplier.
-    fn constraints(&self) -> usize {
-        0
-    }
-
-    /// Whether its constraints are inequalities `g_k >= 0`, with `p_k >= 0` and `p_k g_k = 0`.
-    fn has_inequalities(&self) -> bool {
-        false
-    }
-
-    /// Whether its constraints can be fulfilled under these controls.
-    ///
-    /// # Errors
-    /// Which cannot, and what can.
-    fn check_constraints(&self, _at: &Instant) -> Result<(), FemError> {
-        Ok(())
-    }
-
-    /// Adds `dr/dp_k = -dg_k/du` for each of its multipliers to a column over the displacement.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    fn add_border(&self, _at: &Instant, _columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
-        Ok(())
+    /// The constraints that it holds the body to, if there are some.
+    fn constrains(&self) -> Option<&dyn Constrains> {
+        None
     }
 
     /// Adds potential (in a time step the incremental one) and residual, as wanted, and what their rounding is measured against.
@@ -214,11 +183,14 @@ pub trait Contribution: Debug + Send + Sync {
         Ok(1.0)
     }
 
-    /// Adds `lambda . dr/d(controls, velocity, acceleration)`.
+    /// Adds `lambda . dr/d(controls, velocity, acceleration)`, and by the state before; nothing where r depends on the displacement
+    /// and the load alone.
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible>;
+    fn vjp(&self, _at: &Instant, _lambda: &[f64], _into: &mut Sensitivities) -> Result<(), Inadmissible> {
+        Ok(())
+    }
 
     /// Adds `dr/dm v`, the change of the residual along a change v of the controls. A contribution with slots implements it for
     /// second derivatives of costs.

@@ -70,14 +70,14 @@ impl Model {
                     "it takes the modes of elastic bodies, with Rayleigh damping or none: take tr_bdf2",
                 );
             }
-            if let Some(moves) = self.held_by() {
+            if let Some(moves) = self.prescribed_by() {
                 return refuse(scheme.name(), moves, "which moves a surface: take tr_bdf2");
             }
             if let Some(other) = self.others.iter().find(|c| !c.has_potential()) {
                 return refuse(scheme.name(), other.name(), instead);
             }
         }
-        let constraint = self.others.iter().find(|c| c.constraints() > 0);
+        let constraint = self.others.iter().find(|c| c.constrains().is_some());
         let Some(constraint) = constraint else { return Ok(()) };
         let why = if scheme.extrapolates() {
             "the end of its steps is extrapolated, where no constraint would hold: take bdf2 or tr_bdf2"

@@ -1,8 +1,8 @@
 //! Which constraints act: all equations, and of inequalities `g >= 0`, `p >= 0`, `p g = 0` those that hold the body.
 
-use super::Model;
+use super::{Model, count};
 use crate::contributions::instant::Instant;
-use crate::contributions::{Contribution, Demand, Sums};
+use crate::contributions::{Constrains, Contribution, Demand, Sums};
 use crate::error::Inadmissible;
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ const ONSET: f64 = 64.0 * f64::EPSILON;
 impl Model {
     /// By constraint, whether it is an inequality.
     pub(crate) fn inequalities(&self) -> Vec<bool> {
-        let of = |c: &Arc<dyn Contribution>| std::iter::repeat_n(c.has_inequalities(), c.constraints());
+        let of = |c: &Arc<dyn Contribution>| std::iter::repeat_n(has_inequalities(c.as_ref()), count(c));
         self.others.iter().flat_map(of).collect()
     }
 
@@ -38,7 +38,7 @@ impl Model {
     pub(crate) fn inequality_residuals(&self, at: &Instant) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(self.unknowns().len());
         let demand = Demand { energy: false, force: true };
-        self.each_other(at, |contribution, at| match contribution.has_inequalities() {
+        self.each_other(at, |contribution, at| match has_inequalities(contribution) {
             true => contribution.add_residual(at, demand, &mut sums),
             false => Ok(()),
         })?;
@@ -55,4 +55,8 @@ impl Model {
             }
         }
     }
+}
+
+fn has_inequalities(contribution: &dyn Contribution) -> bool {
+    contribution.constrains().is_some_and(Constrains::are_inequalities)
 }

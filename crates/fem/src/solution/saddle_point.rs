@@ -28,13 +28,11 @@ impl BorderedTangent {
     /// Adds that of a contribution.
     pub fn add(&mut self, contribution: &dyn Contribution, at: &Instant) -> Result<(), Inadmissible> {
         contribution.add_tangent(at, &mut self.matrix)?;
-        let count = contribution.constraints();
-        if count == 0 {
-            return Ok(());
-        }
+        let Some(constraints) = contribution.constrains() else { return Ok(()) };
         let dofs = self.columns.first().map_or(0, Vec::len);
         let first = at.place(0).saturating_sub(dofs);
-        contribution.add_border(at, self.columns.get_mut(first..first + count).unwrap_or_default())
+        let own = first..first + constraints.count();
+        constraints.add_border(at, self.columns.get_mut(own).unwrap_or_default())
     }
 
     /// Its product with a vector of all unknowns.

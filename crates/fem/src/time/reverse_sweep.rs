@@ -168,7 +168,7 @@ impl<'a> ReverseSweep<'a> {
             if step.scheme.is_linearised() {
                 self.linearisation(&at, &lambda, &step.stages[k], &mut by.controls)?;
             }
-            if let Some(force) = self.model.held_force(&at, &by_u, &lambda).map_err(|at| inverted(at, end))? {
+            if let Some(force) = self.model.prescribed_force(&at, &by_u, &lambda).map_err(|at| inverted(at, end))? {
                 match step.scheme.extrapolation(k) {
                     None => self.model.add_prescribed_vjp(&at, &force, &mut by),
                     Some((alpha, rest)) => {

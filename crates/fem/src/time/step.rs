@@ -33,7 +33,7 @@ impl Model {
     /// from where the last acceleration leads, where that potential is lower: `near` and `guess` of the options are not used. A body may be free. A state that does not carry the
     /// acceleration that a scheme begins with gets it from `M a = -r(u, v, 0)`.
     ///
-    /// Surfaces that controls move ([`Motion`](crate::Motion)) are where the controls of an instant hold them, at the end of every step:
+    /// Surfaces that controls move ([`MovingSupport`](crate::MovingSupport)) are where the controls of an instant hold them, at the end of every step:
     /// `u_D(m_{n+1})`, also where the end is extrapolated. A stage that the end is not extrapolated from has them where its own controls
     /// do. Their velocities and accelerations are those of the formulas of the scheme; those of the first state are what it carries, or
     /// zero.
@@ -79,7 +79,7 @@ impl Model {
         self.check_in_motion()?;
         self.supports(Feature::Motion(scheme))?;
         self.check_state(trajectory.end())?;
-        Ok(self.check_held(trajectory.end())?)
+        Ok(self.check_prescribed(trajectory.end())?)
     }
 
     /// What goes without inertia: a body that is held, and no velocity but that of an earlier step of the kind.

@@ -3,7 +3,7 @@
 use super::enclosed::Patch;
 use super::{AREA, Room, VOLUME};
 use crate::contributions::{
-    Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
+    Constrains, Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
@@ -26,6 +26,44 @@ impl CavityVolume {
     /// `V_0 + dV`.
     fn wanted(&self, at: &Instant) -> f64 {
         self.0.reference_volume + at.control(0)
+    }
+}
+
+impl Constrains for CavityVolume {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn check(&self, at: &Instant) -> Result<(), FemError> {
+        let rest = self.0.reference_volume;
+        if self.wanted(at) > LARGEST * rest {
+            let what = format!(
+                "the added volume {:.4e} of cavity \"{}\" is {:.1e} times its reference volume {rest:.4e}, beyond any material; is it \
+                 in another unit?",
+                at.control(0),
+                self.0.name,
+                at.control(0) / rest
+            );
+            return Err(FemError::Meaningless { what });
+        }
+        if self.wanted(at) > 0.0 {
+            return Ok(());
+        }
+        let what = format!(
+            "the added volume {:.4e} of cavity \"{}\" leaves none of its reference volume {:.4e}; add more than {:.4e}",
+            at.control(0),
+            self.0.name,
+            self.0.reference_volume,
+            -self.0.reference_volume
+        );
+        Err(FemError::Meaningless { what })
+    }
+
+    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
+        for column in columns.iter_mut().take(1) {
+            self.0.enclosed.each(Some(at.u), false, |patch| patch.each_component(|dof, g| column[dof] -= g));
+        }
+        Ok(())
     }
 }
 
@@ -66,33 +104,8 @@ impl Contribution for CavityVolume {
         self.0.quantities(at.u, at.multiplier(0))
     }
 
-    fn constraints(&self) -> usize {
-        1
-    }
-
-    fn check_constraints(&self, at: &Instant) -> Result<(), FemError> {
-        let rest = self.0.reference_volume;
-        if self.wanted(at) > LARGEST * rest {
-            let what = format!(
-                "the added volume {:.4e} of cavity \"{}\" is {:.1e} times its reference volume {rest:.4e}, beyond any material; is it \
-                 in another unit?",
-                at.control(0),
-                self.0.name,
-                at.control(0) / rest
-            );
-            return Err(FemError::Meaningless { what });
-        }
-        if self.wanted(at) > 0.0 {
-            return Ok(());
-        }
-        let what = format!(
-            "the added volume {:.4e} of cavity \"{}\" leaves none of its reference volume {:.4e}; add more than {:.4e}",
-            at.control(0),
-            self.0.name,
-            self.0.reference_volume,
-            -self.0.reference_volume
-        );
-        Err(FemError::Meaningless { what })
+    fn constrains(&self) -> Option<&dyn Constrains> {
+        Some(self)
     }
 
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
@@ -130,13 +143,6 @@ impl Contribution for CavityVolume {
                 }
             });
             added?;
-        }
-        Ok(())
-    }
-
-    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
-        for column in columns.iter_mut().take(1) {
-            self.0.enclosed.each(Some(at.u), false, |patch| patch.each_component(|dof, g| column[dof] -= g));
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! [`SpringForce`]: the contribution of a spring.
 
 use crate::contributions::guides::{Guides, Segment};
-use crate::contributions::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use crate::contributions::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sums};
 use crate::error::{Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::Polyline;
@@ -46,7 +46,7 @@ impl Contribution for SpringForce {
         vec![self.ends.nodes()]
     }
 
-    fn holds(&self) -> &[Vec<(u32, f64)>] {
+    fn resists(&self) -> &[Vec<(u32, f64)>] {
         &self.holds
     }
 
@@ -106,10 +106,6 @@ impl Contribution for SpringForce {
     fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
         let free = self.rest_length == 0.0;
         Ok(if free { 1.0 } else { self.ends.max_step(at.u, du) })
-    }
-
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
-        Ok(())
     }
 
     /// `-k L l'''[lambda, du]`.

@@ -3,7 +3,7 @@
 use super::force::{Drive, line};
 use crate::contributions::guides::Guides;
 use crate::contributions::{
-    Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
+    Constrains, Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
@@ -33,6 +33,38 @@ impl InextensibleTendon {
     /// `L0 - s`.
     fn free_length(&self, at: &Instant) -> f64 {
         self.reference_length - at.control(0)
+    }
+}
+
+impl Constrains for InextensibleTendon {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn are_inequalities(&self) -> bool {
+        true
+    }
+
+    fn check(&self, at: &Instant) -> Result<(), FemError> {
+        if self.free_length(at) > 0.0 {
+            return Ok(());
+        }
+        let what = format!(
+            "the pull {:.4e} of tendon \"{}\" leaves none of its length {:.4e}; pull it by less",
+            at.control(0),
+            self.name,
+            self.reference_length
+        );
+        Err(FemError::Meaningless { what })
+    }
+
+    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
+        for column in columns.iter_mut().take(1) {
+            for segment in self.guides.segments(at.u) {
+                segment.each_end(segment.direction, |dof, slope| column[dof] += slope);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -85,25 +117,8 @@ impl Contribution for InextensibleTendon {
         vec![line(&self.name, &self.guides, at.u, at.multiplier(0))]
     }
 
-    fn constraints(&self) -> usize {
-        1
-    }
-
-    fn has_inequalities(&self) -> bool {
-        true
-    }
-
-    fn check_constraints(&self, at: &Instant) -> Result<(), FemError> {
-        if self.free_length(at) > 0.0 {
-            return Ok(());
-        }
-        let what = format!(
-            "the pull {:.4e} of tendon \"{}\" leaves none of its length {:.4e}; pull it by less",
-            at.control(0),
-            self.name,
-            self.reference_length
-        );
-        Err(FemError::Meaningless { what })
+    fn constrains(&self) -> Option<&dyn Constrains> {
+        Some(self)
     }
 
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
@@ -128,15 +143,6 @@ impl Contribution for InextensibleTendon {
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if at.multiplier(0) != 0.0 {
             self.guides.add_curvature(at.u, at.multiplier(0), tangent)?;
-        }
-        Ok(())
-    }
-
-    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
-        for column in columns.iter_mut().take(1) {
-            for segment in self.guides.segments(at.u) {
-                segment.each_end(segment.direction, |dof, slope| column[dof] += slope);
-            }
         }
         Ok(())
     }

@@ -1,9 +1,9 @@
-//! [`Motion`]: a surface held rigid that moves and turns.
+//! [`MovingSupport`]: a surface held rigid that moves and turns.
 
 mod rotation;
 
 use super::catalogue::{Form, Key, KeyKind};
-use super::{Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use super::{Contribution, Controls, Demand, Increment, Instant, Prescribes, SecondSensitivities, Sensitivities, Sums};
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
@@ -24,16 +24,16 @@ const TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
 ///
 /// In plane strain t is in the plane and theta along z. Source: docs/model.md section 4.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub struct MovingSupport {
     name: String,
     surface: GroupNames,
     centre: Option<[f64; 3]>,
 }
 
-impl Motion {
+impl MovingSupport {
     /// The motion of a named surface or node set, or of several together, about the mean of their nodes; `name` is that of the control.
     pub fn of(name: &str, surface: impl Into<GroupNames>) -> Self {
-        Motion { name: name.to_owned(), surface: surface.into(), centre: None }
+        MovingSupport { name: name.to_owned(), surface: surface.into(), centre: None }
     }
 
     /// Turns it about another point, which need not be one of the body.
@@ -83,7 +83,7 @@ pub(super) const FORM: Form = Form {
     passive: true,
     one_of: false,
     add: |solid, name, values| {
-        let mut motion = Motion::of(name, values.names.get("surface").cloned().unwrap_or_default());
+        let mut motion = MovingSupport::of(name, values.names.get("surface").cloned().unwrap_or_default());
         motion.centre = values.places.get("centre").copied();
         solid.motion(motion)
     },
@@ -93,7 +93,7 @@ const TRANSLATION: [Slot; 3] = Slot::vector("translation", "m");
 const ROTATION: [Slot; 3] = Slot::vector("rotation", "1");
 const SLOTS: [Slot; 6] = [TRANSLATION[0], TRANSLATION[1], TRANSLATION[2], ROTATION[0], ROTATION[1], ROTATION[2]];
 
-/// The contribution of a [`Motion`], which has no residual of its own.
+/// The contribution of a [`MovingSupport`], which has no residual of its own.
 #[derive(Debug)]
 pub(crate) struct RigidSurface {
     name: String,
@@ -113,6 +113,49 @@ impl RigidSurface {
             let u = displacement(arm);
             (0..self.dim).for_each(|i| call(self.dim * *node as usize + i, u[i]));
         }
+    }
+}
+
+impl Prescribes for RigidSurface {
+    fn unknowns(&self) -> Vec<u32> {
+        let dim = self.dim as u32;
+        self.arms.iter().flat_map(|(node, _)| (0..dim).map(move |i| dim * node + i)).collect()
+    }
+
+    fn prescribe(&self, at: &Instant, u: &mut [f64]) {
+        let [t, theta] = Self::vectors(|slot| at.control(slot));
+        let r = rotation(&theta);
+        self.each(|arm| t + (r * arm - arm), |dof, value| u[dof] = value);
+    }
+
+    fn add_change(&self, at: &Instant, v: &Controls, du: &mut [f64]) {
+        let [_, theta] = Self::vectors(|slot| at.control(slot));
+        let [dt, dtheta] = Self::vectors(|slot| at.slot_of(v, slot));
+        let (r, omega) = (rotation(&theta), spin(&theta) * dtheta);
+        self.each(|arm| dt + omega.cross(&(r * arm)), |dof, value| du[dof] += value);
+    }
+
+    fn vjp(&self, at: &Instant, force: &[f64], into: &mut Sensitivities) {
+        let [_, theta] = Self::vectors(|slot| at.control(slot));
+        let r = rotation(&theta);
+        let (mut sum, mut moment) = (Vec3::zeros(), Vec3::zeros());
+        for (node, arm) in &self.arms {
+            let mut own = Vec3::zeros();
+            (0..self.dim).for_each(|i| own[i] = force[self.dim * *node as usize + i]);
+            sum += own;
+            moment += (r * arm).cross(&own);
+        }
+        let by_rotation = spin(&theta).transpose() * moment;
+        for i in 0..3 {
+            // what leaves the plane of a plane-strain body is no control
+            let (plane, axis) = (self.dim == 3 || i < 2, self.dim == 3 || i == 2);
+            into.add_control(at, i, if plane { sum[i] } else { 0.0 });
+            into.add_control(at, 3 + i, if axis { by_rotation[i] } else { 0.0 });
+        }
+    }
+
+    fn is_straight_along(&self, at: &Instant, v: &Controls) -> bool {
+        (3..6).all(|slot| at.slot_of(v, slot) == 0.0)
     }
 }
 
@@ -145,45 +188,8 @@ impl Contribution for RigidSurface {
         Err(FemError::Meaningless { what })
     }
 
-    fn held(&self) -> Vec<u32> {
-        let dim = self.dim as u32;
-        self.arms.iter().flat_map(|(node, _)| (0..dim).map(move |i| dim * node + i)).collect()
-    }
-
-    fn prescribe(&self, at: &Instant, u: &mut [f64]) {
-        let [t, theta] = Self::vectors(|slot| at.control(slot));
-        let r = rotation(&theta);
-        self.each(|arm| t + (r * arm - arm), |dof, value| u[dof] = value);
-    }
-
-    fn add_prescribed_change(&self, at: &Instant, v: &Controls, du: &mut [f64]) {
-        let [_, theta] = Self::vectors(|slot| at.control(slot));
-        let [dt, dtheta] = Self::vectors(|slot| at.slot_of(v, slot));
-        let (r, omega) = (rotation(&theta), spin(&theta) * dtheta);
-        self.each(|arm| dt + omega.cross(&(r * arm)), |dof, value| du[dof] += value);
-    }
-
-    fn prescribed_vjp(&self, at: &Instant, force: &[f64], into: &mut Sensitivities) {
-        let [_, theta] = Self::vectors(|slot| at.control(slot));
-        let r = rotation(&theta);
-        let (mut sum, mut moment) = (Vec3::zeros(), Vec3::zeros());
-        for (node, arm) in &self.arms {
-            let mut own = Vec3::zeros();
-            (0..self.dim).for_each(|i| own[i] = force[self.dim * *node as usize + i]);
-            sum += own;
-            moment += (r * arm).cross(&own);
-        }
-        let by_rotation = spin(&theta).transpose() * moment;
-        for i in 0..3 {
-            // what leaves the plane of a plane-strain body is no control
-            let (plane, axis) = (self.dim == 3 || i < 2, self.dim == 3 || i == 2);
-            into.add_control(at, i, if plane { sum[i] } else { 0.0 });
-            into.add_control(at, 3 + i, if axis { by_rotation[i] } else { 0.0 });
-        }
-    }
-
-    fn prescribes_along_a_line(&self, at: &Instant, v: &Controls) -> bool {
-        (3..6).all(|slot| at.slot_of(v, slot) == 0.0)
+    fn prescribes(&self) -> Option<&dyn Prescribes> {
+        Some(self)
     }
 
     fn add_residual(&self, _: &Instant, _: Demand, _: &mut Sums) -> Result<(), Inadmissible> {
@@ -196,10 +202,6 @@ impl Contribution for RigidSurface {
 
     fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, Inadmissible> {
         Ok(true)
-    }
-
-    fn vjp(&self, _: &Instant, _: &[f64], _: &mut Sensitivities) -> Result<(), Inadmissible> {
-        Ok(())
     }
 
     fn add_control_product(&self, _: &Instant, _: &Controls, _: &mut [f64]) -> Result<(), SecondDerivativeError> {

@@ -1,9 +1,9 @@
 //! Unknowns that contributions hold at values of their controls: surfaces that move.
 
 use super::Model;
-use crate::contributions::Contribution;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
+use crate::contributions::prescribes::Prescribes;
 use crate::contributions::sensitivities::Sensitivities;
 use crate::error::{FemError, Inadmissible};
 use crate::solution::state::State;
@@ -15,7 +15,7 @@ impl Model {
     /// The displacement of all held unknowns under these controls and a multiple of the prescribed displacements; 0 elsewhere.
     pub(crate) fn prescribed(&self, controls: &Controls, load: f64) -> Vec<f64> {
         let mut u: Vec<f64> = self.supports.values().iter().map(|value| load * value).collect();
-        self.each_held(&Instant::new(&[], controls, load), |contribution, at| contribution.prescribe(at, &mut u));
+        self.each_prescribing(&Instant::new(&[], controls, load), |_, moved, at| moved.prescribe(at, &mut u));
         u
     }
 
@@ -23,9 +23,9 @@ impl Model {
     pub(crate) fn prescribed_change(&self, controls: &Controls, v: &Controls) -> Option<Vec<f64>> {
         let mut du = vec![0.0; self.unknowns().len()];
         let mut any = false;
-        self.each_held(&Instant::new(&[], controls, 1.0), |contribution, at| {
+        self.each_prescribing(&Instant::new(&[], controls, 1.0), |_, moved, at| {
             any = true;
-            contribution.add_prescribed_change(at, v, &mut du);
+            moved.add_change(at, v, &mut du);
         });
         any.then_some(du)
     }
@@ -37,27 +37,26 @@ impl Model {
     /// [`Inadmissible`] where u is.
     pub fn sensitivities(&self, at: &Instant, by_u: &[f64], lambda: &[f64]) -> Result<Sensitivities, Inadmissible> {
         let mut found = self.vjp(at, lambda)?;
-        if let Some(force) = self.held_force(at, by_u, lambda)? {
+        if let Some(force) = self.prescribed_force(at, by_u, lambda)? {
             self.add_prescribed_vjp(at, &force, &mut found);
         }
         Ok(found)
     }
 
     /// Refuses a state whose surfaces are not where its controls hold them.
-    pub(crate) fn check_held(&self, state: &State) -> Result<(), FemError> {
+    pub(crate) fn check_prescribed(&self, state: &State) -> Result<(), FemError> {
         let size = self.discretization().mesh().diagonal();
         let mut found = Ok(());
         let mut prescribed = vec![0.0; self.unknowns().len()];
-        self.each_held(&Instant::new(&[], &state.controls, 1.0), |contribution, at| {
-            contribution.prescribe(at, &mut prescribed);
+        self.each_prescribing(&Instant::new(&[], &state.controls, 1.0), |name, moved, at| {
+            moved.prescribe(at, &mut prescribed);
             let gap = |dof: &u32| (prescribed[*dof as usize] - state.u[*dof as usize]).abs();
-            let largest = contribution.held().iter().map(gap).fold(0.0, f64::max);
+            let largest = moved.unknowns().iter().map(gap).fold(0.0, f64::max);
             if found.is_ok() && largest > IN_PLACE * size {
                 let what = format!(
-                    "at t = {} a node of the motion \"{}\" is {largest:.3e} away from where its controls hold it: begin at the equilibrium \
+                    "at t = {} a node of the motion \"{name}\" is {largest:.3e} away from where its controls hold it: begin at the equilibrium \
                      under the first controls, or with controls that hold it where the body is",
-                    state.time,
-                    contribution.name()
+                    state.time
                 );
                 found = Err(FemError::Meaningless { what });
             }
@@ -69,13 +68,13 @@ impl Model {
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
-    pub(crate) fn held_force(
+    pub(crate) fn prescribed_force(
         &self,
         at: &Instant,
         by_u: &[f64],
         lambda: &[f64],
     ) -> Result<Option<Vec<f64>>, Inadmissible> {
-        if self.held_by().is_none() {
+        if self.prescribed_by().is_none() {
             return Ok(None);
         }
         let mut force = self.bordered_tangent(at)?.multiply_transposed(lambda, at.parallel);
@@ -86,30 +85,33 @@ impl Model {
 
     /// Adds what they owe to the controls of an instant, `force . du_D/dm`.
     pub(crate) fn add_prescribed_vjp(&self, at: &Instant, force: &[f64], into: &mut Sensitivities) {
-        self.each_held(at, |contribution, at| contribution.prescribed_vjp(at, force, into));
+        self.each_prescribing(at, |_, moved, at| moved.vjp(at, force, into));
     }
 
     /// The name of a contribution whose held unknowns have a second derivative along a change of the controls.
     pub(crate) fn turning(&self, at: &Instant, v: &Controls) -> Option<String> {
         let mut found = None;
-        self.each_held(at, |contribution, at| {
-            if !contribution.prescribes_along_a_line(at, v) {
-                found = Some(contribution.name().to_owned());
+        self.each_prescribing(at, |name, moved, at| {
+            if !moved.is_straight_along(at, v) {
+                found = Some(name.to_owned());
             }
         });
         found
     }
 
     /// The name of a contribution that holds unknowns at values of its controls, if there is one.
-    pub(crate) fn held_by(&self) -> Option<&str> {
-        self.others.iter().find(|contribution| !contribution.held().is_empty()).map(|contribution| contribution.name())
+    pub(crate) fn prescribed_by(&self) -> Option<&str> {
+        self.others
+            .iter()
+            .find(|contribution| contribution.prescribes().is_some())
+            .map(|contribution| contribution.name())
     }
 
-    fn each_held(&self, at: &Instant, mut call: impl FnMut(&dyn Contribution, &Instant)) {
+    fn each_prescribing(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Prescribes, &Instant)) {
         let mut block = self.body.actuations().len();
         for contribution in &self.others {
-            if !contribution.held().is_empty() {
-                call(contribution.as_ref(), &Instant { block, ..*at });
+            if let Some(moved) = contribution.prescribes() {
+                call(contribution.name(), moved, &Instant { block, ..*at });
             }
             block += usize::from(!contribution.slots().is_empty());
         }

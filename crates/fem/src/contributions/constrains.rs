@@ -1,0 +1,30 @@
+//! [`Constrains`]: constraints that a contribution holds the body to.
+
+use crate::contributions::instant::Instant;
+use crate::error::{FemError, Inadmissible};
+
+/// Constraints `g_k(u; m) = 0`, each with a multiplier `p_k`, whose potential `-sum_k p_k g_k` and residuals `-p_k dg_k/du` and `-g_k` the
+/// contribution gives with its others; see [`Contribution`](crate::Contribution).
+pub trait Constrains {
+    /// How many.
+    fn count(&self) -> usize;
+
+    /// Whether they are inequalities `g_k >= 0`, with `p_k >= 0` and `p_k g_k = 0`.
+    fn are_inequalities(&self) -> bool {
+        false
+    }
+
+    /// Whether they can be fulfilled under these controls.
+    ///
+    /// # Errors
+    /// Which cannot, and what can.
+    fn check(&self, _at: &Instant) -> Result<(), FemError> {
+        Ok(())
+    }
+
+    /// Adds `dr/dp_k = -dg_k/du` for each multiplier to a column over the displacement.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible>;
+}
