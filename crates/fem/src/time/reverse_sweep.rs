@@ -14,7 +14,7 @@ use crate::solution::workspace::Workspace;
 use crate::time::initial_acceleration::without_acceleration;
 use crate::time::owed::{Owed, StatePartials, add};
 use crate::time::points::Points;
-use crate::time::scheme::{Point, Quantity, Term};
+use crate::time::scheme::{Point, Quantity, Stage, Term};
 use crate::time::trajectory::{Begin, Trajectory};
 use nastic_numeric::vector::axpy;
 use std::mem::{replace, take};
@@ -185,17 +185,7 @@ impl<'a> ReverseSweep<'a> {
             self.add_controls(BEGIN, 1.0 - stage.time, &by.controls);
             add(1.0, &by.velocity, &mut owed.velocity);
             add(1.0, &by.acceleration, &mut owed.acceleration);
-            // what its own displacement owes is in the solve
-            for term in stage.acceleration.iter().filter(|term| !term.is(Quantity::Displacement, k)) {
-                let factor = term.scaled(Quantity::Acceleration, h);
-                match term.is(Quantity::Velocity, k) {
-                    true => add(factor, &owed.acceleration, &mut owed.velocity),
-                    false => self.pass(factor, term, &owed.acceleration, &mut stages),
-                }
-            }
-            for term in stage.velocity.iter().filter(|term| !term.is(Quantity::Displacement, k)) {
-                self.pass(term.scaled(Quantity::Velocity, h), term, &owed.velocity, &mut stages);
-            }
+            self.pass_rates((stage, k, h), owed, &mut stages);
             if k + 1 == step.stages.len() {
                 of_last = lambda;
             }
@@ -296,6 +286,21 @@ impl<'a> ReverseSweep<'a> {
             Point::Stage(k) => &mut stages[k],
         };
         add(factor, owed, to.of(term.of));
+    }
+
+    /// Adds what is owed through the velocity and acceleration of the k-th stage of a step to what they are taken from; what its own
+    /// displacement owes is in the solve.
+    fn pass_rates(&mut self, (stage, k, h): (&Stage, usize, f64), mut owed: Owed, stages: &mut [Owed]) {
+        for term in stage.acceleration.iter().filter(|term| !term.is(Quantity::Displacement, k)) {
+            let factor = term.scaled(Quantity::Acceleration, h);
+            match term.is(Quantity::Velocity, k) {
+                true => add(factor, &owed.acceleration, &mut owed.velocity),
+                false => self.pass(factor, term, &owed.acceleration, stages),
+            }
+        }
+        for term in stage.velocity.iter().filter(|term| !term.is(Quantity::Displacement, k)) {
+            self.pass(term.scaled(Quantity::Velocity, h), term, &owed.velocity, stages);
+        }
     }
 
     /// The acceleration that a state was given: `M a = -r(u, v, 0; m)`.
