@@ -28,12 +28,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(cost)?;
 
     let start = problem.at(&vec![0.0; problem.layout().len()])?;
-    let before = distance.true_distance(problem.solid(), &start.state.u)?.distance;
+    let before = distance.true_distance(problem.solid(), &start.state().u)?.distance;
 
     let set = Bounds::new(-4e5, 0.95 * limit)?;
     let print = |trial: &Trial<'_, Evaluated>| println!("{trial}");
     let best = Lbfgs::default().within(set).tolerance(2e-2).observe(print).minimize(&problem, &start)?;
-    let after = distance.true_distance(problem.solid(), &best.point.state.u)?.distance;
+    let after = distance.true_distance(problem.solid(), &best.point.state().u)?.distance;
     println!("{}", best.stop);
     println!("true Hausdorff distance {before:.4} m -> {after:.4} m");
 

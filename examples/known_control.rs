@@ -54,7 +54,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = Options { tolerance: 1e-2, max_iterations: 300, ..Options::default() };
     let optimizer =
         by_name(&method, options).ok_or("METHOD is projected_gradient, spectral, lbfgs, gauss_newton or newton_cg")?;
-    let truth = |point: &Evaluated| distance.true_distance(problem.solid(), &point.state.u).map(|found| found.distance);
+    let truth =
+        |point: &Evaluated| distance.true_distance(problem.solid(), &point.state().u).map(|found| found.distance);
     let print = |trial: &Trial<'_, Evaluated>| {
         let Some(Ok(distance)) = trial.point.filter(|_| trial.accepted).map(truth) else { return };
         println!("{trial}, true distance {distance:.5} m");

@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut search = Lbfgs::default().within(set.clone()).tolerance(1e-6).observe(print);
         let best = search.minimize(&problem, start.clone())?;
         let points = problem.solid().mesh().points();
-        let u = &best.point.state.u;
+        let u = &best.point.state().u;
         let lowest = (0..points.len()).map(|node| points[node][2] + u[3 * node + 2]).fold(f64::INFINITY, f64::min);
         println!("{name} the table: cost {:.4}, lowest node at {:.2} mm; {}", best.cost, 1e3 * lowest, best.stop);
 

@@ -13,10 +13,8 @@ use std::sync::Arc;
 pub struct Evaluated {
     /// The control vector.
     pub m: Vec<f64>,
-    /// The equilibrium; of a problem in time the state at the end.
-    pub state: State,
-    /// Of a problem in time: how it came there.
-    pub motion: Option<MotionRun>,
+    /// Its equilibrium, or its motion.
+    pub solved: SolvedStates,
     /// Value of every cost term, weights included, in the order they were added.
     pub terms: Vec<f64>,
     /// Value of every constraint, in the order they were added.
@@ -33,10 +31,10 @@ pub struct Evaluated {
     pub(crate) constraint_points: Vec<Arc<dyn ConstraintPoint>>,
 }
 
-/// A motion, as it was evaluated.
+/// The states under one control, as they were solved: of a problem in time one for each instant, else one.
 #[derive(Debug, Clone)]
-pub struct MotionRun {
-    /// The states that are kept: by default all, one for each instant.
+pub struct SolvedStates {
+    /// The states that are kept: by default all.
     pub recording: Recording,
     /// The relative accuracy that was asked of them.
     pub accuracy: f64,
@@ -44,8 +42,16 @@ pub struct MotionRun {
     pub min_j: f64,
     /// The step with the largest estimated error, of a scheme that estimates it.
     pub error: Option<StepError>,
-    /// Whether it went on from a place that an earlier program left: the states before are not there.
+    /// Whether it is a motion that went on from a place that an earlier program left: the states before are not there.
     pub resumed: bool,
+}
+
+impl SolvedStates {
+    /// An equilibrium, solved to this relative accuracy.
+    pub fn one(state: State, accuracy: f64) -> Self {
+        let min_j = state.report.min_j;
+        SolvedStates { recording: Recording::from(state), accuracy, min_j, error: None, resumed: false }
+    }
 }
 
 /// The estimated error of a time step.
@@ -69,6 +75,11 @@ pub struct AdjointState {
 }
 
 impl Evaluated {
+    /// The equilibrium; of a problem in time the state at the end.
+    pub fn state(&self) -> &State {
+        self.solved.recording.part().end()
+    }
+
     /// Sum of the terms.
     pub fn cost(&self) -> f64 {
         self.terms.iter().sum()
@@ -78,12 +89,12 @@ impl Evaluated {
     /// ([`MotionMemory`](crate::MotionMemory)) those of the segment that was computed last; [`Reduced::for_each_state`](crate::Reduced::for_each_state)
     /// passes all.
     pub fn states(&self) -> &[State] {
-        self.motion.as_ref().map_or(std::slice::from_ref(&self.state), |run| run.recording.part().states())
+        self.solved.recording.part().states()
     }
 
     /// The smallest J at a quadrature point, over all states.
     pub fn min_j(&self) -> f64 {
-        self.motion.as_ref().map_or(self.state.report.min_j, |run| run.min_j)
+        self.solved.min_j
     }
 
     /// The adjoint displacement, once the derivative was taken.
@@ -106,8 +117,8 @@ impl Evaluated {
         out.count(self.stage);
         out.floats(&self.terms);
         out.floats(&self.constraints);
-        out.float(self.motion.as_ref().map_or(0.0, |run| run.accuracy));
-        write_state(&self.state, &mut out);
+        out.float(self.solved.accuracy);
+        write_state(self.state(), &mut out);
         write_report(&self.work, &mut out);
         out.count(usize::from(self.adjoint.is_some()));
         if let Some(adjoint) = &self.adjoint {
@@ -118,14 +129,13 @@ impl Evaluated {
         out.finish()
     }
 
-    /// The point that [`to_bytes`](Self::to_bytes) wrote, of a motion without its states, and the accuracy they were found to;
-    /// `controls` are those that `m` has at the points.
+    /// The point that [`to_bytes`](Self::to_bytes) wrote, of a motion with its last state alone; `controls` are those that `m` has at the points.
     pub(crate) fn from_bytes(
         bytes: &[u8],
         m: &[f64],
         controls: Controls,
         expected: Expected,
-    ) -> Result<(Self, f64), SavedRunError> {
+    ) -> Result<Self, SavedRunError> {
         let mut input = Reader::new(bytes, MAGIC)?;
         let stage = input.number()?;
         let terms = input.floats()?;
@@ -150,10 +160,8 @@ impl Evaluated {
             return Err(input.damaged("an adjoint state on another mesh"));
         }
         input.finish()?;
-        let (m, costs, constraint_points) = (m.to_vec(), vec![], vec![]);
-        let point =
-            Evaluated { m, state, motion: None, terms, constraints, stage, work, adjoint, costs, constraint_points };
-        Ok((point, accuracy))
+        let (m, solved, costs, constraint_points) = (m.to_vec(), SolvedStates::one(state, accuracy), vec![], vec![]);
+        Ok(Evaluated { m, solved, terms, constraints, stage, work, adjoint, costs, constraint_points })
     }
 }
 

@@ -40,7 +40,7 @@ pub use ensemble::{
     Measured, Member,
 };
 pub use error::ControlError;
-pub use evaluated::{AdjointState, Evaluated, MotionRun, StepError};
+pub use evaluated::{AdjointState, Evaluated, SolvedStates, StepError};
 pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::Layout;

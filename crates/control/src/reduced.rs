@@ -20,7 +20,7 @@ use crate::control_values::ControlValues;
 use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost};
 use crate::design::Consumer;
 use crate::error::ControlError;
-use crate::evaluated::Evaluated;
+use crate::evaluated::{Evaluated, SolvedStates};
 use crate::inner_product::{Metric, inner_product};
 use crate::layout::Layout;
 use crate::map::Space;
@@ -341,7 +341,7 @@ impl Reduced {
         let controls = self.layout.to_points(m)?;
         let guess = match how.near {
             Some(near) => {
-                workspace.predictor.record(&near.m, &near.state.u);
+                workspace.predictor.record(&near.m, &near.state().u);
                 workspace.predictor.guess(m)
             }
             None => {
@@ -349,14 +349,14 @@ impl Reduced {
                 None
             }
         };
-        let near = how.near.map(|near| &near.state);
+        let near = how.near.map(|near| near.state());
         let options = SolveOptions { guess: guess.as_deref(), near, ..self.solve_options(how.accuracy) };
         let solved = self.solid.solve_with(&controls, &options, &mut workspace.solve);
         self.forget(workspace);
         let state = solved?;
         self.check_stable(&state)?;
         let work = state.report;
-        self.valued(state, m, how.stage, work)
+        self.valued(SolvedStates::one(state, how.accuracy), m, how.stage, work)
     }
 
     fn solve_options(&self, accuracy: f64) -> SolveOptions<'_> {
@@ -370,26 +370,22 @@ impl Reduced {
     }
 
     /// The values of costs and constraints in a state.
-    fn valued(&self, state: State, m: &[f64], stage: usize, work: SolveReport) -> Result<Evaluated, ControlError> {
-        let (terms, costs) = self.terms(&state, m, stage)?;
-        let mut constraint_points = self.constraints_at(&state, m)?;
+    fn valued(
+        &self,
+        solved: SolvedStates,
+        m: &[f64],
+        stage: usize,
+        work: SolveReport,
+    ) -> Result<Evaluated, ControlError> {
+        let state = solved.recording.part().end();
+        let (terms, costs) = self.terms(state, m, stage)?;
+        let mut constraint_points = self.constraints_at(state, m)?;
         let constraints = constraint_points.iter().flat_map(|point| point.values().to_vec()).collect();
         if !self.keep_factors {
             constraint_points.clear();
         }
         let m = m.to_vec();
-        Ok(Evaluated {
-            m,
-            state,
-            motion: None,
-            terms,
-            constraints,
-            stage,
-            work,
-            costs,
-            constraint_points,
-            adjoint: None,
-        })
+        Ok(Evaluated { m, solved, terms, constraints, stage, work, costs, constraint_points, adjoint: None })
     }
 
     fn check_stable(&self, state: &State) -> Result<(), ControlError> {
@@ -438,7 +434,7 @@ impl Reduced {
         if point.costs.len() == self.costs.len() {
             return Ok(Cow::Borrowed(&point.costs));
         }
-        self.costs_at(&point.state, &point.m, point.stage).map(Cow::Owned)
+        self.costs_at(point.state(), &point.m, point.stage).map(Cow::Owned)
     }
 
     fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {
@@ -460,10 +456,10 @@ impl Reduced {
     }
 
     pub(crate) fn restage_typed(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
-        if let (Some(motion), Some(run)) = (&self.motion, &point.motion) {
-            return self.restage_motion(motion, run, point, stage);
+        match &self.motion {
+            Some(motion) => self.restage_motion(motion, point, stage),
+            None => self.valued(point.solved.clone(), &point.m, stage, SolveReport::default()),
         }
-        self.valued(point.state.clone(), &point.m, stage, SolveReport::default())
     }
 
     /// Names of the terms; those that occur several times are numbered, `tracking_0`, `tracking_1`.

@@ -52,7 +52,7 @@ impl Reduced {
         let fields = StateFields {
             adjoint: point.adjoint(),
             gradient: gradient.as_deref(),
-            ..StateFields::new(&point.state, &point.m)
+            ..StateFields::new(point.state(), &point.m)
         };
         self.snapshot_of(&fields)
     }

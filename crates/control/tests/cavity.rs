@@ -84,7 +84,7 @@ fn the_work_of_a_pump_has_the_pressure_as_its_derivative() -> Outcome {
     let problem = Reduced::new(solid).control(entry.name, Space::Uniform)?.cost(PumpWork::new(1.0)?)?;
     let pressure = |at: &Evaluated| -> Outcome<f64> {
         let model = problem.solid().model();
-        let all = model.quantities(&Instant::new(&at.state.u, &at.state.controls, 1.0))?;
+        let all = model.quantities(&Instant::new(&at.state().u, &at.state().controls, 1.0))?;
         Ok(all.iter().find(|(_, what, _)| *what == "pressure").ok_or("no pressure is reported")?.2)
     };
     let mut workspace = ReducedWorkspace::default();
@@ -142,7 +142,7 @@ fn a_compliance_keeps_the_volume() -> Outcome {
         assert_eq!(report.verdict(), Verdict::Right, "{name}: {report}");
         assert!(report.directions.iter().all(|direction| direction.order1 > 1.95), "{name}: {report}");
         found.push(point.cost());
-        found.push(point.state.u.last().copied().ok_or("no pressure")?);
+        found.push(point.state().u.last().copied().ok_or("no pressure")?);
     }
     let [by_volume, by_pressure] = [found[0], found[1]];
     assert!(by_volume < by_pressure, "{by_volume} at a fixed volume, {by_pressure} at a fixed pressure");

@@ -112,7 +112,7 @@ fn bits(problem: &Ensemble, m: &[f64], threads: usize) -> Outcome<Vec<u64>> {
         Ok((second, derivative))
     };
     let (point, derivative) = pool.install(run)?;
-    let states = point.members.iter().flat_map(|part| part.state.u.iter().copied());
+    let states = point.members.iter().flat_map(|part| part.state().u.iter().copied());
     Ok(states.chain(derivative).chain([point.risk]).map(f64::to_bits).collect())
 }
 
@@ -200,8 +200,8 @@ fn load_cases_inside_scenarios_share_and_own_controls() -> Outcome {
     let mut other = m.clone();
     other[problem.len() - 1] = 3e4;
     let moved = problem.at(&other)?;
-    assert_eq!(point.members[0].state.u, moved.members[0].state.u);
-    assert_ne!(point.members[1].state.u, moved.members[1].state.u);
+    assert_eq!(point.members[0].state().u, moved.members[0].state().u);
+    assert_ne!(point.members[1].state().u, moved.members[1].state().u);
     Ok(())
 }
 
@@ -328,7 +328,7 @@ fn the_mean_shape_and_its_scatter_are_those_of_the_states() -> Outcome {
     let of = |name: &str| shot.point_data.iter().find(|a| a.name == name).map(|a| a.values.clone());
     let (mean, scatter, norm) = (of("displacement"), of("deviation"), of("deviation_norm"));
     let (mean, scatter, norm) = (mean.unwrap(), scatter.unwrap(), norm.unwrap());
-    let (soft, stiff) = (&point.members[1].state.u, &point.members[3].state.u);
+    let (soft, stiff) = (&point.members[1].state().u, &point.members[3].state().u);
     for i in 0..mean.len() {
         assert!((mean[i] - (0.4 * soft[i] + 0.6 * stiff[i])).abs() < 1e-15);
         // Two values with probabilities p and q scatter by sqrt(pq) times their distance.

@@ -29,7 +29,7 @@ fn muscle(kind: CellKind) -> Outcome<Solid> {
 fn inverse(kind: CellKind) -> Outcome<(Reduced, Vec<f64>)> {
     let problem = Reduced::new(muscle(kind)?).control("tension", Space::Cell)?;
     let m: Vec<f64> = noise(problem.layout().len(), 0.3).iter().map(|r| -6e4 * (1.0 + 0.5 * r)).collect();
-    let u = problem.at(&m)?.state.u.to_vec();
+    let u = problem.at(&m)?.state().u.to_vec();
     Ok((problem.cost(Tracking::surface("x+", Target::Displacement(u)))?, m))
 }
 
@@ -119,7 +119,7 @@ fn few_iterations_on_spheres_and_in_balls() -> Outcome {
         set.project(&mut m);
         m
     };
-    let u = problem.at(&begin([1.0, 0.2, 0.3], [0.0, 0.0, 9e-3]))?.state.u.to_vec();
+    let u = problem.at(&begin([1.0, 0.2, 0.3], [0.0, 0.0, 9e-3]))?.state().u.to_vec();
     let problem = problem.cost(Tracking::surface("x+", Target::Displacement(u)))?;
     let options = Options { tolerance: 1e-6, max_iterations: 60, ..Options::default() };
     for method in [NewtonCg::gauss_newton(), NewtonCg::exact()] {

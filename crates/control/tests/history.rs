@@ -75,14 +75,14 @@ fn two_histories_agree_to_the_accuracy_and_one_to_the_bit() -> Outcome {
         for history in histories {
             let (point, derivative) = follow(&problem, history, accuracy)?;
             let (again, same) = follow(&problem, history, accuracy)?;
-            assert_eq!(bits(&point.state.u), bits(&again.state.u), "{history:?}");
+            assert_eq!(bits(&point.state().u), bits(&again.state().u), "{history:?}");
             assert_eq!((bits(&derivative), bits(&point.terms)), (bits(&same), bits(&again.terms)), "{history:?}");
-            assert!(relative(&point.state.u, &exact.state.u) < accuracy, "{history:?}");
+            assert!(relative(&point.state().u, &exact.state().u) < accuracy, "{history:?}");
             assert!((point.cost() / exact.cost() - 1.0).abs() < accuracy, "{history:?}");
             seen.push((point, derivative));
         }
         for (point, derivative) in &seen[1..] {
-            assert_ne!(bits(&point.state.u), bits(&seen[0].0.state.u), "the histories are one: nothing is seen");
+            assert_ne!(bits(&point.state().u), bits(&seen[0].0.state().u), "the histories are one: nothing is seen");
             assert!(relative(derivative, &seen[0].1) < 10.0 * accuracy);
         }
     }
@@ -99,7 +99,7 @@ fn evaluations_from_rest_have_no_history() -> Outcome {
     let m = along(&problem, 1.0);
     let after = problem.evaluate(&m, &Request::default(), &mut used)?;
     let fresh = problem.evaluate(&m, &Request::default(), &mut ReducedWorkspace::default())?;
-    assert_eq!(bits(&after.state.u), bits(&fresh.state.u));
+    assert_eq!(bits(&after.state().u), bits(&fresh.state().u));
     assert_eq!(after.work, fresh.work);
     Ok(())
 }
@@ -124,7 +124,7 @@ fn a_failed_trial_leaves_the_same_bits_on_any_number_of_threads() -> Outcome {
             problem.evaluate(&control(-2.5e4), &Request::near(&first), &mut workspace)
         };
         let point = pool.install(evaluate)?;
-        Ok(point.members.iter().flat_map(|part| bits(&part.state.u)).collect())
+        Ok(point.members.iter().flat_map(|part| bits(&part.state().u)).collect())
     };
     let alone = run(1)?;
     for _ in 0..3 {
@@ -174,9 +174,9 @@ fn a_run_goes_on_from_a_checkpoint_to_the_bit() -> Outcome {
     // Loading solves nothing, and gives the point as it was, its adjoint state included.
     let how = Request { near: None, accuracy: 1e-8, stage: 0 };
     let loaded = problem.load(&saved.current.m, &saved.current.point, &how)?;
-    assert!(loaded.adjoint().is_some() && loaded.work.newton > 0 && loaded.state.load == 1.0);
+    assert!(loaded.adjoint().is_some() && loaded.work.newton > 0 && loaded.state().load == 1.0);
     assert_eq!(problem.save(&loaded), saved.current.point);
-    assert_eq!(*loaded.state.controls, problem.layout().to_points(&saved.current.m)?);
+    assert_eq!(*loaded.state().controls, problem.layout().to_points(&saved.current.m)?);
     Ok(())
 }
 
@@ -269,10 +269,10 @@ fn an_evaluated_start_is_not_evaluated_again() -> Outcome {
     let mut workspace = ReducedWorkspace::default();
     let mut point = problem.evaluate(&m, &Request::default(), &mut workspace)?;
     let derivative = problem.derivative(&mut point, &mut workspace)?;
-    let state = point.state.u.clone();
+    let state = point.state().u.clone();
     let start = nastic_opt::EvaluatedStart { m: m.clone(), point, derivative: Some(derivative) };
     let known = optimizer.start(&problem, start)?.with_workspace(workspace);
-    assert!(Arc::ptr_eq(&known.point().state.u, &state), "evaluated again");
+    assert!(Arc::ptr_eq(&known.point().state().u, &state), "evaluated again");
     assert_eq!((told.progress().counts.derivatives, known.progress().counts.derivatives), (1, 0));
     let (told, known) = (told.minimize(&mut ()), known.minimize(&mut ()));
     assert_eq!((bits(&told.m), told.cost.to_bits()), (bits(&known.m), known.cost.to_bits()));

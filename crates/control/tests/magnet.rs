@@ -91,7 +91,7 @@ fn lengths_are_kept_at_every_trial() -> Outcome {
                 trials += 1;
                 let mut see = |v: &[f64]| off = off.max((length(v) / REMANENCE - 1.0).abs());
                 trial.m[..3 * vectors].chunks_exact(3).for_each(&mut see);
-                for slots in trial.point.iter().flat_map(|point| point.state.controls.values(0).chunks_exact(6)) {
+                for slots in trial.point.iter().flat_map(|point| point.state().controls.values(0).chunks_exact(6)) {
                     see(&slots[..3]);
                     strongest = strongest.max(length(&slots[3..]));
                 }

@@ -95,9 +95,9 @@ fn actuations_do_the_work_that_a_motion_gains() -> Done {
         let at = problem.at(&m)?;
         let model = problem.solid().model();
         let passive = problem.solid().controls();
-        let end = nastic_fem::Instant::new(&at.state.u, &passive, 1.0);
+        let end = nastic_fem::Instant::new(&at.state().u, &passive, 1.0);
         let stored = model.evaluate(&end, nastic_fem::Demand { energy: true, force: false })?.energy;
-        let kinetic = model.kinetic_energy(&at.state)?;
+        let kinetic = model.kinetic_energy(at.state())?;
         assert!((at.terms[1] / (3.0 * kinetic) - 1.0).abs() < 1e-14);
         let work = at.terms[0] / 2.0;
         println!("{steps} steps: work {work:.6e}, gained {:.6e}", kinetic + stored);
@@ -111,9 +111,9 @@ fn actuations_do_the_work_that_a_motion_gains() -> Done {
         if viscous {
             // what the spring of the branch holds is no gain of the work, and what its dashpot takes is part of it
             let at = problem.at(&m)?;
-            let end = nastic_fem::Instant::new(&at.state.u, &at.state.controls, 1.0);
+            let end = nastic_fem::Instant::new(&at.state().u, &at.state().controls, 1.0);
             let demand = nastic_fem::Demand { energy: true, force: false };
-            let held = nastic_fem::Instant::of(&at.state);
+            let held = nastic_fem::Instant::of(at.state());
             let model = problem.solid().model();
             assert!(model.evaluate(&held, demand)?.energy > model.evaluate(&end, demand)?.energy);
         }
@@ -217,7 +217,7 @@ fn derivatives_of_all_costs_of_motions_are_right() -> Done {
 #[test]
 fn motions_give_the_same_bits() -> Done {
     let m = |problem: &Reduced| wave(problem.layout().len(), -1e4);
-    let bits = |point: &Evaluated| point.state.u.iter().map(|u| u.to_bits()).collect::<Vec<_>>();
+    let bits = |point: &Evaluated| point.state().u.iter().map(|u| u.to_bits()).collect::<Vec<_>>();
     let run = |threads: usize| -> Done<Vec<u64>> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let problem = flicked(Scheme::bdf2())?;
@@ -290,7 +290,7 @@ fn an_ensemble_is_flicked_under_a_limited_rate() -> Done {
 fn what_a_motion_lacks_is_said() -> Done {
     let problem = flicked(Scheme::trapezoidal())?;
     let point = problem.at(&vec![0.0; problem.layout().len()])?;
-    assert_eq!((point.states().len(), point.state.time), (STEPS + 1, END));
+    assert_eq!((point.states().len(), point.state().time), (STEPS + 1, END));
     let second = problem.hessian_vector(&point, &vec![1.0; point.m.len()], &mut Default::default());
     assert!(second.unwrap_err().to_string().contains("optimiser of first derivatives"));
     let late = Reduced::new(arm(1e5)?).control("tension", Space::Cell)?.in_time(timeline(Scheme::bdf2())?);
@@ -365,7 +365,7 @@ fn few_states_give_the_same_bits() -> Done {
             assert!(found == expected, "{memory:?}");
         }
         assert_eq!(point.min_j().to_bits(), kept.min_j().to_bits());
-        let counts = point.motion.ok_or("in time")?.recording.counts();
+        let counts = point.solved.recording.counts();
         println!("{memory:?}: {told:?}, {counts:?}");
         assert!(counts.states <= told.states && told.bytes < whole.bytes);
         // the first derivative began with all checkpoints, the second with none of them: the rest of the motion once more

@@ -83,7 +83,7 @@ fn few_states_give_the_same_bits() -> Done {
         let mut point = problem.evaluate(&wave(&problem), &Default::default(), &mut workspace)?;
         let mut found = problem.derivative(&mut point, &mut workspace)?;
         found.extend(&point.terms);
-        let again = point.motion.ok_or("in time")?.recording.counts().recomputed_steps;
+        let again = point.solved.recording.counts().recomputed_steps;
         Ok((found.iter().map(|x| x.to_bits()).collect(), again))
     };
     let ((all, none), (few, again)) = (derivative(MotionMemory::All)?, derivative(MotionMemory::Checkpoints(2))?);

@@ -106,7 +106,7 @@ fn a_motion_goes_on_with_the_same_bits() -> Done {
             }
             assert_eq!((&again.terms, again.work), (&whole.terms, whole.work), "{name} {at}");
             assert_eq!((again.constraints.len(), &again.constraints), (23, &whole.constraints), "{name} {at}");
-            let run = |point: &Evaluated| point.motion.as_ref().map(|run| (run.min_j, run.error));
+            let run = |point: &Evaluated| (point.solved.min_j, point.solved.error);
             assert_eq!(run(&again), run(&whole));
             // its states are found again where they are asked for; a derivative is refused
             let mut count = 0;

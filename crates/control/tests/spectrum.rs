@@ -25,7 +25,7 @@ fn optimum(space: Space, length: f64) -> Outcome<(Reduced, Best<Evaluated>)> {
     let problem = if length > 0.0 { problem.metric(Metric::H1 { length }) } else { problem };
     let n = problem.layout().len();
     let wanted: Vec<f64> = (0..n).map(|i| -5e4 * (1.0 + 0.5 * (12.9898 * i as f64).sin())).collect();
-    let u = problem.at(&wanted)?.state.u.to_vec();
+    let u = problem.at(&wanted)?.state().u.to_vec();
     let problem = problem.cost(Tracking::region("body", Target::Displacement(u)))?;
     let options = Options { tolerance: 1e-9, max_iterations: 60, ..Options::default() };
     let best = NewtonCg::exact().within(bounds()).options(options).minimize(&problem, 0.0)?;

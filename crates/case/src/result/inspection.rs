@@ -59,7 +59,7 @@ impl Inspection {
     /// Of all members of an evaluated control.
     pub fn of_point(problem: &CaseProblem, point: &EnsemblePoint) -> Vec<Self> {
         let members: Vec<_> = problem.members().zip(&point.members).collect();
-        members.par_iter().with_max_len(1).map(|(member, at)| Self::of(*member, &at.state)).collect()
+        members.par_iter().with_max_len(1).map(|(member, at)| Self::of(*member, at.state())).collect()
     }
 
     /// Of one state.

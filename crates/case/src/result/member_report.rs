@@ -48,7 +48,7 @@ pub(crate) fn of_point<'a>(
         let costs = member.reduced().costs_of(at).map_err(|error| (member.index(), error))?;
         let (terms, work) = (at.terms.clone(), at.total_work());
         let min_j = at.min_j();
-        Ok(MemberReport { member, state: &at.state, terms, costs, stage: at.stage, work, min_j, inspection: None })
+        Ok(MemberReport { member, state: at.state(), terms, costs, stage: at.stage, work, min_j, inspection: None })
     };
     problem.members().zip(&point.members).map(of).collect()
 }

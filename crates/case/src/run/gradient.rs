@@ -103,7 +103,7 @@ pub(super) fn write_states(
     for (member, at) in problem.members().zip(&point.members) {
         let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
         let fields =
-            StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::new(&at.state, &at.m) };
+            StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::new(at.state(), &at.m) };
         let shot = snapshot::inspected(member, &fields, found.get(member.index()))?;
         files.extend(out.write_state(&member.file(what), &shot)?);
     }

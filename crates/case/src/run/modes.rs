@@ -73,7 +73,7 @@ pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit
         let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
         inspections = session.inspect("equilibrium", &point);
         report(session, &point, &inspections)?;
-        point.members.iter().map(|at| (at.state.clone(), at.m.clone())).collect()
+        point.members.iter().map(|at| (at.state().clone(), at.m.clone())).collect()
     };
     let found = session.timed("modes", |session| find(session, states, asked.count))?;
     let about = match (undeformed, in_time) {

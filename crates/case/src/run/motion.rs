@@ -161,8 +161,7 @@ fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> V
         time.scheme.name(),
         count(point.members.iter().map(|at| at.work.cuts).sum::<usize>(), "step")
     ));
-    if let Some(error) =
-        point.members.iter().filter_map(|at| at.motion.as_ref()?.error).map(|error| error.error).reduce(f64::max)
+    if let Some(error) = point.members.iter().filter_map(|at| at.solved.error).map(|error| error.error).reduce(f64::max)
     {
         let error = quantity(error, Dimension::LENGTH, units);
         session

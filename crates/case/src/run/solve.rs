@@ -112,13 +112,13 @@ pub(super) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[
     drop(reports);
     session.put_all(entries);
     session.put("controls", controls);
-    session.put("load_steps", json!(point.members.iter().map(|at| at.state.report.load_steps).max()));
+    session.put("load_steps", json!(point.members.iter().map(|at| at.state().report.load_steps).max()));
     say(session, point);
     Ok(())
 }
 
 fn say(session: &Session<'_>, point: &EnsemblePoint) {
-    let states = || point.members.iter().map(|at| &at.state);
+    let states = || point.members.iter().map(|at| at.state());
     let (console, result) = (session.console, session.result_value());
     let mut work = SolveReport::default();
     point.members.iter().for_each(|at| work.add_work(&at.work));
@@ -338,7 +338,7 @@ fn write(
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.members) {
         let found = found.get(member.index());
-        let mut shot = snapshot::inspected(member, &StateFields::new(&at.state, &at.m), found)?;
+        let mut shot = snapshot::inspected(member, &StateFields::new(at.state(), &at.m), found)?;
         if let Some(modes) = modes.get(member.index()) {
             shot = modes::with_fields(shot, modes.shapes.iter().map(Vec::as_slice))?;
         }

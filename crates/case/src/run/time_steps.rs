@@ -80,7 +80,7 @@ fn told(member: CaseMember<'_>, steps: &AdaptiveSteps) -> String {
 
 fn warning(member: CaseMember<'_>, at: &Evaluated) -> Option<Warning> {
     let tolerance = member.case().time.as_ref()?.tolerance?;
-    let StepError { error, time } = at.motion.as_ref()?.error.filter(|found| found.error > SLACK * tolerance)?;
+    let StepError { error, time } = at.solved.error.filter(|found| found.error > SLACK * tolerance)?;
     let units = member.problem().units();
     let message = format!(
         "a step of the motion has an estimated error of {}, {} times the tolerance, at t = {}: the steps are those of the start controls",
@@ -109,7 +109,7 @@ pub(super) fn entries(
         out.push(("rejected", json!(steps.report.rejected)));
         out.push(("failed", json!(steps.report.failed)));
     }
-    if let Some(StepError { error, time }) = at.motion.as_ref().and_then(|run| run.error) {
+    if let Some(StepError { error, time }) = at.solved.error {
         out.push(("step_error", json!({ "largest": error, "t": time })));
     }
     out

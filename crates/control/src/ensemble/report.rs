@@ -98,7 +98,7 @@ fn work_entries(point: &EnsemblePoint) -> Vec<(String, f64)> {
     let mut min_j = f64::INFINITY;
     for member in &point.members {
         work.add_work(&member.total_work());
-        min_j = min_j.min(member.state.report.min_j);
+        min_j = min_j.min(member.state().report.min_j);
     }
     work_summary(&work).into_iter().chain([("min_J".to_owned(), min_j)]).collect()
 }

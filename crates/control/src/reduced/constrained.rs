@@ -91,7 +91,7 @@ impl Reduced {
         if point.constraint_points.len() == self.constraints.len() {
             return Ok(Cow::Borrowed(&point.constraint_points));
         }
-        self.constraints_at(&point.state, &point.m).map(Cow::Owned)
+        self.constraints_at(point.state(), &point.m).map(Cow::Owned)
     }
 
     /// Each evaluated constraint with its part of weights given for all values.
@@ -114,12 +114,12 @@ impl Reduced {
         of: Lagrangian<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        let (derivative, adjoint) = match (&self.motion, &point.motion) {
-            (Some(motion), Some(run)) => {
-                let of = Functional::Lagrangian(of);
-                self.derivative_of_motion(motion, (point, &mut run.clone()), of, workspace)?
+        let (derivative, adjoint) = match &self.motion {
+            Some(motion) => {
+                let (at, of) = ((point.m.as_slice(), point.stage), Functional::Lagrangian(of));
+                self.derivative_of_motion(motion, (at, &mut point.solved.clone()), of, workspace)?
             }
-            _ => self.sensitivity_of(point, self.lagrangian_partials(point, of)?, workspace)?,
+            None => self.sensitivity_of(point, self.lagrangian_partials(point, of)?, workspace)?,
         };
         Ok((derivative, adjoint.map(|adjoint| AdjointState { multipliers: of.multipliers(), ..adjoint })))
     }
@@ -128,7 +128,7 @@ impl Reduced {
     pub(super) fn lagrangian_partials(&self, point: &Evaluated, of: Lagrangian<'_>) -> Result<Partials, ControlError> {
         let mut partials = match of.costs {
             true => self.partials(point, None)?,
-            false => Partials::zero(point.state.u.len(), point.m.len()),
+            false => Partials::zero(point.state().u.len(), point.m.len()),
         };
         if of.y.iter().any(|y| *y != 0.0) {
             let constraints = self.constraints_of(point)?;

@@ -6,7 +6,7 @@ use super::motion_progress::{InstantValues, Progress};
 use crate::constraint::ConstraintPoint;
 use crate::cost::CostPoint;
 use crate::error::ControlError;
-use crate::evaluated::{Evaluated, MotionRun};
+use crate::evaluated::{Evaluated, SolvedStates};
 use crate::time::{MotionObserver, TrajectoryContext};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Begin, Controls, Recording, SolveOptions, SolveReport, State, StepTo, Trajectory};
@@ -63,10 +63,9 @@ impl Reduced {
             Ok(())
         })?;
         let Progress { values, mut work, min_j, error } = found;
-        let run = MotionRun { recording, accuracy: how.accuracy, min_j, error, resumed: resumed.is_some() };
-        let state = run.recording.part().end().clone();
-        work.solver = state.report.solver;
-        self.valued_motion(motion, (run, state, work), (m, how.stage), values)
+        work.solver = recording.part().end().report.solver;
+        let solved = SolvedStates { recording, accuracy: how.accuracy, min_j, error, resumed: resumed.is_some() };
+        self.valued_motion(motion, (solved, work), (m, how.stage), values)
     }
 
     /// Runs it from t = 0, or from the end of a part of it, and calls at every state.
@@ -140,11 +139,12 @@ impl Reduced {
         point: &Evaluated,
         each: &mut dyn FnMut(usize, &State) -> Result<(), ControlError>,
     ) -> Result<(), ControlError> {
-        match (&self.motion, &point.motion) {
-            (Some(motion), Some(run)) if run.resumed || !run.recording.keeps_all() => {
+        let solved = &point.solved;
+        match &self.motion {
+            Some(motion) if solved.resumed || !solved.recording.keeps_all() => {
                 let each = &mut |n: usize, recording: &Recording| each(n, recording.part().end());
                 // a run that is being cancelled still writes what it found
-                let options = SolveOptions { cancel: None, ..self.solve_options(run.accuracy) };
+                let options = SolveOptions { cancel: None, ..self.solve_options(solved.accuracy) };
                 self.run_motion(motion, (&point.m, &options), None, &mut ReducedWorkspace::default(), each).map(drop)
             }
             _ => point.states().iter().enumerate().try_for_each(|(n, state)| each(n, state)),
@@ -155,26 +155,25 @@ impl Reduced {
     pub(super) fn restage_motion(
         &self,
         motion: &Motion,
-        run: &MotionRun,
         point: &Evaluated,
         stage: usize,
     ) -> Result<Evaluated, ControlError> {
         let mut values = InstantValues::new(motion);
         let at = (point.m.as_slice(), stage);
         self.for_each_state(point, &mut |n, state| self.add_values(motion, (n, state), at, &mut values))?;
-        self.valued_motion(motion, (run.clone(), point.state.clone(), point.work), at, values)
+        self.valued_motion(motion, (point.solved.clone(), point.work), at, values)
     }
 
     /// The values of costs and constraints of a motion.
     fn valued_motion(
         &self,
         motion: &Motion,
-        (run, state, work): (MotionRun, State, SolveReport),
+        (solved, work): (SolvedStates, SolveReport),
         (m, stage): (&[f64], usize),
         values: InstantValues,
     ) -> Result<Evaluated, ControlError> {
         let mut terms = values.terms(motion);
-        let context = self.motion_context(motion, &run, (m, stage));
+        let context = self.motion_context(motion, &solved, (m, stage));
         for cost in &motion.costs {
             terms.push(cost.value(&context)?);
         }
@@ -182,17 +181,17 @@ impl Reduced {
         for rate in &motion.rates {
             constraints.extend(rate.values(&self.layout, m)?);
         }
-        let (m, costs, constraint_points, motion) = (m.to_vec(), vec![], vec![], Some(run));
-        Ok(Evaluated { m, state, motion, terms, constraints, stage, work, costs, constraint_points, adjoint: None })
+        let (m, costs, constraint_points) = (m.to_vec(), vec![], vec![]);
+        Ok(Evaluated { m, solved, terms, constraints, stage, work, costs, constraint_points, adjoint: None })
     }
 
     pub(super) fn motion_context<'a>(
         &'a self,
         motion: &'a Motion,
-        run: &'a MotionRun,
+        solved: &'a SolvedStates,
         (m, stage): (&'a [f64], usize),
     ) -> TrajectoryContext<'a> {
-        let (timeline, trajectory) = (&motion.timeline, run.recording.part());
+        let (timeline, trajectory) = (&motion.timeline, solved.recording.part());
         TrajectoryContext { solid: &self.solid, layout: &self.layout, timeline, trajectory, m, stage }
     }
 

@@ -5,7 +5,7 @@ use super::motion_progress::counting;
 use super::{Lagrangian, Reduced};
 use crate::cost::Partials;
 use crate::error::ControlError;
-use crate::evaluated::{AdjointState, Evaluated, MotionRun};
+use crate::evaluated::{AdjointState, SolvedStates};
 use crate::time::TrajectoryPartials;
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{ReverseSweep, SolveOptions, State, StatePartials, SweptInstant};
@@ -46,7 +46,8 @@ impl<'a> Functional<'a> {
 struct InstantPartials<'a> {
     problem: &'a Reduced,
     motion: &'a Motion,
-    point: &'a Evaluated,
+    /// The control vector and the stage.
+    at: (&'a [f64], usize),
     of: Functional<'a>,
     counting: Vec<Vec<(usize, usize)>>,
     /// By the states, as far as costs of the whole motion give them at once; by the control vector, all so far.
@@ -59,18 +60,18 @@ impl<'a> InstantPartials<'a> {
     fn new(
         problem: &'a Reduced,
         motion: &'a Motion,
-        (point, run): (&'a Evaluated, &MotionRun),
+        (at, solved): ((&'a [f64], usize), &SolvedStates),
         of: Functional<'a>,
     ) -> Result<Self, ControlError> {
-        let mut out = TrajectoryPartials::zero(motion.timeline.instants().len(), point.m.len());
-        let context = problem.motion_context(motion, run, (&point.m, point.stage));
+        let mut out = TrajectoryPartials::zero(motion.timeline.instants().len(), at.0.len());
+        let context = problem.motion_context(motion, solved, at);
         for (k, cost) in motion.costs.iter().enumerate() {
             if of.has_term(motion.schedules.len() + k) {
                 cost.add_partials(&context, &mut out)?;
             }
         }
         let mut partials =
-            InstantPartials { problem, motion, point, of, counting: counting(motion), out, by_states: false };
+            InstantPartials { problem, motion, at, of, counting: counting(motion), out, by_states: false };
         partials.add_rates()?;
         Ok(partials)
     }
@@ -83,7 +84,7 @@ impl<'a> InstantPartials<'a> {
         let mut first = y.len().saturating_sub(lens.iter().sum());
         for (rate, len) in rates.iter().zip(lens) {
             let y = y.get(first..first + len).unwrap_or_default();
-            rate.add_partials(layout, (&self.point.m, y), &mut self.out.m)?;
+            rate.add_partials(layout, (self.at.0, y), &mut self.out.m)?;
             first += len;
         }
         Ok(())
@@ -105,7 +106,7 @@ impl<'a> InstantPartials<'a> {
             if y.iter().all(|y| *y == 0.0) {
                 continue;
             }
-            let point = problem.constraint_point(motion, k, (n, state), &self.point.m)?;
+            let point = problem.constraint_point(motion, k, (n, state), self.at.0)?;
             let zero = || Partials::zero(state.u.len(), motion.layout.len());
             point.add_partials(y, own.get_or_insert_with(zero))?;
         }
@@ -115,7 +116,7 @@ impl<'a> InstantPartials<'a> {
 
     /// Those by the n-th state; those by the control vector are added to the others.
     fn at(&mut self, n: usize, state: &State) -> Result<StatePartials, ControlError> {
-        let (problem, motion, point) = (self.problem, self.motion, self.point);
+        let (problem, motion) = (self.problem, self.motion);
         let mut by_state = take(&mut self.out.states[n]);
         for (k, place) in self.counting[n].clone() {
             if !self.of.has_term(k) {
@@ -124,7 +125,7 @@ impl<'a> InstantPartials<'a> {
             let schedule = &motion.schedules[k];
             let mut own = Partials::zero(state.u.len(), motion.layout.len());
             let mut factor = 0.0;
-            problem.cost_point(motion, (k, place), (n, state), (&point.m, point.stage), &mut |cost| {
+            problem.cost_point(motion, (k, place), (n, state), self.at, &mut |cost| {
                 factor = schedule.weights[place].1 * schedule.shape(cost.value()).1;
                 cost.add_partials(&mut own)
             })?;
@@ -146,27 +147,27 @@ impl<'a> InstantPartials<'a> {
     /// What the sweep found at the n-th instant.
     fn add_swept(&mut self, n: usize, swept: &SweptInstant) -> Result<(), ControlError> {
         let (layout, t) = (&self.problem.layout, self.motion.timeline.instants()[n]);
-        let by_instant = self.motion.layout.control_vjp(&layout.at(&self.point.m, t)?, &swept.controls);
+        let by_instant = self.motion.layout.control_vjp(&layout.at(self.at.0, t)?, &swept.controls);
         layout.add_at(t, &by_instant, &mut self.out.m);
         Ok(())
     }
 }
 
 impl Reduced {
-    /// `d/dm` of a functional of the motion of a point, and the adjoint state at the end; none where nothing depends on the states. Of a
+    /// `d/dm` of a functional of the motion under a control vector in a stage, and the adjoint state at the end; none where nothing depends on the states. Of a
     /// motion that keeps few states the recording has only its beginning left afterwards.
     pub(super) fn derivative_of_motion(
         &self,
         motion: &Motion,
-        (point, run): (&Evaluated, &mut MotionRun),
+        (at, solved): ((&[f64], usize), &mut SolvedStates),
         of: Functional<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        if run.resumed {
+        if solved.resumed {
             let what = "the states of a motion that was resumed are not all there: evaluate it anew for its derivative";
             return Err(ControlError::Cost { what: what.to_owned() });
         }
-        let swept = self.sweep_motion(motion, (point, run), of, workspace);
+        let swept = self.sweep_motion(motion, (at, solved), of, workspace);
         self.forget(workspace);
         swept
     }
@@ -174,19 +175,19 @@ impl Reduced {
     fn sweep_motion(
         &self,
         motion: &Motion,
-        (point, run): (&Evaluated, &mut MotionRun),
+        (at, solved): ((&[f64], usize), &mut SolvedStates),
         of: Functional<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
         let (model, last) = (self.solid.model(), motion.timeline.steps());
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
-        let mut partials = InstantPartials::new(self, motion, (point, run), of)?;
+        let mut partials = InstantPartials::new(self, motion, (at, solved), of)?;
         let mut sweep = ReverseSweep::new(model, &how, &mut workspace.solve);
         let (mut lambda, mut first) = (Vec::new(), None);
-        let recomputed = run.recording.backwards(
+        let recomputed = solved.recording.backwards(
             model,
-            &mut |n| self.step_to(motion, &point.m, n),
-            &self.solve_options(run.accuracy),
+            &mut |n| self.step_to(motion, at.0, n),
+            &self.solve_options(solved.accuracy),
             &mut |part, k| {
                 let n = part.first() + k + 1;
                 let by_end = partials.at(n, &part.states()[k + 1])?;
@@ -201,7 +202,7 @@ impl Reduced {
                 Ok::<(), ControlError>(())
             },
         )?;
-        let first = first.unwrap_or_else(|| run.recording.part().beginning());
+        let first = first.unwrap_or_else(|| solved.recording.part().beginning());
         let by_first = partials.at(0, first.end())?;
         let (swept, mut work) = sweep.begin(&first, by_first)?;
         partials.add_swept(0, &swept)?;

@@ -91,9 +91,9 @@ impl Objective for Reduced {
         let (terms, dofs) = (self.term_names().len(), self.solid().model().unknowns().len());
         let constraints = Constrained::constraints(self).iter().map(|group| group.len).sum();
         let expected = Expected { stage: how.stage, terms, constraints, dofs };
-        let (mut point, accuracy) = Evaluated::from_bytes(bytes, m, controls, expected).map_err(Failed::new)?;
+        let mut point = Evaluated::from_bytes(bytes, m, controls, expected).map_err(Failed::new)?;
         if self.timeline().is_some() {
-            let how = Request { near: None, accuracy, ..*how };
+            let how = Request { near: None, accuracy: point.solved.accuracy, ..*how };
             let again = self.evaluate_typed(m, &how, &mut ReducedWorkspace::default())?;
             point = Evaluated { adjoint: point.adjoint, ..again };
         }

@@ -149,7 +149,7 @@ impl Reduced {
         let at_points = self.layout.change(&point.m, v)?;
         let exact = which == Hessian::Exact;
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
-        let mut second = SecondOrder::new(self.solid.model(), &point.state, &how, &mut workspace.solve)?;
+        let mut second = SecondOrder::new(self.solid.model(), point.state(), &how, &mut workspace.solve)?;
         if !exact {
             second = second.for_iterations();
         }
@@ -196,13 +196,13 @@ impl Reduced {
 
     /// The adjoint displacement, which is zero where nothing depends on the state.
     fn lambda<'p>(&self, point: &Evaluated, adjoint: Option<AdjointState>) -> Cow<'p, [f64]> {
-        let none = || vec![0.0; point.state.u.len()];
+        let none = || vec![0.0; point.state().u.len()];
         Cow::Owned(adjoint.map_or_else(none, |adjoint| adjoint.lambda))
     }
 
     /// What a functional with these partials by the state and this adjoint owes to the values at the points.
     fn by_point(&self, point: &Evaluated, by_u: &[f64], lambda: &[f64]) -> Result<Controls, ControlError> {
-        let state = &point.state;
+        let state = point.state();
         let mut at = Instant::of(state);
         at.parallel = self.parallel;
         Ok(self.solid.model().sensitivities(&at, by_u, lambda)?.controls)

@@ -6,7 +6,7 @@ use crate::cost::Partials;
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{SolveOptions, StatePartials, Trajectory};
+use nastic_fem::{SolveOptions, StatePartials};
 
 impl Reduced {
     /// Partial derivatives of the cost of a static problem (all terms, or one of them).
@@ -15,7 +15,7 @@ impl Reduced {
     /// A cost that is not defined there.
     pub fn partials(&self, point: &Evaluated, term: Option<usize>) -> Result<Partials, ControlError> {
         self.refuse_motion("partial derivatives by one state")?;
-        let mut partials = Partials::zero(point.state.u.len(), point.m.len());
+        let mut partials = Partials::zero(point.state().u.len(), point.m.len());
         for (k, cost) in self.costs_of(point)?.iter().enumerate() {
             if term.is_none_or(|t| t == k) {
                 cost.add_partials(&mut partials)?;
@@ -44,9 +44,10 @@ impl Reduced {
         term: Option<usize>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        if let (Some(motion), Some(run)) = (&self.motion, &point.motion) {
+        if let Some(motion) = &self.motion {
             let of = term.map_or(Functional::costs(), Functional::Term);
-            return self.derivative_of_motion(motion, (point, &mut run.clone()), of, workspace);
+            let at = (point.m.as_slice(), point.stage);
+            return self.derivative_of_motion(motion, (at, &mut point.solved.clone()), of, workspace);
         }
         self.sensitivity_of(point, self.partials(point, term)?, workspace)
     }
@@ -58,16 +59,14 @@ impl Reduced {
         of: Lagrangian<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, ControlError> {
-        let (derivative, adjoint) = match (&self.motion, point.motion.take()) {
-            (Some(motion), Some(mut run)) => {
-                let found = self.derivative_of_motion(motion, (point, &mut run), Functional::Lagrangian(of), workspace);
-                point.motion = Some(run);
-                let (derivative, adjoint) = found?;
-                (derivative, adjoint.map(|adjoint| AdjointState { multipliers: of.multipliers(), ..adjoint }))
+        let (derivative, adjoint) = match &self.motion {
+            Some(motion) => {
+                let at = (point.m.as_slice(), point.stage);
+                self.derivative_of_motion(motion, (at, &mut point.solved), Functional::Lagrangian(of), workspace)?
             }
-            _ => self.lagrangian_sensitivity(point, of, workspace)?,
+            None => self.sensitivity_of(point, self.lagrangian_partials(point, of)?, workspace)?,
         };
-        point.adjoint = adjoint;
+        point.adjoint = adjoint.map(|adjoint| AdjointState { multipliers: of.multipliers(), ..adjoint });
         Ok(derivative)
     }
 
@@ -83,9 +82,8 @@ impl Reduced {
             return Ok((derivative, None));
         }
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
-        let (trajectory, by_state) =
-            (Trajectory::from(point.state.clone()), StatePartials::by_displacement(partials.u));
-        let swept = self.solid.model().reverse_sweep(&trajectory, &[by_state], &how, &mut workspace.solve);
+        let (trajectory, by_state) = (point.solved.recording.part(), StatePartials::by_displacement(partials.u));
+        let swept = self.solid.model().reverse_sweep(trajectory, &[by_state], &how, &mut workspace.solve);
         self.forget(workspace);
         let mut swept = swept?;
         for (d, through_state) in derivative.iter_mut().zip(self.layout.control_vjp(&point.m, &swept.controls[0])) {

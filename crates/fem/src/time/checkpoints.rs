@@ -36,6 +36,11 @@ impl Checkpoints {
         }
     }
 
+    /// Of a static problem: no steps, one state.
+    pub(super) fn none() -> Self {
+        Checkpoints { steps: 0, segment: 1, most: None }
+    }
+
     /// At most so many checkpoints, the beginning of the motion among them.
     ///
     /// # Errors

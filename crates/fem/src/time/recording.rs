@@ -1,14 +1,14 @@
-//! [`Recording`]: a motion as it runs, with as many of its states as its reverse sweep is given memory for.
+//! [`Recording`]: a motion as it runs, with as many of its states as its reverse sweep is given memory for; of a static problem its state.
 
 use crate::error::StateError;
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
-use crate::solution::state::SolveReport;
+use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
 use crate::time::checkpoints::{Checkpoints, split};
 use crate::time::scheme::Scheme;
 use crate::time::trajectory::{StepTo, Trajectory};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// A motion by one scheme that keeps all its states, or checkpoints from which the others are computed again.
 ///
@@ -74,6 +74,17 @@ pub struct RecordingCounts {
     pub recomputed_steps: usize,
     /// States in memory at once, at most.
     pub states: usize,
+}
+
+static NO_STEPS: LazyLock<Arc<Scheme>> = LazyLock::new(|| Arc::new(Scheme::quasi_static()));
+
+impl From<State> for Recording {
+    /// A static problem: its equilibrium, and no steps.
+    fn from(state: State) -> Self {
+        let (plan, counts) = (Checkpoints::none(), RecordingCounts { recomputed_steps: 0, states: 1 });
+        let (places, kept, part) = (Vec::new(), Vec::new(), Trajectory::from(state));
+        Recording { scheme: NO_STEPS.clone(), plan, places, kept, part, segment: None, counts }
+    }
 }
 
 impl Recording {

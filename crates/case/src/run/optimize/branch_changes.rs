@@ -24,7 +24,7 @@ pub(super) struct Before {
 
 impl Before {
     pub fn new(point: &EnsemblePoint) -> Self {
-        Self { m: point.m.clone(), states: point.members.iter().map(|at| at.state.clone()).collect() }
+        Self { m: point.m.clone(), states: point.members.iter().map(|at| at.state().clone()).collect() }
     }
 }
 
@@ -59,7 +59,7 @@ impl BranchChanges {
         let connection = |((member, before), at): &((CaseMember<'_>, &State), &Evaluated)| match member
             .solid()
             .model()
-            .connection(before, &at.state, &how)
+            .connection(before, at.state(), &how)
         {
             Err(StateError::Cancelled) => Err(StateError::Cancelled),
             found => Ok(found.unwrap_or(Connection::Unknown(0.0))),

@@ -239,7 +239,7 @@ fn write(
     for member in problem.leads() {
         let shot = |point: &EnsemblePoint, member: CaseMember<'_>| {
             let at = &point.members[member.index()];
-            snapshot::plain(member, &StateFields::new(&at.state, &at.m))
+            snapshot::plain(member, &StateFields::new(at.state(), &at.m))
         };
         let (begin, end) = (shot(start, member)?, shot(&best.point, member)?);
         let others = problem.members().filter(|other| other.load_case() == member.load_case()).skip(1);

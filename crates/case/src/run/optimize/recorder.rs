@@ -177,7 +177,7 @@ impl<'s> Recorder<'s> {
         let members: Vec<_> = self.problem.members().zip(&point.members).collect();
         let parallel = members.len() == 1;
         let how = SolveOptions { parallel, ..SolveOptions::default() };
-        let of = |(member, at): &(CaseMember<'_>, &Evaluated)| member.solid().negative_pivots_by(&at.state, &how).ok();
+        let of = |(member, at): &(CaseMember<'_>, &Evaluated)| member.solid().negative_pivots_by(at.state(), &how).ok();
         let all: Option<Vec<usize>> = members.par_iter().with_max_len(1).map(of).collect();
         all.and_then(|all| all.into_iter().max())
     }
@@ -199,7 +199,7 @@ impl<'s> Recorder<'s> {
         let due = self.out.is_some() && trial.accepted && !trial.reason.is_revaluation();
         let (Some(point), true) = (trial.point, due && Iterates::wants(trial.iteration)) else { return };
         for ((member, at), kept) in self.problem.leads().zip(&point.members).zip(&mut self.trials.iterates) {
-            match snapshot::iterate(member, &StateFields::new(&at.state, &at.m)) {
+            match snapshot::iterate(member, &StateFields::new(at.state(), &at.m)) {
                 Ok(shot) => kept.add(trial.iteration, &shot, &snapshot::material_vectors(member)),
                 Err(error) => self.journal.lock().note(error.into()),
             }
@@ -219,7 +219,7 @@ impl<'s> Recorder<'s> {
             let fields = StateFields {
                 adjoint: at.adjoint(),
                 gradient: gradient.as_deref(),
-                ..StateFields::new(&at.state, &at.m)
+                ..StateFields::new(at.state(), &at.m)
             };
             out.write_vtu(&member.case_file(&file(iteration)), &snapshot::plain(member, &fields)?)?;
             let steps: Vec<(f64, String)> =

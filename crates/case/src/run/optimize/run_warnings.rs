@@ -136,7 +136,7 @@ fn cold(session: &Session<'_>, run: &FinishedRun) -> Option<Warning> {
     };
     let apart = |(k, (a, b)): (usize, (&Evaluated, &Evaluated))| {
         let model = session.problem.member(k).solid().model();
-        let (a, b) = (model.nodal(&a.state.u), model.nodal(&b.state.u));
+        let (a, b) = (model.nodal(&a.state().u), model.nodal(&b.state().u));
         norm(&sub(a, b)) / norm(a).max(f64::MIN_POSITIVE)
     };
     let most = best.point.members.iter().zip(&again.members).enumerate().map(apart).fold(0.0, f64::max);

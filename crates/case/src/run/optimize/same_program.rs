@@ -19,7 +19,7 @@ pub(super) fn same_program(ensemble: &Ensemble, point: &EnsemblePoint) -> Result
         return Err(format!("its control costs {cost} now and cost {was} before: a cost of the program has changed"));
     }
     for (member, at) in ensemble.members().iter().zip(&point.members) {
-        let state = &at.state;
+        let state = at.state();
         let place = Instant::of(state);
         let now = member.problem().solid().model().evaluate(&place, Demand { energy: true, force: false });
         let now = now.map_err(|error| error.to_string())?;

@@ -194,7 +194,7 @@ impl Diagnosis {
         for (member, at) in problem.leads().zip(&self.point.members) {
             let own: Vec<(&str, Vec<f64>)> = fields.iter().map(|(name, m)| (name.as_str(), member.local(m))).collect();
             let name = member.case_file("spectrum.vtu");
-            out.write_vtu(&name, &snapshot::control_fields(member, &at.state, &own)?)?;
+            out.write_vtu(&name, &snapshot::control_fields(member, at.state(), &own)?)?;
             files.push(name);
         }
         Ok(files)

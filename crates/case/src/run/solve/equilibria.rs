@@ -47,7 +47,7 @@ fn of_member(
         series.rows.push(row);
     };
     let model = member.solid().model();
-    let all = model.equilibria(&at.state, count, &how, &mut Workspace::default(), &mut found);
+    let all = model.equilibria(at.state(), count, &how, &mut Workspace::default(), &mut found);
     let (starts, newton) = match all {
         Ok(all) => (Some(all.starts), Some(all.newton)),
         // What was found before Ctrl-C is kept.

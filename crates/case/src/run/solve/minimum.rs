@@ -3,7 +3,7 @@
 use crate::run::error::RunError;
 use crate::run::number::{scientific, short};
 use crate::run::session::Session;
-use nastic_control::{ControlError, EnsemblePoint};
+use nastic_control::{ControlError, EnsemblePoint, SolvedStates};
 use nastic_fem::{SolveOptions, Workspace};
 use nastic_opt::Objective;
 
@@ -13,10 +13,10 @@ pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Re
     for index in 0..point.members.len() {
         let (member, at) = (session.problem.member(index), &point.members[index]);
         let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
-        let found = member.solid().model().descend(&at.state, &how, &mut Workspace::default());
+        let found = member.solid().model().descend(at.state(), &how, &mut Workspace::default());
         let found = found.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
         if found.saddles > 0 {
-            let (from, to) = (at.state.report.energy, found.state.report.energy);
+            let (from, to) = (at.state().report.energy, found.state.report.energy);
             let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
             let fall = scientific(from - to, 3);
             session.console.say(format!(
@@ -33,7 +33,8 @@ pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Re
             session.console.say("descent     the equilibrium is stable already");
         }
         work.push(report);
-        point.members[index].state = found.state;
+        let solved = &mut point.members[index].solved;
+        *solved = SolvedStates::one(found.state, solved.accuracy);
     }
     let restaged = session.problem.ensemble.restage(0, &point);
     let mut point = restaged.map_err(|failed| session.evaluation_failed(&failed))?;
