@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use common::{BAR, OPTIMUM_POINTS, Place, problems, with};
 use nastic_case::console::Console;

@@ -1,7 +1,7 @@
 //! `nastic fit`: a data file to parameters, files, and blocks that are a case.
 #![allow(clippy::unwrap_used)] // a test may
 
-mod common;
+use crate::common;
 
 use common::Heard;
 use nastic_case::console::Console;

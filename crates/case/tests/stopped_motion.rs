@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
-mod common;
+use crate::common;
 
 use common::{Place, with};
 use nastic_case::catalogue::Catalogue;

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
-mod common;
+use crate::common;
 
 use common::{Place, problems};
 use nastic_case::console::Console;

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)] // a test may
 
-mod common;
+use crate::common;
 
 use common::browser::Browser;
 use common::{Place, code, text};

@@ -7,7 +7,7 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)] // a test may
 
-mod common;
+use crate::common;
 
 use common::{BAR, Place, Random, assert_same, code, signal, start, text};
 use std::os::unix::process::ExitStatusExt;

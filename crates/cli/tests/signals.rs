@@ -3,7 +3,7 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
-mod common;
+use crate::common;
 
 use common::{BAR, Place, code, signal, start, text};
 use std::os::unix::process::ExitStatusExt;

@@ -1,6 +1,6 @@
 //! Steps whose lengths follow an estimate of their error.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::motion::{oscillator, uniform};

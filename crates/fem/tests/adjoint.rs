@@ -1,6 +1,6 @@
 //! The adjoint, and the derivative of what a state gives by its controls.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, distance, kinds, largest, noise, regular};

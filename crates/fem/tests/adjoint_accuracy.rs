@@ -1,6 +1,6 @@
 //! What an adjoint says of the controls is known to 1e-8, whatever factor it was found with.
 
-mod common;
+use crate::common;
 
 use common::{Outcome, kinds, noise, regular};
 use nastic_energy::{FiberTension, Magnet, MooneyRivlin, NeoHooke, Turgor};

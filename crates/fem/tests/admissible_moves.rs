@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use common::{Outcome, largest, regular};
 use nastic_energy::NeoHooke;

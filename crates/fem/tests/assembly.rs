@@ -1,6 +1,6 @@
 //! Sums over the cells do not depend on who computes them.
 
-mod common;
+use crate::common;
 
 use common::{Outcome, kinds, laws, noise, regular};
 use nastic_energy::FiberTension;

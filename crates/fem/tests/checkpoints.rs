@@ -1,6 +1,6 @@
 //! Motions that keep few of their states: the same bits, as much work and memory as was told beforehand.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::motion::{schemes, steps};

@@ -1,6 +1,6 @@
 //! Homogeneous states of free and loaded blocks, against energies minimised in a single F.
 
-mod common;
+use crate::common;
 
 use common::block::Block;
 use common::homogeneous::{cases, mooney_rivlin, relaxed, transverse};

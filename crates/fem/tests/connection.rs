@@ -1,6 +1,6 @@
 //! Whether two equilibria lie on one branch: states before and behind a snap-through, straight and buckled ones.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, regular};

@@ -1,7 +1,7 @@
 //! The numerical damping of every scheme: as it is computed, and seen on a point mass on a linear spring that the
 //! stepper itself moves.
 
-mod common;
+use crate::common;
 
 use common::Outcome;
 use common::motion::{motion, oscillator, schemes, uniform};

@@ -1,6 +1,6 @@
 //! Several equilibria by deflation.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, node_at, regular};

@@ -1,7 +1,7 @@
 //! The sums over cells are derivatives of one another: force of energy, tangent of force, control derivative of force;
 //! for every element, law, actuation and formulation, far from the identity, on distorted meshes.
 
-mod common;
+use crate::common;
 
 use common::{Outcome, kinds, laws, nodal, noise, regular};
 use nastic_energy::catalogue;

@@ -1,6 +1,6 @@
 //! From saddles down to minima of the potential.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, largest, regular};

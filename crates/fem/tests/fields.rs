@@ -1,6 +1,6 @@
 //! What is written out about a state, cell by cell.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, curved, distorted, unit};

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use common::{Outcome, curved, distance, largest, nodal, noise, regular};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHookeIsochoric, Turgor};

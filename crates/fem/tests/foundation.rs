@@ -1,6 +1,6 @@
 //! Elastic foundations: what they hold, the force they carry, uniform states.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, regular};

@@ -1,6 +1,6 @@
 //! Masses on every kind of cell against closed forms, and what inertia and Rayleigh damping refuse.
 
-mod common;
+use crate::common;
 
 use common::{Outcome, distorted, kinds, largest, nodal, noise, unit};
 use nastic_energy::NeoHooke;

@@ -16,7 +16,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use common::{Outcome, unit};
 use nalgebra::DMatrix;

@@ -1,6 +1,6 @@
 //! Several families of fibres on the same cells: the tensions that the laws bear together.
 
-mod common;
+use crate::common;
 
 use common::{Outcome, unit};
 use nastic_energy::{EnergyTerm, FiberTension, MooneyRivlin, NeoHooke, TransverseMooneyRivlin};

@@ -1,6 +1,6 @@
 //! Hard-magnetic bodies: strips against the elastica, bent and buckled, and the free cube against its closed form.
 
-mod common;
+use crate::common;
 
 use common::block::{Block, STRICT};
 use common::homogeneous::{cases, neo_hooke, relaxed};

@@ -5,7 +5,7 @@
 
 #![allow(clippy::print_stdout)] // the orders found are worth reading
 
-mod common;
+use crate::common;
 
 use common::{Outcome, nodal, prescribe, unit, with_node_sets};
 use nastic_energy::check::{Evaluation, evaluate};

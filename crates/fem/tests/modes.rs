@@ -1,6 +1,6 @@
 //! Smallest eigenvalues and modes of the tangent: against a dense solver, vibrating beams, buckled columns.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, kinds, largest, regular, unit};

@@ -1,6 +1,6 @@
 //! The discrete adjoint of every time scheme against whole motions, by Taylor tests.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::motion::schemes;

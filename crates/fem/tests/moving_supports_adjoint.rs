@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::motion::schemes_with_moving_supports;

@@ -3,7 +3,7 @@
 
 #![allow(clippy::panic)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use common::{
     Outcome, boundary_nodes, curved, distance, distorted, kinds, laws, nodal, prescribe, unit, with_node_sets,

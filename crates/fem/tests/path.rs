@@ -1,6 +1,6 @@
 //! Arc-length continuation: snap-through of shallow arches, buckling loads, paths that turn back.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, node_at, regular};

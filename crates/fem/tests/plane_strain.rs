@@ -1,6 +1,6 @@
 //! Plane strain is the slice of a body held flat on both sides: same answers node by node.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, regular};

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use nastic_energy::MooneyRivlin;
 use nastic_fem::{Solid, SolveOptions, Workspace};

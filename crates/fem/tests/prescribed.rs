@@ -1,6 +1,6 @@
 //! Dilatation and simple shear of every law against the formulas for their stresses, from the reactions of the supports.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::homogeneous::{Case, mooney_rivlin, neo_hooke, neo_hooke_isochoric, transverse};

@@ -1,6 +1,6 @@
 //! Motions without inertia, and those of one linear system per step.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::motion::{motion, oscillator, steps, uniform};

@@ -1,6 +1,6 @@
 //! Ramps of controls: warm starts, critical values, what is kept where a ramp fails.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, largest, regular};

@@ -1,6 +1,6 @@
 //! Bodies of several materials and kinds of cells: regions, fields by cell and by point, sums of energies.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::homogeneous::{mooney_rivlin, neo_hooke, relaxed};

@@ -1,6 +1,6 @@
 //! `siere`: the lowest modes without numerical damping, the others as by linearly implicit Euler; what it refuses.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::motion::{motion, oscillators, steps, uniform};

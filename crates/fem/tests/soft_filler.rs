@@ -1,6 +1,6 @@
 //! A very soft filler with a turgor in the place of a cavity: it converges to the cavity as its stiffness goes to zero.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, regular};

@@ -2,7 +2,7 @@
 
 #![allow(clippy::panic)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, distance, largest, regular};

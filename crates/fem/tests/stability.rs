@@ -1,6 +1,6 @@
 //! Negative pivots: how many ways a state has to fall.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, regular};

@@ -2,7 +2,7 @@
 
 #![allow(clippy::panic)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use common::{Outcome, node_at, regular, set_name, unit, with_node_sets};
 use nastic_energy::{EnergyError, FiberTension, Field, MooneyRivlin, Turgor};

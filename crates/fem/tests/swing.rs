@@ -1,7 +1,7 @@
 //! A bar hinged along one edge, let go where it is horizontal: every step of every scheme converges, and what energy
 //! is lost.
 
-mod common;
+use crate::common;
 
 use common::motion::{schemes, steps};
 use common::{Outcome, largest, regular};

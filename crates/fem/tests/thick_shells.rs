@@ -1,7 +1,7 @@
 //! Thick cylinder (plane strain) and thick sphere under a dead radial load on the inner surface, and a thick sphere with
 //! turgor in its inner half, against the ordinary differential equation of their radial equilibrium.
 
-mod common;
+use crate::common;
 
 use common::Outcome;
 use common::block::STRICT;

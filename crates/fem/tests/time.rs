@@ -1,6 +1,6 @@
 //! Motions of bodies: observed orders, free fall, conserved quantities, a vibrating cantilever, what is refused.
 
-mod common;
+use crate::common;
 
 use common::beam::timoshenko;
 use common::block::STRICT;

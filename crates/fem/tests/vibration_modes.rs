@@ -1,6 +1,6 @@
 //! Small vibrations: beams and rods against closed forms, free bodies, bodies under load, what is refused.
 
-mod common;
+use crate::common;
 
 use common::beam::{loaded_cantilever, timoshenko};
 use common::block::STRICT;

@@ -1,6 +1,6 @@
 //! Viscous bodies against closed forms of linear viscoelasticity at small strains, and an equation solved by itself at large ones.
 
-mod common;
+use crate::common;
 
 use common::block::STRICT;
 use common::motion::{schemes, steps};

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod support;
+use crate::support;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use nastic_linear::{

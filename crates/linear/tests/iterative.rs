@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod support;
+use crate::support;
 
 use nastic_linear::{CgEnd, Factor, Pattern, Pivots, SparseMatrix, StoppingTest, Symbolic, conjugate_gradient, refine};
 use std::sync::Arc;

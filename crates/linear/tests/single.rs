@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod support;
+use crate::support;
 
 use nastic_linear::{FactorError, Pivots, Precision, SparseMatrix, Symbolic, conjugate_gradient};
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod support;
+use crate::support;
 
 use nalgebra::{DMatrix, DVector};
 use nastic_linear::solver::{Accuracy, Border, Configuration, Curvature, Shift, System, solve_bordered};

@@ -1,7 +1,7 @@
 //! How exactly states are asked for on the way to an optimum.
 #![allow(clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use common::begin;
 use nastic_opt::{Bounds, Euclidean, Failed, Lbfgs, Objective, Options, Request};

@@ -1,7 +1,7 @@
 //! The contract of every optimiser of the catalogue.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use common::{Cost, Tridiagonal, begin, chain, distance, quadratic, resume, rosenbrock};
 use nastic_opt::{

@@ -1,7 +1,7 @@
 //! L-BFGS on a cost whose curvatures fall over many orders of magnitude, as those of tracking problems do.
 #![allow(clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use common::{Cost, begin};
 use nastic_opt::{Bounds, Euclidean, Lbfgs, Options};

@@ -1,7 +1,7 @@
 //! Spheres, balls and products of sets.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use common::{Cost, begin, distance};
 use nastic_opt::{

@@ -1,7 +1,7 @@
 //! Published problems with simple bounds: the functions, and every driver against SciPy's L-BFGS-B.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-mod bounded;
+use crate::bounded;
 
 use bounded::{Bounded, Reached, Scipy, problems};
 use nastic_numeric::Random;

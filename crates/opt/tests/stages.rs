@@ -1,7 +1,7 @@
 //! Continuation stages, and points that must be saved to be had again.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use common::{begin, resume};
 use nastic_opt::{

@@ -1,7 +1,7 @@
 //! The Taylor test tells right from wrong, and knows when it cannot tell.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-mod common;
+use crate::common;
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! The Taylor test of second derivatives.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
+use crate::common;
 
 use common::Cost;
 use nastic_opt::{

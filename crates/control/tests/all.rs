@@ -1,0 +1,30 @@
+//! All tests of `nastic-control`, in one program: `cargo test -p nastic-control --test all NAME` runs the files and tests whose path has NAME in it.
+
+mod automatic_stages;
+mod cavity;
+mod constrained_motion;
+mod constraints;
+mod cost_points;
+mod costs;
+mod designs;
+mod dielectric;
+mod ensemble;
+mod gauss_newton;
+mod gradient;
+mod grid;
+mod hessian;
+mod history;
+mod magnet;
+mod maps;
+mod motion;
+mod motion_constraints;
+mod motion_in_time;
+mod moving_supports;
+mod print;
+mod refinement;
+mod resumed_motion;
+mod shape_costs;
+mod spaces;
+mod spectrum;
+mod spring;
+mod tendon;

@@ -1,0 +1,13 @@
+//! All tests of `nastic-mesh`, in one program: `cargo test -p nastic-mesh --test all NAME` runs the files and tests whose path has NAME in it.
+
+mod build;
+mod columns;
+mod elements;
+mod generate;
+mod locate;
+mod polyhedron;
+mod quadrature;
+mod quality;
+mod spatial;
+mod spatial_hausdorff;
+mod spatial_self_intersection;
