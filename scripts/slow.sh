@@ -96,7 +96,7 @@ done
 # Optimisations killed at random moments; the tests do it 20 times.
 if [ "$quick" = 0 ]; then
   export NASTIC_KILLS=200
-  run "200 kills of each kind of case" cargo test --release --locked --quiet -p nastic-cli --test resume
+  run "200 kills of each kind of case" cargo test --release --locked --quiet -p nastic-cli --test all resume
 fi
 [ "${#failed[@]}" = 0 ] && echo "all as expected" && exit 0
 printf 'FAILED: %s\n' "${failed[@]}"

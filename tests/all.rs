@@ -4,3 +4,4 @@ mod arrows;
 mod cases;
 mod examples;
 mod mutation;
+mod test_programs;

@@ -1,5 +1,5 @@
 //! What the search for self-intersection takes beside a solve: prints, asserts nothing of times.
-//! `cargo test --release -p nastic-case --test search_cost -- --ignored --nocapture`
+//! `cargo test --release -p nastic-case --test all search_cost -- --ignored --nocapture`
 
 #![allow(clippy::unwrap_used)] // a test may
 

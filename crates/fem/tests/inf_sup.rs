@@ -12,7 +12,7 @@
 //! Source: Chapelle, Bathe, "The inf-sup test", Computers & Structures 47 (1993).
 //!
 //! The table of docs/development/verification.md:
-//! `cargo test --release -p nastic-fem --test inf_sup -- --ignored --nocapture`
+//! `cargo test --release -p nastic-fem --test all inf_sup -- --ignored --nocapture`
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 

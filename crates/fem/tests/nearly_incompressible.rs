@@ -1,7 +1,7 @@
 //! Nearly incompressible bodies: a bar and Cook's membrane with every element and formulation.
 //!
 //! The tables of docs/development/verification.md:
-//! `cargo test --release -p nastic-fem --test nearly_incompressible -- --ignored --nocapture`
+//! `cargo test --release -p nastic-fem --test all nearly_incompressible -- --ignored --nocapture`
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
