@@ -34,6 +34,12 @@ impl Contribution for Springs {
         vec![("force_z", self.nodes.iter().map(|&node| -self.stiffness * at.u[3 * node as usize + 2]).sum())]
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for Springs {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for dof in self.dofs() {
             let force = self.stiffness * at.u[dof];

@@ -3,8 +3,8 @@
 use nastic_control::{Consumer, ControlError, ControlMap, Direction, PowerLaw, Reduced, Space, Target, Tracking};
 use nastic_energy::{EnergyTerm, FiberTension, Magnet, MooneyRivlin, NeoHooke, Slot, Turgor};
 use nastic_fem::{
-    Contribution, ControlPoint, Controls, Demand, Inadmissible, Increment, Instant, SecondDerivativeError,
-    SecondSensitivities, Sensitivities, Solid, SolveOptions, Sums,
+    Contribution, ContributionPoint, ControlPoint, Controls, Demand, Inadmissible, Increment, Instant, Need,
+    SecondDerivativeError, SecondSensitivities, Sensitivities, Solid, SolveOptions, Sums,
 };
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
@@ -224,6 +224,12 @@ impl Contribution for Edge {
         &self.points
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for Edge {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for point in 0..self.points.len() {
             let (dof, force) = (self.dof(point), at.control_at(point, 0));

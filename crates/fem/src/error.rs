@@ -2,6 +2,7 @@
 
 mod inadmissible;
 
+use crate::contributions::Contribution;
 use crate::contributions::body_energy::formulation::Formulation;
 use crate::contributions::body_energy::tensions::ExcessTension;
 use crate::solution::state::State;
@@ -178,13 +179,26 @@ pub enum SecondDerivativeError {
         name: String,
     },
     /// A contribution that does not give them.
-    #[error("contribution \"{name}\" gives no second derivatives; implement `Contribution::{method}`")]
+    #[error("contribution \"{name}\" gives no second derivatives; implement `ContributionPoint::{method}`")]
     Contribution {
         /// Its name.
         name: String,
         /// What it would have to implement.
         method: &'static str,
     },
+}
+
+impl SecondDerivativeError {
+    /// Of a contribution, with its name; none by the controls of one without controls.
+    pub(crate) fn of(self, contribution: &dyn Contribution) -> Result<(), Self> {
+        match self {
+            Self::Contribution { method: "add_control_product", .. } if contribution.slots().is_empty() => Ok(()),
+            Self::Contribution { method, name } if name.is_empty() => {
+                Err(Self::Contribution { name: contribution.name().to_owned(), method })
+            }
+            other => Err(other),
+        }
+    }
 }
 
 /// Why there may be no equilibrium.

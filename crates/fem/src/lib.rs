@@ -22,16 +22,16 @@ pub use contributions::body_energy::point_peaks::PointPeak;
 pub use contributions::body_energy::tensions::ExcessTension;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
-    BeforeStep, BodyPoint, Cavity, Constrains, Contribution, ControlPoint, Controls, Demand, Foundation, History,
-    Increment, Inertia, Instant, MovingSupport, Prescribes, Remembers, SecondSensitivities, Sensitivities, Spring,
-    Sums, Tendon, TimeStep, check_contribution,
+    BeforeStep, BodyPoint, Cavity, Constrains, Contribution, ContributionPoint, ControlPoint, Controls, Demand,
+    Foundation, History, Increment, Inertia, Instant, MovingSupport, Need, Prescribes, Remembers, SecondSensitivities,
+    Sensitivities, Spring, Sums, Tendon, TimeStep, check_contribution,
 };
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
 pub use discretization::{Discretization, StructureCounts};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
-pub use model::{Controllable, Feature, Model, Unknowns};
+pub use model::{Controllable, Feature, Model, ModelPoint, Unknowns};
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };

@@ -4,6 +4,7 @@ mod admissible;
 mod features;
 mod history;
 mod inequalities;
+mod point;
 mod prescribed;
 
 use crate::contributions::body_energy::BodyEnergy;
@@ -13,7 +14,7 @@ use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use crate::contributions::{Constrains, Contribution, ControlPoint, Demand, Sums};
+use crate::contributions::{Constrains, Contribution, ContributionPoint, ControlPoint, Demand, Need, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
@@ -26,6 +27,7 @@ use nastic_numeric::vector::dot;
 use std::sync::Arc;
 
 pub use features::Feature;
+pub use point::ModelPoint;
 
 /// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
 ///
@@ -222,9 +224,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn evaluate(&self, at: &Instant, demand: Demand) -> Result<Sums, Inadmissible> {
-        let mut sums = Sums::zero(if demand.force { self.unknowns().len() } else { 0 });
-        self.each(at, |contribution, at| contribution.add_residual(at, demand, &mut sums))?;
-        Ok(sums)
+        self.at(at, Need::Residual)?.evaluate(at, demand)
     }
 
     /// Adds the tangent, supports not eliminated.
@@ -232,7 +232,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        self.each(at, |contribution, at| contribution.add_tangent(at, tangent).map_err(|e| e.of(contribution.name())))
+        self.at(at, Need::Residual)?.add_tangent(at, tangent)
     }
 
     /// The tangent with the border of the constraints, supports not eliminated.
@@ -240,9 +240,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub(crate) fn bordered_tangent(&self, at: &Instant) -> Result<BorderedTangent, Inadmissible> {
-        let mut tangent = BorderedTangent::zero(self);
-        self.each(at, |contribution, at| tangent.add(contribution, at).map_err(|e| e.of(contribution.name())))?;
-        Ok(tangent)
+        self.at(at, Need::Residual)?.bordered_tangent(at)
     }
 
     /// The mass matrix of all contributions, supports not eliminated; zero of a body without inertia.
@@ -285,8 +283,9 @@ impl Model {
         let demand = Demand { energy: false, force: true };
         self.dead_load.add_residual(at, demand, sums)?;
         self.each_other(at, |contribution, at| {
-            contribution.add_residual(at, demand, sums)?;
-            contribution.add_tangent(at, tangent).map_err(|e| e.of(contribution.name()))
+            let point = contribution.at(at, Need::Derivatives)?;
+            point.add_residual(at, demand, sums)?;
+            point.add_tangent(at, tangent).map_err(|e| e.of(contribution.name()))
         })
     }
 
@@ -295,13 +294,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
-        out.fill(0.0);
-        let mut complete = true;
-        self.each(at, |contribution, at| {
-            complete &= contribution.add_tangent_product(at, v, out)?;
-            Ok::<(), Inadmissible>(())
-        })?;
-        Ok(complete)
+        self.at(at, Need::Residual)?.tangent_product(at, v, out)
     }
 
     /// `lambda . dr/dp` by controls, velocity and acceleration.
@@ -309,9 +302,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn vjp(&self, at: &Instant, lambda: &[f64]) -> Result<Sensitivities, Inadmissible> {
-        let mut sums = Sensitivities::zero(self.controls(), at);
-        self.each(at, |contribution, at| contribution.vjp(at, lambda, &mut sums))?;
-        Ok(sums)
+        self.at(at, Need::Residual)?.vjp(at, lambda)
     }
 
     /// `dr/dm v`: the change of the residual along a change of the controls.
@@ -319,9 +310,7 @@ impl Model {
     /// # Errors
     /// [`SecondDerivativeError`]: J <= 0, or a contribution that does not give it.
     pub fn control_product(&self, at: &Instant, v: &Controls) -> Result<Vec<f64>, SecondDerivativeError> {
-        let mut out = vec![0.0; self.unknowns().len()];
-        self.each(at, |contribution, at| contribution.add_control_product(at, v, &mut out))?;
-        Ok(out)
+        self.at(at, Need::Residual)?.control_product(at, v)
     }
 
     /// The change of `K^T lambda` and of `lambda . dr/dm` along a change of displacement and controls.
@@ -334,9 +323,7 @@ impl Model {
         lambda: &[f64],
         along: &Increment,
     ) -> Result<SecondSensitivities, SecondDerivativeError> {
-        let mut sums = SecondSensitivities::zero(self.controls(), self.unknowns().len());
-        self.each(at, |contribution, at| contribution.second_vjp(at, lambda, along, &mut sums))?;
-        Ok(sums)
+        self.at(at, Need::Residual)?.second_vjp(at, lambda, along)
     }
 
     /// The displacement among all unknowns.
@@ -405,31 +392,24 @@ impl Model {
         self.each_other(at, ask).err()
     }
 
-    /// Calls with every contribution, in a fixed order, and where it is evaluated.
-    fn each<E>(
-        &self,
-        at: &Instant,
-        mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,
-    ) -> Result<(), E> {
-        // These know of no multipliers.
-        let nodal = Instant { u: self.nodal(at.u), ..*at };
-        call(&self.body, &nodal)?;
-        call(&self.dead_load, &nodal)?;
-        self.each_other(at, call)
-    }
-
+    /// Calls with every contribution beside the body, in a fixed order, and where it is evaluated.
     fn each_other<E>(
         &self,
         at: &Instant,
         mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,
     ) -> Result<(), E> {
-        let (mut block, mut scalar) = (self.body.actuations().len(), self.discretization().dofs());
-        for (contribution, memory) in self.others.iter().zip(block..) {
-            call(contribution.as_ref(), &Instant { block, scalar, memory, ..*at })?;
+        self.others.iter().zip(self.instants(at)).try_for_each(|(contribution, at)| call(contribution.as_ref(), &at))
+    }
+
+    /// Where each contribution beside the body is evaluated.
+    fn instants<'a>(&self, at: &Instant<'a>) -> impl Iterator<Item = Instant<'a>> {
+        let (at, mut block, mut scalar) = (*at, self.body.actuations().len(), self.discretization().dofs());
+        self.others.iter().zip(block..).map(move |(contribution, memory)| {
+            let own = Instant { block, scalar, memory, ..at };
             scalar += count(contribution);
             block += usize::from(!contribution.slots().is_empty());
-        }
-        Ok(())
+            own
+        })
     }
 
     /// Checks that the problem is complete: every cell has a material, no rigid motion is left free.

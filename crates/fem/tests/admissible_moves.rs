@@ -7,8 +7,8 @@ use crate::common;
 use common::{Outcome, largest, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
-    Contribution, Demand, Inadmissible, Inertia, Instant, PathOptions, Scheme, Solid, SolveOptions, State, StateError,
-    StepTo, Sums, Trajectory, Workspace,
+    Contribution, ContributionPoint, Demand, Inadmissible, Inertia, Instant, Need, PathOptions, Scheme, Solid,
+    SolveOptions, State, StateError, StepTo, Sums, Trajectory, Workspace,
 };
 use nastic_linear::SparseMatrix;
 use nastic_mesh::CellKind;
@@ -52,6 +52,12 @@ impl Contribution for Floor {
         "floor"
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for Floor {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         self.check(at.u)?;
         for node in 0..self.heights.len() {

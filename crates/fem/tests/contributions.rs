@@ -11,9 +11,9 @@ use common::{Outcome, largest, noise, regular};
 use nastic_energy::{NeoHooke, Slot};
 use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_fem::{
-    Contribution, Controls, Demand, FemError, Inadmissible, Increment, Instant, PathEnd, PathOptions, Scheme,
-    SecondDerivativeError, SecondSensitivities, Sensitivities, Solid, SolveOptions, StateError, StatePartials, StepTo,
-    Sums, Trajectory, Workspace, check_contribution,
+    Contribution, ContributionPoint, Controls, Demand, FemError, Inadmissible, Increment, Instant, Need, PathEnd,
+    PathOptions, Scheme, SecondDerivativeError, SecondSensitivities, Sensitivities, Solid, SolveOptions, StateError,
+    StatePartials, StepTo, Sums, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_mesh::CellKind;
@@ -43,9 +43,25 @@ fn a_broken_contract_is_told() -> Outcome {
         fn name(&self) -> &str {
             "broken"
         }
+
         fn slots(&self) -> &[Slot] {
             &PUSH
         }
+
+        fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+            self.0.add_mass(mass)?;
+            if self.1 == "mass" {
+                mass.add_to_diagonal(1e-3);
+            }
+            Ok(())
+        }
+
+        fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+            Ok(Box::new(self))
+        }
+    }
+
+    impl ContributionPoint for Broken {
         fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
             let others = sums.force.get(7).copied().unwrap_or_default();
             self.0.add_residual(at, demand, sums)?;
@@ -57,6 +73,7 @@ fn a_broken_contract_is_told() -> Outcome {
             }
             Ok(())
         }
+
         fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
             self.0.add_tangent(at, tangent)?;
             if self.1 == "tangent" {
@@ -64,13 +81,7 @@ fn a_broken_contract_is_told() -> Outcome {
             }
             Ok(())
         }
-        fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
-            self.0.add_mass(mass)?;
-            if self.1 == "mass" {
-                mass.add_to_diagonal(1e-3);
-            }
-            Ok(())
-        }
+
         fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
             self.0.vjp(at, lambda, into)?;
             match self.1 {
@@ -81,6 +92,7 @@ fn a_broken_contract_is_told() -> Outcome {
             }
             Ok(())
         }
+
         fn add_control_product(
             &self,
             at: &Instant,
@@ -90,6 +102,7 @@ fn a_broken_contract_is_told() -> Outcome {
             out[3] += if self.1 == "dr/dm v" { 1e-3 } else { 0.0 };
             self.0.add_control_product(at, v, out)
         }
+
         fn second_vjp(
             &self,
             at: &Instant,

@@ -9,8 +9,8 @@ use common::{Outcome, noise, regular};
 use nastic_energy::{FiberTension, NeoHooke, Slot};
 use nastic_fem::time::catalogue::SCHEMES;
 use nastic_fem::{
-    BeforeStep, Contribution, Controls, Demand, Inadmissible, Inertia, Instant, Remembers, Scheme, Sensitivities,
-    Solid, StatePartials, StepTo, Sums, Trajectory, Workspace, check_contribution,
+    BeforeStep, Contribution, ContributionPoint, Controls, Demand, Inadmissible, Inertia, Instant, Need, Remembers,
+    Scheme, Sensitivities, Solid, StatePartials, StepTo, Sums, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::SparseMatrix;
 use nastic_mesh::CellKind;
@@ -58,6 +58,16 @@ impl Contribution for Lagged {
         &PUSH
     }
 
+    fn remembers(&self) -> Option<&dyn Remembers> {
+        Some(self)
+    }
+
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for Lagged {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for (k, &dof) in self.dofs.iter().enumerate() {
             let (u, z, (stiffness, force)) = (at.u[dof], Self::anchor(at, k), Self::lagged(at, dof));
@@ -88,10 +98,6 @@ impl Contribution for Lagged {
             into.before.add_control(at, 0, -0.5 * lambda[dof] * u_n);
         }
         Ok(())
-    }
-
-    fn remembers(&self) -> Option<&dyn Remembers> {
-        Some(self)
     }
 }
 

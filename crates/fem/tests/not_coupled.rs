@@ -8,8 +8,8 @@ use common::Outcome;
 use common::block::STRICT;
 use common::own_contributions::bar;
 use nastic_fem::{
-    Contribution, Controls, Demand, FemError, Inadmissible, Instant, Scheme, Solid, SolveOptions, Solver, StateError,
-    StepTo, Sums, Tendon, Trajectory, Workspace, check_contribution,
+    Contribution, ContributionPoint, Controls, Demand, FemError, Inadmissible, Instant, Need, Scheme, Solid,
+    SolveOptions, Solver, StateError, StepTo, Sums, Tendon, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_tensor::Vec3;
@@ -43,6 +43,16 @@ impl Contribution for Link {
         if self.coupled { vec![self.nodes.to_vec()] } else { Vec::new() }
     }
 
+    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+        if self.mass > 0.0 { mass.add_pairs(&self.nodes, &Link::element(self.mass)) } else { Ok(()) }
+    }
+
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for Link {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let [a, b] = self.nodes.map(|node| 3 * node as usize);
         for i in 0..3 {
@@ -62,10 +72,6 @@ impl Contribution for Link {
     fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         self.tangents.fetch_add(1, Ordering::Relaxed);
         Ok(tangent.add_pairs(&self.nodes, &Link::element(STIFFNESS))?)
-    }
-
-    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
-        if self.mass > 0.0 { mass.add_pairs(&self.nodes, &Link::element(self.mass)) } else { Ok(()) }
     }
 }
 

@@ -9,8 +9,9 @@ use common::own_contributions::{bar, swirling};
 use common::{Outcome, largest, noise};
 use nastic_fem::contributions::catalogue::CATALOGUE;
 use nastic_fem::{
-    Contribution, Controls, Demand, Inadmissible, Increment, Instant, SecondDerivativeError, SecondOrder, Solid,
-    SolveOptions, State, StateError, StatePartials, Sums, Trajectory, Workspace, check_contribution,
+    Contribution, ContributionPoint, Controls, Demand, Inadmissible, Increment, Instant, Need, SecondDerivativeError,
+    SecondOrder, Solid, SolveOptions, State, StateError, StatePartials, Sums, Trajectory, Workspace,
+    check_contribution,
 };
 use nastic_linear::SparseMatrix;
 use nastic_tensor::Vec3;
@@ -94,9 +95,17 @@ fn contributions_without_second_derivatives_refuse() -> Outcome {
         fn name(&self) -> &str {
             "plain"
         }
+
+        fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+            Ok(Box::new(self))
+        }
+    }
+
+    impl ContributionPoint for Plain {
         fn add_residual(&self, _: &Instant, _: Demand, _: &mut Sums) -> Result<(), Inadmissible> {
             Ok(())
         }
+
         fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), Inadmissible> {
             Ok(())
         }

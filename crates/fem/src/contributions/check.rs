@@ -1,6 +1,9 @@
 //! [`check_contribution`]: what every contribution must fulfil.
 
-use super::{BeforeStep, Contribution, Demand, History, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use super::{
+    BeforeStep, Contribution, ContributionPoint, Demand, History, Increment, Instant, Need, SecondSensitivities,
+    Sensitivities, Sums,
+};
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::TimeStep;
 use crate::error::{Inadmissible, SecondDerivativeError};
@@ -106,7 +109,11 @@ impl Subject<'_> {
             agree("a . K b", &[left], "b . K a", &[right], norm(lambda) * norm(&product))?;
         }
         let mut out = lambda.to_vec();
-        if self.contribution.add_tangent_product(&self.at, direction, &mut out).map_err(told)? {
+        if self
+            .point(&self.at)
+            .and_then(|point| point.add_tangent_product(&self.at, direction, &mut out))
+            .map_err(told)?
+        {
             let out = sub(&out, lambda);
             agree("the product without a matrix", &out, "the tangent times the vector", &product, norm(lambda))?;
         }
@@ -160,7 +167,7 @@ impl Subject<'_> {
             let at = Instant { controls: &m, ..self.moved(&u) };
             let by_u = self.tangent(at)?.multiply_transposed(lambda, false);
             let mut by_m = Sensitivities::zero(self.model.controls(), &at);
-            self.contribution.vjp(&at, lambda, &mut by_m)?;
+            self.point(&at)?.vjp(&at, lambda, &mut by_m)?;
             Ok((by_u, by_m.controls))
         };
         let (by_u, by_m) = first(0.0).map_err(|at| at.to_string())?;
@@ -173,7 +180,9 @@ impl Subject<'_> {
         }
         let mut product = vec![0.0; direction.len()];
         let error = |error: SecondDerivativeError| error.to_string();
-        self.contribution.add_control_product(&self.at, &controls, &mut product).map_err(error)?;
+        let point = self.point(&self.at).map_err(|at| at.to_string())?;
+        let added = point.add_control_product(&self.at, &controls, &mut product);
+        added.or_else(|error| error.of(self.contribution)).map_err(error)?;
         let expected = difference(|s| {
             let m = self.controls_along(&controls, s);
             Ok(self.sums(Instant { controls: &m, ..self.at })?.force)
@@ -201,7 +210,8 @@ impl Subject<'_> {
     /// `None` where the contribution, or a law in it, gives none.
     fn second(&self, lambda: &[f64], along: &Increment) -> Result<Option<SecondSensitivities>, String> {
         let mut sums = SecondSensitivities::zero(self.model.controls(), lambda.len());
-        match self.contribution.second_vjp(&self.at, lambda, along, &mut sums) {
+        let point = self.point(&self.at).map_err(|at| at.to_string())?;
+        match point.second_vjp(&self.at, lambda, along, &mut sums) {
             Ok(()) => Ok(Some(sums)),
             Err(SecondDerivativeError::Inadmissible(at)) => Err(at.to_string()),
             Err(_) => Ok(None),
@@ -219,7 +229,7 @@ impl Subject<'_> {
         let scale = max_abs(&alone.force_scale);
         let before: Vec<f64> = others.iter().map(|o| scale * o).collect();
         let mut sums = Sums { force: before.clone(), energy: scale, ..Sums::zero(before.len()) };
-        self.contribution.add_residual(&self.at, Demand { energy: true, force: true }, &mut sums)?;
+        self.point(&self.at)?.add_residual(&self.at, Demand { energy: true, force: true }, &mut sums)?;
         let added = sub(&sums.force, &before);
         if let Err(why) = agree("what is added to forces of others", &added, "the residual", &alone.force, scale) {
             return Ok(Err(why));
@@ -240,7 +250,7 @@ impl Subject<'_> {
 
     fn check_sensitivities(&self, lambda: &[f64]) -> Result<(), String> {
         let mut found = Sensitivities::zero(self.model.controls(), &self.at);
-        self.contribution.vjp(&self.at, lambda, &mut found).map_err(|at| at.to_string())?;
+        self.point(&self.at).and_then(|point| point.vjp(&self.at, lambda, &mut found)).map_err(|at| at.to_string())?;
         let work = |at: Instant| Ok(vec![dot(lambda, &self.sums(at)?.force)]);
         let mut random = Random::new(11);
         for k in 0..found.controls.len() {
@@ -299,15 +309,22 @@ impl Subject<'_> {
         agree("the derivative by the state before", &[slope], "differences", &expected, scale)
     }
 
+    fn point(&self, at: &Instant) -> Result<Box<dyn ContributionPoint + '_>, Inadmissible> {
+        self.contribution.at(at, Need::Derivatives)
+    }
+
+    /// Of a point whose residual was found before, as where solvers ask for it.
     fn tangent(&self, at: Instant) -> Result<BorderedTangent, Inadmissible> {
         let mut tangent = BorderedTangent::zero(self.model);
-        tangent.add(self.contribution, &at)?;
+        let point = self.point(&at)?;
+        point.add_residual(&at, Demand { energy: true, force: true }, &mut Sums::zero(self.model.unknowns().len()))?;
+        tangent.add(self.contribution, point.as_ref(), &at)?;
         Ok(tangent)
     }
 
     fn sums(&self, at: Instant) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(self.model.unknowns().len());
-        self.contribution.add_residual(&at, Demand { energy: true, force: true }, &mut sums)?;
+        self.point(&at)?.add_residual(&at, Demand { energy: true, force: true }, &mut sums)?;
         Ok(sums)
     }
 

@@ -1,7 +1,7 @@
 //! [`Constrains`]: constraints that a contribution holds the body to.
 
 use crate::contributions::instant::Instant;
-use crate::error::{FemError, Inadmissible};
+use crate::error::FemError;
 
 /// Constraints `g_k(u; m) = 0`, each with a multiplier `p_k`, whose potential `-sum_k p_k g_k` and residuals `-p_k dg_k/du` and `-g_k` the
 /// contribution gives with its others; see [`Contribution`](crate::Contribution).
@@ -21,10 +21,4 @@ pub trait Constrains {
     fn check(&self, _at: &Instant) -> Result<(), FemError> {
         Ok(())
     }
-
-    /// Adds `dr/dp_k = -dg_k/du` for each multiplier to a column over the displacement.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible>;
 }

@@ -1,6 +1,6 @@
 //! [`DeadLoad`]: forces that do not depend on the displacement.
 
-use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sums};
+use super::{Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sums};
 use crate::error::{Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 
@@ -13,6 +13,12 @@ impl Contribution for DeadLoad {
         "dead load"
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for DeadLoad {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         if demand.energy {
             let work: f64 = self.0.iter().zip(at.u).map(|(d, u)| d * u).sum();

@@ -1,7 +1,7 @@
 //! [`Foundation`]: a surface on an elastic bed.
 
 use super::guides::add_element;
-use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sums};
+use super::{Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sums};
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, GroupNames, Mesh};
@@ -130,6 +130,12 @@ impl Contribution for Springs {
         ["force_x", "force_y", "force_z"].into_iter().zip(force).take(self.dim).collect()
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for Springs {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         self.each_product(at.u, |dof, force| {
             if demand.energy {

@@ -1,6 +1,8 @@
 //! [`Inertia`]: the mass of a body.
 
-use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use super::{
+    Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sensitivities, Sums,
+};
 use crate::discretization::Discretization;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_linear::{NotCoupled, SparseMatrix};
@@ -139,6 +141,16 @@ impl Contribution for BodyInertia {
         found
     }
 
+    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+        self.mass.add_to(1.0, mass)
+    }
+
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for BodyInertia {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let Some(step) = at.step else { return Ok(()) };
         let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
@@ -159,10 +171,6 @@ impl Contribution for BodyInertia {
             axpy(step.acceleration.0, &self.mass.times(v, at.parallel), out);
         }
         Ok(true)
-    }
-
-    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
-        self.mass.add_to(1.0, mass)
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {

@@ -14,6 +14,7 @@ pub(crate) mod history;
 pub(crate) mod inertia;
 pub(crate) mod instant;
 mod moving_support;
+pub(crate) mod point;
 pub(crate) mod prescribes;
 pub(crate) mod rayleigh_damping;
 pub(crate) mod sensitivities;
@@ -21,7 +22,7 @@ mod spring;
 mod tendon;
 
 use crate::discretization::supports::Supports;
-use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
+use crate::error::{Cause, FemError, Inadmissible};
 pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
@@ -35,6 +36,7 @@ pub use moving_support::MovingSupport;
 use nastic_energy::Slot;
 use nastic_linear::{NotCoupled, SparseMatrix, Symmetry};
 use nastic_mesh::Polyline;
+pub use point::{ContributionPoint, Need};
 pub use prescribes::Prescribes;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 pub use spring::Spring;
@@ -42,6 +44,8 @@ use std::fmt::Debug;
 pub use tendon::Tendon;
 
 /// A term of the residual `r(u) = sum_c r_c(u; controls, load, v, a)`, whose zero is an equilibrium.
+///
+/// It is evaluated at a displacement, [`at`](Self::at), and what was found there gives its sums and derivatives ([`ContributionPoint`]).
 ///
 /// Contract, checked by [`check_contribution`]: `r` is the derivative of the potential where there
 /// is one, the tangent is the derivative of `r` (by `u`, with `v` and `a` as the time step gives them), `vjp` that of
@@ -51,7 +55,7 @@ pub use tendon::Tendon;
 ///
 /// A contribution may hold the body to constraints `g_k(u; controls) = 0`. Its potential is then `-sum_k p_k g_k`, with
 /// a multiplier `p_k` each, which is an unknown ([`Instant::multiplier`]): the residual by it is `-g_k`, and the tangent gets a border
-/// ([`Constrains::add_border`]). Equilibria are saddle points of the whole potential. Where they are inequalities
+/// ([`ContributionPoint::add_border`]). Equilibria are saddle points of the whole potential. Where they are inequalities
 /// ([`Constrains::are_inequalities`]), `g_k >= 0` with `p_k >= 0` and `p_k g_k = 0`, it gives all that as if they were
 /// equations: whether one acts is decided where equilibria are sought and derived.
 pub trait Contribution: Debug + Send + Sync {
@@ -147,25 +151,12 @@ pub trait Contribution: Debug + Send + Sync {
         None
     }
 
-    /// Adds potential (in a time step the incremental one) and residual, as wanted, and what their rounding is measured against.
+    /// What it is at the displacement of an instant, from which all that follows is had. Kinematics that serve several methods are found
+    /// here or with the first of them, and kept as far as `need` makes it worth it.
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible>;
-
-    /// Adds the tangent by the displacement, supports not eliminated ([`SparseMatrix::add_pairs`], with `?` where nodes are not coupled).
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible>;
-
-    /// Adds the product of its tangent with v, where it can say it without a matrix; false where it cannot.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    fn add_tangent_product(&self, _at: &Instant, _v: &[f64], _out: &mut [f64]) -> Result<bool, Inadmissible> {
-        Ok(false)
-    }
+    fn at<'a>(&'a self, at: &Instant, need: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible>;
 
     /// Adds its mass matrix `dr/da`, which is symmetric and does not change: what accelerations follow from where a motion begins.
     ///
@@ -174,51 +165,6 @@ pub trait Contribution: Debug + Send + Sync {
     fn add_mass(&self, _mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
         Ok(())
     }
-
-    /// The longest step `s <= 1` along du that it bears.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u itself is not admissible.
-    fn max_step(&self, _at: &Instant, _du: &[f64]) -> Result<f64, Inadmissible> {
-        Ok(1.0)
-    }
-
-    /// Adds `lambda . dr/d(controls, velocity, acceleration)`, and by the state before; nothing where r depends on the displacement
-    /// and the load alone.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    fn vjp(&self, _at: &Instant, _lambda: &[f64], _into: &mut Sensitivities) -> Result<(), Inadmissible> {
-        Ok(())
-    }
-
-    /// Adds `dr/dm v`, the change of the residual along a change v of the controls. A contribution with slots implements it for
-    /// second derivatives of costs.
-    ///
-    /// # Errors
-    /// [`SecondDerivativeError`] where it does not, or J <= 0.
-    fn add_control_product(&self, _at: &Instant, _v: &Controls, _out: &mut [f64]) -> Result<(), SecondDerivativeError> {
-        if self.slots().is_empty() { Ok(()) } else { Err(no_second_derivatives(self.name(), "add_control_product")) }
-    }
-
-    /// Adds the change of `K^T lambda` and of `lambda . dr/dm` along a change of u and of the controls: second derivatives of
-    /// `lambda . r`, symmetric as a whole. Second derivatives of costs ask for it.
-    ///
-    /// # Errors
-    /// [`SecondDerivativeError`] where it is not implemented, or J <= 0.
-    fn second_vjp(
-        &self,
-        _at: &Instant,
-        _lambda: &[f64],
-        _along: &Increment,
-        _into: &mut SecondSensitivities,
-    ) -> Result<(), SecondDerivativeError> {
-        Err(no_second_derivatives(self.name(), "second_vjp"))
-    }
-}
-
-fn no_second_derivatives(name: &str, method: &'static str) -> SecondDerivativeError {
-    SecondDerivativeError::Contribution { name: name.to_owned(), method }
 }
 
 /// What is wanted of a contribution; forces and the potential come together cheaper than one after the other.

@@ -1,7 +1,9 @@
 //! [`RayleighDamping`]: forces in proportion to mass and stiffness at rest.
 
 use super::inertia::add_linear;
-use super::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums};
+use super::{
+    Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sensitivities, Sums,
+};
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use crate::model::Model;
 use nastic_linear::{SparseMatrix, StructureError};
@@ -60,6 +62,12 @@ impl Contribution for RayleighDamping {
         Self::NAME
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for RayleighDamping {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let Some(step) = at.step else { return Ok(()) };
         let velocity: Vec<f64> = (0..at.u.len()).map(|dof| at.velocity(dof)).collect();

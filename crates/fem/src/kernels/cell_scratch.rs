@@ -4,6 +4,7 @@ use crate::discretization::quadrature_points::gather_rows;
 use crate::error::Inadmissible;
 use crate::kernels::cells::Cells;
 use crate::kernels::dilatation::Dilatation;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_energy::Want;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
@@ -14,7 +15,8 @@ pub(crate) struct Scratch {
     rows: Vec<f64>,
     /// Quadrature weights.
     pub weights: Vec<f64>,
-    gradients: Vec<Mat3>,
+    /// `1 + grad u` at the points.
+    pub gradients: Vec<Mat3>,
     pub kinematics: Vec<Kinematics>,
     /// Gradient of another field, see [`Scratch::change_by`].
     pub change: Vec<Mat3>,
@@ -72,8 +74,8 @@ impl Scratch {
         }
     }
 
-    /// Shape gradients, weights and kinematics of a patch displaced by u.
-    pub fn move_to(&mut self, cells: Cells, patch: Patch, u: &[f64]) -> Result<(), Inadmissible> {
+    /// Shape gradients, weights and kinematics of a displaced patch.
+    pub fn move_to(&mut self, cells: Cells, patch: Patch, to: Displaced) -> Result<(), Inadmissible> {
         let (part, points) = (cells.part, cells.part.table.points);
         self.g.resize(patch.cells.len() * part.table.gradients.len(), 0.0);
         self.weights.clear();
@@ -83,8 +85,13 @@ impl Scratch {
             self.weights.extend_from_slice(cells.weights_of(c));
         }
         self.gradients.clear();
-        self.gradients.resize(patch.cells.len() * points, Mat3::identity());
-        add_gradients(cells, patch, (&self.g, &mut self.rows), u, &mut self.gradients);
+        if let Some(known) = to.known {
+            let of_cell = |&c: &u32| &known[part.first_point(c as usize)..][..points];
+            patch.cells.iter().for_each(|c| self.gradients.extend_from_slice(of_cell(c)));
+        } else {
+            self.gradients.resize(patch.cells.len() * points, Mat3::identity());
+            add_gradients(cells, patch, (&self.g, &mut self.rows), to.u, &mut self.gradients);
+        }
         self.kinematics.clear();
         for (q, f) in self.gradients.iter().enumerate() {
             let refused = |jacobian| cells.inverted_at(patch, q, jacobian);

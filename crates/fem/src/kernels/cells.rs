@@ -157,6 +157,14 @@ impl<'a> Cells<'a> {
         }
     }
 
+    /// Puts values at the points of a patch among those of the body.
+    pub fn put<T: Copy>(&self, patch: Patch, values: &[T], all: &mut [T]) {
+        let points = self.part.table.points;
+        for (own, &c) in values.chunks_exact(points).zip(patch.cells) {
+            all[self.part.first_point(c as usize)..][..points].copy_from_slice(own);
+        }
+    }
+
     /// Adds the matrix of a patch to the values of a tangent.
     pub fn scatter_matrix(&self, patch: Patch, matrix: &PatchMatrix, values: &mut [f64]) {
         let maps = self.disc.scatter(self.group);

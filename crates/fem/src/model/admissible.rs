@@ -1,11 +1,10 @@
 //! Which moves every contribution bears.
 
 use super::Model;
+use crate::contributions::Need;
 use crate::contributions::instant::Instant;
-use crate::contributions::{Demand, Sums};
 use crate::error::{Inadmissible, StateError};
 use crate::solution::state::State;
-use nastic_numeric::vector::sub;
 
 impl Model {
     /// The longest share of the straight move from a displacement, that of `from`, to another one which every contribution bears: of
@@ -17,24 +16,12 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where the move begins outside of the admissible set.
     pub fn admissible_move(&self, from: &Instant, to: &[f64]) -> Result<f64, Inadmissible> {
-        let du = sub(to, from.u);
-        let mut least: f64 = 1.0;
-        self.each(from, |contribution, at| {
-            least = least.min(contribution.max_step(at, &du)?);
-            Ok::<(), Inadmissible>(())
-        })?;
-        Ok(least)
+        self.at(from, Need::Residual)?.admissible_move(from, to)
     }
 
     /// The same of the contributions beside the body.
     pub(crate) fn admissible_move_of_others(&self, from: &Instant, to: &[f64]) -> Result<f64, Inadmissible> {
-        let du = sub(to, from.u);
-        let mut least: f64 = 1.0;
-        self.each_other(from, |contribution, at| {
-            least = least.min(contribution.max_step(at, &du)?);
-            Ok::<(), Inadmissible>(())
-        })?;
-        Ok(least)
+        self.at(from, Need::Residual)?.admissible_move_of_others(from, to)
     }
 
     /// Refuses to begin at a state outside of the admissible set.
@@ -44,15 +31,5 @@ impl Model {
         let found =
             if rests { self.admissible_move_of_others(&at, &state.u) } else { self.admissible_move(&at, &state.u) };
         found.map(|_| ()).map_err(|at| StateError::Start { at })
-    }
-
-    /// The sums of the contributions that have no potential.
-    pub(crate) fn evaluate_without_potential(&self, at: &Instant) -> Result<Sums, Inadmissible> {
-        let mut sums = Sums::zero(self.unknowns().len());
-        self.each_other(at, |contribution, at| match contribution.has_potential() {
-            true => Ok(()),
-            false => contribution.add_residual(at, Demand { energy: true, force: true }, &mut sums),
-        })?;
-        Ok(sums)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Model, count};
 use crate::contributions::instant::Instant;
-use crate::contributions::{Constrains, Contribution, Demand, Sums};
+use crate::contributions::{Constrains, Contribution, Need, Sums};
 use crate::error::Inadmissible;
 use std::sync::Arc;
 
@@ -36,13 +36,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where one needs J > 0.
     pub(crate) fn inequality_residuals(&self, at: &Instant) -> Result<Sums, Inadmissible> {
-        let mut sums = Sums::zero(self.unknowns().len());
-        let demand = Demand { energy: false, force: true };
-        self.each_other(at, |contribution, at| match has_inequalities(contribution) {
-            true => contribution.add_residual(at, demand, &mut sums),
-            false => Ok(()),
-        })?;
-        Ok(sums)
+        self.at(at, Need::Residual)?.inequality_residuals(at)
     }
 
     /// Takes the residuals `-g` of inequalities with p = 0 and g > 0, which are fulfilled, out of those of a displacement u with its
@@ -57,6 +51,6 @@ impl Model {
     }
 }
 
-fn has_inequalities(contribution: &dyn Contribution) -> bool {
+pub(super) fn has_inequalities(contribution: &dyn Contribution) -> bool {
     contribution.constrains().is_some_and(Constrains::are_inequalities)
 }

@@ -2,9 +2,10 @@
 
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{Instant, TimeStep};
-use crate::contributions::{Demand, Sums};
+use crate::contributions::{Demand, Need, Sums};
 use crate::error::Inadmissible;
-use crate::model::Model;
+use crate::model::{Model, ModelPoint};
+use crate::nonlinear::iteration::Iterate;
 use crate::solution::options::SolveOptions;
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
@@ -37,7 +38,14 @@ pub(crate) enum Drive<'a> {
 /// Where prescribed components are at a displacement, and how they still have to move.
 pub(super) type Jump = Option<Vec<f64>>;
 
-impl Equations<'_> {
+/// A model evaluated at a vector of unknowns.
+pub(crate) struct Evaluated<'m> {
+    /// Energy and residual, without those of inequalities that are slack.
+    pub sums: Sums,
+    pub point: ModelPoint<'m>,
+}
+
+impl<'a> Equations<'a> {
     /// Calls with where a vector of unknowns is evaluated.
     fn with<T>(&self, x: &[f64], call: impl FnOnce(&Instant) -> T) -> T {
         let parallel = self.options.parallel;
@@ -77,48 +85,64 @@ impl Equations<'_> {
         self.model.discretization().dofs()
     }
 
-    /// Energy and residual, without those of inequalities that are slack.
-    pub fn evaluate(&self, x: &[f64]) -> Result<Sums, Inadmissible> {
-        let mut sums = self.with(x, |at| self.model.evaluate(at, Demand { energy: true, force: true }))?;
+    /// The model at x, of which derivatives are wanted.
+    pub fn point(&self, x: &[f64]) -> Result<ModelPoint<'a>, Inadmissible> {
+        self.with(x, |at| self.model.at(at, Need::Derivatives))
+    }
+
+    /// Energy and residual at x.
+    pub fn evaluate(&self, x: &[f64]) -> Result<Evaluated<'a>, Inadmissible> {
+        let point = self.point(x)?;
+        Ok(Evaluated { sums: self.sums(&point, x)?, point })
+    }
+
+    /// The same at the displacement of a point.
+    pub fn sums(&self, point: &ModelPoint, x: &[f64]) -> Result<Sums, Inadmissible> {
+        let mut sums = self.with(x, |at| point.evaluate(at, Demand { energy: true, force: true }))?;
         self.model.leave_out_slack(self.split(x).0, &mut sums);
         Ok(sums)
     }
 
     /// The residual alone, at another place on the way.
-    pub fn force_at(&self, u: &[f64], s: f64) -> Result<Vec<f64>, Inadmissible> {
+    pub fn force_at(&self, point: &ModelPoint, u: &[f64], s: f64) -> Result<Vec<f64>, Inadmissible> {
         let (controls, load) = self.prescribed_at(s);
         let at = Instant { parallel: self.options.parallel, ..Instant::new(u, &controls, load) };
-        Ok(self.model.evaluate(&at, Demand { energy: false, force: true })?.force)
+        Ok(point.evaluate(&at, Demand { energy: false, force: true })?.force)
     }
 
     /// The sums of the contributions that have no potential.
-    pub fn without_potential(&self, x: &[f64]) -> Result<Sums, Inadmissible> {
-        self.with(x, |at| self.model.evaluate_without_potential(at))
+    pub fn without_potential(&self, point: &ModelPoint, x: &[f64]) -> Result<Sums, Inadmissible> {
+        self.with(x, |at| point.evaluate_without_potential(at))
     }
 
     /// The tangent by the displacement, in the memory of the one before.
     pub fn tangent<'m>(
         &self,
-        x: &[f64],
+        here: &Iterate,
         memory: &'m mut Option<SparseMatrix>,
     ) -> Result<&'m mut SparseMatrix, Inadmissible> {
         let matrix = memory.get_or_insert_with(|| self.model.matrix());
         matrix.clear();
-        self.with(x, |at| self.model.add_tangent(at, matrix))?;
+        self.with(here.x, |at| here.point.add_tangent(at, matrix))?;
         Ok(matrix)
     }
 
     /// The tangent with the border of the constraints.
-    pub fn bordered_tangent(&self, x: &[f64]) -> Result<BorderedTangent, Inadmissible> {
-        self.with(x, |at| self.model.bordered_tangent(at))
+    pub fn bordered_tangent(&self, point: &ModelPoint, x: &[f64]) -> Result<BorderedTangent, Inadmissible> {
+        self.with(x, |at| point.bordered_tangent(at))
     }
 
     /// Puts the residuals `-g` of all inequalities, of slack ones too, among the others, and gives what their rounding is measured against.
-    pub fn put_slack(&self, x: &[f64], inequalities: &[bool], residual: &mut [f64]) -> Result<Vec<f64>, Inadmissible> {
+    pub fn put_slack(
+        &self,
+        (point, x): (&ModelPoint, &[f64]),
+        inequalities: &[bool],
+        residual: &mut [f64],
+    ) -> Result<Vec<f64>, Inadmissible> {
         if !inequalities.contains(&true) {
             return Ok(Vec::new());
         }
-        let of_them = self.with(x, |at| self.model.inequality_residuals(at))?;
+        let of_them = self.with(x, |at| point.inequality_residuals(at))?;
         let dofs = self.dofs();
         for k in (0..inequalities.len()).filter(|&k| inequalities[k]) {
             residual[dofs + k] = of_them.force[dofs + k];
@@ -131,15 +155,20 @@ impl Equations<'_> {
         self.with(x, call)
     }
 
-    /// The longest share of the straight move from one displacement to another that every contribution bears.
-    pub fn admissible_move(&self, from: &[f64], to: &[f64]) -> Result<f64, Inadmissible> {
-        self.with(from, |at| self.model.admissible_move(at, self.split(to).0))
+    /// The longest share of the straight move from an iterate to another displacement that every contribution bears.
+    pub fn admissible_move(&self, from: &Iterate, to: &[f64]) -> Result<f64, Inadmissible> {
+        self.with(from.x, |at| from.point.admissible_move(at, self.split(to).0))
     }
 
     /// The same of the contributions beside the body, for moves on which the body may turn: a straight line inverts what turns by more
     /// than 110 degrees.
     pub fn admissible_chord(&self, from: &[f64], to: &[f64]) -> Result<f64, Inadmissible> {
-        self.with(from, |at| self.model.admissible_move_of_others(at, self.split(to).0))
+        self.chord(&self.point(from)?, from, to)
+    }
+
+    /// The same from a point.
+    pub fn chord(&self, point: &ModelPoint, from: &[f64], to: &[f64]) -> Result<f64, Inadmissible> {
+        self.with(from, |at| point.admissible_move_of_others(at, self.split(to).0))
     }
 
     /// Puts prescribed components where they belong at s, along a path; elsewhere they [jump](Self::jump) in a step.

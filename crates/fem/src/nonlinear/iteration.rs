@@ -2,8 +2,9 @@
 
 use crate::contributions::Sums;
 use crate::error::{Cause, Inadmissible, StateError};
+use crate::model::ModelPoint;
 use crate::nonlinear::direction::Direction;
-use crate::nonlinear::equations::Equations;
+use crate::nonlinear::equations::{Equations, Evaluated};
 use crate::nonlinear::line_search::LineSearch;
 use crate::solution::options::Progress;
 use crate::solution::state::{SolveReport, State};
@@ -82,6 +83,8 @@ impl From<LinearError> for Stop {
 pub(crate) struct Iterate<'a> {
     pub x: &'a [f64],
     pub now: &'a Sums,
+    /// The model there: derivatives are taken from it.
+    pub point: &'a ModelPoint<'a>,
     /// Free residual.
     pub residual: &'a [f64],
     /// Its norm relative to the sums of absolute forces.
@@ -139,9 +142,9 @@ impl<'a> Iteration<'a> {
             if equations.options.cancelled() {
                 return Err(Stop::Cancelled);
             }
-            let (residual, relative) = equations.residual(&now);
-            record(&now, relative, report);
-            let scale = norm(&now.force_scale[..equations.dofs()]);
+            let (residual, relative) = equations.residual(&now.sums);
+            record(&now.sums, relative, report);
+            let scale = norm(&now.sums.force_scale[..equations.dofs()]);
             forces = forces.max(scale);
             // at rest no force is left to measure it by but those of the way there, or of a displacement that is not resolved
             let resolved = |energy: f64| {
@@ -161,7 +164,7 @@ impl<'a> Iteration<'a> {
                 return Err(Stop::Slow { residual: relative });
             }
             (before, least) = (relative, relative.min(least));
-            let here = Iterate { x, now: &now, residual: &residual, relative };
+            let here = Iterate { x, now: &now.sums, point: &now.point, residual: &residual, relative };
             (*x, now, last, tiny) = self.step(&here, direction, report)?;
         }
         Err(Stop::Slow { residual: report.residual })
@@ -175,9 +178,10 @@ impl<'a> Iteration<'a> {
         report: &mut SolveReport,
     ) -> Result<(), Stop> {
         let now = self.equations.evaluate(x)?;
-        let (residual, relative) = self.equations.residual(&now);
-        let (next, now, ..) = self.step(&Iterate { x, now: &now, residual: &residual, relative }, direction, report)?;
-        record(&now, self.equations.residual(&now).1, report);
+        let (residual, relative) = self.equations.residual(&now.sums);
+        let here = Iterate { x, now: &now.sums, point: &now.point, residual: &residual, relative };
+        let (next, now, ..) = self.step(&here, direction, report)?;
+        record(&now.sums, self.equations.residual(&now.sums).1, report);
         *x = next;
         Ok(())
     }
@@ -189,13 +193,13 @@ impl<'a> Iteration<'a> {
         here: &Iterate,
         direction: &mut dyn Direction,
         report: &mut SolveReport,
-    ) -> Result<(Vec<f64>, Sums, Curvature, Option<f64>), Stop> {
+    ) -> Result<(Vec<f64>, Evaluated<'a>, Curvature, Option<f64>), Stop> {
         let step = direction.find(here, report)?;
         report.newton += 1;
         let taken = self.search.take(here, &step, direction, report)?;
         let resolved = step.size > RESOLUTION * self.equations.diagonal();
         let tiny = step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
-        self.tell(here.x, taken.length, &taken.now, report);
+        self.tell(here.x, taken.length, &taken.now.sums, report);
         Ok((taken.x, taken.now, step.curvature, tiny.then_some(step.scale)))
     }
 

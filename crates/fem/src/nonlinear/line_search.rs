@@ -1,9 +1,8 @@
 //! [`LineSearch`]: how far a step goes.
 
-use crate::contributions::Sums;
 use crate::error::Inadmissible;
 use crate::nonlinear::direction::{Direction, Step, Take};
-use crate::nonlinear::equations::{Equations, moved};
+use crate::nonlinear::equations::{Equations, Evaluated, moved};
 use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::nonlinear::merit::{Merit, augmented::Augmented, energy::Energy, residual::Residual};
 use crate::solution::rotation_corrected_step::{GradientFit, StepLimits};
@@ -26,9 +25,9 @@ struct Rule {
 }
 
 /// An accepted step.
-pub(super) struct Taken {
+pub(super) struct Taken<'m> {
     pub x: Vec<f64>,
-    pub now: Sums,
+    pub now: Evaluated<'m>,
     pub length: f64,
 }
 
@@ -59,13 +58,13 @@ impl<'a> LineSearch<'a> {
         step: &Step,
         direction: &mut dyn Direction,
         report: &mut SolveReport,
-    ) -> Result<Taken, Stop> {
+    ) -> Result<Taken<'a>, Stop> {
         match step.take {
             Take::Whole => self.within(here, &step.dx, 1.0),
             Take::Longest => self.within(here, &step.dx, 0.0),
             Take::Once => {
                 let x = moved(here.x, &step.dx, 1.0);
-                if self.equations.admissible_chord(here.x, &x)? < 1.0 {
+                if self.equations.chord(here.point, here.x, &x)? < 1.0 {
                     return Err(Stop::Slow { residual: here.relative });
                 }
                 let now = self.equations.evaluate(&x)?;
@@ -81,10 +80,10 @@ impl<'a> LineSearch<'a> {
     }
 
     /// As far as is admissible, at least this share of the step.
-    fn within(&self, here: &Iterate, dx: &[f64], least: f64) -> Result<Taken, Stop> {
+    fn within(&self, here: &Iterate, dx: &[f64], least: f64) -> Result<Taken<'a>, Stop> {
         let mut x = moved(here.x, dx, 1.0);
         self.equations.place(&mut x);
-        let length = self.equations.admissible_move(here.x, &x)?;
+        let length = self.equations.admissible_move(here, &x)?;
         if length < least {
             return Err(Stop::Slow { residual: here.relative });
         }
@@ -104,7 +103,7 @@ impl<'a> LineSearch<'a> {
         step: &Step,
         direction: &mut dyn Direction,
         report: &mut SolveReport,
-    ) -> Result<Taken, Stop> {
+    ) -> Result<Taken<'a>, Stop> {
         let model = self.equations.model;
         let constrained = model.unknowns().scalars > 0;
         if constrained && let Some(taken) = self.residual_falls(here, &step.dx, FALLS)? {
@@ -130,7 +129,7 @@ impl<'a> LineSearch<'a> {
         self.descend(here, step, &dx)
     }
 
-    fn descend(&mut self, here: &Iterate, step: &Step, dx: &[f64]) -> Result<Taken, Stop> {
+    fn descend(&mut self, here: &Iterate, step: &Step, dx: &[f64]) -> Result<Taken<'a>, Stop> {
         if self.equations.model.unknowns().scalars > 0 {
             let merit = Augmented::new(self.equations, here, dx, step.scale)?;
             return self.downhill(here, dx, &merit);
@@ -139,10 +138,10 @@ impl<'a> LineSearch<'a> {
         self.downhill(here, dx, &merit)
     }
 
-    fn residual_falls(&self, here: &Iterate, dx: &[f64], rule: Rule) -> Result<Option<Taken>, Inadmissible> {
+    fn residual_falls(&self, here: &Iterate, dx: &[f64], rule: Rule) -> Result<Option<Taken<'a>>, Inadmissible> {
         let merit = Residual::new(self.equations, here);
         let straight = |s: f64| moved(here.x, dx, s);
-        let longest = self.equations.admissible_move(here.x, &straight(1.0))?;
+        let longest = self.equations.admissible_move(here, &straight(1.0))?;
         if rule.tries == 1 && longest < 1.0 {
             return Ok(None);
         }
@@ -150,12 +149,12 @@ impl<'a> LineSearch<'a> {
     }
 
     /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
-    fn downhill(&mut self, here: &Iterate, dx: &[f64], merit: &dyn Merit) -> Result<Taken, Stop> {
+    fn downhill(&mut self, here: &Iterate, dx: &[f64], merit: &dyn Merit) -> Result<Taken<'a>, Stop> {
         let Equations { model, options, .. } = *self.equations;
         let (u, du, parallel) = (model.nodal(here.x), model.nodal(dx), options.parallel);
         let straight = |s: f64| moved(here.x, dx, s);
         let reach = StepLimits::of(model.discretization(), u, du, parallel);
-        let others = self.equations.admissible_chord(here.x, &straight(1.0))?;
+        let others = self.equations.chord(here.point, here.x, &straight(1.0))?;
         if let Some(longest) = reach.curved {
             if self.fit.is_none() {
                 self.fit = GradientFit::new(model, parallel);
@@ -186,16 +185,16 @@ impl<'a> LineSearch<'a> {
         (path, along): Path,
         longest: f64,
         rule: Rule,
-    ) -> Result<Option<Taken>, Inadmissible> {
+    ) -> Result<Option<Taken<'a>>, Inadmissible> {
         let line = merit.line();
         let least_j = if merit.is_energy() { COLLAPSE * here.now.min_j } else { f64::NEG_INFINITY };
         let mut length = longest;
         for _ in 0..rule.tries {
             let trial = path(length);
             // the straight move to the longest one was checked
-            let reached = along == Along::Straight || self.equations.admissible_chord(here.x, &trial)? >= 1.0;
+            let reached = along == Along::Straight || self.equations.chord(here.point, here.x, &trial)? >= 1.0;
             let found = if reached { merit.value(self.equations, &trial).ok() } else { None };
-            let Some((value, now)) = found.filter(|(_, now)| now.min_j >= least_j) else {
+            let Some((value, now)) = found.filter(|(_, now)| now.sums.min_j >= least_j) else {
                 length *= 0.5;
                 continue;
             };

@@ -4,9 +4,8 @@ pub(super) mod augmented;
 pub(super) mod energy;
 pub(super) mod residual;
 
-use crate::contributions::Sums;
 use crate::error::Inadmissible;
-use crate::nonlinear::equations::Equations;
+use crate::nonlinear::equations::{Equations, Evaluated};
 
 /// A function of the unknowns along a step.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +27,7 @@ pub(super) trait Merit {
     ///
     /// # Errors
     /// [`Inadmissible`] outside of the admissible set.
-    fn value(&self, equations: &Equations, trial: &[f64]) -> Result<(f64, Sums), Inadmissible>;
+    fn value<'e>(&self, equations: &Equations<'e>, trial: &[f64]) -> Result<(f64, Evaluated<'e>), Inadmissible>;
 
     /// Whether it is made of energies, whose minima along a line parabolas tell, and which collapsed cells may lower.
     fn is_energy(&self) -> bool {
@@ -39,7 +38,12 @@ pub(super) trait Merit {
     ///
     /// # Errors
     /// As [`value`](Self::value).
-    fn accepted(&self, _equations: &Equations, _trial: (&[f64], f64), found: Sums) -> Result<Sums, Inadmissible> {
+    fn accepted<'e>(
+        &self,
+        _equations: &Equations<'e>,
+        _trial: (&[f64], f64),
+        found: Evaluated<'e>,
+    ) -> Result<Evaluated<'e>, Inadmissible> {
         Ok(found)
     }
 }

@@ -50,7 +50,7 @@ impl Equations<'_> {
         solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
     ) -> Result<(), Stop> {
-        let start = self.evaluate(u)?;
+        let start = self.evaluate(u)?.sums;
         // these steps may lead over indefinite tangents as often as they like
         let lost = (usize::MAX, 0);
         let limits = Limits { lost, ..Limits::new(MOST.min(self.options.max_newton), NEAR) };

@@ -3,6 +3,7 @@
 use crate::discretization::Discretization;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_linear::Rotations;
 use nastic_tensor::{Mat3, polar_rotation};
@@ -31,7 +32,7 @@ pub(crate) fn nodal_rotations(disc: &Discretization, u: &[f64], parallel: bool) 
 /// `int F dX` of each cell.
 fn means(group: Cells, cells: &[u32], u: &[f64]) -> Vec<Mat3> {
     let mut scratch = Scratch::new(group);
-    let mean = |c: &u32| match scratch.move_to(group, Patch::single(c), u) {
+    let mean = |c: &u32| match scratch.move_to(group, Patch::single(c), Displaced::by(u)) {
         Ok(()) => scratch.kinematics.iter().zip(&scratch.weights).map(|(at, &w)| at.f() * w).sum(),
         Err(_) => Mat3::zeros(),
     };

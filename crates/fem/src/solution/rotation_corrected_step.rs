@@ -21,6 +21,7 @@ use crate::contributions::body_energy::max_step::volume_step;
 use crate::discretization::Discretization;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::kernel;
 use crate::kernels::patch::Patch;
 use crate::model::Model;
@@ -206,7 +207,7 @@ fn each_point(
     let mut scratch = Scratch::new(group);
     for c in cells {
         let patch = Patch::single(c);
-        let sound = scratch.move_to(group, patch, u).is_ok();
+        let sound = scratch.move_to(group, patch, Displaced::by(u)).is_ok();
         scratch.change_by(group, patch, du);
         for (q, (step, &weight)) in scratch.change.iter().zip(&scratch.weights).enumerate() {
             let pair = match scratch.kinematics.get(q).filter(|_| sound) {

@@ -1,7 +1,7 @@
 //! [`SaddlePoint`]: the linear systems of a model with constraints.
 
-use crate::contributions::Contribution;
 use crate::contributions::instant::Instant;
+use crate::contributions::{Contribution, ContributionPoint};
 use crate::error::Inadmissible;
 use crate::model::Model;
 use crate::solution::state::SolveReport;
@@ -26,13 +26,18 @@ impl BorderedTangent {
     }
 
     /// Adds that of a contribution.
-    pub fn add(&mut self, contribution: &dyn Contribution, at: &Instant) -> Result<(), Inadmissible> {
-        contribution.add_tangent(at, &mut self.matrix)?;
+    pub fn add(
+        &mut self,
+        contribution: &dyn Contribution,
+        point: &dyn ContributionPoint,
+        at: &Instant,
+    ) -> Result<(), Inadmissible> {
+        point.add_tangent(at, &mut self.matrix)?;
         let Some(constraints) = contribution.constrains() else { return Ok(()) };
         let dofs = self.columns.first().map_or(0, Vec::len);
         let first = at.place(0).saturating_sub(dofs);
         let own = first..first + constraints.count();
-        constraints.add_border(at, self.columns.get_mut(own).unwrap_or_default())
+        point.add_border(at, self.columns.get_mut(own).unwrap_or_default())
     }
 
     /// Its product with a vector of all unknowns.

@@ -5,8 +5,8 @@
 use super::{Outcome, regular};
 use nastic_energy::{FiberTension, NeoHooke, Slot};
 use nastic_fem::{
-    Contribution, Controls, Demand, Inadmissible, Increment, Instant, SecondDerivativeError, SecondSensitivities,
-    Sensitivities, Solid, Sums,
+    Contribution, ContributionPoint, Controls, Demand, Inadmissible, Increment, Instant, Need, SecondDerivativeError,
+    SecondSensitivities, Sensitivities, Solid, Sums,
 };
 use nastic_linear::{NotCoupled, SparseMatrix, Symmetry};
 use nastic_mesh::CellKind;
@@ -40,6 +40,17 @@ impl Contribution for Oscillators {
         &PUSH
     }
 
+    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+        mass.add_to_diagonal(self.mass);
+        Ok(())
+    }
+
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for Oscillators {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for dof in 0..at.u.len() {
             let u = at.u[dof];
@@ -64,11 +75,6 @@ impl Contribution for Oscillators {
         let step = at.step.map_or(0.0, |step| self.mass * step.acceleration.0 + self.damping * step.velocity.0);
         let diagonal: Vec<f64> = (0..at.u.len()).map(|dof| self.stiffness_of(dof) + step).collect();
         tangent.add_diagonal(&diagonal);
-        Ok(())
-    }
-
-    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
-        mass.add_to_diagonal(self.mass);
         Ok(())
     }
 
@@ -121,6 +127,12 @@ impl Contribution for Swirl {
         &SWIRL
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for Swirl {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for &node in self.nodes.iter().filter(|_| demand.force) {
             let dof = 3 * node as usize;

@@ -9,10 +9,11 @@ use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_energy::{EnergyTerm, Response, Slots, Want};
 use nastic_linear::SparseMatrix;
-use nastic_tensor::Kinematics;
+use nastic_tensor::{Kinematics, Mat3};
 use std::ops::Range;
 
 /// What is wanted: the tangent alone is had without the others.
@@ -33,20 +34,26 @@ struct PatchResult {
     /// Absolute forces of the passive terms and of the actuations, each by itself.
     scale: Vec<f64>,
     matrix: PatchMatrix,
+    /// `1 + grad u` at the points, where it is kept.
+    gradients: Vec<Mat3>,
 }
 
-/// Adds to `total` and, where it is wanted, to `tangent`.
+/// Adds to `total` and, where it is wanted, to `tangent`; puts `1 + grad u` at the points of the body into `known`.
 pub(super) fn add(
     body: &BodyEnergy,
-    (u, driving): (&[f64], Driving),
+    (to, driving): (Displaced, Driving),
     demand: Terms,
-    total: &mut Sums,
-    mut tangent: Option<&mut SparseMatrix>,
+    (total, mut tangent, mut known): (&mut Sums, Option<&mut SparseMatrix>, Option<&mut [Mat3]>),
     parallel: bool,
 ) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
-        let job = Job { body, cells, u, driving, demand };
-        sweep(&job, patches, parallel, |patch, result| job.add(patch, result, total, tangent.as_deref_mut()))?;
+        let job = Job { body, cells, to, driving, demand, keeps: known.is_some() };
+        sweep(&job, patches, parallel, |patch, result| {
+            job.add(patch, result, total, tangent.as_deref_mut());
+            if let Some(known) = known.as_deref_mut() {
+                cells.put(patch, &result.gradients, known);
+            }
+        })?;
     }
     Ok(())
 }
@@ -54,9 +61,10 @@ pub(super) fn add(
 struct Job<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
-    u: &'a [f64],
+    to: Displaced<'a>,
     driving: Driving<'a>,
     demand: Terms,
+    keeps: bool,
 }
 
 impl CellWork for Job<'_> {
@@ -74,7 +82,10 @@ impl CellWork for Job<'_> {
     }
 
     fn compute(&self, patch: Patch, scratch: &mut Scratch, result: &mut PatchResult) -> Result<(), Inadmissible> {
-        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        self.body.kinematics(self.cells, patch, self.to, scratch)?;
+        if self.keeps {
+            result.gradients.clone_from(&scratch.gradients);
+        }
         let Terms { energy, force, tangent } = self.demand;
         let formulation = self.body.arithmetic_of(self.cells.first(patch));
         // tangents of formulations that are not affine have the stress in them

@@ -8,6 +8,7 @@ use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_energy::Slots;
 use nastic_tensor::Mat3;
@@ -15,13 +16,13 @@ use nastic_tensor::Mat3;
 /// `out += dr/dm v`: at every point the change of stress `sum_k v_k dP/dm_k`, spread like a stress.
 pub(super) fn add(
     body: &BodyEnergy,
-    at: (&[f64], Driving),
+    at: (Displaced, Driving),
     v: &Controls,
     out: &mut [f64],
     parallel: bool,
 ) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
-        let work = Product { body, cells, u: at.0, driving: at.1, v };
+        let work = Product { body, cells, to: at.0, driving: at.1, v };
         sweep(&work, patches, parallel, |patch, rows| cells.scatter(patch, rows, out))?;
     }
     Ok(())
@@ -30,7 +31,7 @@ pub(super) fn add(
 struct Product<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
-    u: &'a [f64],
+    to: Displaced<'a>,
     driving: Driving<'a>,
     v: &'a Controls,
 }
@@ -52,7 +53,7 @@ impl CellWork for Product<'_> {
         if !self.body.is_actuated(self.cells, patch) {
             return Ok(());
         }
-        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        self.body.kinematics(self.cells, patch, self.to, scratch)?;
         scratch.clear_stress();
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
             for &k in &self.body.composition_of(at.cell).actuations {

@@ -8,19 +8,20 @@ use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_tensor::Mat3;
 
 /// `int (dP/dm_k) : grad lambda dX`, split by point and slot, for every actuation.
 pub(super) fn add(
     body: &BodyEnergy,
-    at: (&[f64], Driving),
+    at: (Displaced, Driving),
     lambda: &[f64],
     (controls, history): (&mut Controls, &mut History),
     parallel: bool,
 ) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
-        let work = ControlVjp { body, cells, u: at.0, driving: at.1, lambda };
+        let work = ControlVjp { body, cells, to: at.0, driving: at.1, lambda };
         sweep(&work, patches, parallel, |patch, values: &Vec<f64>| {
             add_by_slot(body, cells, patch, values, (&mut *controls, &mut *history));
         })?;
@@ -55,7 +56,7 @@ pub(super) fn add_by_slot(
 struct ControlVjp<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
-    u: &'a [f64],
+    to: Displaced<'a>,
     driving: Driving<'a>,
     lambda: &'a [f64],
 }
@@ -79,7 +80,7 @@ impl CellWork for ControlVjp<'_> {
         if !self.body.is_actuated(self.cells, patch) {
             return Ok(());
         }
-        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        self.body.kinematics(self.cells, patch, self.to, scratch)?;
         self.body.arithmetic_of(self.cells.first(patch)).change(self.cells, patch, self.lambda, scratch);
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
             for &k in &self.body.composition_of(at.cell).actuations {

@@ -6,6 +6,7 @@ use crate::contributions::history::{BeforeStep, History};
 use crate::contributions::instant::Instant;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::displaced::Displaced;
 use nastic_energy::{Evolution, Place};
 use nastic_tensor::Mat3;
 use rayon::prelude::*;
@@ -104,7 +105,7 @@ impl BodyEnergy {
                     continue;
                 }
                 let formulation = self.arithmetic_of(cells.first(patch));
-                formulation.kinematics(&self.disc, cells, patch, u, &mut scratch)?;
+                formulation.kinematics(&self.disc, cells, patch, Displaced::by(u), &mut scratch)?;
                 cells.clear_rows(patch, &mut rows);
                 formulation.add_force(cells, &scratch, &stress, &mut rows);
                 cells.scatter(patch, &rows, nodal);

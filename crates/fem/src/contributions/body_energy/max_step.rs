@@ -3,6 +3,7 @@
 use crate::contributions::body_energy::BodyEnergy;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_tensor::{Kinematics, Mat3};
 use rayon::prelude::*;
@@ -16,14 +17,14 @@ const CHUNK: usize = 128;
 /// The end of the step alone does not tell: a section reflected in two directions has J > 0 again.
 ///
 /// The same holds of the determinant that laws see where their formulation projects it.
-pub(crate) fn max_step(body: &BodyEnergy, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, Inadmissible> {
+pub(crate) fn max_step(body: &BodyEnergy, from: Displaced, du: &[f64], parallel: bool) -> Result<f64, Inadmissible> {
     let mut least: f64 = 1.0;
     for (cells, patches) in body.groups() {
         let chunk = |patches: &[Patch]| -> Result<f64, Inadmissible> {
             let (mut scratch, mut least) = (Scratch::new(cells), 1.0_f64);
             for &patch in patches {
                 let formulation = body.arithmetic_of(cells.first(patch));
-                formulation.kinematics(body.discretization(), cells, patch, u, &mut scratch)?;
+                formulation.kinematics(body.discretization(), cells, patch, from, &mut scratch)?;
                 scratch.change_by(cells, patch, du);
                 let along = formulation.own(&scratch).iter().zip(&scratch.change);
                 let volumes: Vec<[f64; 4]> = along.map(|(at, g)| volume_along(at, g)).collect();

@@ -1,16 +1,16 @@
 //! [`BodyEnergy`]: the energy of a body, `int W(F) dX` summed over laws and actuations.
 
 use crate::contributions::controls::Controls;
-use crate::contributions::{
-    Contribution, Demand, History, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
-};
+use crate::contributions::{Contribution, ContributionPoint, History, Instant, Need, Sums};
 use crate::discretization::Discretization;
-use crate::error::{FemError, Inadmissible, InvertedAt, SecondDerivativeError};
+use crate::error::{FemError, Inadmissible, InvertedAt};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::{Patch, Patches};
 use assembly::Terms;
 use driving::Driving;
+use evaluated::EvaluatedBody;
 use formulation::Formulation;
 use nastic_energy::{Actuation, EnergyTerm, Outside, PointBatch, Slot};
 use nastic_linear::SparseMatrix;
@@ -22,6 +22,7 @@ pub(crate) mod assembly;
 mod control_product;
 mod control_vjp;
 pub(crate) mod driving;
+mod evaluated;
 pub(crate) mod formulation;
 pub(crate) mod history;
 pub(crate) mod max_step;
@@ -186,10 +187,10 @@ impl BodyEnergy {
         Err(FemError::NoMaterial { mesh: mesh.name().to_owned(), count, first, regions })
     }
 
-    /// Shape gradients and kinematics of a patch displaced by u, into the scratch: none that is inverted or beyond the
+    /// Shape gradients and kinematics of a displaced patch, into the scratch: none that is inverted or beyond the
     /// domain of a law.
-    fn kinematics(&self, cells: Cells, patch: Patch, u: &[f64], scratch: &mut Scratch) -> Result<(), Inadmissible> {
-        self.arithmetic_of(cells.first(patch)).kinematics(&self.disc, cells, patch, u, scratch)?;
+    fn kinematics(&self, cells: Cells, patch: Patch, to: Displaced, scratch: &mut Scratch) -> Result<(), Inadmissible> {
+        self.arithmetic_of(cells.first(patch)).kinematics(&self.disc, cells, patch, to, scratch)?;
         cells.batches(patch, &scratch.kinematics).try_for_each(|(_, at)| self.check_domain(&at))
     }
 
@@ -212,7 +213,7 @@ impl BodyEnergy {
     pub fn evaluate(&self, u: &[f64], controls: &Controls, force: bool, parallel: bool) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(if force { self.disc.dofs() } else { 0 });
         let terms = Terms { energy: true, force, tangent: false };
-        assembly::add(self, (u, Driving::relaxed(controls)), terms, &mut sums, None, parallel)?;
+        assembly::add(self, (Displaced::by(u), Driving::relaxed(controls)), terms, (&mut sums, None, None), parallel)?;
         Ok(sums)
     }
 
@@ -229,7 +230,13 @@ impl BodyEnergy {
     ) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(self.disc.dofs());
         let terms = Terms { energy: true, force: true, tangent: true };
-        assembly::add(self, (u, Driving::relaxed(controls)), terms, &mut sums, Some(tangent), parallel)?;
+        assembly::add(
+            self,
+            (Displaced::by(u), Driving::relaxed(controls)),
+            terms,
+            (&mut sums, Some(tangent), None),
+            parallel,
+        )?;
         Ok(sums)
     }
 
@@ -245,7 +252,13 @@ impl BodyEnergy {
         parallel: bool,
     ) -> Result<(), Inadmissible> {
         let terms = Terms { energy: false, force: false, tangent: true };
-        assembly::add(self, (u, Driving::relaxed(controls)), terms, &mut Sums::zero(0), Some(tangent), parallel)
+        assembly::add(
+            self,
+            (Displaced::by(u), Driving::relaxed(controls)),
+            terms,
+            (&mut Sums::zero(0), Some(tangent), None),
+            parallel,
+        )
     }
 
     /// The longest step `s <= 1` from u along du on which no point loses more than nine tenths of its volume.
@@ -253,7 +266,7 @@ impl BodyEnergy {
     /// # Errors
     /// [`Inadmissible`] where J <= 0 at u itself.
     pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, Inadmissible> {
-        max_step::max_step(self, u, du, parallel)
+        max_step::max_step(self, Displaced::by(u), du, parallel)
     }
 
     /// `out = K(u, m) v`, the product with the tangent of [`evaluate_tangent`](Self::evaluate_tangent) (supports not
@@ -271,7 +284,7 @@ impl BodyEnergy {
         parallel: bool,
     ) -> Result<(), Inadmissible> {
         out.fill(0.0);
-        tangent_product::add(self, (u, Driving::relaxed(controls)), v, out, parallel)
+        tangent_product::add(self, (Displaced::by(u), Driving::relaxed(controls)), v, out, parallel)
     }
 
     /// Derivative of the body's virtual work with respect to the controls at the points: for every actuation,
@@ -287,7 +300,7 @@ impl BodyEnergy {
         parallel: bool,
     ) -> Result<Controls, Inadmissible> {
         let mut out = self.controls().zeroed();
-        let (at, mut none) = ((u, Driving::relaxed(controls)), History::default());
+        let (at, mut none) = ((Displaced::by(u), Driving::relaxed(controls)), History::default());
         control_vjp::add(self, at, lambda, (&mut out, &mut none), parallel)?;
         Ok(out)
     }
@@ -305,45 +318,7 @@ impl Contribution for BodyEnergy {
         "body energy"
     }
 
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        let terms = Terms { energy: demand.energy, force: demand.force, tangent: false };
-        assembly::add(self, (at.u, Driving::of(at)), terms, sums, None, at.parallel)
-    }
-
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        let terms = Terms { energy: false, force: false, tangent: true };
-        assembly::add(self, (at.u, Driving::of(at)), terms, &mut Sums::zero(0), Some(tangent), at.parallel)
-    }
-
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
-        tangent_product::add(self, (at.u, Driving::of(at)), v, out, at.parallel).map(|()| true)
-    }
-
-    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
-        max_step::max_step(self, at.u, du, at.parallel)
-    }
-
-    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
-        control_vjp::add(
-            self,
-            (at.u, Driving::of(at)),
-            lambda,
-            (&mut into.controls, &mut into.before.history),
-            at.parallel,
-        )
-    }
-
-    fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
-        Ok(control_product::add(self, (at.u, Driving::of(at)), v, out, at.parallel)?)
-    }
-
-    fn second_vjp(
-        &self,
-        at: &Instant,
-        lambda: &[f64],
-        along: &Increment,
-        into: &mut SecondSensitivities,
-    ) -> Result<(), SecondDerivativeError> {
-        second_order::add(self, (at.u, Driving::of(at)), (lambda, along), into, at.parallel)
+    fn at<'a>(&'a self, _: &Instant, need: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(EvaluatedBody::new(self, need)))
     }
 }

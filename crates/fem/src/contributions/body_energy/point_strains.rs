@@ -36,6 +36,7 @@ use crate::error::{Inadmissible, InvertedAt};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_energy::{EnergyTerm, PointBatch, Response, Slots, Want};
 use nastic_linear::SparseMatrix;
@@ -213,7 +214,7 @@ impl CellWork for Linearised<'_> {
         scratch: &mut Scratch,
         (rows, matrix): &mut Self::Answer,
     ) -> Result<(), Inadmissible> {
-        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        self.body.kinematics(self.cells, patch, Displaced::by(self.u), scratch)?;
         scratch.clear(Want::TANGENT);
         // what bends with F where that is not affine in u: the extrapolated stress, as in the rest of the tangent
         let mut geometric = Vec::with_capacity(scratch.kinematics.len());
@@ -277,7 +278,7 @@ impl CellWork for Extrapolate<'_> {
     }
 
     fn compute(&self, patch: Patch, scratch: &mut Scratch, new: &mut PatchStrains) -> Result<(), Inadmissible> {
-        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        self.body.kinematics(self.cells, patch, Displaced::by(self.u), scratch)?;
         new.c.clear();
         new.c.extend(scratch.kinematics.iter().map(|k| k.f().transpose() * k.f()));
         new.s.clear();

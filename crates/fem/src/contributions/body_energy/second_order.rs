@@ -12,6 +12,7 @@ use crate::error::SecondDerivativeError;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_energy::{EnergyTerm, PointBatch, Slots};
 use nastic_tensor::Mat3;
@@ -26,14 +27,14 @@ use std::ops::Range;
 /// one above, `dP/dF : F''(lambda, du)`; by slot there is `dP/dm_k : F''(lambda, du)` more.
 pub(super) fn add(
     body: &BodyEnergy,
-    at: (&[f64], Driving),
+    at: (Displaced, Driving),
     (lambda, along): (&[f64], &Increment),
     out: &mut SecondSensitivities,
     parallel: bool,
 ) -> Result<(), SecondDerivativeError> {
     let SecondSensitivities { u, controls } = out;
     for (cells, patches) in body.groups() {
-        let work = SecondOrder { body, cells, u: at.0, driving: at.1, lambda, along };
+        let work = SecondOrder { body, cells, to: at.0, driving: at.1, lambda, along };
         sweep(&work, patches, parallel, |patch, answer: &PatchAnswer| {
             cells.scatter(patch, &answer.rows, u);
             add_by_slot(body, cells, patch, &answer.by_slot, (&mut *controls, &mut History::default()));
@@ -45,7 +46,7 @@ pub(super) fn add(
 struct SecondOrder<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
-    u: &'a [f64],
+    to: Displaced<'a>,
     driving: Driving<'a>,
     lambda: &'a [f64],
     along: &'a Increment<'a>,
@@ -81,7 +82,7 @@ impl CellWork for SecondOrder<'_> {
         answer: &mut PatchAnswer,
     ) -> Result<(), SecondDerivativeError> {
         let PatchAnswer { rows, by_slot, of_lambda } = answer;
-        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        self.body.kinematics(self.cells, patch, self.to, scratch)?;
         let formulation = self.body.arithmetic_of(self.cells.first(patch));
         let curved = !formulation.is_affine();
         formulation.change(self.cells, patch, self.lambda, scratch);

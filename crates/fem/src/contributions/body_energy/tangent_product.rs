@@ -7,6 +7,7 @@ use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_energy::{EnergyTerm, Response, Slots, Want};
 use nastic_tensor::Mat3;
@@ -14,13 +15,13 @@ use nastic_tensor::Mat3;
 /// `out += K(u, m) v`: at every point the change of stress `dP/dF : F'(u) v`, spread like a stress, and what the stress has by `F''(u)`.
 pub(super) fn add(
     body: &BodyEnergy,
-    at: (&[f64], Driving),
+    at: (Displaced, Driving),
     v: &[f64],
     out: &mut [f64],
     parallel: bool,
 ) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
-        let work = Product { body, cells, u: at.0, driving: at.1, v };
+        let work = Product { body, cells, to: at.0, driving: at.1, v };
         sweep(&work, patches, parallel, |patch, rows| cells.scatter(patch, rows, out))?;
     }
     Ok(())
@@ -29,7 +30,7 @@ pub(super) fn add(
 struct Product<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
-    u: &'a [f64],
+    to: Displaced<'a>,
     driving: Driving<'a>,
     v: &'a [f64],
 }
@@ -47,7 +48,7 @@ impl CellWork for Product<'_> {
     }
 
     fn compute(&self, patch: Patch, scratch: &mut Scratch, rows: &mut Vec<f64>) -> Result<(), Inadmissible> {
-        self.body.kinematics(self.cells, patch, self.u, scratch)?;
+        self.body.kinematics(self.cells, patch, self.to, scratch)?;
         let formulation = self.body.arithmetic_of(self.cells.first(patch));
         formulation.change(self.cells, patch, self.v, scratch);
         scratch.clear_stress();

@@ -3,7 +3,8 @@
 use super::enclosed::Patch;
 use super::{PRESSURE, Room};
 use crate::contributions::{
-    Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
+    Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities, Sensitivities,
+    Sums,
 };
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
@@ -40,6 +41,12 @@ impl Contribution for CavityPressure {
         self.0.quantities(at.u, at.control(0))
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for CavityPressure {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let pressure = at.control(0);
         if pressure == 0.0 {

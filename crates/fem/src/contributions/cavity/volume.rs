@@ -3,7 +3,8 @@
 use super::enclosed::Patch;
 use super::{AREA, Room, VOLUME};
 use crate::contributions::{
-    Constrains, Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
+    Constrains, Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities,
+    Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
@@ -58,13 +59,6 @@ impl Constrains for CavityVolume {
         );
         Err(FemError::Meaningless { what })
     }
-
-    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
-        for column in columns.iter_mut().take(1) {
-            self.0.enclosed.each(Some(at.u), false, |patch| patch.each_component(|dof, g| column[dof] -= g));
-        }
-        Ok(())
-    }
 }
 
 impl Contribution for CavityVolume {
@@ -108,6 +102,12 @@ impl Contribution for CavityVolume {
         Some(self)
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for CavityVolume {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let (pressure, wanted) = (at.multiplier(0), self.wanted(at));
         let (mut volume, mut scale) = (0.0, wanted.abs());
@@ -143,6 +143,13 @@ impl Contribution for CavityVolume {
                 }
             });
             added?;
+        }
+        Ok(())
+    }
+
+    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
+        for column in columns.iter_mut().take(1) {
+            self.0.enclosed.each(Some(at.u), false, |patch| patch.each_component(|dof, g| column[dof] -= g));
         }
         Ok(())
     }

@@ -3,7 +3,10 @@
 mod rotation;
 
 use super::catalogue::{Form, Key, KeyKind};
-use super::{Contribution, Controls, Demand, Increment, Instant, Prescribes, SecondSensitivities, Sensitivities, Sums};
+use super::{
+    Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, Prescribes, SecondSensitivities,
+    Sensitivities, Sums,
+};
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
@@ -192,6 +195,12 @@ impl Contribution for RigidSurface {
         Some(self)
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for RigidSurface {
     fn add_residual(&self, _: &Instant, _: Demand, _: &mut Sums) -> Result<(), Inadmissible> {
         Ok(())
     }

@@ -1,7 +1,9 @@
 //! [`SpringForce`]: the contribution of a spring.
 
 use crate::contributions::guides::{Guides, Segment};
-use crate::contributions::{Contribution, Demand, Increment, Instant, SecondSensitivities, Sums};
+use crate::contributions::{
+    Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sums,
+};
 use crate::error::{Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::Polyline;
@@ -64,6 +66,12 @@ impl Contribution for SpringForce {
         vec![Polyline { name: self.name.clone(), points: self.ends.positions(at.u), quantities }]
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for SpringForce {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         for segment in self.ends.segments(at.u) {
             if demand.energy {

@@ -2,7 +2,8 @@
 
 use crate::contributions::guides::Guides;
 use crate::contributions::{
-    Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
+    Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities, Sensitivities,
+    Sums,
 };
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
@@ -149,6 +150,12 @@ impl Contribution for TendonForce {
         vec![line(&self.name, &self.guides, at.u, self.tension(at).value)]
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for TendonForce {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let tension = self.tension(at).value;
         if tension == 0.0 {

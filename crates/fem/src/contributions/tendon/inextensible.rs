@@ -3,7 +3,8 @@
 use super::force::{Drive, line};
 use crate::contributions::guides::Guides;
 use crate::contributions::{
-    Constrains, Contribution, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
+    Constrains, Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities,
+    Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
@@ -56,15 +57,6 @@ impl Constrains for InextensibleTendon {
             self.reference_length
         );
         Err(FemError::Meaningless { what })
-    }
-
-    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
-        for column in columns.iter_mut().take(1) {
-            for segment in self.guides.segments(at.u) {
-                segment.each_end(segment.direction, |dof, slope| column[dof] += slope);
-            }
-        }
-        Ok(())
     }
 }
 
@@ -121,6 +113,12 @@ impl Contribution for InextensibleTendon {
         Some(self)
     }
 
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for InextensibleTendon {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let (tension, length, free) = (at.multiplier(0), self.guides.length(at.u), self.free_length(at));
         if demand.energy {
@@ -143,6 +141,15 @@ impl Contribution for InextensibleTendon {
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if at.multiplier(0) != 0.0 {
             self.guides.add_curvature(at.u, at.multiplier(0), tangent)?;
+        }
+        Ok(())
+    }
+
+    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
+        for column in columns.iter_mut().take(1) {
+            for segment in self.guides.segments(at.u) {
+                segment.each_end(segment.direction, |dof, slope| column[dof] += slope);
+            }
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use super::{Direction, Step};
 use crate::error::Inadmissible;
+use crate::model::ModelPoint;
 use crate::nonlinear::equations::{Drive, Equations};
 use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::solution::saddle_point::{BorderedTangent, Extension, SaddlePoint};
@@ -55,9 +56,9 @@ impl Direction for ArcStep<'_> {
         let away: Vec<f64> = here.x.iter().zip(origin).map(|(x, o)| x - o).collect();
         let short = distance - self.metric.product(&away, normal);
         let force: Vec<f64> = here.residual.iter().map(|r| -r).collect();
-        let tangent = self.equations.bordered_tangent(here.x)?;
+        let tangent = self.equations.bordered_tangent(here.point, here.x)?;
         let scale = self.equations.energy_scale(&tangent.matrix, self.equations.split(here.x).0, here.now);
-        let mut dx = self.solve(here.x, tangent, (&force, short), report)?;
+        let mut dx = self.solve((here.point, here.x), tangent, (&force, short), report)?;
         self.equations.keep_positive(here.x, &mut dx);
         Ok(Step { scale, ..Step::whole(dx, Curvature::Positive, self.equations.dofs()) })
     }
@@ -67,14 +68,15 @@ impl ArcStep<'_> {
     /// The direction of the path at a point, with a product of 1 with the normal.
     pub fn tangent(&mut self, x: &[f64]) -> Result<Vec<f64>, Stop> {
         let none = vec![0.0; x.len() - 1];
-        let tangent = self.equations.bordered_tangent(x)?;
-        self.solve(x, tangent, (&none, 1.0), &mut SolveReport::default())
+        let point = self.equations.point(x)?;
+        let tangent = self.equations.bordered_tangent(&point, x)?;
+        self.solve((&point, x), tangent, (&none, 1.0), &mut SolveReport::default())
     }
 
     /// `K y + B q + r_s t = f`, `B^T y + .. = g`, `<normal, (y, t)> = h`: y with the supports' motion, q and t.
     fn solve(
         &mut self,
-        x: &[f64],
+        (point, x): (&ModelPoint, &[f64]),
         tangent: BorderedTangent,
         (f, h): (&[f64], f64),
         report: &mut SolveReport,
@@ -83,7 +85,7 @@ impl ArcStep<'_> {
         let (model, parallel) = (equations.model, equations.options.parallel);
         let (u, s) = equations.split(x);
         let support = equations.support_motion(s);
-        let mut column = equations.residual_by_s(u, s)?;
+        let mut column = equations.residual_by_s(point, u, s)?;
         let pulled = tangent.multiply(&support, parallel);
         column.iter_mut().zip(&pulled).for_each(|(c, p)| *c += p);
         model.supports.clear(&mut column);
@@ -94,7 +96,7 @@ impl ArcStep<'_> {
         row.truncate(dofs);
         let extension = Extension { column, row, corner: scale * self.plane.normal[u.len()] };
         let mut system = SaddlePoint::new(model, tangent);
-        let acting = equations.acting(x)?;
+        let acting = equations.acting(point, x)?;
         system.set_acting(&acting, false);
         let mut systems = TangentSystems::new(model, parallel, &mut *self.solver);
         let given = (f, &u[dofs..], scale * h);
@@ -107,22 +109,22 @@ impl ArcStep<'_> {
 
 impl Equations<'_> {
     /// Which constraints act at a point of a path: of inequalities those with `p > 0`, and those that are violated.
-    fn acting(&self, x: &[f64]) -> Result<Vec<bool>, Inadmissible> {
+    fn acting(&self, point: &ModelPoint, x: &[f64]) -> Result<Vec<bool>, Inadmissible> {
         let (inequalities, dofs) = (self.model.inequalities(), self.dofs());
         if !inequalities.contains(&true) {
             return Ok(vec![true; inequalities.len()]);
         }
         let mut residual = vec![0.0; dofs + inequalities.len()];
-        self.put_slack(x, &inequalities, &mut residual)?;
+        self.put_slack((point, x), &inequalities, &mut residual)?;
         let acts = |k: usize| !inequalities[k] || x[dofs + k] > 0.0 || residual[dofs + k] > 0.0;
         Ok((0..inequalities.len()).map(acts).collect())
     }
 
     /// Derivative of the residual by s, the displacement held: a central difference, exact for controls that enter linearly or in
     /// products of two.
-    fn residual_by_s(&self, u: &[f64], s: f64) -> Result<Vec<f64>, Inadmissible> {
-        let behind = self.force_at(u, s + DIFFERENCE)?;
-        let before = self.force_at(u, s - DIFFERENCE)?;
+    fn residual_by_s(&self, point: &ModelPoint, u: &[f64], s: f64) -> Result<Vec<f64>, Inadmissible> {
+        let behind = self.force_at(point, u, s + DIFFERENCE)?;
+        let before = self.force_at(point, u, s - DIFFERENCE)?;
         Ok(behind.iter().zip(&before).map(|(b, a)| (b - a) / (2.0 * DIFFERENCE)).collect())
     }
 

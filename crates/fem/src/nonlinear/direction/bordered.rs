@@ -71,9 +71,9 @@ impl<'a> Bordered<'a> {
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Option<usize>, f64), Stop> {
         let equations = self.equations;
-        let tangent = equations.bordered_tangent(here.x)?;
+        let tangent = equations.bordered_tangent(here.point, here.x)?;
         let mut residual = here.residual.to_vec();
-        let scales = equations.put_slack(here.x, &self.inequalities, &mut residual)?;
+        let scales = equations.put_slack((here.point, here.x), &self.inequalities, &mut residual)?;
         let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
         if let Some(jump) = &self.jump {
             let mut all = jump.clone();

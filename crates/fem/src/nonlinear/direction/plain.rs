@@ -36,7 +36,7 @@ impl Direction for Plain<'_> {
 
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
         let equations = self.equations;
-        let matrix = equations.tangent(here.x, &mut self.matrix)?;
+        let matrix = equations.tangent(here, &mut self.matrix)?;
         self.rhs = equations.right_hand_side(matrix, here.residual, self.jump.as_deref());
         let scale = equations.energy_scale(matrix, here.x, here.now);
         eliminate(equations.model, matrix);

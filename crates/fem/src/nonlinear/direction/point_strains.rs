@@ -65,7 +65,7 @@ impl Direction for WithPointStrains<'_> {
         eliminate(model, &mut self.matrix);
         let (mut dx, curvature) = self.systems.step(&self.matrix, here.x, &rhs, (LINEAR, Wanted::Downhill), report)?;
         let (next, largest) = self.strains.extrapolated(&model.body, here.x, &dx, options.parallel)?;
-        let longest = self.equations.admissible_move(here.x, &moved(here.x, &dx, 1.0))?.min(LARGEST / largest);
+        let longest = self.equations.admissible_move(here, &moved(here.x, &dx, 1.0))?.min(LARGEST / largest);
         let shares = (0..HALVINGS).map(|k| longest * 0.5_f64.powi(k as i32));
         let found = shares.into_iter().find_map(|share| Some((share, self.strains.towards(&next, share)?)));
         let Some((length, strains)) = found else { return Err(Stop::Slow { residual: here.relative }) };

@@ -3,7 +3,7 @@
 use super::{Line, Merit};
 use crate::contributions::Sums;
 use crate::error::Inadmissible;
-use crate::nonlinear::equations::{Equations, moved};
+use crate::nonlinear::equations::{Equations, Evaluated, moved};
 use crate::nonlinear::iteration::Iterate;
 use nastic_numeric::vector::{dot, norm};
 
@@ -30,7 +30,7 @@ impl Augmented {
         let multipliers = moved(&here.x[dofs..], &dx[dofs..], 1.0);
         let line = Line { start: 0.0, slope: 0.0, noise: 64.0 * f64::EPSILON * scale };
         let mut merit = Augmented { line, weights: Vec::new(), multipliers };
-        let at_new = equations.evaluate(&merit.with_multipliers(here.x, dofs))?;
+        let at_new = equations.sums(here.point, &merit.with_multipliers(here.x, dofs))?;
         let (mut force, _) = equations.residual(&at_new);
         force.truncate(dofs);
         let slope = dot(&force, &dx[..dofs]);
@@ -67,13 +67,21 @@ impl Merit for Augmented {
         self.line
     }
 
-    fn value(&self, equations: &Equations, trial: &[f64]) -> Result<(f64, Sums), Inadmissible> {
+    fn value<'e>(&self, equations: &Equations<'e>, trial: &[f64]) -> Result<(f64, Evaluated<'e>), Inadmissible> {
         let dofs = equations.dofs();
         let at_new = equations.evaluate(&self.with_multipliers(trial, dofs))?;
-        Ok((self.of(&at_new, dofs), at_new))
+        Ok((self.of(&at_new.sums, dofs), at_new))
     }
 
-    fn accepted(&self, equations: &Equations, (x, length): (&[f64], f64), at_new: Sums) -> Result<Sums, Inadmissible> {
-        if length == 1.0 { Ok(at_new) } else { equations.evaluate(x) }
+    fn accepted<'e>(
+        &self,
+        equations: &Equations<'e>,
+        (x, length): (&[f64], f64),
+        at_new: Evaluated<'e>,
+    ) -> Result<Evaluated<'e>, Inadmissible> {
+        if length == 1.0 {
+            return Ok(at_new);
+        }
+        Ok(Evaluated { sums: equations.sums(&at_new.point, x)?, point: at_new.point })
     }
 }

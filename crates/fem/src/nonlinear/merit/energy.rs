@@ -1,10 +1,9 @@
 //! [`Energy`]: the potential.
 
 use super::{Line, Merit};
-use crate::contributions::Sums;
 use crate::error::Inadmissible;
 use crate::nonlinear::direction::Step;
-use crate::nonlinear::equations::Equations;
+use crate::nonlinear::equations::{Equations, Evaluated};
 use crate::nonlinear::iteration::Iterate;
 use nastic_numeric::vector::dot;
 
@@ -29,7 +28,7 @@ impl Energy {
     /// With the work of the contributions that have no potential.
     pub fn lagged(equations: &Equations, here: &Iterate, step: &Step) -> Result<Self, Inadmissible> {
         let mut energy = Energy::new(here, &step.dx, step.scale);
-        let others = equations.without_potential(here.x)?;
+        let others = equations.without_potential(here.point, here.x)?;
         let work = dot(&others.force, here.x);
         energy.line.start += work - others.energy;
         energy.line.noise += ROUNDING * (work.abs() + others.energy_scale);
@@ -43,12 +42,12 @@ impl Merit for Energy {
         self.line
     }
 
-    fn value(&self, equations: &Equations, trial: &[f64]) -> Result<(f64, Sums), Inadmissible> {
+    fn value<'e>(&self, equations: &Equations<'e>, trial: &[f64]) -> Result<(f64, Evaluated<'e>), Inadmissible> {
         let now = equations.evaluate(trial)?;
         let work = match &self.lagged {
             None => 0.0,
-            Some(force) => dot(force, trial) - equations.without_potential(trial)?.energy,
+            Some(force) => dot(force, trial) - equations.without_potential(&now.point, trial)?.energy,
         };
-        Ok((now.energy + work, now))
+        Ok((now.sums.energy + work, now))
     }
 }

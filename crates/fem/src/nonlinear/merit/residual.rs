@@ -1,9 +1,8 @@
 //! [`Residual`]: the norm of the residual.
 
 use super::{Line, Merit};
-use crate::contributions::Sums;
 use crate::error::Inadmissible;
-use crate::nonlinear::equations::Equations;
+use crate::nonlinear::equations::{Equations, Evaluated};
 use crate::nonlinear::iteration::Iterate;
 use nastic_numeric::vector::norm;
 
@@ -25,9 +24,9 @@ impl Merit for Residual {
         Line { start: self.0, slope: -self.0, noise: 0.0 }
     }
 
-    fn value(&self, equations: &Equations, trial: &[f64]) -> Result<(f64, Sums), Inadmissible> {
+    fn value<'e>(&self, equations: &Equations<'e>, trial: &[f64]) -> Result<(f64, Evaluated<'e>), Inadmissible> {
         let now = equations.evaluate(trial)?;
-        let (residual, relative) = equations.residual(&now);
+        let (residual, relative) = equations.residual(&now.sums);
         Ok((size(equations, &residual, relative), now))
     }
 

@@ -8,6 +8,7 @@ use crate::discretization::Discretization;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::{Cells, PatchMatrix};
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_mesh::CellKind;
 use nastic_tensor::{Kinematics, Mat3};
@@ -113,13 +114,13 @@ pub(crate) trait CellFormulation: fmt::Debug + Send + Sync {
     /// Whether F is affine in u: `F'' = 0`.
     fn is_affine(&self) -> bool;
 
-    /// Shape gradients and kinematics of a patch displaced by u, into the scratch. All that follows is about that patch.
+    /// Shape gradients and kinematics of a displaced patch, into the scratch. All that follows is about that patch.
     fn kinematics(
         &self,
         disc: &Discretization,
         cells: Cells,
         patch: Patch,
-        u: &[f64],
+        to: Displaced,
         scratch: &mut Scratch,
     ) -> Result<(), Inadmissible>;
 

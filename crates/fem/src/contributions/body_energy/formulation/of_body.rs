@@ -5,6 +5,7 @@ use crate::contributions::body_energy::BodyEnergy;
 use crate::error::{FemError, Inadmissible};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::{Patch, Patches};
 use nastic_tensor::Kinematics;
 use std::collections::BTreeMap;
@@ -69,7 +70,13 @@ impl BodyEnergy {
         for (cells, patches) in self.groups() {
             let mut scratch = Scratch::new(cells);
             for patch in patches.iter() {
-                self.arithmetic_of(cells.first(patch)).kinematics(&self.disc, cells, patch, u, &mut scratch)?;
+                self.arithmetic_of(cells.first(patch)).kinematics(
+                    &self.disc,
+                    cells,
+                    patch,
+                    Displaced::by(u),
+                    &mut scratch,
+                )?;
                 for (_, at) in cells.batches(patch, &scratch.kinematics) {
                     all[at.first..][..at.len()].copy_from_slice(at.kinematics);
                 }

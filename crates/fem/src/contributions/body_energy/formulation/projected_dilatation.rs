@@ -6,6 +6,7 @@ use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::dilatation::{Dilatation, jets, matrix as matrix_of, part, rows as rows_of};
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_tensor::{Kinematics, Mat3};
 
@@ -29,10 +30,10 @@ impl CellFormulation for ProjectedDilatation {
         disc: &Discretization,
         cells: Cells,
         patch: Patch,
-        u: &[f64],
+        to: Displaced,
         scratch: &mut Scratch,
     ) -> Result<(), Inadmissible> {
-        scratch.move_to(cells, patch, u)?;
+        scratch.move_to(cells, patch, to)?;
         let positions = if self.linear { positions(disc, cells, patch) } else { Vec::new() };
         let dilatation = &mut scratch.dilatation;
         dilatation.set_modes(cells.dim, &scratch.weights, &positions, self.linear);

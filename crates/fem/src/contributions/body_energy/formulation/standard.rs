@@ -5,6 +5,7 @@ use crate::discretization::Discretization;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::{Cells, PatchMatrix};
+use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_tensor::{Kinematics, Mat3};
 
@@ -22,10 +23,10 @@ impl CellFormulation for Standard {
         _: &Discretization,
         cells: Cells,
         patch: Patch,
-        u: &[f64],
+        to: Displaced,
         scratch: &mut Scratch,
     ) -> Result<(), Inadmissible> {
-        scratch.move_to(cells, patch, u)
+        scratch.move_to(cells, patch, to)
     }
 
     fn own<'a>(&self, scratch: &'a Scratch) -> &'a [Kinematics] {

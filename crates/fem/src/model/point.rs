@@ -1,0 +1,195 @@
+//! [`ModelPoint`]: a model at one displacement.
+
+use super::Model;
+use super::inequalities::has_inequalities;
+use crate::contributions::controls::Controls;
+use crate::contributions::instant::Instant;
+use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
+use crate::contributions::{Contribution, ContributionPoint, Demand, Need, Sums};
+use crate::error::{Inadmissible, SecondDerivativeError};
+use crate::solution::saddle_point::BorderedTangent;
+use nastic_linear::SparseMatrix;
+use nastic_numeric::vector::sub;
+
+/// Contributions of a model before the others: the body and its dead load.
+const OWN: usize = 2;
+
+/// All contributions of a [`Model`] at one displacement: `sum_c r_c` and its derivatives, for which kinematics are found once.
+///
+/// Every method is told the instant, whose u has the displacement that the point was made for; see [`ContributionPoint`].
+pub struct ModelPoint<'m> {
+    model: &'m Model,
+    points: Vec<Box<dyn ContributionPoint + 'm>>,
+}
+
+impl Model {
+    /// What it is at the displacement of an instant.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn at(&self, at: &Instant, need: Need) -> Result<ModelPoint<'_>, Inadmissible> {
+        let nodal = Instant { u: self.nodal(at.u), ..*at };
+        let mut points = vec![self.body.at(&nodal, need)?, self.dead_load.at(&nodal, need)?];
+        for (contribution, at) in self.others.iter().zip(self.instants(at)) {
+            points.push(contribution.at(&at, need)?);
+        }
+        Ok(ModelPoint { model: self, points })
+    }
+}
+
+impl ModelPoint<'_> {
+    /// Energy alone, or energy and residual force.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn evaluate(&self, at: &Instant, demand: Demand) -> Result<Sums, Inadmissible> {
+        let mut sums = Sums::zero(if demand.force { self.model.unknowns().len() } else { 0 });
+        self.each(at, |_, point, at| point.add_residual(at, demand, &mut sums))?;
+        Ok(sums)
+    }
+
+    /// The sums of the contributions that have no potential.
+    pub(crate) fn evaluate_without_potential(&self, at: &Instant) -> Result<Sums, Inadmissible> {
+        self.sums_of(at, Demand { energy: true, force: true }, |contribution| !contribution.has_potential())
+    }
+
+    /// Residuals of the contributions with inequalities alone.
+    pub(crate) fn inequality_residuals(&self, at: &Instant) -> Result<Sums, Inadmissible> {
+        self.sums_of(at, Demand { energy: false, force: true }, has_inequalities)
+    }
+
+    /// Of some of the contributions beside the body.
+    fn sums_of(
+        &self,
+        at: &Instant,
+        demand: Demand,
+        which: impl Fn(&dyn Contribution) -> bool,
+    ) -> Result<Sums, Inadmissible> {
+        let mut sums = Sums::zero(self.model.unknowns().len());
+        self.each_other(at, |contribution, point, at| match which(contribution) {
+            true => point.add_residual(at, demand, &mut sums),
+            false => Ok(()),
+        })?;
+        Ok(sums)
+    }
+
+    /// Adds the tangent, supports not eliminated.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        self.each(at, |contribution, point, at| point.add_tangent(at, tangent).map_err(|e| e.of(contribution.name())))
+    }
+
+    /// The tangent with the border of the constraints, supports not eliminated.
+    pub(crate) fn bordered_tangent(&self, at: &Instant) -> Result<BorderedTangent, Inadmissible> {
+        let mut tangent = BorderedTangent::zero(self.model);
+        self.each(at, |contribution, point, at| {
+            tangent.add(contribution, point, at).map_err(|e| e.of(contribution.name()))
+        })?;
+        Ok(tangent)
+    }
+
+    /// `out = K v` without a matrix; false where a contribution needs one.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
+        out.fill(0.0);
+        let mut complete = true;
+        self.each(at, |_, point, at| {
+            complete &= point.add_tangent_product(at, v, out)?;
+            Ok::<(), Inadmissible>(())
+        })?;
+        Ok(complete)
+    }
+
+    /// The longest share of the straight move to another displacement that every contribution bears; see [`Model::admissible_move`].
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the move begins outside of the admissible set.
+    pub fn admissible_move(&self, from: &Instant, to: &[f64]) -> Result<f64, Inadmissible> {
+        let (du, mut least) = (sub(to, from.u), 1.0_f64);
+        self.each(from, |_, point, at| {
+            least = least.min(point.max_step(at, &du)?);
+            Ok::<(), Inadmissible>(())
+        })?;
+        Ok(least)
+    }
+
+    /// The same of the contributions beside the body.
+    pub(crate) fn admissible_move_of_others(&self, from: &Instant, to: &[f64]) -> Result<f64, Inadmissible> {
+        let (du, mut least) = (sub(to, from.u), 1.0_f64);
+        self.each_other(from, |_, point, at| {
+            least = least.min(point.max_step(at, &du)?);
+            Ok::<(), Inadmissible>(())
+        })?;
+        Ok(least)
+    }
+
+    /// `lambda . dr/dp` by controls, velocity and acceleration.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn vjp(&self, at: &Instant, lambda: &[f64]) -> Result<Sensitivities, Inadmissible> {
+        let mut sums = Sensitivities::zero(self.model.controls(), at);
+        self.each(at, |_, point, at| point.vjp(at, lambda, &mut sums))?;
+        Ok(sums)
+    }
+
+    /// `dr/dm v`: the change of the residual along a change of the controls.
+    ///
+    /// # Errors
+    /// [`SecondDerivativeError`]: J <= 0, or a contribution that does not give it.
+    pub fn control_product(&self, at: &Instant, v: &Controls) -> Result<Vec<f64>, SecondDerivativeError> {
+        let mut out = vec![0.0; self.model.unknowns().len()];
+        self.each(at, |contribution, point, at| {
+            point.add_control_product(at, v, &mut out).or_else(|error| error.of(contribution))
+        })?;
+        Ok(out)
+    }
+
+    /// The change of `K^T lambda` and of `lambda . dr/dm` along a change of displacement and controls.
+    ///
+    /// # Errors
+    /// [`SecondDerivativeError`]: J <= 0, or a term that does not give it.
+    pub fn second_vjp(
+        &self,
+        at: &Instant,
+        lambda: &[f64],
+        along: &Increment,
+    ) -> Result<SecondSensitivities, SecondDerivativeError> {
+        let mut sums = SecondSensitivities::zero(self.model.controls(), self.model.unknowns().len());
+        self.each(at, |contribution, point, at| {
+            point.second_vjp(at, lambda, along, &mut sums).or_else(|error| error.of(contribution))
+        })?;
+        Ok(sums)
+    }
+
+    /// Calls with every contribution, in a fixed order, and where it is evaluated.
+    fn each<E>(
+        &self,
+        at: &Instant,
+        mut call: impl FnMut(&dyn Contribution, &dyn ContributionPoint, &Instant) -> Result<(), E>,
+    ) -> Result<(), E> {
+        // These know of no multipliers.
+        let nodal = Instant { u: self.model.nodal(at.u), ..*at };
+        let own: [&dyn Contribution; OWN] = [&self.model.body, &self.model.dead_load];
+        for (contribution, point) in own.into_iter().zip(&self.points) {
+            call(contribution, point.as_ref(), &nodal)?;
+        }
+        self.each_other(at, call)
+    }
+
+    fn each_other<E>(
+        &self,
+        at: &Instant,
+        mut call: impl FnMut(&dyn Contribution, &dyn ContributionPoint, &Instant) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let others = self.model.others.iter().zip(&self.points[OWN..]);
+        for ((contribution, point), at) in others.zip(self.model.instants(at)) {
+            call(contribution.as_ref(), point.as_ref(), &at)?;
+        }
+        Ok(())
+    }
+}
