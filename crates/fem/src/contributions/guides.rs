@@ -1,5 +1,6 @@
 //! [`Guides`]: the length of a polyline through points of the body or of space, and its derivatives: of tendons and springs.
 
+use crate::contributions::Sums;
 use crate::contributions::body_point::AttachedPoint;
 use crate::error::MeetingGuides;
 use nastic_linear::{NotCoupled, SparseMatrix};
@@ -26,6 +27,14 @@ pub(crate) struct Guides {
     points: Vec<AttachedPoint>,
 }
 
+/// The line through [`Guides`] at one displacement.
+pub(crate) struct Line<'a> {
+    guides: &'a Guides,
+    /// Number of unknowns.
+    unknowns: usize,
+    pub segments: Vec<Segment<'a>>,
+}
+
 /// A straight piece of the line.
 pub(crate) struct Segment<'a> {
     dim: usize,
@@ -50,28 +59,22 @@ impl Guides {
         self.points.windows(2).map(|pair| (pair[1].reference - pair[0].reference).norm()).sum()
     }
 
-    pub fn length(&self, u: &[f64]) -> f64 {
-        self.segments(u).map(|segment| segment.length).sum()
-    }
-
-    pub fn segments<'a>(&'a self, u: &'a [f64]) -> impl Iterator<Item = Segment<'a>> + 'a {
-        self.points.windows(2).map(move |pair| {
-            let position = |point: &AttachedPoint| point.reference + point.of(u, self.dim);
+    /// The line in the displaced body.
+    pub fn at(&self, u: &[f64]) -> Line<'_> {
+        let position = |point: &AttachedPoint| point.reference + point.of(u, self.dim);
+        let segments = self.points.windows(2).map(|pair| {
             let along = position(&pair[1]) - position(&pair[0]);
             let length = along.norm();
             let direction = if length > 0.0 { along / length } else { Vec3::zeros() };
             Segment { dim: self.dim, ends: [&pair[0], &pair[1]], length, direction }
-        })
-    }
-
-    /// The longest step along v that lets no point pass the next one, where the direction jumps.
-    pub fn max_step(&self, u: &[f64], v: &[f64]) -> f64 {
-        self.segments(u).map(|segment| segment.max_step(v)).fold(1.0, f64::min)
+        });
+        Line { guides: self, unknowns: u.len(), segments: segments.collect() }
     }
 
     /// The two neighbours that are nearest to each other, measured by their reference distance, where less than [`MEETING`] of that is left.
     pub fn meeting(&self, name: &str, u: &[f64]) -> Option<MeetingGuides> {
-        let pairs = self.points.windows(2).zip(self.segments(u)).map(|(pair, segment)| {
+        let line = self.at(u);
+        let pairs = self.points.windows(2).zip(&line.segments).map(|(pair, segment)| {
             let [a, b] = [pair[0].reference, pair[1].reference];
             ([a.into(), b.into()], segment.length / (b - a).norm())
         });
@@ -88,30 +91,51 @@ impl Guides {
     pub fn neighbours(&self) -> Vec<Vec<u32>> {
         self.points.windows(2).map(|pair| union(pair.iter())).collect()
     }
+}
+
+impl Line<'_> {
+    pub fn length(&self) -> f64 {
+        self.segments.iter().map(|segment| segment.length).sum()
+    }
+
+    /// The longest step along v that lets no point pass the next one, where the direction jumps.
+    pub fn max_step(&self, v: &[f64]) -> f64 {
+        self.segments.iter().map(|segment| segment.max_step(v)).fold(1.0, f64::min)
+    }
+
+    /// Adds the force `N dL/du`, and its absolute values, to sums.
+    pub fn add_force(&self, tension: f64, sums: &mut Sums) {
+        for segment in &self.segments {
+            segment.each_end(tension * segment.direction, |dof, force| {
+                sums.force[dof] += force;
+                sums.force_scale[dof] += force.abs();
+            });
+        }
+    }
 
     /// `dL/du`, flat.
-    pub fn gradient(&self, u: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; u.len()];
-        self.segments(u).for_each(|segment| segment.each_end(segment.direction, |dof, value| out[dof] += value));
+    pub fn gradient(&self) -> Vec<f64> {
+        let mut out = vec![0.0; self.unknowns];
+        self.segments.iter().for_each(|segment| segment.each_end(segment.direction, |dof, value| out[dof] += value));
         out
     }
 
     /// `dL/du . v`.
-    pub fn slope(&self, u: &[f64], v: &[f64]) -> f64 {
-        self.segments(u).map(|segment| segment.direction.dot(&segment.change(v))).sum()
+    pub fn slope(&self, v: &[f64]) -> f64 {
+        self.segments.iter().map(|segment| segment.direction.dot(&segment.change(v))).sum()
     }
 
     /// Adds `factor d2L/du2 v`.
-    pub fn add_curvature_product(&self, u: &[f64], factor: f64, v: &[f64], out: &mut [f64]) {
-        for segment in self.segments(u) {
+    pub fn add_curvature_product(&self, factor: f64, v: &[f64], out: &mut [f64]) {
+        for segment in &self.segments {
             let change = segment.turned(&segment.change(v)) * factor;
             segment.each_end(change, |dof, value| out[dof] += value);
         }
     }
 
     /// Adds `factor d3L/du3[a, b]`.
-    pub fn add_third_product(&self, u: &[f64], factor: f64, [a, b]: [&[f64]; 2], out: &mut [f64]) {
-        for segment in self.segments(u).filter(|segment| segment.length > 0.0) {
+    pub fn add_third_product(&self, factor: f64, [a, b]: [&[f64]; 2], out: &mut [f64]) {
+        for segment in self.segments.iter().filter(|segment| segment.length > 0.0) {
             let (a, b) = (segment.change(a), segment.change(b));
             let (pa, pb, n) = (segment.turned(&a), segment.turned(&b), segment.direction);
             let third = -(a.dot(&pb) * n + n.dot(&a) * pb + n.dot(&b) * pa) / segment.length;
@@ -120,8 +144,8 @@ impl Guides {
     }
 
     /// Adds `factor d2L/du2`.
-    pub fn add_curvature(&self, u: &[f64], factor: f64, tangent: &mut SparseMatrix) -> Result<(), NotCoupled> {
-        for segment in self.segments(u).filter(|segment| segment.length > 0.0) {
+    pub fn add_curvature(&self, factor: f64, tangent: &mut SparseMatrix) -> Result<(), NotCoupled> {
+        for segment in self.segments.iter().filter(|segment| segment.length > 0.0) {
             let n = segment.direction;
             segment.add_block(&(factor / segment.length * (Mat3::identity() - n * n.transpose())), tangent)?;
         }
@@ -129,10 +153,10 @@ impl Guides {
     }
 
     /// Adds `factor dL/du (x) dL/du`, which couples all points.
-    pub fn add_gradient_product(&self, u: &[f64], factor: f64, tangent: &mut SparseMatrix) -> Result<(), NotCoupled> {
-        let (nodes, gradient) = (self.nodes(), self.gradient(u));
-        let component = |a: usize, i: usize| gradient[self.dim * nodes[a] as usize + i];
-        add_element(&nodes, self.dim, tangent, |a, i, b, j| factor * component(a, i) * component(b, j))
+    pub fn add_gradient_product(&self, factor: f64, tangent: &mut SparseMatrix) -> Result<(), NotCoupled> {
+        let (nodes, gradient) = (self.guides.nodes(), self.gradient());
+        let component = |a: usize, i: usize| gradient[self.guides.dim * nodes[a] as usize + i];
+        add_element(&nodes, self.guides.dim, tangent, |a, i, b, j| factor * component(a, i) * component(b, j))
     }
 }
 

@@ -124,19 +124,39 @@ impl Enclosed {
     }
 
     /// Calls with every share of the volume, in a fixed order, the surface's before those of lids; with second derivatives if asked.
-    pub fn each(&self, u: Option<&[f64]>, second: bool, call: impl FnMut(&Patch)) {
-        self.each_patch(u, 1.0, second, call);
+    pub fn each<'s>(&'s self, u: Option<&[f64]>, second: bool, mut call: impl FnMut(&Patch<'s>)) {
+        self.each_patch(u, 1.0, second, |patch| call(&patch));
+    }
+
+    /// Every share of the volume of the body displaced by u, with first derivatives, in the order of [`each`](Self::each).
+    pub fn shares(&self, u: &[f64]) -> Vec<Patch<'_>> {
+        let mut all = Vec::new();
+        self.each_patch(Some(u), 1.0, false, |patch| all.push(patch));
+        all
+    }
+
+    /// Adds `factor` times the second derivative at a displacement.
+    pub fn add_hessian(&self, u: &[f64], factor: f64, tangent: &mut SparseMatrix) -> Result<(), NotCoupled> {
+        let mut added = Ok(());
+        if factor != 0.0 {
+            self.each(Some(u), true, |patch| {
+                if added.is_ok() {
+                    added = patch.add_hessian(factor, tangent);
+                }
+            });
+        }
+        added
     }
 
     /// Calls with the change of every share along a change a of the displacement, whose second derivatives are `V_uuu[a]`: the
     /// volume is cubic in positions, so its second derivatives are affine in them, and their linear part is what they are at a
     /// alone, where nothing else (o, c on planes of symmetry, the normal in plane strain) has a position.
-    pub fn each_change(&self, a: &[f64], call: impl FnMut(&Patch)) {
-        self.each_patch(Some(a), 0.0, true, call);
+    pub fn each_change<'s>(&'s self, a: &[f64], mut call: impl FnMut(&Patch<'s>)) {
+        self.each_patch(Some(a), 0.0, true, |patch| call(&patch));
     }
 
     /// `constants` multiplies all positions that do not depend on the displacement: 1, or 0 for the part of highest degree.
-    fn each_patch(&self, u: Option<&[f64]>, constants: f64, second: bool, mut call: impl FnMut(&Patch)) {
+    fn each_patch<'s>(&'s self, u: Option<&[f64]>, constants: f64, second: bool, mut call: impl FnMut(Patch<'s>)) {
         let dim = self.mesh.dim();
         let origin = constants * self.origin;
         let position = |node: u32| {
@@ -151,12 +171,12 @@ impl Enclosed {
                 let x: Vec<Vec3> = nodes.iter().map(|&node| position(node)).collect();
                 let mut volume = Volume::zero(nodes.len(), second);
                 terms.iter().for_each(|term| volume.add(term, &x, (&origin, constants)));
-                call(&Patch { nodes, dim, volume });
+                call(Patch { nodes, dim, volume });
             }
         }
         for lid in &self.lids {
             let x: Vec<Vec3> = lid.nodes.iter().map(|&node| position(node)).collect();
-            call(&Patch { nodes: &lid.nodes, dim, volume: lid.volume(&x, (&origin, constants), second) });
+            call(Patch { nodes: &lid.nodes, dim, volume: lid.volume(&x, (&origin, constants), second) });
         }
     }
 }

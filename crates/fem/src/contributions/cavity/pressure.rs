@@ -11,6 +11,7 @@ use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::{axpy, dot};
+use std::cell::OnceCell;
 
 /// The potential `-p V(u)` of a [`Cavity`](super::Cavity).
 #[derive(Debug)]
@@ -42,17 +43,30 @@ impl Contribution for CavityPressure {
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
-        Ok(Box::new(self))
+        Ok(Box::new(CavityPressurePoint { cavity: self, shares: OnceCell::new() }))
     }
 }
 
-impl ContributionPoint for CavityPressure {
+/// A [`CavityPressure`] at one displacement.
+struct CavityPressurePoint<'a> {
+    cavity: &'a CavityPressure,
+    shares: OnceCell<Vec<Patch<'a>>>,
+}
+
+impl<'a> CavityPressurePoint<'a> {
+    /// The shares of the volume, found where they are first asked for.
+    fn shares(&self, at: &Instant) -> &[Patch<'a>] {
+        self.shares.get_or_init(|| self.cavity.0.enclosed.shares(at.u))
+    }
+}
+
+impl ContributionPoint for CavityPressurePoint<'_> {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let pressure = at.control(0);
         if pressure == 0.0 {
             return Ok(());
         }
-        self.0.enclosed.each(Some(at.u), false, |patch: &Patch| {
+        for patch in self.shares(at) {
             if demand.energy {
                 sums.energy -= pressure * patch.volume.value;
                 sums.energy_scale += pressure.abs() * patch.volume.scale;
@@ -63,46 +77,37 @@ impl ContributionPoint for CavityPressure {
                     sums.force_scale[dof] += (pressure * gradient).abs();
                 });
             }
-        });
+        }
         Ok(())
     }
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let pressure = at.control(0);
-        if pressure != 0.0 {
-            let mut added = Ok(());
-            self.0.enclosed.each(Some(at.u), true, |patch| {
-                if added.is_ok() {
-                    added = patch.add_hessian(-pressure, tangent);
-                }
-            });
-            added?;
-        }
-        Ok(())
+        Ok(self.cavity.0.enclosed.add_hessian(at.u, -pressure, tangent)?)
     }
 
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         let pressure = at.control(0);
         if pressure != 0.0 {
-            self.0.enclosed.each(Some(at.u), true, |patch| patch.add_hessian_product(-pressure, v, out));
+            self.cavity.0.enclosed.each(Some(at.u), true, |patch| patch.add_hessian_product(-pressure, v, out));
         }
         Ok(true)
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         let mut work = 0.0;
-        self.0.enclosed.each(Some(at.u), false, |patch| {
+        for patch in self.shares(at) {
             patch.each_component(|dof, gradient| work -= lambda[dof] * gradient);
-        });
+        }
         into.add_control(at, 0, work);
         Ok(())
     }
 
     fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
         let change = at.slot_of(v, 0);
-        self.0.enclosed.each(Some(at.u), false, |patch| {
+        for patch in self.shares(at) {
             patch.each_component(|dof, gradient| out[dof] -= change * gradient);
-        });
+        }
         Ok(())
     }
 
@@ -116,11 +121,14 @@ impl ContributionPoint for CavityPressure {
     ) -> Result<(), SecondDerivativeError> {
         let (pressure, change) = (at.control(0), at.slot_of(along.controls, 0));
         let mut of_lambda = vec![0.0; lambda.len()];
-        self.0.enclosed.each(Some(at.u), true, |patch| patch.add_hessian_product(-1.0, lambda, &mut of_lambda));
+        self.cavity.0.enclosed.each(Some(at.u), true, |patch| patch.add_hessian_product(-1.0, lambda, &mut of_lambda));
         into.add_control(at, 0, dot(&of_lambda, along.u));
         axpy(change, &of_lambda, &mut into.u);
         if pressure != 0.0 {
-            self.0.enclosed.each_change(lambda, |patch| patch.add_hessian_product(-pressure, along.u, &mut into.u));
+            self.cavity
+                .0
+                .enclosed
+                .each_change(lambda, |patch| patch.add_hessian_product(-pressure, along.u, &mut into.u));
         }
         Ok(())
     }

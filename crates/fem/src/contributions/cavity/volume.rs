@@ -11,6 +11,7 @@ use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::{axpy, dot};
+use std::cell::OnceCell;
 
 /// Times the volume at rest beyond which a volume is a mistake: a stretch of more than 20 everywhere.
 const LARGEST: f64 = 1e4;
@@ -103,15 +104,28 @@ impl Contribution for CavityVolume {
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
-        Ok(Box::new(self))
+        Ok(Box::new(CavityVolumePoint { cavity: self, shares: OnceCell::new() }))
     }
 }
 
-impl ContributionPoint for CavityVolume {
+/// A [`CavityVolume`] at one displacement.
+struct CavityVolumePoint<'a> {
+    cavity: &'a CavityVolume,
+    shares: OnceCell<Vec<Patch<'a>>>,
+}
+
+impl<'a> CavityVolumePoint<'a> {
+    /// The shares of the volume, found where they are first asked for.
+    fn shares(&self, at: &Instant) -> &[Patch<'a>] {
+        self.shares.get_or_init(|| self.cavity.0.enclosed.shares(at.u))
+    }
+}
+
+impl ContributionPoint for CavityVolumePoint<'_> {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        let (pressure, wanted) = (at.multiplier(0), self.wanted(at));
+        let (pressure, wanted) = (at.multiplier(0), self.cavity.wanted(at));
         let (mut volume, mut scale) = (0.0, wanted.abs());
-        self.0.enclosed.each(Some(at.u), false, |patch: &Patch| {
+        for patch in self.shares(at) {
             volume += patch.volume.value;
             scale += patch.volume.scale;
             if demand.force {
@@ -120,7 +134,7 @@ impl ContributionPoint for CavityVolume {
                     sums.force_scale[dof] += (pressure * gradient).abs();
                 });
             }
-        });
+        }
         if demand.energy {
             sums.energy -= pressure * (volume - wanted);
             sums.energy_scale += pressure.abs() * scale;
@@ -135,21 +149,12 @@ impl ContributionPoint for CavityVolume {
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let pressure = at.multiplier(0);
-        if pressure != 0.0 {
-            let mut added = Ok(());
-            self.0.enclosed.each(Some(at.u), true, |patch| {
-                if added.is_ok() {
-                    added = patch.add_hessian(-pressure, tangent);
-                }
-            });
-            added?;
-        }
-        Ok(())
+        Ok(self.cavity.0.enclosed.add_hessian(at.u, -pressure, tangent)?)
     }
 
     fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
         for column in columns.iter_mut().take(1) {
-            self.0.enclosed.each(Some(at.u), false, |patch| patch.each_component(|dof, g| column[dof] -= g));
+            self.shares(at).iter().for_each(|patch| patch.each_component(|dof, g| column[dof] -= g));
         }
         Ok(())
     }
@@ -157,7 +162,7 @@ impl ContributionPoint for CavityVolume {
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         let (pressure, own) = (at.multiplier(0), at.place(0));
         let (mut by_pressure, of_pressure) = (0.0, v[own]);
-        self.0.enclosed.each(Some(at.u), true, |patch| {
+        self.cavity.0.enclosed.each(Some(at.u), true, |patch| {
             patch.add_hessian_product(-pressure, v, out);
             patch.each_component(|dof, gradient| {
                 out[dof] -= of_pressure * gradient;
@@ -188,14 +193,17 @@ impl ContributionPoint for CavityVolume {
     ) -> Result<(), SecondDerivativeError> {
         let (pressure, own) = (at.multiplier(0), at.place(0));
         let mut of_lambda = vec![0.0; lambda.len()];
-        self.0.enclosed.each(Some(at.u), true, |patch| {
+        self.cavity.0.enclosed.each(Some(at.u), true, |patch| {
             patch.add_hessian_product(-1.0, lambda, &mut of_lambda);
             patch.add_hessian_product(-lambda[own], along.u, &mut into.u);
         });
         into.u[own] += dot(&of_lambda, along.u);
         axpy(along.u[own], &of_lambda, &mut into.u);
         if pressure != 0.0 {
-            self.0.enclosed.each_change(lambda, |patch| patch.add_hessian_product(-pressure, along.u, &mut into.u));
+            self.cavity
+                .0
+                .enclosed
+                .each_change(lambda, |patch| patch.add_hessian_product(-pressure, along.u, &mut into.u));
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! [`SpringForce`]: the contribution of a spring.
 
-use crate::contributions::guides::{Guides, Segment};
+use crate::contributions::guides::{Guides, Line, Segment};
 use crate::contributions::{
     Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sums,
 };
@@ -26,7 +26,7 @@ pub(crate) struct SpringForce {
 
 impl SpringForce {
     fn elongation(&self, u: &[f64]) -> f64 {
-        self.ends.length(u) - self.rest_length
+        self.ends.at(u).length() - self.rest_length
     }
 
     /// `V'(d)` less what balances it: `k (1 - L/l) d - (1 - q) V'(d_0)`.
@@ -56,7 +56,7 @@ impl Contribution for SpringForce {
         let elongation = self.elongation(at.u);
         vec![
             ("force", self.stiffness * elongation),
-            ("length", self.ends.length(at.u)),
+            ("length", self.ends.at(at.u).length()),
             ("rest_length", self.rest_length),
         ]
     }
@@ -66,23 +66,30 @@ impl Contribution for SpringForce {
         vec![Polyline { name: self.name.clone(), points: self.ends.positions(at.u), quantities }]
     }
 
-    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
-        Ok(Box::new(self))
+    fn at<'a>(&'a self, at: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(SpringPoint { spring: self, line: self.ends.at(at.u) }))
     }
 }
 
-impl ContributionPoint for SpringForce {
+/// A [`SpringForce`] at one displacement.
+struct SpringPoint<'a> {
+    spring: &'a SpringForce,
+    line: Line<'a>,
+}
+
+impl ContributionPoint for SpringPoint<'_> {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        for segment in self.ends.segments(at.u) {
+        for segment in &self.line.segments {
             if demand.energy {
-                let (elongation, balanced) = (segment.length - self.rest_length, (1.0 - at.load) * self.at_rest);
-                let (value, change) = (0.5 * self.stiffness * elongation * elongation, segment.change(at.u));
+                let (elongation, balanced) =
+                    (segment.length - self.spring.rest_length, (1.0 - at.load) * self.spring.at_rest);
+                let (value, change) = (0.5 * self.spring.stiffness * elongation * elongation, segment.change(at.u));
                 sums.energy += value - balanced.dot(&change);
-                let rounding = self.stiffness * elongation.abs() * (segment.length + self.rest_length);
+                let rounding = self.spring.stiffness * elongation.abs() * (segment.length + self.spring.rest_length);
                 sums.energy_scale += value + rounding + balanced.dot(&change).abs();
             }
             if demand.force {
-                segment.each_end(self.pull(&segment, at.load), |dof, force| {
+                segment.each_end(self.spring.pull(segment, at.load), |dof, force| {
                     sums.force[dof] += force;
                     sums.force_scale[dof] += force.abs();
                 });
@@ -91,42 +98,42 @@ impl ContributionPoint for SpringForce {
         Ok(())
     }
 
-    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        let quadratic = self.stiffness * Mat3::identity();
-        self.ends.segments(at.u).try_for_each(|segment| segment.add_block(&quadratic, tangent))?;
-        if self.rest_length > 0.0 {
-            self.ends.add_curvature(at.u, -self.stiffness * self.rest_length, tangent)?;
+    fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        let quadratic = self.spring.stiffness * Mat3::identity();
+        self.line.segments.iter().try_for_each(|segment| segment.add_block(&quadratic, tangent))?;
+        if self.spring.rest_length > 0.0 {
+            self.line.add_curvature(-self.spring.stiffness * self.spring.rest_length, tangent)?;
         }
         Ok(())
     }
 
-    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
-        for segment in self.ends.segments(at.u) {
-            segment.each_end(self.stiffness * segment.change(v), |dof, value| out[dof] += value);
+    fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
+        for segment in &self.line.segments {
+            segment.each_end(self.spring.stiffness * segment.change(v), |dof, value| out[dof] += value);
         }
-        if self.rest_length > 0.0 {
-            self.ends.add_curvature_product(at.u, -self.stiffness * self.rest_length, v, out);
+        if self.spring.rest_length > 0.0 {
+            self.line.add_curvature_product(-self.spring.stiffness * self.spring.rest_length, v, out);
         }
         Ok(true)
     }
 
     /// Its ends do not pass each other, where its direction jumps; of rest length 0 it needs none.
-    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
-        let free = self.rest_length == 0.0;
-        Ok(if free { 1.0 } else { self.ends.max_step(at.u, du) })
+    fn max_step(&self, _: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
+        let free = self.spring.rest_length == 0.0;
+        Ok(if free { 1.0 } else { self.line.max_step(du) })
     }
 
     /// `-k L l'''[lambda, du]`.
     fn second_vjp(
         &self,
-        at: &Instant,
+        _: &Instant,
         lambda: &[f64],
         along: &Increment,
         into: &mut SecondSensitivities,
     ) -> Result<(), SecondDerivativeError> {
-        if self.rest_length > 0.0 {
-            let factor = -self.stiffness * self.rest_length;
-            self.ends.add_third_product(at.u, factor, [lambda, along.u], &mut into.u);
+        if self.spring.rest_length > 0.0 {
+            let factor = -self.spring.stiffness * self.spring.rest_length;
+            self.line.add_third_product(factor, [lambda, along.u], &mut into.u);
         }
         Ok(())
     }

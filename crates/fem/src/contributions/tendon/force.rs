@@ -1,6 +1,6 @@
 //! [`TendonForce`]: the contribution of a tendon under a given tension, and of an elastic one.
 
-use crate::contributions::guides::Guides;
+use crate::contributions::guides::{Guides, Line};
 use crate::contributions::{
     Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities, Sensitivities,
     Sums,
@@ -60,12 +60,12 @@ impl TendonForce {
         length - self.reference_length + pull
     }
 
-    fn tension(&self, at: &Instant) -> Tension {
+    fn tension(&self, at: &Instant, length: f64) -> Tension {
         let control = at.control(0);
         match self.drive {
             Drive::Tension => Tension { value: control, by_length: 0.0, by_control: 1.0 },
             Drive::Pull { stiffness } => {
-                let elongation = self.elongation(self.guides.length(at.u), control);
+                let elongation = self.elongation(length, control);
                 if elongation >= 0.0 {
                     Tension { value: stiffness * elongation, by_length: stiffness, by_control: stiffness }
                 } else {
@@ -76,8 +76,8 @@ impl TendonForce {
     }
 
     /// The potential, and the sum of absolute values that its rounding is measured against.
-    fn potential(&self, at: &Instant) -> (f64, f64) {
-        let (length, control) = (self.guides.length(at.u), at.control(0));
+    fn potential(&self, at: &Instant, length: f64) -> (f64, f64) {
+        let control = at.control(0);
         match self.drive {
             Drive::Tension => (control * length, (control * length).abs()),
             Drive::Pull { stiffness } => {
@@ -133,10 +133,11 @@ impl Contribution for TendonForce {
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        let tension = self.tension(at).value;
+        let length = self.guides.at(at.u).length();
+        let tension = self.tension(at, length).value;
         let mut out = vec![
             ("tension", tension),
-            ("length", self.guides.length(at.u)),
+            ("length", length),
             ("reference_length", self.reference_length),
             ("slack", f64::from(tension <= 0.0)),
         ];
@@ -147,32 +148,40 @@ impl Contribution for TendonForce {
     }
 
     fn lines(&self, at: &Instant) -> Vec<Polyline> {
-        vec![line(&self.name, &self.guides, at.u, self.tension(at).value)]
+        let tension = self.tension(at, self.guides.at(at.u).length()).value;
+        vec![line(&self.name, &self.guides, at.u, tension)]
     }
 
-    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
-        Ok(Box::new(self))
+    fn at<'a>(&'a self, at: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(TendonPoint { tendon: self, line: self.guides.at(at.u) }))
     }
 }
 
-impl ContributionPoint for TendonForce {
+/// A [`TendonForce`] at one displacement.
+struct TendonPoint<'a> {
+    tendon: &'a TendonForce,
+    line: Line<'a>,
+}
+
+impl TendonPoint<'_> {
+    fn tension(&self, at: &Instant) -> Tension {
+        self.tendon.tension(at, self.line.length())
+    }
+}
+
+impl ContributionPoint for TendonPoint<'_> {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let tension = self.tension(at).value;
         if tension == 0.0 {
             return Ok(());
         }
         if demand.energy {
-            let (value, scale) = self.potential(at);
+            let (value, scale) = self.tendon.potential(at, self.line.length());
             sums.energy += value;
             sums.energy_scale += scale;
         }
         if demand.force {
-            for segment in self.guides.segments(at.u) {
-                segment.each_end(tension * segment.direction, |dof, force| {
-                    sums.force[dof] += force;
-                    sums.force_scale[dof] += force.abs();
-                });
-            }
+            self.line.add_force(tension, sums);
         }
         Ok(())
     }
@@ -180,10 +189,10 @@ impl ContributionPoint for TendonForce {
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let tension = self.tension(at);
         if tension.value != 0.0 {
-            self.guides.add_curvature(at.u, tension.value, tangent)?;
+            self.line.add_curvature(tension.value, tangent)?;
         }
         if tension.by_length != 0.0 {
-            self.guides.add_gradient_product(at.u, tension.by_length, tangent)?;
+            self.line.add_gradient_product(tension.by_length, tangent)?;
         }
         Ok(())
     }
@@ -191,28 +200,28 @@ impl ContributionPoint for TendonForce {
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         let tension = self.tension(at);
         if tension.value != 0.0 {
-            self.guides.add_curvature_product(at.u, tension.value, v, out);
+            self.line.add_curvature_product(tension.value, v, out);
         }
         if tension.by_length != 0.0 {
-            axpy(tension.by_length * self.guides.slope(at.u, v), &self.guides.gradient(at.u), out);
+            axpy(tension.by_length * self.line.slope(v), &self.line.gradient(), out);
         }
         Ok(true)
     }
 
     /// No guide passes the next one, where the direction of the tendon jumps.
-    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
-        Ok(self.guides.max_step(at.u, du))
+    fn max_step(&self, _: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
+        Ok(self.line.max_step(du))
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
-        into.add_control(at, 0, self.tension(at).by_control * self.guides.slope(at.u, lambda));
+        into.add_control(at, 0, self.tension(at).by_control * self.line.slope(lambda));
         Ok(())
     }
 
     fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
         let change = self.tension(at).by_control * at.slot_of(v, 0);
         if change != 0.0 {
-            axpy(change, &self.guides.gradient(at.u), out);
+            axpy(change, &self.line.gradient(), out);
         }
         Ok(())
     }
@@ -226,20 +235,19 @@ impl ContributionPoint for TendonForce {
         along: &Increment,
         into: &mut SecondSensitivities,
     ) -> Result<(), SecondDerivativeError> {
-        let (tension, guides) = (self.tension(at), &self.guides);
+        let (tension, line) = (self.tension(at), &self.line);
         let mut of_du = vec![0.0; lambda.len()];
-        guides.add_curvature_product(at.u, 1.0, along.u, &mut of_du);
+        line.add_curvature_product(1.0, along.u, &mut of_du);
         let mixed = dot(lambda, &of_du);
         into.add_control(at, 0, tension.by_control * mixed);
-        let change =
-            tension.by_length * guides.slope(at.u, along.u) + tension.by_control * at.slot_of(along.controls, 0);
-        guides.add_curvature_product(at.u, change, lambda, &mut into.u);
+        let change = tension.by_length * line.slope(along.u) + tension.by_control * at.slot_of(along.controls, 0);
+        line.add_curvature_product(change, lambda, &mut into.u);
         if tension.value != 0.0 {
-            guides.add_third_product(at.u, tension.value, [lambda, along.u], &mut into.u);
+            line.add_third_product(tension.value, [lambda, along.u], &mut into.u);
         }
         if tension.by_length != 0.0 {
-            axpy(tension.by_length * guides.slope(at.u, lambda), &of_du, &mut into.u);
-            axpy(tension.by_length * mixed, &guides.gradient(at.u), &mut into.u);
+            axpy(tension.by_length * line.slope(lambda), &of_du, &mut into.u);
+            axpy(tension.by_length * mixed, &line.gradient(), &mut into.u);
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! [`InextensibleTendon`]: a cable that does not stretch, drawn in by a given length.
 
 use super::force::{Drive, line};
-use crate::contributions::guides::Guides;
+use crate::contributions::guides::{Guides, Line};
 use crate::contributions::{
     Constrains, Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities,
     Sensitivities, Sums,
@@ -71,7 +71,7 @@ impl Contribution for InextensibleTendon {
 
     fn check(&self, supports: &Supports) -> Result<(), FemError> {
         let (fixed, rest) = (supports.fixed(), vec![0.0; supports.fixed().len()]);
-        if self.guides.gradient(&rest).iter().zip(fixed).any(|(slope, fixed)| !fixed && *slope != 0.0) {
+        if self.guides.at(&rest).gradient().iter().zip(fixed).any(|(slope, fixed)| !fixed && *slope != 0.0) {
             return Ok(());
         }
         let what = format!(
@@ -98,7 +98,7 @@ impl Contribution for InextensibleTendon {
         let tension = at.multiplier(0);
         vec![
             ("tension", tension),
-            ("length", self.guides.length(at.u)),
+            ("length", self.guides.at(at.u).length()),
             ("reference_length", self.reference_length),
             ("slack", f64::from(tension <= 0.0)),
             ("pull", at.control(0)),
@@ -113,25 +113,26 @@ impl Contribution for InextensibleTendon {
         Some(self)
     }
 
-    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
-        Ok(Box::new(self))
+    fn at<'a>(&'a self, at: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(InextensiblePoint { tendon: self, line: self.guides.at(at.u) }))
     }
 }
 
-impl ContributionPoint for InextensibleTendon {
+/// An [`InextensibleTendon`] at one displacement.
+struct InextensiblePoint<'a> {
+    tendon: &'a InextensibleTendon,
+    line: Line<'a>,
+}
+
+impl ContributionPoint for InextensiblePoint<'_> {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        let (tension, length, free) = (at.multiplier(0), self.guides.length(at.u), self.free_length(at));
+        let (tension, length, free) = (at.multiplier(0), self.line.length(), self.tendon.free_length(at));
         if demand.energy {
             sums.energy += tension * (length - free);
             sums.energy_scale += tension.abs() * (length + free.abs());
         }
         if demand.force {
-            for segment in self.guides.segments(at.u) {
-                segment.each_end(tension * segment.direction, |dof, force| {
-                    sums.force[dof] += force;
-                    sums.force_scale[dof] += force.abs();
-                });
-            }
+            self.line.add_force(tension, sums);
             sums.force[at.place(0)] += length - free;
             sums.force_scale[at.place(0)] += length + free.abs();
         }
@@ -140,14 +141,14 @@ impl ContributionPoint for InextensibleTendon {
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if at.multiplier(0) != 0.0 {
-            self.guides.add_curvature(at.u, at.multiplier(0), tangent)?;
+            self.line.add_curvature(at.multiplier(0), tangent)?;
         }
         Ok(())
     }
 
-    fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
+    fn add_border(&self, _: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {
         for column in columns.iter_mut().take(1) {
-            for segment in self.guides.segments(at.u) {
+            for segment in &self.line.segments {
                 segment.each_end(segment.direction, |dof, slope| column[dof] += slope);
             }
         }
@@ -156,15 +157,15 @@ impl ContributionPoint for InextensibleTendon {
 
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         let own = at.place(0);
-        self.guides.add_curvature_product(at.u, at.multiplier(0), v, out);
-        axpy(v[own], &self.guides.gradient(at.u), out);
-        out[own] += self.guides.slope(at.u, v);
+        self.line.add_curvature_product(at.multiplier(0), v, out);
+        axpy(v[own], &self.line.gradient(), out);
+        out[own] += self.line.slope(v);
         Ok(true)
     }
 
     /// No guide passes the next one, where the direction of the tendon jumps.
-    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
-        Ok(self.guides.max_step(at.u, du))
+    fn max_step(&self, _: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
+        Ok(self.line.max_step(du))
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
@@ -185,14 +186,14 @@ impl ContributionPoint for InextensibleTendon {
         along: &Increment,
         into: &mut SecondSensitivities,
     ) -> Result<(), SecondDerivativeError> {
-        let (own, guides) = (at.place(0), &self.guides);
+        let (own, line) = (at.place(0), &self.line);
         let mut of_lambda = vec![0.0; lambda.len()];
-        guides.add_curvature_product(at.u, 1.0, lambda, &mut of_lambda);
+        line.add_curvature_product(1.0, lambda, &mut of_lambda);
         into.u[own] += dot(&of_lambda, along.u);
         axpy(along.u[own], &of_lambda, &mut into.u);
-        guides.add_curvature_product(at.u, lambda[own], along.u, &mut into.u);
+        line.add_curvature_product(lambda[own], along.u, &mut into.u);
         if at.multiplier(0) != 0.0 {
-            guides.add_third_product(at.u, at.multiplier(0), [lambda, along.u], &mut into.u);
+            line.add_third_product(at.multiplier(0), [lambda, along.u], &mut into.u);
         }
         Ok(())
     }
