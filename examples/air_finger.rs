@@ -5,7 +5,7 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::fem::{Demand, Inadmissible, Instant, Sensitivities, Sums, check_contribution};
+use nastic::fem::{ContributionPoint, Demand, Inadmissible, Instant, Need, Sensitivities, Sums, check_contribution};
 use nastic::linear::SparseMatrix;
 use nastic::prelude::*;
 

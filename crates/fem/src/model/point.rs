@@ -2,24 +2,24 @@
 
 use super::Model;
 use super::inequalities::has_inequalities;
+use crate::contributions::body_energy::evaluated::EvaluatedBody;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use crate::contributions::{Contribution, ContributionPoint, Demand, Need, Sums};
 use crate::error::{Inadmissible, SecondDerivativeError};
+use crate::kernels::displaced::Displaced;
 use crate::solution::saddle_point::BorderedTangent;
 use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::sub;
-
-/// Contributions of a model before the others: the body and its dead load.
-const OWN: usize = 2;
 
 /// All contributions of a [`Model`] at one displacement: `sum_c r_c` and its derivatives, for which kinematics are found once.
 ///
 /// Every method is told the instant, whose u has the displacement that the point was made for; see [`ContributionPoint`].
 pub struct ModelPoint<'m> {
     model: &'m Model,
-    points: Vec<Box<dyn ContributionPoint + 'm>>,
+    body: EvaluatedBody<'m>,
+    others: Vec<Box<dyn ContributionPoint + 'm>>,
 }
 
 impl Model {
@@ -28,16 +28,21 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn at(&self, at: &Instant, need: Need) -> Result<ModelPoint<'_>, Inadmissible> {
-        let nodal = Instant { u: self.nodal(at.u), ..*at };
-        let mut points = vec![self.body.at(&nodal, need)?, self.dead_load.at(&nodal, need)?];
-        for (contribution, at) in self.others.iter().zip(self.instants(at)) {
-            points.push(contribution.at(&at, need)?);
-        }
-        Ok(ModelPoint { model: self, points })
+        let others = self.others.iter().zip(self.instants(at)).map(|(contribution, at)| contribution.at(&at, need));
+        Ok(ModelPoint {
+            model: self,
+            body: EvaluatedBody::new(&self.body, need),
+            others: others.collect::<Result<_, _>>()?,
+        })
     }
 }
 
 impl ModelPoint<'_> {
+    /// Its displacement, the first of the unknowns x, with what is known of it.
+    pub(crate) fn displaced<'p>(&'p self, x: &'p [f64]) -> Displaced<'p> {
+        self.body.displaced(self.model.nodal(x))
+    }
+
     /// Energy alone, or energy and residual force.
     ///
     /// # Errors
@@ -174,10 +179,8 @@ impl ModelPoint<'_> {
     ) -> Result<(), E> {
         // These know of no multipliers.
         let nodal = Instant { u: self.model.nodal(at.u), ..*at };
-        let own: [&dyn Contribution; OWN] = [&self.model.body, &self.model.dead_load];
-        for (contribution, point) in own.into_iter().zip(&self.points) {
-            call(contribution, point.as_ref(), &nodal)?;
-        }
+        call(&self.model.body, &self.body, &nodal)?;
+        call(&self.model.dead_load, &self.model.dead_load, &nodal)?;
         self.each_other(at, call)
     }
 
@@ -186,7 +189,7 @@ impl ModelPoint<'_> {
         at: &Instant,
         mut call: impl FnMut(&dyn Contribution, &dyn ContributionPoint, &Instant) -> Result<(), E>,
     ) -> Result<(), E> {
-        let others = self.model.others.iter().zip(&self.points[OWN..]);
+        let others = self.model.others.iter().zip(&self.others);
         for ((contribution, point), at) in others.zip(self.model.instants(at)) {
             call(contribution.as_ref(), point.as_ref(), &at)?;
         }

@@ -151,9 +151,9 @@ impl<'a> LineSearch<'a> {
     /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
     fn downhill(&mut self, here: &Iterate, dx: &[f64], merit: &dyn Merit) -> Result<Taken<'a>, Stop> {
         let Equations { model, options, .. } = *self.equations;
-        let (u, du, parallel) = (model.nodal(here.x), model.nodal(dx), options.parallel);
+        let (at, du, parallel) = (here.point.displaced(here.x), model.nodal(dx), options.parallel);
         let straight = |s: f64| moved(here.x, dx, s);
-        let reach = StepLimits::of(model.discretization(), u, du, parallel);
+        let reach = StepLimits::of(model.discretization(), at, du, parallel);
         let others = self.equations.chord(here.point, here.x, &straight(1.0))?;
         if let Some(longest) = reach.curved {
             if self.fit.is_none() {
@@ -161,7 +161,7 @@ impl<'a> LineSearch<'a> {
             }
             if let Some(fit) = &self.fit {
                 let curve = |s: f64| {
-                    let bent = fit.correction(model, u, du, s, parallel);
+                    let bent = fit.correction(model, at, du, s, parallel);
                     let mut to = straight(s);
                     to.iter_mut().zip(&bent).for_each(|(u, bent)| *u += bent);
                     to

@@ -1,6 +1,7 @@
 //! [`Connection`]: whether two equilibria lie on one branch.
 
 use crate::error::StateError;
+use crate::kernels::displaced::Displaced;
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::path::{EventKind, PathEnd, PathOptions};
@@ -155,7 +156,8 @@ impl Model {
         let (mut u, du) = (from.u.to_vec(), sub(&to.u, &from.u));
         axpy(share, &du, &mut u);
         if let Some(fit) = fit {
-            let bent = fit.correction_between(self, self.nodal(&from.u), self.nodal(&du), share, parallel);
+            let bent =
+                fit.correction_between(self, Displaced::by(self.nodal(&from.u)), self.nodal(&du), share, parallel);
             u.iter_mut().zip(&bent).for_each(|(u, bent)| *u += bent);
         }
         let controls = Arc::new(from.controls.blend(&to.controls, share));

@@ -75,14 +75,14 @@ impl GradientFit {
     }
 
     /// `u(s) - u - s du`, zero where supported.
-    pub fn correction(&self, model: &Model, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
-        self.fit(model, misfit(model.discretization(), u, du, s, turned, parallel))
+    pub fn correction(&self, model: &Model, at: Displaced, du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
+        self.fit(model, misfit(model.discretization(), at, du, s, turned, parallel))
     }
 
     /// The same between two states u and u + du: the way from F to `R U F`, with the polar decomposition `1 + G = R U`, is
     /// `F(s) = R^s (1 + s (U - 1)) F`, with `R^s` the rotation about the axis of R by s times its angle.
-    pub fn correction_between(&self, model: &Model, u: &[f64], du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
-        self.fit(model, misfit(model.discretization(), u, du, s, turned_between, parallel))
+    pub fn correction_between(&self, model: &Model, at: Displaced, du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
+        self.fit(model, misfit(model.discretization(), at, du, s, turned_between, parallel))
     }
 
     fn fit(&self, model: &Model, mut rhs: Vec<f64>) -> Vec<f64> {
@@ -115,10 +115,10 @@ pub(crate) struct StepLimits {
 }
 
 impl StepLimits {
-    pub fn of(disc: &Discretization, u: &[f64], du: &[f64], parallel: bool) -> Self {
+    pub fn of(disc: &Discretization, at: Displaced, du: &[f64], parallel: bool) -> Self {
         let of = |group: Cells, cells: &[u32]| {
             let mut found = Found::default();
-            each_point(group, cells, u, du, |_, _, _, (_, g)| {
+            each_point(group, cells, at, du, |_, _, _, (_, g)| {
                 let longest = |g: &Mat3| volume_step(&Kinematics::rest(), g);
                 found.add(&Found { angle: axial(&g).norm(), straight: longest(&g), curved: longest(&symmetric(&g)) });
             });
@@ -161,7 +161,7 @@ impl Found {
 /// `int (F(s) - F - s grad du) : grad N_a dX`, flat, with `F(s) = turned(G, s) F`.
 fn misfit(
     disc: &Discretization,
-    u: &[f64],
+    at: Displaced,
     du: &[f64],
     s: f64,
     turned: impl Fn(&Mat3, f64) -> Mat3 + Sync,
@@ -174,7 +174,7 @@ fn misfit(
             let mut rows = vec![0.0; length * cells.len()];
             let mut targets = vec![Mat3::zeros(); group.part.table.points];
             let mut cell = 0;
-            each_point(group, cells, u, du, |q, weight, shapes, (f, g)| {
+            each_point(group, cells, at, du, |q, weight, shapes, (f, g)| {
                 targets[q] = (turned(&g, s) * f - f - s * g * f) * weight;
                 if q + 1 == targets.len() {
                     group.force(shapes, &targets, &mut rows[length * cell..length * (cell + 1)]);
@@ -200,14 +200,14 @@ fn misfit(
 fn each_point(
     group: Cells,
     cells: &[u32],
-    u: &[f64],
+    displaced: Displaced,
     du: &[f64],
     mut call: impl FnMut(usize, f64, &[f64], (Mat3, Mat3)),
 ) {
     let mut scratch = Scratch::new(group);
     for c in cells {
         let patch = Patch::single(c);
-        let sound = scratch.move_to(group, patch, Displaced::by(u)).is_ok();
+        let sound = scratch.move_to(group, patch, displaced).is_ok();
         scratch.change_by(group, patch, du);
         for (q, (step, &weight)) in scratch.change.iter().zip(&scratch.weights).enumerate() {
             let pair = match scratch.kinematics.get(q).filter(|_| sound) {

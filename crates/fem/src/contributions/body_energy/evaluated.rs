@@ -15,7 +15,7 @@ use nastic_tensor::Mat3;
 use std::cell::OnceCell;
 
 /// A [`BodyEnergy`] at one displacement: `1 + grad u` at the quadrature points, found with the residual, serves the derivatives.
-pub(super) struct EvaluatedBody<'a> {
+pub(crate) struct EvaluatedBody<'a> {
     body: &'a BodyEnergy,
     keeps: bool,
     gradients: OnceCell<Vec<Mat3>>,
@@ -26,8 +26,13 @@ impl<'a> EvaluatedBody<'a> {
         EvaluatedBody { body, keeps: need == Need::Derivatives, gradients: OnceCell::new() }
     }
 
+    /// Its displacement u with what is known of it.
+    pub fn displaced<'p>(&'p self, u: &'p [f64]) -> Displaced<'p> {
+        Displaced { u, known: self.gradients.get().map(Vec::as_slice) }
+    }
+
     fn place<'p>(&'p self, at: &Instant<'p>) -> (Displaced<'p>, Driving<'p>) {
-        (Displaced { u: at.u, known: self.gradients.get().map(Vec::as_slice) }, Driving::of(at))
+        (self.displaced(at.u), Driving::of(at))
     }
 }
 

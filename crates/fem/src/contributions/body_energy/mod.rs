@@ -22,7 +22,7 @@ pub(crate) mod assembly;
 mod control_product;
 mod control_vjp;
 pub(crate) mod driving;
-mod evaluated;
+pub(crate) mod evaluated;
 pub(crate) mod formulation;
 pub(crate) mod history;
 pub(crate) mod max_step;
