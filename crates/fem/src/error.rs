@@ -84,8 +84,8 @@ pub enum FemError {
         support: String,
         /// Node number.
         node: usize,
-        /// "x", "y" or "z".
-        component: &'static str,
+        /// "x", "y" or "z"; of a further field its number and name.
+        component: String,
         /// Value already there.
         old: f64,
         /// Value refused.

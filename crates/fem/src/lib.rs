@@ -31,11 +31,11 @@ pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
 pub use discretization::{Discretization, StructureCounts};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
-pub use model::{Controllable, Feature, Model, ModelPoint, Unknowns};
+pub use model::{Controllable, DISPLACEMENT, Feature, Model, ModelPoint};
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };
-pub use nastic_linear::{Solver, SolverFactory};
+pub use nastic_linear::{Field, On, Role, Solver, SolverFactory, Space};
 pub use solid::Solid;
 pub use solution::connection::Connection;
 pub use solution::deflation::{Equilibria, Equilibrium};

@@ -2,10 +2,12 @@
 
 mod admissible;
 mod features;
+mod fields;
 mod history;
 mod inequalities;
 mod point;
 mod prescribed;
+mod restricted;
 
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::driving::Driving;
@@ -21,12 +23,12 @@ use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
 use nastic_energy::Slot;
-use nastic_linear::{Solver, SolverFactory, SparseMatrix, Symmetry};
+use nastic_linear::{Space, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
-use nastic_numeric::vector::dot;
 use std::sync::Arc;
 
 pub use features::Feature;
+pub use fields::DISPLACEMENT;
 pub use point::ModelPoint;
 
 /// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
@@ -38,6 +40,7 @@ pub struct Model {
     pub(crate) supports: Supports,
     pub(crate) dead_load: DeadLoad,
     others: Vec<Arc<dyn Contribution>>,
+    space: Space,
 }
 
 /// What can be controlled: an actuation of the body, or a contribution with slots of its own.
@@ -59,35 +62,12 @@ pub struct Controllable<'a> {
     pub holds: bool,
 }
 
-/// How many unknowns there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Unknowns {
-    /// Displacement components per node.
-    pub dim: usize,
-    /// Nodes.
-    pub nodes: usize,
-    /// Scalar unknowns behind the nodal ones, which border the tangent: the multipliers of constraints, in the order of the
-    /// contributions.
-    pub scalars: usize,
-}
-
-impl Unknowns {
-    /// All of them, supported ones included.
-    pub fn len(&self) -> usize {
-        self.dim * self.nodes + self.scalars
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
-
 impl Model {
     /// A body without materials, supports or loads.
     pub fn new(disc: Arc<Discretization>) -> Self {
         let (supports, dead_load) = (Supports::new(disc.mesh()), DeadLoad(vec![0.0; disc.dofs()]));
-        Model { body: BodyEnergy::new(disc), supports, dead_load, others: Vec::new() }
+        let space = fields::displacement_alone(disc.mesh());
+        Model { body: BodyEnergy::new(disc), supports, dead_load, others: Vec::new(), space }
     }
 
     /// Adds a contribution.
@@ -107,6 +87,7 @@ impl Model {
             self.supports.drive(name, &moved.unknowns())?;
         }
         self.body.set_discretization(disc)?;
+        self.add_fields(contribution.as_ref())?;
         self.others.push(contribution);
         Ok(())
     }
@@ -114,13 +95,6 @@ impl Model {
     /// The discretisation.
     pub fn discretization(&self) -> &Arc<Discretization> {
         self.body.discretization()
-    }
-
-    /// The unknowns.
-    pub fn unknowns(&self) -> Unknowns {
-        let disc = self.discretization();
-        let scalars = self.others.iter().map(count).sum();
-        Unknowns { dim: disc.dim(), nodes: disc.mesh().points().len(), scalars }
     }
 
     /// Everything that can be controlled, in the order of the blocks of [`Controls`]; of internal variables, which nobody controls,
@@ -201,22 +175,14 @@ impl Model {
         self.others.iter().all(|c| c.has_potential())
     }
 
-    /// What solves its tangent systems unless told otherwise.
-    pub fn solver(&self) -> &'static dyn SolverFactory {
-        match self.symmetry() {
-            Symmetry::Symmetric => self.discretization().solver(),
-            Symmetry::General => Solver::GENERAL,
-        }
-    }
-
     /// A zero matrix for the tangent.
     pub fn matrix(&self) -> SparseMatrix {
-        SparseMatrix::with_symmetry(self.discretization().pattern().clone(), self.symmetry())
+        SparseMatrix::with_symmetry(self.structure().pattern().clone(), self.symmetry())
     }
 
     /// A matrix of the pattern with nothing in it, where products stand for it.
     pub(crate) fn matrix_without_values(&self) -> SparseMatrix {
-        SparseMatrix::without_values(self.discretization().pattern().clone())
+        SparseMatrix::without_values(self.structure().pattern().clone())
     }
 
     /// Energy alone, or energy and residual force.
@@ -248,10 +214,10 @@ impl Model {
     /// # Errors
     /// [`FemError::NotCoupled`].
     pub fn mass(&self) -> Result<SparseMatrix, FemError> {
-        let mut mass = self.discretization().matrix();
+        let mut mass = SparseMatrix::zeros(self.structure().pattern().clone());
         for contribution in &self.others {
             let named = |lacking| FemError::NotCoupled { contribution: contribution.name().to_owned(), lacking };
-            contribution.add_mass(&mut mass).map_err(named)?;
+            self.add_matrix(contribution.as_ref(), &mut mass, |own| contribution.add_mass(own)).map_err(named)?;
         }
         Ok(mass)
     }
@@ -265,7 +231,7 @@ impl Model {
         let v = self.nodal(velocity);
         let mut image = vec![0.0; v.len()];
         self.mass()?.multiply(v, &mut image);
-        Ok(0.5 * dot(v, &image))
+        Ok(0.5 * self.space.dot(v, &image))
     }
 
     /// Residual and tangent with strains of their own at the quadrature points of the body.
@@ -326,9 +292,9 @@ impl Model {
         self.at(at, Need::Residual)?.second_vjp(at, lambda, along)
     }
 
-    /// The displacement among all unknowns.
+    /// The unknowns on nodes among all: the displacement, where there is no further field.
     pub fn nodal<'u>(&self, u: &'u [f64]) -> &'u [f64] {
-        &u[..u.len().min(self.discretization().dofs())]
+        &u[..u.len().min(self.space.nodal())]
     }
 
     /// Whether all constraints can be fulfilled under these controls.
@@ -342,7 +308,7 @@ impl Model {
     /// A contribution by name, the index of its block of controls, that of its first multiplier, and that of its internal variables.
     pub(crate) fn contribution(&self, name: &str) -> Option<(&dyn Contribution, usize, usize, usize)> {
         let mut found: Option<(&dyn Contribution, usize, usize, usize)> = None;
-        let (mut block, mut scalar) = (self.body.actuations().len(), self.discretization().dofs());
+        let (mut block, mut scalar) = (self.body.actuations().len(), self.space.nodal());
         for contribution in [&self.body as &dyn Contribution, &self.dead_load].into_iter().filter(|c| c.name() == name)
         {
             found = Some((contribution, 0, scalar, usize::MAX));
@@ -363,7 +329,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where a contribution needs J > 0.
     pub fn quantities(&self, at: &Instant) -> Result<Vec<(String, &'static str, f64)>, Inadmissible> {
-        let peaks = self.body.point_peaks(at.u, at.controls)?;
+        let peaks = self.body.point_peaks(&self.displacement(at.u), at.controls)?;
         let mut all: Vec<_> = peaks.into_iter().map(|peak| (peak.actuation, peak.quantity.name, peak.value)).collect();
         self.each_other(at, |contribution, at| {
             let own = contribution.quantities(at);
@@ -398,12 +364,15 @@ impl Model {
         at: &Instant,
         mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.others.iter().zip(self.instants(at)).try_for_each(|(contribution, at)| call(contribution.as_ref(), &at))
+        self.others.iter().zip(self.instants(at)).try_for_each(|(contribution, at)| {
+            let contribution = contribution.as_ref();
+            self.among_fields(contribution, &at, |at| call(contribution, at))
+        })
     }
 
     /// Where each contribution beside the body is evaluated.
     fn instants<'a>(&self, at: &Instant<'a>) -> impl Iterator<Item = Instant<'a>> {
-        let (at, mut block, mut scalar) = (*at, self.body.actuations().len(), self.discretization().dofs());
+        let (at, mut block, mut scalar) = (*at, self.body.actuations().len(), self.space.nodal());
         self.others.iter().zip(block..).map(move |(contribution, memory)| {
             let own = Instant { block, scalar, memory, ..at };
             scalar += count(contribution);
@@ -427,7 +396,7 @@ impl Model {
     /// Checks that the problem is complete for motion, in which a body may be free.
     pub(crate) fn check_in_motion(&self) -> Result<(), FemError> {
         self.body.check_complete()?;
-        self.others.iter().try_for_each(|contribution| contribution.check(&self.supports))
+        self.others.iter().try_for_each(|contribution| contribution.check(&self.supports_of(contribution.as_ref())))
     }
 }
 

@@ -164,6 +164,23 @@ impl Solid {
         Ok(self)
     }
 
+    /// Holds a component of a field at a value (at load 1) on a surface or node set, or on several: of the displacement, or of a
+    /// [field](Contribution::fields) of a contribution that was added before.
+    ///
+    /// # Errors
+    /// An unknown name, field or component; an earlier support prescribes another value.
+    pub fn hold(
+        mut self,
+        (field, component): (&str, usize),
+        surface: impl Into<GroupNames>,
+        value: f64,
+    ) -> Result<Self, FemError> {
+        let surface = surface.into();
+        let nodes = self.nodes_of(&surface)?;
+        self.model.prescribe((field, component), (&surface.to_string(), &nodes), value)?;
+        Ok(self)
+    }
+
     /// Adds a dead traction (force per reference area) on a surface, or on the union of several.
     ///
     /// # Errors

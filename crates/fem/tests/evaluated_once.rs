@@ -1,6 +1,6 @@
 //! Contributions are evaluated once per displacement: derivatives are taken from the point whose residual was found.
 
-mod common;
+use crate::common;
 
 use common::{Outcome, own_contributions::bar};
 use nastic_fem::{Contribution, ContributionPoint, Demand, Inadmissible, Instant, Need, SolveOptions, Sums};

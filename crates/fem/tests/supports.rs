@@ -177,7 +177,7 @@ fn supports_that_contradict_each_other_are_refused() -> Outcome {
     let corner = node_at(solid.mesh(), [0.0; 3]).ok_or("no corner")?;
     let error = solid.displace("y-", [None, Some(-0.5), None]).err().ok_or("the conflict went unnoticed")?;
     let FemError::SupportConflict { support, node, component, old, new } = error else { panic!("{error}") };
-    assert_eq!((support.as_str(), node, component, old, new), ("y-", corner, "y", 0.25, -0.5));
+    assert_eq!((support.as_str(), node, component.as_str(), old, new), ("y-", corner, "y", 0.25, -0.5));
     Ok(())
 }
 

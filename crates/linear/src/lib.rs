@@ -55,6 +55,7 @@ mod schedule;
 mod skew;
 mod solve;
 pub mod solver;
+mod space;
 mod structure;
 mod symbolic;
 
@@ -71,5 +72,6 @@ pub use ordering::{Ordering, OrderingMethod};
 pub use pattern::Pattern;
 pub use rotations::{CorotatedPreconditioner, Rotations};
 pub use solver::{ElementBlock, LinearError, LinearSolver, LinearWork, Solver, SolverFactory};
+pub use space::{Field, On, Role, Space};
 pub use structure::{FactorSize, Structure};
 pub use symbolic::Symbolic;

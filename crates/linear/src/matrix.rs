@@ -302,6 +302,23 @@ impl SparseMatrix {
         lacking.map_or(Ok(()), Err)
     }
 
+    /// `A_(i c_k)(j c_l) += B_(i k)(j l)`: a matrix over some of the components of every node, c their places in a node's block here. Its
+    /// pattern is that of this matrix [with as many dofs](Pattern::with_dim); of a symmetric A it must be symmetric.
+    pub fn add_components(&mut self, other: &SparseMatrix, components: &[usize]) {
+        let (dim, own) = (self.pattern.dim(), components.len());
+        let add = |into: &mut [f64], from: &[f64]| {
+            for (into, from) in into.chunks_exact_mut(dim * dim).zip(from.chunks_exact(own * own)) {
+                for (at, value) in from.iter().enumerate() {
+                    into[dim * components[at / own] + components[at % own]] += value;
+                }
+            }
+        };
+        add(&mut self.values, &other.values);
+        if let (Some(into), Some(from)) = (&mut self.skew, &other.skew) {
+            add(into, from);
+        }
+    }
+
     /// Adds `shift` times the identity.
     pub fn add_to_diagonal(&mut self, shift: f64) {
         let dim = self.pattern.dim();

@@ -111,7 +111,7 @@ impl Bound {
     fn compliance(&self, model: &Model, at: &Instant, v: &[f64]) -> Result<f64, ControlError> {
         let mut product = vec![0.0; v.len()];
         if !model.tangent_product(at, v, &mut product)? {
-            if model.unknowns().scalars > 0 {
+            if model.unknowns().multipliers() > 0 {
                 let what = "a compliance beside a cavity of given volume or a tendon that cannot stretch needs contributions that give `add_tangent_product`";
                 return Err(ControlError::Cost { what: what.to_owned() });
             }

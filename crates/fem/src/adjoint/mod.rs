@@ -68,7 +68,7 @@ impl Model {
         let mut report = SolveReport::default();
         let solver = self.linear_solver(how, workspace);
         let mut systems = TangentSystems::new(self, how.parallel, solver);
-        if self.unknowns().scalars == 0
+        if self.unknowns().multipliers() == 0
             && let [b] = columns[..]
             && let Some(lambda) = self.solve_by_products(state, b, how, (EXACT, &mut systems), &mut report)
         {
@@ -141,7 +141,7 @@ impl Model {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<usize, StateError> {
-        if self.unknowns().scalars > 0 {
+        if self.unknowns().multipliers() > 0 {
             let system = self.saddle_point(state, how.parallel)?;
             let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
             return Ok(system.negative(&mut systems, self.nodal(&state.u), &mut SolveReport::default())?);
@@ -191,7 +191,7 @@ impl Model {
         systems: &mut TangentSystems,
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, StateError> {
-        if self.unknowns().scalars == 0 {
+        if self.unknowns().multipliers() == 0 {
             return Ok(systems.solve_transposed(self.tangent_at(at, state)?, at.u, rhs, report)?);
         }
         let mut system = self.saddle_point_at(at).map_err(|at| inverted(at, state))?;

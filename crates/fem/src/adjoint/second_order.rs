@@ -149,7 +149,7 @@ impl<'a> SecondOrder<'a> {
             return Ok(rhs);
         }
         let Self { model, state, how, again, accuracy, .. } = *self;
-        if model.unknowns().scalars > 0 {
+        if model.unknowns().multipliers() > 0 {
             let mut system = model.saddle_point(state, how.parallel)?;
             if transposition == Transposition::Yes {
                 system.transpose();

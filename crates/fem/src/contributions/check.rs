@@ -34,8 +34,8 @@ pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), St
         model.contribution(name).ok_or_else(|| format!("there is no contribution \"{name}\""))?;
     let mut random = Random::new(seed);
     let n = model.unknowns().len();
-    let size = AMPLITUDE * model.discretization().mesh().diagonal() / (model.unknowns().nodes as f64).cbrt();
-    let dofs = model.discretization().dofs();
+    let size = AMPLITUDE * model.discretization().mesh().diagonal() / (model.unknowns().nodes() as f64).cbrt();
+    let dofs = model.unknowns().nodal();
     let mut draw = |scale: f64, of_multipliers: f64| -> Vec<f64> {
         let scale = |i: usize| if i < dofs { scale } else { of_multipliers };
         (0..n).map(|i| scale(i) * random.symmetric()).collect()
@@ -54,11 +54,12 @@ pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), St
     let own = history.values_mut(memory);
     own.iter_mut().for_each(|z| *z = size * random.symmetric());
     let step = TimeStep { history: history.into(), ..TimeStep::backward_euler(&before, 0.3) };
-    for step in [None, Some(&step)] {
+    // in motion a model with further fields is refused
+    let motion = model.unknowns().has_one_nodal_field().then_some(&step);
+    for step in [None].into_iter().chain(motion.map(Some)) {
         let at = Instant { block, scalar, memory, ..Instant::new(&u, &controls, 0.7) };
         let at = step.map_or(at, |step| at.in_step(step));
-        let subject = Subject { contribution, model, at };
-        subject.check(&direction, &lambda).map_err(|why| {
+        Subject { contribution, model, at }.check(&direction, &lambda).map_err(|why| {
             let when = if step.is_some() { "in a time step" } else { "static" };
             format!("contribution \"{name}\", {when}: {why}")
         })?;
@@ -283,7 +284,7 @@ impl Subject<'_> {
         let mut mass = self.model.matrix();
         self.contribution.add_mass(&mut mass).map_err(|lacking| lacking.to_string())?;
         let mut product = vec![0.0; lambda.len()];
-        let dofs = self.model.discretization().dofs();
+        let dofs = self.model.unknowns().nodal();
         mass.multiply(&lambda[..dofs], &mut product[..dofs]);
         agree("the mass times a vector", &product, "the derivative by the acceleration", &found.acceleration, size)
     }
@@ -310,7 +311,7 @@ impl Subject<'_> {
     }
 
     fn point(&self, at: &Instant) -> Result<Box<dyn ContributionPoint + '_>, Inadmissible> {
-        self.contribution.at(at, Need::Derivatives)
+        self.model.point_of(self.contribution, at, Need::Derivatives)
     }
 
     /// Of a point whose residual was found before, as where solvers ask for it.

@@ -34,7 +34,7 @@ pub use inertia::Inertia;
 pub use instant::{Instant, TimeStep};
 pub use moving_support::MovingSupport;
 use nastic_energy::Slot;
-use nastic_linear::{NotCoupled, SparseMatrix, Symmetry};
+use nastic_linear::{Field, NotCoupled, SparseMatrix, Symmetry};
 use nastic_mesh::Polyline;
 pub use point::{ContributionPoint, Need};
 pub use prescribes::Prescribes;
@@ -51,7 +51,7 @@ pub use tendon::Tendon;
 /// is one, the tangent is the derivative of `r` (by `u`, with `v` and `a` as the time step gives them), `vjp` that of
 /// `lambda . r` by everything else, `second_vjp`, where it is there, that of both; the same input gives the same bits (for any number of threads, which is not checked there).
 ///
-/// Vectors are flat, `dim * node + component`, supported unknowns included; behind them the multipliers of all constraints.
+/// Vectors are flat, `dim * node + component` (with [further fields](Self::fields) a longer block per node), supported unknowns included; behind them the multipliers of all constraints.
 ///
 /// A contribution may hold the body to constraints `g_k(u; controls) = 0`. Its potential is then `-sum_k p_k g_k`, with
 /// a multiplier `p_k` each, which is an unknown ([`Instant::multiplier`]): the residual by it is `-g_k`, and the tangent gets a border
@@ -71,6 +71,12 @@ pub trait Contribution: Debug + Send + Sync {
     /// has none, Newton's method searches for a smaller residual instead of a smaller potential.
     fn has_potential(&self) -> bool {
         self.symmetry() == Symmetry::Symmetric
+    }
+
+    /// Nodal fields that it has a part in beyond the displacement. Its vectors have `dim` components of the displacement per node, then those
+    /// of these fields, in this order, whatever other fields a model has; so do the rows of its matrices.
+    fn fields(&self) -> &[Field] {
+        &[]
     }
 
     /// Sets of nodes that it couples with each other beyond those that share a cell.

@@ -164,9 +164,9 @@ impl Discretization {
         self.symbolic().factorisation_bytes(Precision::Double)
     }
 
-    /// The symbolic factorisation of scalar fields, in the same order of nodes.
-    pub(crate) fn scalar_symbolic(&self) -> &Arc<Symbolic> {
-        self.tangents().scalar()
+    /// The structure with another number of unknowns per node, in the same order of nodes; its analyses are not counted.
+    pub(crate) fn structure_of(&self, components: usize) -> Arc<Structure> {
+        self.tangents().with_components(components)
     }
 
     /// The solver that a solve on this mesh takes unless it is told which, see [`Solver::cheaper`].

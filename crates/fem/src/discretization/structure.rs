@@ -1,16 +1,17 @@
 //! [`TangentStructure`]: where the entries of the tangents of a discretisation stand.
 
 use crate::discretization::quadrature_points::QuadraturePoints;
-use nastic_linear::{Graph, NotCoupled, Pattern, Structure, Symbolic};
+use nastic_linear::{Graph, NotCoupled, Pattern, Structure};
 use nastic_mesh::Mesh;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Pattern and symbolic factorisation of the tangents that couple what a graph couples, and where cells are added to them.
 pub(super) struct TangentStructure {
     pub equations: Arc<Structure>,
-    /// Symbolic factorisation of one unknown per node, made when first asked for.
-    scalar: OnceLock<Arc<Symbolic>>,
+    /// Structures with other numbers of unknowns per node, made when first asked for.
+    others: Mutex<BTreeMap<usize, Arc<Structure>>>,
     /// Per kind of cell: the scatter map of every cell, one after the other.
     pub scatter: Vec<Vec<u32>>,
 }
@@ -48,11 +49,15 @@ impl TangentStructure {
         };
         let scatter = points.parts.iter().map(maps).collect();
         let equations = Structure::counted(pattern, counters.analyses.clone());
-        TangentStructure { equations, scalar: OnceLock::new(), scatter }
+        TangentStructure { equations, others: Mutex::default(), scatter }
     }
 
-    pub fn scalar(&self) -> &Arc<Symbolic> {
-        self.scalar.get_or_init(|| Arc::new(Symbolic::new(&Arc::new(self.equations.pattern().with_dim(1)))))
+    /// The structure with so many unknowns per node, in the same order of nodes.
+    pub fn with_components(&self, components: usize) -> Arc<Structure> {
+        // A thread that died while it held the lock left a whole map behind.
+        let mut others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
+        let make = || Structure::new(Arc::new(self.equations.pattern().with_dim(components)));
+        others.entry(components).or_insert_with(make).clone()
     }
 }
 

@@ -1,4 +1,4 @@
-//! [`Supports`]: prescribed displacement components, and whether they hold the body still.
+//! [`Supports`]: prescribed unknowns, and whether they hold the body still.
 
 use crate::error::FemError;
 use nalgebra::DMatrix;
@@ -9,10 +9,12 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The names of displacement components.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Prescribed displacement components (Dirichlet), by unknown.
+/// Prescribed unknowns on nodes (Dirichlet): displacement components, and those of further fields.
 #[derive(Debug, Clone)]
 pub struct Supports {
     dim: usize,
+    /// Unknowns per node, those of the displacement first.
+    block: usize,
     fixed: Vec<bool>,
     value: Vec<f64>,
     /// Unknowns whose value is a function of controls, by the name of what drives them; `value` is 0 there.
@@ -26,6 +28,7 @@ impl Supports {
         let dofs = mesh.points().len() * mesh.dim();
         Supports {
             dim: mesh.dim(),
+            block: mesh.dim(),
             fixed: vec![false; dofs],
             value: vec![0.0; dofs],
             driven: BTreeMap::new(),
@@ -40,37 +43,92 @@ impl Supports {
                 format!("support on \"{name}\" moves component {} of a plane-strain body; leave it out", AXES[c]);
             return Err(FemError::Meaningless { what });
         }
-        let mut new = Vec::new();
-        for &node in nodes {
-            for (c, value) in values.iter().enumerate().take(self.dim) {
-                let Some(value) = *value else { continue };
-                if !value.is_finite() {
-                    let what = format!("displacement prescribed on \"{name}\"");
-                    return Err(FemError::NotFinite { what, index: c, value });
-                }
-                let dof = node as usize * self.dim + c;
-                if let Some(driver) = self.driven.get(&(dof as u32)) {
-                    return Err(held_twice(driver, name, node as usize));
-                }
-                if self.fixed[dof] && self.value[dof] != value {
-                    return Err(FemError::SupportConflict {
-                        support: name.to_owned(),
-                        node: node as usize,
-                        component: AXES[c],
-                        old: self.value[dof],
-                        new: value,
-                    });
-                }
-                self.fixed[dof] = true;
-                self.value[dof] = value;
-                new.push(dof as u32);
+        for (c, value) in values.iter().enumerate().take(self.dim) {
+            if let Some(value) = *value {
+                self.hold(name, nodes, (c, AXES[c]), value)?;
             }
         }
-        match self.groups.iter_mut().find(|(known, _)| known == name) {
-            Some((_, group)) => group.extend(new),
-            None => self.groups.push((name.to_owned(), new)),
+        if values.iter().all(Option::is_none) {
+            self.group(name);
         }
         Ok(())
+    }
+
+    /// Holds a component of the nodes' blocks at a value.
+    pub(crate) fn hold(
+        &mut self,
+        name: &str,
+        nodes: &[u32],
+        (place, component): (usize, &str),
+        value: f64,
+    ) -> Result<(), FemError> {
+        if !value.is_finite() {
+            let what = format!("displacement prescribed on \"{name}\"");
+            return Err(FemError::NotFinite { what, index: place, value });
+        }
+        let mut new = Vec::new();
+        for &node in nodes {
+            let dof = node as usize * self.block + place;
+            if let Some(driver) = self.driven.get(&(dof as u32)) {
+                return Err(held_twice(driver, name, node as usize));
+            }
+            if self.fixed[dof] && self.value[dof] != value {
+                return Err(FemError::SupportConflict {
+                    support: name.to_owned(),
+                    node: node as usize,
+                    component: component.to_owned(),
+                    old: self.value[dof],
+                    new: value,
+                });
+            }
+            self.fixed[dof] = true;
+            self.value[dof] = value;
+            new.push(dof as u32);
+        }
+        self.group(name).extend(new);
+        Ok(())
+    }
+
+    /// The unknowns of the supports of a name.
+    fn group(&mut self, name: &str) -> &mut Vec<u32> {
+        let known = self.groups.iter().position(|(known, _)| known == name);
+        let at = known.unwrap_or_else(|| {
+            self.groups.push((name.to_owned(), Vec::new()));
+            self.groups.len() - 1
+        });
+        &mut self.groups[at].1
+    }
+
+    /// Makes room for further components behind those that a node has.
+    pub(crate) fn widen(&mut self, block: usize) {
+        if block == self.block {
+            return;
+        }
+        let all: Vec<usize> = (0..self.block).collect();
+        *self = self.relaid(block, |dof| Some(dof / all.len() * block + dof % all.len()));
+    }
+
+    /// Those of some of the components of every node, which become its block.
+    pub(crate) fn restricted(&self, components: &[usize]) -> Self {
+        let block = self.block;
+        self.relaid(components.len(), |dof| {
+            let place = components.iter().position(|c| *c == dof % block)?;
+            Some(dof / block * components.len() + place)
+        })
+    }
+
+    /// The same in blocks of another size; `place` is where an unknown goes, if it stays.
+    fn relaid(&self, block: usize, place: impl Fn(usize) -> Option<usize>) -> Self {
+        let dofs = self.fixed.len() / self.block * block;
+        let (mut fixed, mut value) = (vec![false; dofs], vec![0.0; dofs]);
+        for (dof, to) in (0..self.fixed.len()).filter_map(|dof| Some((dof, place(dof)?))) {
+            (fixed[to], value[to]) = (self.fixed[dof], self.value[dof]);
+        }
+        let moved = |dof: &u32| place(*dof as usize).map(|to| to as u32);
+        let driven = self.driven.iter().filter_map(|(dof, name)| Some((moved(dof)?, name.clone()))).collect();
+        let group = |(name, dofs): &(String, Vec<u32>)| (name.clone(), dofs.iter().filter_map(moved).collect());
+        let groups = self.groups.iter().map(group).collect();
+        Supports { dim: self.dim, block, fixed, value, driven, groups }
     }
 
     /// Holds unknowns at values that are functions of controls.
@@ -82,7 +140,7 @@ impl Supports {
             return Err(FemError::Meaningless { what });
         }
         for &dof in dofs {
-            let node = dof as usize / self.dim;
+            let node = dof as usize / self.block;
             if self.fixed[dof as usize] {
                 let holds = |(_, group): &&(String, Vec<u32>)| group.contains(&dof);
                 let other = self.groups.iter().find(holds).map_or("", |(other, _)| other);
@@ -126,14 +184,14 @@ impl Supports {
         }
     }
 
-    /// Sum over each support's nodes of an internal-force vector: the reactions, by support.
+    /// Sum over each support's nodes of an internal-force vector: the reactions of the displacement, by support.
     pub fn reactions(&self, force: &[f64]) -> Vec<(String, [f64; 3])> {
         let sum = |dofs: &[u32]| {
             let mut total = [0.0; 3];
             // a component that two supports of one name prescribe counts once
             let dofs: BTreeSet<u32> = dofs.iter().copied().collect();
-            for dof in dofs {
-                total[dof as usize % self.dim] += force[dof as usize];
+            for dof in dofs.into_iter().map(|dof| dof as usize).filter(|dof| dof % self.block < self.dim) {
+                total[dof % self.block] += force[dof];
             }
             total
         };
@@ -169,8 +227,8 @@ impl Supports {
             motion_component(self.dim, dof % self.dim, &r)
         };
         for &node in nodes {
-            let dofs = (0..self.dim).map(|c| node as usize * self.dim + c);
-            dofs.filter(|dof| self.fixed[*dof]).for_each(|dof| add(&component(dof)));
+            let held = (0..self.dim).filter(|c| self.fixed[node as usize * self.block + c]);
+            held.for_each(|c| add(&component(node as usize * self.dim + c)));
         }
         let own = |terms: &&&Vec<(u32, f64)>| {
             terms.iter().all(|(dof, _)| nodes.binary_search(&(dof / self.dim as u32)).is_ok())

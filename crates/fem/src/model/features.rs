@@ -34,6 +34,15 @@ impl Model {
     /// # Errors
     /// [`FemError::Unsupported`]: what, with which contribution or law it does not go, and what does instead.
     pub fn supports(&self, feature: Feature) -> Result<(), FemError> {
+        let what = match feature {
+            Feature::Ramp => "a ramp with its critical points",
+            Feature::Path => "a path",
+            Feature::Modes => "modes",
+            Feature::Deflation => "other equilibria by deflation",
+            Feature::Descent => "a descent from a saddle",
+            Feature::Motion(scheme) | Feature::MotionAdjoint(scheme) => scheme.name(),
+        };
+        self.refuse_further_fields(what)?;
         match feature {
             Feature::Ramp | Feature::Path => Ok(()),
             Feature::Modes => self.refuse_unsymmetric(

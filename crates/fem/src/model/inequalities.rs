@@ -26,7 +26,7 @@ impl Model {
             return Ok(vec![true; inequalities.len()]);
         }
         let sums = self.inequality_residuals(at)?;
-        let dofs = self.discretization().dofs();
+        let dofs = self.unknowns().nodal();
         let touches = |k: usize| at.u[k] > 0.0 || sums.force[k] >= -ONSET * sums.force_scale[k];
         Ok(inequalities.iter().enumerate().map(|(k, inequality)| !inequality || touches(dofs + k)).collect())
     }
@@ -42,7 +42,7 @@ impl Model {
     /// Takes the residuals `-g` of inequalities with p = 0 and g > 0, which are fulfilled, out of those of a displacement u with its
     /// multipliers.
     pub(crate) fn leave_out_slack(&self, u: &[f64], sums: &mut Sums) {
-        let dofs = self.discretization().dofs();
+        let dofs = self.unknowns().nodal();
         for (k, _) in self.inequalities().iter().enumerate().filter(|(_, inequality)| **inequality) {
             if u[dofs + k] <= 0.0 && sums.force[dofs + k] < 0.0 {
                 sums.force[dofs + k] = 0.0;

@@ -28,7 +28,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn at(&self, at: &Instant, need: Need) -> Result<ModelPoint<'_>, Inadmissible> {
-        let others = self.others.iter().zip(self.instants(at)).map(|(contribution, at)| contribution.at(&at, need));
+        let others = self.others.iter().zip(self.instants(at)).map(|(c, at)| self.point_of(c.as_ref(), &at, need));
         Ok(ModelPoint {
             model: self,
             body: EvaluatedBody::new(&self.body, need),
@@ -38,9 +38,9 @@ impl Model {
 }
 
 impl ModelPoint<'_> {
-    /// Its displacement, the first of the unknowns x, with what is known of it.
-    pub(crate) fn displaced<'p>(&'p self, x: &'p [f64]) -> Displaced<'p> {
-        self.body.displaced(self.model.nodal(x))
+    /// Its displacement with what is known of it.
+    pub(crate) fn displaced<'p>(&'p self, u: &'p [f64]) -> Displaced<'p> {
+        self.body.displaced(u)
     }
 
     /// Energy alone, or energy and residual force.
@@ -179,8 +179,9 @@ impl ModelPoint<'_> {
     ) -> Result<(), E> {
         // These know of no multipliers.
         let nodal = Instant { u: self.model.nodal(at.u), ..*at };
-        call(&self.model.body, &self.body, &nodal)?;
-        call(&self.model.dead_load, &self.model.dead_load, &nodal)?;
+        let Model { body, dead_load, .. } = self.model;
+        self.model.wrapped(body, &self.body, |point| call(body, point, &nodal))?;
+        self.model.wrapped(dead_load, dead_load, |point| call(dead_load, point, &nodal))?;
         self.each_other(at, call)
     }
 

@@ -10,7 +10,6 @@ use crate::solution::options::SolveOptions;
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
 use nastic_linear::SparseMatrix;
-use nastic_numeric::vector::norm;
 
 /// `r(x) = 0`: the residual of a model by the unknowns `x = (u, p)`, p the multipliers of constraints, or `x = (u, p, s)` along a path.
 pub(crate) struct Equations<'a> {
@@ -80,9 +79,9 @@ impl<'a> Equations<'a> {
         }
     }
 
-    /// Number of displacement components.
+    /// Number of unknowns on nodes.
     pub fn dofs(&self) -> usize {
-        self.model.discretization().dofs()
+        self.model.unknowns().nodal()
     }
 
     /// The model at x, of which derivatives are wanted.
@@ -203,19 +202,22 @@ impl<'a> Equations<'a> {
         w
     }
 
-    /// Free residual, and its norm relative to the norm of the sums of absolute forces; of constraints each relative to its own scale.
+    /// Free residual, and its norm relative to the norm of the sums of absolute forces, of every field by itself; of constraints each relative
+    /// to its own scale.
     pub fn residual(&self, now: &Sums) -> (Vec<f64>, f64) {
         let mut residual = now.force.clone();
         self.model.supports.clear(&mut residual);
+        let space = self.model.unknowns();
         let share = |r: &[f64], scale: &[f64]| {
-            let size = norm(r);
-            if size == 0.0 { 0.0 } else { size / norm(scale) }
+            let size = space.norm(r);
+            if size == 0.0 { 0.0 } else { size / space.norm(scale) }
         };
         let dofs = self.dofs();
-        let of_forces = share(self.model.nodal(&residual), self.model.nodal(&now.force_scale));
+        let (by_field, scales) = (space.by_nodal_field(&residual), space.by_nodal_field(&now.force_scale));
+        let of_fields = by_field.iter().zip(&scales).map(|(r, scale)| share(r, scale)).fold(0.0, f64::max);
         let of_constraint = |r: (&f64, &f64)| share(&[*r.0], &[*r.1]);
         let constraints = residual.iter().zip(&now.force_scale).skip(dofs).map(of_constraint);
-        let relative = constraints.fold(of_forces, f64::max);
+        let relative = constraints.fold(of_fields, f64::max);
         (residual, relative)
     }
 
@@ -224,8 +226,11 @@ impl<'a> Equations<'a> {
     pub fn energy_scale(&self, matrix: &SparseMatrix, u: &[f64], now: &Sums) -> f64 {
         let disc = self.model.discretization();
         let dim = disc.dim();
-        let reference = disc.mesh().points().iter().flat_map(|x| &x[..dim]);
-        let x: Vec<f64> = reference.zip(u).map(|(x, u)| x + u).collect();
+        let block = self.model.unknowns().block();
+        let mut x = self.model.nodal(u).to_vec();
+        for (x, reference) in x.chunks_exact_mut(block).zip(disc.mesh().points()) {
+            x.iter_mut().zip(&reference[..dim]).for_each(|(x, reference)| *x += reference);
+        }
         let mut stretched = vec![0.0; x.len()];
         matrix.multiply_on(&x, &mut stretched, self.options.parallel);
         let terms: f64 = x.iter().zip(&stretched).map(|(x, f)| x * f).sum();

@@ -10,7 +10,6 @@ use crate::solution::options::Progress;
 use crate::solution::state::{SolveReport, State};
 use nastic_linear::LinearError;
 use nastic_linear::solver::Curvature;
-use nastic_numeric::vector::norm;
 
 /// Below this relative residual a step that does not halve it has met the limit of double precision.
 pub(super) const ROUNDING: f64 = 1e-10;
@@ -144,12 +143,13 @@ impl<'a> Iteration<'a> {
             }
             let (residual, relative) = equations.residual(&now.sums);
             record(&now.sums, relative, report);
-            let scale = norm(&now.sums.force_scale[..equations.dofs()]);
+            let space = equations.model.unknowns();
+            let scale = space.norm(&now.sums.force_scale[..equations.dofs()]);
             forces = forces.max(scale);
             // at rest no force is left to measure it by but those of the way there, or of a displacement that is not resolved
             let resolved = |energy: f64| {
                 let unresolved = RESOLUTION * energy / equations.diagonal();
-                relative * scale <= RESOLVED * forces || norm(&residual[..equations.dofs()]) <= unresolved
+                relative * scale <= RESOLVED * forces || space.norm(&residual[..equations.dofs()]) <= unresolved
             };
             let stagnates = relative <= ROUNDING && relative > 0.5 * before;
             let rounding = stagnates || tiny.is_some_and(resolved);
@@ -157,7 +157,7 @@ impl<'a> Iteration<'a> {
                 return Ok(last);
             }
             // multipliers may still move where the body does not
-            let unresolved = tiny.is_some() && equations.model.unknowns().scalars == 0;
+            let unresolved = tiny.is_some() && equations.model.unknowns().multipliers() == 0;
             let lost = iteration >= limits.lost.0 && report.shifted - shifted >= limits.lost.1;
             let diverged = limits.diverged.is_finite() && (relative > limits.diverged * least || !relative.is_finite());
             if iteration == limits.most || unresolved || lost || diverged {
@@ -198,7 +198,9 @@ impl<'a> Iteration<'a> {
         report.newton += 1;
         let taken = self.search.take(here, &step, direction, report)?;
         let resolved = step.size > RESOLUTION * self.equations.diagonal();
-        let tiny = step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
+        // of the displacement alone it says nothing of further fields
+        let alone = self.equations.model.unknowns().has_one_nodal_field();
+        let tiny = alone && step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
         self.tell(here.x, taken.length, &taken.now.sums, report);
         Ok((taken.x, taken.now, step.curvature, tiny.then_some(step.scale)))
     }

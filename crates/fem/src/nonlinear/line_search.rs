@@ -105,7 +105,7 @@ impl<'a> LineSearch<'a> {
         report: &mut SolveReport,
     ) -> Result<Taken<'a>, Stop> {
         let model = self.equations.model;
-        let constrained = model.unknowns().scalars > 0;
+        let constrained = model.unknowns().multipliers() > 0;
         if constrained && let Some(taken) = self.residual_falls(here, &step.dx, FALLS)? {
             return Ok(taken);
         }
@@ -130,7 +130,7 @@ impl<'a> LineSearch<'a> {
     }
 
     fn descend(&mut self, here: &Iterate, step: &Step, dx: &[f64]) -> Result<Taken<'a>, Stop> {
-        if self.equations.model.unknowns().scalars > 0 {
+        if self.equations.model.unknowns().multipliers() > 0 {
             let merit = Augmented::new(self.equations, here, dx, step.scale)?;
             return self.downhill(here, dx, &merit);
         }
@@ -151,11 +151,12 @@ impl<'a> LineSearch<'a> {
     /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
     fn downhill(&mut self, here: &Iterate, dx: &[f64], merit: &dyn Merit) -> Result<Taken<'a>, Stop> {
         let Equations { model, options, .. } = *self.equations;
-        let (at, du, parallel) = (here.point.displaced(here.x), model.nodal(dx), options.parallel);
+        let (u, du, parallel) = (&*model.displacement(here.x), &*model.displacement(dx), options.parallel);
+        let at = here.point.displaced(u);
         let straight = |s: f64| moved(here.x, dx, s);
         let reach = StepLimits::of(model.discretization(), at, du, parallel);
         let others = self.equations.chord(here.point, here.x, &straight(1.0))?;
-        if let Some(longest) = reach.curved {
+        if let Some(longest) = reach.curved.filter(|_| model.unknowns().has_one_nodal_field()) {
             if self.fit.is_none() {
                 self.fit = GradientFit::new(model, parallel);
             }

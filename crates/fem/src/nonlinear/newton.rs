@@ -34,7 +34,7 @@ impl Equations<'_> {
         report: &mut SolveReport,
     ) -> Result<Curvature, Stop> {
         let limits = Limits::new(self.options.max_newton, self.options.accuracy);
-        if self.model.unknowns().scalars > 0 {
+        if self.model.unknowns().multipliers() > 0 {
             let mut direction = Bordered::new(self, x, solver);
             return Iteration::new(self, limits).run(x, &mut direction, report);
         }

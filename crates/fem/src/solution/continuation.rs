@@ -138,8 +138,9 @@ impl Model {
             Err(slow @ Stop::Slow { .. }) => slow,
             Err(other) => return Err(other),
         };
-        let constrained = self.unknowns().scalars > 0;
-        if first || hopeless || constrained || !self.has_potential() || newton.jump(u).is_some() {
+        let constrained = self.unknowns().multipliers() > 0;
+        let further = !self.unknowns().has_one_nodal_field();
+        if first || hopeless || constrained || further || !self.has_potential() || newton.jump(u).is_some() {
             return Err(slow);
         }
         workspace.forget();
@@ -196,7 +197,7 @@ impl Model {
         how: &SolveOptions,
         workspace: &'w mut Workspace,
     ) -> &'w mut dyn LinearSolver {
-        workspace.solver(how.solver.unwrap_or_else(|| self.solver()), self)
+        workspace.solver(self.solver_for(how.solver), self)
     }
 
     /// Refuses a state of another body.

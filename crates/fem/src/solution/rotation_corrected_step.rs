@@ -49,8 +49,8 @@ impl GradientFit {
     pub fn new(model: &Model, parallel: bool) -> Option<Self> {
         let disc = model.discretization();
         let dim = disc.dim();
-        let symbolic = disc.scalar_symbolic();
-        let laplacian = laplacian(disc, SparseMatrix::zeros(symbolic.pattern().clone()));
+        let structure = disc.structure_of(1);
+        let laplacian = laplacian(disc, SparseMatrix::zeros(structure.pattern().clone()));
         let diagonal = laplacian.diagonal().into_iter().fold(0.0, f64::max);
         let mut known: Vec<(Vec<bool>, Arc<Factor>)> = Vec::new();
         let (mut factors, mut free) = (Vec::with_capacity(dim), Vec::with_capacity(dim));
@@ -64,7 +64,7 @@ impl GradientFit {
                 None => {
                     let mut matrix = laplacian.clone();
                     matrix.eliminate(&fixed, diagonal);
-                    let factor = Arc::new(symbolic.approximate(&matrix, parallel).ok()?);
+                    let factor = Arc::new(structure.symbolic().approximate(&matrix, parallel).ok()?);
                     known.push((fixed, factor.clone()));
                     factor
                 }

@@ -21,8 +21,8 @@ pub(crate) struct BorderedTangent {
 
 impl BorderedTangent {
     pub fn zero(model: &Model) -> Self {
-        let dofs = model.discretization().dofs();
-        BorderedTangent { matrix: model.matrix(), columns: vec![vec![0.0; dofs]; model.unknowns().scalars] }
+        let dofs = model.unknowns().nodal();
+        BorderedTangent { matrix: model.matrix(), columns: vec![vec![0.0; dofs]; model.unknowns().multipliers()] }
     }
 
     /// Adds that of a contribution.

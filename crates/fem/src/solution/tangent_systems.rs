@@ -6,8 +6,9 @@ use crate::solution::state::SolveReport;
 use nastic_linear::solver::{
     Accuracy, BlockElimination, Border, Configuration, Curvature, Shift, System, solve_bordered,
 };
-use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, SparseMatrix};
+use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, Space, SparseMatrix};
 use nastic_numeric::vector::norm;
+use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 /// Of a solution that counts as exact: strains, and with them a gradient, are known to `1e-8`, with a margin of ten.
@@ -298,7 +299,8 @@ pub(crate) fn eliminate(model: &Model, matrix: &mut SparseMatrix) {
 /// The displaced body, as linear solvers see it; what they may not need is made when they ask.
 struct Deformed<'a> {
     model: &'a Model,
-    u: &'a [f64],
+    /// The displacement.
+    u: Cow<'a, [f64]>,
     parallel: bool,
     rotations: OnceLock<Arc<Rotations>>,
     positions: OnceLock<Vec<[f64; 3]>>,
@@ -306,7 +308,7 @@ struct Deformed<'a> {
 
 impl<'a> Deformed<'a> {
     fn new(model: &'a Model, u: &'a [f64], parallel: bool) -> Self {
-        Deformed { model, u, parallel, rotations: OnceLock::new(), positions: OnceLock::new() }
+        Deformed { model, u: model.displacement(u), parallel, rotations: OnceLock::new(), positions: OnceLock::new() }
     }
 
     fn system<'s>(&'s self, matrix: &'s SparseMatrix) -> System<'s> {
@@ -327,11 +329,15 @@ impl Configuration for Deformed<'_> {
     }
 
     fn rotations(&self) -> &Arc<Rotations> {
-        let make = || Arc::new(nodal_rotations(self.model.discretization(), self.u, self.parallel));
+        let make = || Arc::new(nodal_rotations(self.model.discretization(), &self.u, self.parallel));
         self.rotations.get_or_init(make)
     }
 
     fn corners(&self) -> Option<&Corners> {
         self.model.discretization().corners()
+    }
+
+    fn space(&self) -> &Space {
+        self.model.unknowns()
     }
 }

@@ -47,16 +47,17 @@ impl Workspace {
 
     /// The linear solver of a factory for a model: the one that is here, if it is such.
     pub(crate) fn solver(&mut self, factory: &dyn SolverFactory, model: &Model) -> &mut dyn LinearSolver {
-        let (name, structure) = (factory.name(), model.discretization().structure());
+        let (name, structure) = (factory.name(), model.structure());
         let fits = |kept: &Kept| kept.name == name && Arc::ptr_eq(&kept.pattern, structure.pattern());
         let kept = self.solver.take().filter(fits);
-        let new = || Kept { name, pattern: structure.pattern().clone(), solver: factory.make(structure) };
+        let new = || Kept { name, pattern: structure.pattern().clone(), solver: factory.make(&structure) };
         self.solver.insert(kept.unwrap_or_else(new)).solver.as_mut()
     }
 
     /// Notes that second derivatives at a state are asked for; whether that is not the first time in a row.
     pub(crate) fn comes_again(&mut self, state: &State, model: &Model) -> bool {
-        let pattern = model.discretization().pattern();
+        let structure = model.structure();
+        let pattern = structure.pattern();
         let again = self.tangent.as_ref().is_some_and(|kept| {
             let (u, controls, load) = &kept.of;
             let same_state = Arc::ptr_eq(u, &state.u) && Arc::ptr_eq(controls, &state.controls) && *load == state.load;

@@ -7,6 +7,7 @@ pub mod block;
 pub mod homogeneous;
 pub mod motion;
 pub mod own_contributions;
+pub mod poisson;
 pub mod rubber;
 pub mod shells;
 

@@ -1,8 +1,9 @@
 //! [`BlockElimination`], [`solve_bordered`]: a few scalar unknowns beside the nodal ones.
 
 use super::{Accuracy, LinearError, LinearSolver, LinearWork, System};
+use crate::space::Space;
 use nalgebra::{DMatrix, DVector, Dyn, FullPivLU};
-use nastic_numeric::vector::{axpy, dot, norm};
+use nastic_numeric::vector::axpy;
 
 /// The border of `[A B; C^T D]`: for every scalar unknown a column of B and a row of `C^T`, and the corner D.
 #[derive(Clone, Debug)]
@@ -72,7 +73,7 @@ impl<'b> BlockElimination<'b> {
         let inverse = |b: &Vec<f64>| inverse(solver, system, b, (transposed, accuracy), work);
         let z = columns.iter().map(inverse).collect::<Result<Vec<_>, _>>()?;
         let scalars = columns.len();
-        let schur = DMatrix::from_fn(scalars, scalars, |i, j| corner[(i, j)] - dot(&rows[i], &z[j]));
+        let schur = DMatrix::from_fn(scalars, scalars, |i, j| corner[(i, j)] - system.space().dot(&rows[i], &z[j]));
         let factor = schur.clone().full_piv_lu();
         Ok(BlockElimination { border, transposed, accuracy, z, schur, factor })
     }
@@ -109,16 +110,17 @@ impl<'b> BlockElimination<'b> {
     ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         let Self { border, transposed, accuracy, .. } = *self;
         border.check(f.len(), g.len())?;
+        let space = system.space();
         let (columns, rows) =
             if transposed { (&border.rows, &border.columns) } else { (&border.columns, &border.rows) };
         let scalars = columns.len();
         let corner = |i: usize, j: usize| if transposed { border.corner[(j, i)] } else { border.corner[(i, j)] };
         let (mut x, mut y) = (vec![0.0; f.len()], vec![0.0; scalars]);
         let (mut residual_f, mut residual_g) = (f.to_vec(), g.to_vec());
-        let wanted = accuracy.residual * norm(f).hypot(norm(g));
+        let wanted = accuracy.residual * space.norm(f).hypot(Space::LOCAL.norm(g));
         for _ in 0..=CORRECTIONS {
             let inner = inverse(solver, system, &residual_f, (transposed, accuracy), work)?;
-            let rhs = DVector::from_fn(scalars, |i, _| residual_g[i] - dot(&rows[i], &inner));
+            let rhs = DVector::from_fn(scalars, |i, _| residual_g[i] - space.dot(&rows[i], &inner));
             let dy = self.factor.solve(&rhs).filter(|dy| dy.iter().all(|y| y.is_finite()));
             let dy = dy.ok_or(LinearError::Border { scalars })?;
             let mut dx = inner;
@@ -126,7 +128,7 @@ impl<'b> BlockElimination<'b> {
                 axpy(-dy[k], z, &mut dx);
                 y[k] += dy[k];
             }
-            let settled = norm(&dx) <= SETTLED * norm(&x);
+            let settled = space.norm(&dx) <= SETTLED * space.norm(&x);
             axpy(1.0, &dx, &mut x);
             match transposed {
                 true => system.multiply_transposed(&x, &mut residual_f),
@@ -138,13 +140,14 @@ impl<'b> BlockElimination<'b> {
             }
             for i in 0..scalars {
                 let corner: f64 = (0..scalars).map(|j| corner(i, j) * y[j]).sum();
-                residual_g[i] = g[i] - dot(&rows[i], &x) - corner;
+                residual_g[i] = g[i] - space.dot(&rows[i], &x) - corner;
             }
-            if settled || norm(&residual_f).hypot(norm(&residual_g)) <= wanted {
+            if settled || space.norm(&residual_f).hypot(Space::LOCAL.norm(&residual_g)) <= wanted {
                 return Ok((x, y));
             }
         }
-        let residual = norm(&residual_f).hypot(norm(&residual_g)) / norm(f).hypot(norm(g));
+        let residual =
+            space.norm(&residual_f).hypot(Space::LOCAL.norm(&residual_g)) / space.norm(f).hypot(Space::LOCAL.norm(g));
         Err(LinearError::Singular { residual, wanted: accuracy.residual })
     }
 }

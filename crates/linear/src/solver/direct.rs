@@ -6,13 +6,11 @@ use crate::error::FactorError;
 use crate::factor::{Factor, Pivots, Precision};
 use crate::gmres::gmres;
 use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient, refine};
-use crate::matrix::SparseMatrix;
 use crate::operator::Operator;
 use crate::rotations::CorotatedPreconditioner;
 use crate::structure::Structure;
 use crate::symbolic::Symbolic;
 use nastic_numeric::Random;
-use nastic_numeric::vector::norm;
 use std::sync::Arc;
 
 /// Relative residual with which a step is taken when the iterations that are worth it are used up: the work is done, and
@@ -358,8 +356,8 @@ impl LinearSolver for Direct {
             done => done?,
         };
         let negative = if factor.pivots() == Pivots::Positive { 0 } else { factor.negative_pivots() };
-        let (smallest, x) = smallest_eigenvalue(&factor, system.fixed);
-        let rounding = ROUNDING * f64::EPSILON * mean_diagonal(system.matrix, &x);
+        let (smallest, x) = smallest_eigenvalue(&factor, system);
+        let rounding = ROUNDING * f64::EPSILON * mean_diagonal(system, &x);
         if smallest < rounding {
             return Err(LinearError::NearlySingular { smallest, rounding });
         }
@@ -385,23 +383,23 @@ fn symmetric(system: &System) -> Result<(), LinearError> {
 
 /// `|A x| / |x|`, and x, after three steps of inverse iteration from a seeded vector: the smallest absolute value of an eigenvalue
 /// from above, and to a few per cent where it is far below the others. Infinite where every unknown is fixed.
-fn smallest_eigenvalue(factor: &Factor, fixed: &[bool]) -> (f64, Vec<f64>) {
+fn smallest_eigenvalue(factor: &Factor, system: &System) -> (f64, Vec<f64>) {
     let mut random = Random::new(1);
-    let mut x: Vec<f64> = fixed.iter().map(|fixed| if *fixed { 0.0 } else { random.symmetric() }).collect();
+    let mut x: Vec<f64> = system.fixed.iter().map(|fixed| if *fixed { 0.0 } else { random.symmetric() }).collect();
     let mut growth = 0.0;
     for _ in 0..3 {
-        let size = norm(&x);
+        let size = system.space().norm(&x);
         x.iter_mut().for_each(|x| *x /= size);
         factor.solve(&mut x, 1);
-        growth = norm(&x);
+        growth = system.space().norm(&x);
     }
     (if growth > 0.0 { 1.0 / growth } else { f64::INFINITY }, x)
 }
 
 /// `sum_i |A_ii| x_i^2 / |x|^2`: the size of the terms that cancel in the Rayleigh quotient of x.
-fn mean_diagonal(matrix: &SparseMatrix, x: &[f64]) -> f64 {
-    let size = norm(x);
-    matrix.diagonal().into_iter().zip(x).map(|(d, x)| d.abs() * (x / size).powi(2)).sum()
+fn mean_diagonal(system: &System, x: &[f64]) -> f64 {
+    let size = system.space().norm(x);
+    system.matrix.diagonal().into_iter().zip(x).map(|(d, x)| d.abs() * (x / size).powi(2)).sum()
 }
 
 /// As far as conjugate gradients with a factor get in so many iterations.

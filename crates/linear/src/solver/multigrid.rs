@@ -3,9 +3,7 @@
 use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
 use crate::error::FactorError;
 use crate::iterative::{CgEnd, CgReport, conjugate_gradient};
-use crate::matrix::SparseMatrix;
 use crate::multigrid::{Geometry, Multigrid};
-use nastic_numeric::vector::norm;
 use std::sync::Arc;
 
 /// Residual wanted of a Newton step: the step is corrected by the next one anyway.
@@ -52,7 +50,7 @@ impl MultigridSolver {
             let (x, cg) = iterate(system, &kept, b, tolerance, most.min(MOST), work);
             match cg.end {
                 CgEnd::NegativeCurvature { .. } => return Ok(Outcome::Indefinite(moved(x))),
-                _ if arrived(system.matrix, b, &x, &cg) => {
+                _ if arrived(system, b, &x, &cg) => {
                     work.reused += 1;
                     self.kept = Some(kept);
                     return Ok(Outcome::Solved(x));
@@ -68,7 +66,7 @@ impl MultigridSolver {
         if let CgEnd::NegativeCurvature { .. } = cg.end {
             return Ok(Outcome::Indefinite(moved(x)));
         }
-        if !arrived(system.matrix, b, &x, &cg) {
+        if !arrived(system, b, &x, &cg) {
             return Err(LinearError::Multigrid { residual: cg.residual, cycles: cg.iterations, wanted: tolerance });
         }
         (self.kept, self.rate) = (Some(fresh), cg.iterations.max(1) as f64 / decades(tolerance));
@@ -182,8 +180,9 @@ fn iterate(
 }
 
 /// Whether the tolerance is met, or double precision allows no more.
-fn arrived(matrix: &SparseMatrix, b: &[f64], x: &[f64], cg: &CgReport) -> bool {
-    let rounding = || ROUNDING * (1.0 + matrix.norm() * norm(x) / norm(b));
+fn arrived(system: &System, b: &[f64], x: &[f64], cg: &CgReport) -> bool {
+    let space = system.space();
+    let rounding = || ROUNDING * (1.0 + system.matrix.norm() * space.norm(x) / space.norm(b));
     cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= rounding())
 }
 

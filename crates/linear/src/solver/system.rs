@@ -4,6 +4,7 @@ use crate::matrix::SparseMatrix;
 use crate::multigrid::Corners;
 use crate::operator::Operator;
 use crate::rotations::Rotations;
+use crate::space::Space;
 use std::sync::Arc;
 
 /// Where a matrix was taken: what preconditioners need besides its entries.
@@ -16,6 +17,11 @@ pub trait Configuration: Sync {
 
     /// The corner nodes of second-order elements.
     fn corners(&self) -> Option<&Corners>;
+
+    /// The space of the unknowns: what sums over them.
+    fn space(&self) -> &Space {
+        Space::LOCAL
+    }
 }
 
 /// A dense matrix over the unknowns of some nodes, which need not be coupled in the pattern.
@@ -47,6 +53,11 @@ pub struct System<'a> {
 }
 
 impl System<'_> {
+    /// What sums over its unknowns.
+    pub fn space(&self) -> &Space {
+        self.configuration.space()
+    }
+
     /// `out = A v`.
     pub fn multiply(&self, v: &[f64], out: &mut [f64]) {
         self.matrix.multiply_on(v, out, self.parallel);

@@ -74,7 +74,7 @@ impl<'a> Deflated<'a> {
         known: &'a Known<'a>,
         solver: &'a mut dyn LinearSolver,
     ) -> Self {
-        let newton = match equations.model.unknowns().scalars {
+        let newton = match equations.model.unknowns().multipliers() {
             0 => Newton::Plain(solver),
             _ => Newton::Bordered(Box::new(Bordered::new(equations, x, solver))),
         };

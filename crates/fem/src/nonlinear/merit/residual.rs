@@ -4,9 +4,8 @@ use super::{Line, Merit};
 use crate::error::Inadmissible;
 use crate::nonlinear::equations::{Equations, Evaluated};
 use crate::nonlinear::iteration::Iterate;
-use nastic_numeric::vector::norm;
 
-/// `|r|`; under constraints, which have other units than forces, the largest of the norms relative to the scale of each.
+/// `|r|`; under constraints and with further fields, which have other units than forces, the largest of the norms relative to the scale of each.
 pub(in crate::nonlinear) struct Residual(f64);
 
 impl Residual {
@@ -16,7 +15,9 @@ impl Residual {
 }
 
 fn size(equations: &Equations, residual: &[f64], relative: f64) -> f64 {
-    if equations.model.unknowns().scalars > 0 { relative } else { norm(residual) }
+    let space = equations.model.unknowns();
+    let of_one_kind = space.multipliers() == 0 && space.has_one_nodal_field();
+    if of_one_kind { space.norm(residual) } else { relative }
 }
 
 impl Merit for Residual {

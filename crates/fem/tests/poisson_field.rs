@@ -1,0 +1,145 @@
+//! A second field on the nodes: a Poisson problem whose solution pushes the body, its closed form and its adjoint.
+
+use crate::common;
+
+use common::block::STRICT;
+use common::own_contributions::Oscillators;
+use common::poisson::Poisson;
+use common::{Outcome, distance, largest, regular};
+use nastic_energy::NeoHooke;
+use nastic_fem::{
+    Feature, FemError, Foundation, Instant, MovingSupport, Scheme, Solid, SolveOptions, Solver, Spring, State, Tendon,
+    check_contribution,
+};
+use nastic_mesh::CellKind;
+
+const CONDUCTIVITY: f64 = 0.5;
+const PUSH: f64 = 40.0;
+
+/// A bar held at its left end, with displacements alone.
+fn bar() -> Outcome<Solid> {
+    let mesh = regular(CellKind::Hex20, [1.0, 0.3, 0.3], [4, 1, 1])?;
+    Ok(Solid::new(mesh)?.material("body", NeoHooke::new(1e2, 2e2)?)?.clamp("x-")?)
+}
+
+/// With what knows of displacements alone: a spring that its control shortens and a foundation.
+fn loaded(bar: Solid) -> Outcome<Solid> {
+    Ok(bar
+        .spring(Spring::between("spring", [0.2, 0.1, 0.1], [0.9, 0.2, 0.25], 3.0))?
+        .foundation(Foundation::on("z-", 2.0))?)
+}
+
+fn cable() -> Tendon {
+    Tendon::through("cable", [[0.1, 0.1, 0.1], [0.5, 0.1, 0.25], [0.9, 0.1, 0.1]]).inextensible()
+}
+
+/// With the field, zero at both ends.
+fn with_field(solid: Solid) -> Outcome<Solid> {
+    let poisson = Poisson::on(solid.mesh(), CONDUCTIVITY, PUSH);
+    Ok(solid.contribution(poisson)?.hold(("phi", 0), "x-", 0.0)?.hold(("phi", 0), "x+", 0.0)?)
+}
+
+fn solve(solid: &Solid, source: f64) -> Outcome<State> {
+    let mut controls = solid.controls();
+    let block = solid.model().controllable().iter().position(|c| c.name == "poisson").ok_or("no source")?;
+    controls.values_mut(block)[0] = source;
+    Ok(solid.solve(&controls, &STRICT)?)
+}
+
+/// `phi = f x (1 - x) / 2k`, which quadratic cells have exactly, whatever stands beside it and in whatever order.
+#[test]
+fn the_field_has_its_closed_form() -> Outcome {
+    let before = with_field(loaded(bar()?)?)?;
+    let behind = loaded(with_field(bar()?)?)?;
+    let source = 0.7;
+    for solid in [&before, &behind] {
+        let state = solve(solid, source)?;
+        let phi = solid.model().field("phi", &state.u)?;
+        let exact: Vec<f64> =
+            solid.mesh().points().iter().map(|x| source * x[0] * (1.0 - x[0]) / (2.0 * CONDUCTIVITY)).collect();
+        let error = distance(&phi, &exact);
+        println!("phi {error:.3e} of {:.3e}, {}", largest(&exact), state.report.solver);
+        assert!(error < 1e-12 * largest(&exact), "{error:e}");
+        // the body by itself under the forces of the exact field
+        let forces = Poisson::on(solid.mesh(), CONDUCTIVITY, PUSH).forces(&exact);
+        let alone = loaded(bar()?)?.nodal_force(&forces)?;
+        let expected = alone.solve(&alone.controls(), &STRICT)?;
+        let u = solid.model().displacement(&state.u);
+        let error = distance(&u, &expected.u);
+        println!("u {error:.3e} of {:.3e}", largest(&expected.u));
+        assert!(largest(&expected.u) > 1e-3 && error < 1e-10 * largest(&expected.u), "{error:e}");
+    }
+    Ok(())
+}
+
+/// The contract of the contribution, and of those beside it that see their fields alone.
+#[test]
+fn contributions_keep_their_contract_among_fields() -> Outcome {
+    let solid = with_field(loaded(bar()?)?)?.tendon(cable())?;
+    for name in ["poisson", "spring", "foundation on z-", "cable", "dead load"] {
+        check_contribution(solid.model(), name, 3)?;
+    }
+    Ok(())
+}
+
+/// The derivative of `j = c . (u, phi, p)` by the source against the remainder of Taylor's formula, with and without a constraint.
+#[test]
+fn the_adjoint_goes_through_the_field() -> Outcome {
+    for constrained in [false, true] {
+        let solid = with_field(loaded(bar()?)?)?;
+        let solid = if constrained { solid.tendon(cable())? } else { solid };
+        // the tendon is taut where the field pulls
+        let (at, along) = (0.9, 1.3);
+        let state = solve(&solid, at)?;
+        let dofs = solid.model().unknowns().nodal();
+        let mut cost: Vec<f64> =
+            (0..state.u.len()).map(|i| if i < dofs { (1.7 * i as f64).sin() } else { 0.0 }).collect();
+        solid.supports().clear(&mut cost);
+        let minus: Vec<f64> = cost.iter().map(|c| -c).collect();
+        let lambda = solid.adjoint(&state, &[&minus], &STRICT)?.lambda.remove(0);
+        let slopes = solid.model().vjp(&Instant::new(&state.u, &state.controls, 1.0), &lambda)?.controls;
+        let block = solid.model().controllable().iter().position(|c| c.name == "poisson").ok_or("no source")?;
+        let slope = along * slopes.values(block)[0];
+        let value = |t: f64| -> Outcome<f64> {
+            Ok(solve(&solid, at + t * along)?.u.iter().zip(&cost).map(|(u, c)| u * c).sum())
+        };
+        let base = value(0.0)?;
+        let remainder = |t: f64| -> Outcome<f64> { Ok((value(t)? - base - t * slope).abs()) };
+        let order = (remainder(4e-2)? / remainder(1e-2)?).log2() / 2.0;
+        println!("constrained {constrained}: slope {slope:.5e}, Taylor order {order:.4}");
+        assert!(order > 1.95 && order < 2.05, "constrained {constrained}: {order}");
+    }
+    Ok(())
+}
+
+/// What does not know of further fields is refused, by the names of the field and of its contribution.
+#[test]
+fn what_knows_of_the_displacement_alone_is_refused() -> Outcome {
+    let solid = with_field(bar()?)?;
+    let scheme = Scheme::bdf2();
+    for feature in
+        [Feature::Modes, Feature::Path, Feature::Ramp, Feature::Deflation, Feature::Descent, Feature::Motion(&scheme)]
+    {
+        let told = solid.model().supports(feature).err().ok_or("it goes")?.to_string();
+        assert!(told.contains("\"phi\"") && told.contains("\"poisson\""), "{told}");
+    }
+    let moved = solid.clone().motion(MovingSupport::of("grip", "x+"));
+    assert!(
+        matches!(&moved, Err(FemError::Unsupported { what, with, .. }) if what.contains("phi") && with == "grip"),
+        "{moved:?}"
+    );
+    let unknown = solid.clone().hold(("temperature", 0), "x+", 1.0).err().ok_or("it holds")?;
+    assert!(unknown.to_string().contains("displacement, phi"), "{unknown}");
+    let conflict = solid.clone().hold(("phi", 0), "x+", 1.0).err().ok_or("it holds")?;
+    assert!(conflict.to_string().contains("0 of \"phi\""), "{conflict}");
+    // multigrid knows of rigid motions alone: a factor solves
+    let how = SolveOptions { solver: Some(Solver::MULTIGRID), ..STRICT };
+    assert_eq!(solid.solve(&solid.controls(), &how)?.report.solver, "lu");
+    // a contribution that writes to more than its own unknowns would be seen here
+    let held = solid.contribution(Oscillators { mass: 0.0, damping: 0.0, stiffness: 1.0, spread: 0.0 })?;
+    let state = solve(&held, 0.7)?;
+    let middle = common::node_at(held.mesh(), [0.5, 0.0, 0.0]).ok_or("no node")?;
+    let phi = held.model().field("phi", &state.u)?[middle];
+    assert!((phi - 0.7 * 0.125 / CONDUCTIVITY).abs() < 1e-12, "{phi}");
+    Ok(())
+}

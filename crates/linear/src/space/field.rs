@@ -1,0 +1,65 @@
+//! [`Field`]: unknowns of one kind.
+
+use std::ops::Range;
+
+/// What a field has values on. In vectors, fields on nodes come first, interleaved node by node, then those on cells, then numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum On {
+    /// Every node.
+    Nodes,
+    /// Every cell.
+    Cells,
+    /// The whole: so many numbers.
+    Whole,
+}
+
+/// Which part a field has in an equilibrium.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The potential, where there is one, has a minimum by it.
+    Primary,
+    /// The potential has a maximum by it: each of its unknowns gives the tangent one negative eigenvalue.
+    Multiplier,
+}
+
+/// Unknowns of one kind: `components` on every place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// What messages and supports call it.
+    pub name: String,
+    /// Numbers per place.
+    pub components: usize,
+    /// The places.
+    pub on: On,
+    /// Its part in an equilibrium.
+    pub role: Role,
+    /// The places whose unknowns count in sums here; all of them where one process holds the whole vector. Set by the [`Space`](super::Space).
+    pub owned: Range<usize>,
+}
+
+impl Field {
+    /// A primary field on nodes.
+    pub fn nodal(name: &str, components: usize) -> Self {
+        Field { name: name.to_owned(), components, on: On::Nodes, role: Role::Primary, owned: 0..0 }
+    }
+
+    /// So many multipliers of the whole.
+    pub fn multipliers(name: &str, count: usize) -> Self {
+        Field { name: name.to_owned(), components: count, on: On::Whole, role: Role::Multiplier, owned: 0..0 }
+    }
+
+    /// Number of its unknowns.
+    pub fn len(&self) -> usize {
+        self.components * self.owned.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether another one describes the same unknowns, the owned ones aside.
+    pub fn agrees(&self, other: &Field) -> bool {
+        (&self.name, self.components, self.on, self.role) == (&other.name, other.components, other.on, other.role)
+    }
+}
