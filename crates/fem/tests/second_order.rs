@@ -120,7 +120,7 @@ fn contributions_without_second_derivatives_refuse() -> Outcome {
         refusal,
         StateError::SecondDerivatives(SecondDerivativeError::Contribution { method: "second_vjp", .. })
     ));
-    let told = "contribution \"plain\" gives no second derivatives; implement `Contribution::second_vjp`";
+    let told = "contribution \"plain\" gives no second derivatives; implement `ContributionPoint::second_vjp`";
     assert_eq!(refusal.to_string(), told);
     Ok(())
 }
