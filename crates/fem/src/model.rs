@@ -40,7 +40,7 @@ pub struct Model {
     pub(crate) supports: Supports,
     pub(crate) dead_load: DeadLoad,
     others: Vec<Arc<dyn Contribution>>,
-    space: Space,
+    space: Arc<Space>,
 }
 
 /// What can be controlled: an actuation of the body, or a contribution with slots of its own.
@@ -66,7 +66,7 @@ impl Model {
     /// A body without materials, supports or loads.
     pub fn new(disc: Arc<Discretization>) -> Self {
         let (supports, dead_load) = (Supports::new(disc.mesh()), DeadLoad(vec![0.0; disc.dofs()]));
-        let space = fields::displacement_alone(disc.mesh());
+        let space = Arc::new(fields::displacement_alone(disc.mesh()));
         Model { body: BodyEnergy::new(disc), supports, dead_load, others: Vec::new(), space }
     }
 
@@ -82,12 +82,14 @@ impl Model {
             let what = format!("there are two actuations or contributions named \"{name}\"; rename one");
             return Err(FemError::Meaningless { what });
         }
+        let space = self.space_with(contribution.as_ref())?;
         let disc = self.discretization().with_couplings(&contribution.couplings())?;
         if let Some(moved) = contribution.prescribes() {
             self.supports.drive(name, &moved.unknowns())?;
         }
         self.body.set_discretization(disc)?;
-        self.add_fields(contribution.as_ref())?;
+        self.supports.widen(space.block());
+        self.space = Arc::new(space);
         self.others.push(contribution);
         Ok(())
     }
@@ -371,10 +373,10 @@ impl Model {
     }
 
     /// Where each contribution beside the body is evaluated.
-    fn instants<'a>(&self, at: &Instant<'a>) -> impl Iterator<Item = Instant<'a>> {
+    fn instants<'a>(&'a self, at: &Instant<'a>) -> impl Iterator<Item = Instant<'a>> {
         let (at, mut block, mut scalar) = (*at, self.body.actuations().len(), self.space.nodal());
         self.others.iter().zip(block..).map(move |(contribution, memory)| {
-            let own = Instant { block, scalar, memory, ..at };
+            let own = Instant { space: &self.space, block, scalar, memory, ..at };
             scalar += count(contribution);
             block += usize::from(!contribution.slots().is_empty());
             own

@@ -173,7 +173,7 @@ impl Model {
     ) -> Result<(SparseMatrix, Vec<Vec<f64>>), StateError> {
         let at = self.instant(state, None, parallel);
         let found = self.bordered_tangent(&at).and_then(|tangent| Ok((tangent, self.acting(&at)?)));
-        let (BorderedTangent { matrix, columns }, acting) = found.map_err(|at| inverted(at, state))?;
+        let (BorderedTangent { matrix, columns, .. }, acting) = found.map_err(|at| inverted(at, state))?;
         let own = columns.into_iter().zip(acting).filter(|(_, acting)| *acting);
         let clear = |(mut column, _): (Vec<f64>, bool)| {
             self.supports.clear(&mut column);

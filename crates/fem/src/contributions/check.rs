@@ -10,10 +10,12 @@ use crate::error::{Inadmissible, SecondDerivativeError};
 use crate::model::Model;
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
-use nastic_linear::Symmetry;
+use nastic_linear::{Space, Symmetry};
 use nastic_numeric::Random;
-use nastic_numeric::vector::{axpy, dot, max_abs, norm, sub};
+use nastic_numeric::vector::{axpy, sub};
 
+/// One process checks.
+const SPACE: &Space = Space::LOCAL;
 /// Relative size of the displacements, as a share of the body's diagonal, at which a contribution is looked at.
 const AMPLITUDE: f64 = 0.02;
 /// Size of the controls and multipliers at which it is looked at.
@@ -85,7 +87,7 @@ impl Subject<'_> {
                 return Err("it has a potential, so its tangent must be symmetric".into());
             }
             let slope = difference(|s| Ok(vec![self.sums(self.moved(&self.along(direction, s)))?.energy]))?[0];
-            let found = dot(&sums.force, direction);
+            let found = SPACE.dot(&sums.force, direction);
             agree(
                 "the residual along a direction",
                 &[found],
@@ -103,11 +105,11 @@ impl Subject<'_> {
             &product,
             "differences of the residual",
             &expected,
-            norm(&sums.force_scale),
+            SPACE.norm(&sums.force_scale),
         )?;
         if self.contribution.symmetry() == Symmetry::Symmetric {
-            let (left, right) = (dot(lambda, &product), dot(direction, &tangent.multiply(lambda, false)));
-            agree("a . K b", &[left], "b . K a", &[right], norm(lambda) * norm(&product))?;
+            let (left, right) = (SPACE.dot(lambda, &product), SPACE.dot(direction, &tangent.multiply(lambda, false)));
+            agree("a . K b", &[left], "b . K a", &[right], SPACE.norm(lambda) * SPACE.norm(&product))?;
         }
         let mut out = lambda.to_vec();
         if self
@@ -116,7 +118,7 @@ impl Subject<'_> {
             .map_err(told)?
         {
             let out = sub(&out, lambda);
-            agree("the product without a matrix", &out, "the tangent times the vector", &product, norm(lambda))?;
+            agree("the product without a matrix", &out, "the tangent times the vector", &product, SPACE.norm(lambda))?;
         }
         self.check_sensitivities(lambda)?;
         self.check_prescribed(lambda)?;
@@ -151,7 +153,7 @@ impl Subject<'_> {
         let mut by_controls = Sensitivities::zero(self.model.controls(), &at);
         prescribed.vjp(&at, force, &mut by_controls);
         let (left, right) =
-            (dot(by_controls.controls.values(self.at.block), v.values(self.at.block)), dot(force, &found));
+            (SPACE.dot(by_controls.controls.values(self.at.block), v.values(self.at.block)), SPACE.dot(force, &found));
         agree("the derivative of a force's work", &[left], "the work along the change", &[right], 0.0)
     }
 
@@ -173,11 +175,11 @@ impl Subject<'_> {
         };
         let (by_u, by_m) = first(0.0).map_err(|at| at.to_string())?;
         let expected = difference(|s| Ok(first(s)?.0))?;
-        agree("the change of K^T lambda", &found.u, "differences", &expected, norm(&by_u))?;
+        agree("the change of K^T lambda", &found.u, "differences", &expected, SPACE.norm(&by_u))?;
         for k in 0..controls.len() {
             let expected = difference(|s| Ok(first(s)?.1.values(k).to_vec()))?;
             let what = "the change of the derivative by the controls";
-            agree(what, found.controls.values(k), "differences", &expected, norm(by_m.values(k)))?;
+            agree(what, found.controls.values(k), "differences", &expected, SPACE.norm(by_m.values(k)))?;
         }
         let mut product = vec![0.0; direction.len()];
         let error = |error: SecondDerivativeError| error.to_string();
@@ -188,14 +190,14 @@ impl Subject<'_> {
             let m = self.controls_along(&controls, s);
             Ok(self.sums(Instant { controls: &m, ..self.at })?.force)
         })?;
-        agree("dr/dm v", &product, "differences of the residual", &expected, norm(&product))?;
+        agree("dr/dm v", &product, "differences of the residual", &expected, SPACE.norm(&product))?;
         let (other_u, mut other_controls) = (sub(lambda, direction), controls.clone());
         self.draw(&mut other_controls, &mut random);
         let other = Increment { u: &other_u, controls: &other_controls };
         let Some(of_other) = self.second(lambda, &other)? else { return Ok(()) };
         let pair = |second: &SecondSensitivities, along: &Increment| -> f64 {
-            let by_m = |k: usize| dot(second.controls.values(k), along.controls.values(k));
-            dot(&second.u, along.u) + (0..controls.len()).map(by_m).sum::<f64>()
+            let by_m = |k: usize| SPACE.dot(second.controls.values(k), along.controls.values(k));
+            SPACE.dot(&second.u, along.u) + (0..controls.len()).map(by_m).sum::<f64>()
         };
         let (left, right) = (pair(&found, &other), pair(&of_other, &along));
         agree("second derivatives along a, then b", &[left], "those along b, then a", &[right], 0.0)
@@ -227,7 +229,7 @@ impl Subject<'_> {
 
     /// Sums are added to, not overwritten; forces are no larger than what their rounding is measured against.
     fn check_adds(&self, alone: &Sums, others: &[f64]) -> Result<Result<(), String>, Inadmissible> {
-        let scale = max_abs(&alone.force_scale);
+        let scale = SPACE.max_abs(&alone.force_scale);
         let before: Vec<f64> = others.iter().map(|o| scale * o).collect();
         let mut sums = Sums { force: before.clone(), energy: scale, ..Sums::zero(before.len()) };
         self.point(&self.at)?.add_residual(&self.at, Demand { energy: true, force: true }, &mut sums)?;
@@ -252,7 +254,7 @@ impl Subject<'_> {
     fn check_sensitivities(&self, lambda: &[f64]) -> Result<(), String> {
         let mut found = Sensitivities::zero(self.model.controls(), &self.at);
         self.point(&self.at).and_then(|point| point.vjp(&self.at, lambda, &mut found)).map_err(|at| at.to_string())?;
-        let work = |at: Instant| Ok(vec![dot(lambda, &self.sums(at)?.force)]);
+        let work = |at: Instant| Ok(vec![SPACE.dot(lambda, &self.sums(at)?.force)]);
         let mut random = Random::new(11);
         for k in 0..found.controls.len() {
             let along: Vec<f64> = found.controls.values(k).iter().map(|_| 10.0 * random.symmetric()).collect();
@@ -262,7 +264,7 @@ impl Subject<'_> {
                 controls
             };
             let expected = difference(|s| work(Instant { controls: &moved(s), ..self.at }))?;
-            let slope = dot(found.controls.values(k), &along);
+            let slope = SPACE.dot(found.controls.values(k), &along);
             let scale: f64 = found.controls.values(k).iter().zip(&along).map(|(g, d)| (g * d).abs()).sum();
             agree("the derivative by the controls", &[slope], "differences", &expected, scale)?;
         }
@@ -275,11 +277,11 @@ impl Subject<'_> {
             ..step.clone()
         };
         let by_velocity = difference(|s| work(Instant { step: Some(&with(s, 0.0)), ..self.at }))?;
-        let slope = [dot(&found.velocity, lambda)];
-        agree("the derivative by the velocity", &slope, "differences", &by_velocity, norm(&found.velocity))?;
+        let slope = [SPACE.dot(&found.velocity, lambda)];
+        agree("the derivative by the velocity", &slope, "differences", &by_velocity, SPACE.norm(&found.velocity))?;
         let by_acceleration = difference(|s| work(Instant { step: Some(&with(0.0, s)), ..self.at }))?;
-        let slope = [dot(&found.acceleration, lambda)];
-        let size = norm(&found.acceleration);
+        let slope = [SPACE.dot(&found.acceleration, lambda)];
+        let size = SPACE.norm(&found.acceleration);
         agree("the derivative by the acceleration", &slope, "differences", &by_acceleration, size)?;
         let mut mass = self.model.matrix();
         self.contribution.add_mass(&mut mass).map_err(|lacking| lacking.to_string())?;
@@ -291,7 +293,8 @@ impl Subject<'_> {
 
     /// By the state that the step begins at, whose velocity and acceleration go into those of the end, not into this.
     fn check_before(&self, found: &BeforeStep, step: &TimeStep, lambda: &[f64]) -> Result<(), String> {
-        let work = |step: &TimeStep| Ok(vec![dot(lambda, &self.sums(Instant { step: Some(step), ..self.at })?.force)]);
+        let work =
+            |step: &TimeStep| Ok(vec![SPACE.dot(lambda, &self.sums(Instant { step: Some(step), ..self.at })?.force)]);
         let with = |s: f64| {
             let u = step.before.u.iter().zip(lambda).map(|(u, d)| u + s * d).collect::<Vec<f64>>();
             let mut controls = Controls::clone(&step.before.controls);
@@ -302,7 +305,7 @@ impl Subject<'_> {
             TimeStep { before, history: history.into(), ..step.clone() }
         };
         let expected = difference(|s| work(&with(s)))?;
-        let by_u: f64 = dot(&found.u, lambda);
+        let by_u: f64 = SPACE.dot(&found.u, lambda);
         let by_controls = (0..found.controls.len()).flat_map(|k| found.controls.values(k)).sum::<f64>() * CONTROL;
         let by_history: f64 = (0..found.history.len()).flat_map(|k| found.history.values(k)).sum();
         let slope = by_u + by_controls + by_history;
@@ -354,10 +357,10 @@ fn difference(f: impl Fn(f64) -> Result<Vec<f64>, Inadmissible>) -> Result<Vec<f
 
 /// Whether two vectors agree beside their size and what they are the difference of.
 fn agree(what: &str, found: &[f64], other: &str, expected: &[f64], scale: f64) -> Result<(), String> {
-    let error = max_abs(&sub(found, expected));
-    let allowed = TOLERANCE * max_abs(expected).max(max_abs(found)) + 1e-9 * scale;
+    let error = SPACE.max_abs(&sub(found, expected));
+    let allowed = TOLERANCE * SPACE.max_abs(expected).max(SPACE.max_abs(found)) + 1e-9 * scale;
     if error <= allowed {
         return Ok(());
     }
-    Err(format!("{what} differs from {other} by {error:.3e} of {:.3e}", max_abs(expected)))
+    Err(format!("{what} differs from {other} by {error:.3e} of {:.3e}", SPACE.max_abs(expected)))
 }

@@ -7,7 +7,7 @@ use crate::discretization::Discretization;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_mesh::GroupNames;
-use nastic_numeric::vector::{axpy, dot};
+use nastic_numeric::vector::axpy;
 
 /// Densities by region (kg/m^3, with forces in N and lengths in m), and how the mass is distributed over the nodes.
 ///
@@ -80,7 +80,7 @@ impl Inertia {
         };
         let mut along = vec![0.0; disc.dofs()];
         along.iter_mut().step_by(disc.dim()).for_each(|x| *x = 1.0);
-        let total = dot(&along, &mass.times(&along, false));
+        let total = disc.dot(&along, &mass.times(&along, false));
         Ok(BodyInertia { mass, total })
     }
 }
@@ -136,7 +136,7 @@ impl Contribution for BodyInertia {
         let mut found = vec![("mass", self.total)];
         if at.step.is_some() {
             let velocity: Vec<f64> = (0..at.u.len()).map(|dof| at.velocity(dof)).collect();
-            found.push(("kinetic_energy", 0.5 * dot(&velocity, &self.mass.times(&velocity, at.parallel))));
+            found.push(("kinetic_energy", 0.5 * at.space.dot(&velocity, &self.mass.times(&velocity, at.parallel))));
         }
         found
     }
@@ -155,7 +155,7 @@ impl ContributionPoint for BodyInertia {
         let Some(step) = at.step else { return Ok(()) };
         let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
         let force = self.mass.times(&acceleration, at.parallel);
-        add_linear(step.acceleration.0, (at.u, &acceleration, &force), demand, sums);
+        add_linear(at, step.acceleration.0, (&acceleration, &force), demand, sums);
         Ok(())
     }
 
@@ -193,10 +193,10 @@ impl ContributionPoint for BodyInertia {
 
 /// Adds the force `A y` with `y = c u + b` and a constant symmetric A, and its incremental potential `y . A y / (2
 /// c)`, which is `u . A y` where y does not depend on u.
-pub(super) fn add_linear(c: f64, (u, y, force): (&[f64], &[f64], &[f64]), demand: Demand, sums: &mut Sums) {
+pub(super) fn add_linear(at: &Instant, c: f64, (y, force): (&[f64], &[f64]), demand: Demand, sums: &mut Sums) {
     if demand.energy {
-        let (along, factor) = if c == 0.0 { (u, 1.0) } else { (y, 0.5 / c) };
-        sums.energy += factor * dot(along, force);
+        let (along, factor) = if c == 0.0 { (at.u, 1.0) } else { (y, 0.5 / c) };
+        sums.energy += factor * at.space.dot(along, force);
         sums.energy_scale += along.iter().zip(force).map(|(y, f)| (factor * y * f).abs()).sum::<f64>();
     }
     if demand.force {

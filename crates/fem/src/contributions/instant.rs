@@ -3,6 +3,7 @@
 use crate::contributions::controls::Controls;
 use crate::contributions::history::History;
 use crate::solution::state::State;
+use nastic_linear::Space;
 use std::sync::Arc;
 
 /// The unknowns and everything prescribed, at one instant.
@@ -20,6 +21,8 @@ pub struct Instant<'a> {
     pub parallel: bool,
     /// Internal variables outside of a time step: those of a state.
     pub(crate) remembered: &'a History,
+    /// What sums over vectors of unknowns.
+    pub(crate) space: &'a Space,
     /// Index of the contribution's own block of controls.
     pub(crate) block: usize,
     /// Index in u of the contribution's own first multiplier.
@@ -32,7 +35,18 @@ impl<'a> Instant<'a> {
     /// A static instant.
     pub fn new(u: &'a [f64], controls: &'a Controls, load: f64) -> Self {
         let (remembered, scalar) = (History::relaxed(), u.len());
-        Instant { u, controls, load, step: None, parallel: false, remembered, block: 0, scalar, memory: 0 }
+        Instant {
+            u,
+            controls,
+            load,
+            step: None,
+            parallel: false,
+            remembered,
+            space: Space::LOCAL,
+            block: 0,
+            scalar,
+            memory: 0,
+        }
     }
 
     /// That of a state, the internal variables with it.

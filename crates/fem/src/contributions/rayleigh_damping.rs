@@ -34,6 +34,7 @@ impl RayleighDamping {
             let what = format!("Rayleigh damping with a0 = {a0}, a1 = {a1}; both must be finite and at least zero");
             return Err(FemError::Meaningless { what });
         }
+        model.refuse_further_fields(Self::NAME)?;
         model.body.check_complete()?;
         let mass = model.mass()?;
         if a0 > 0.0 && mass.values.iter().all(|&m| m == 0.0) {
@@ -72,7 +73,7 @@ impl ContributionPoint for RayleighDamping {
         let Some(step) = at.step else { return Ok(()) };
         let velocity: Vec<f64> = (0..at.u.len()).map(|dof| at.velocity(dof)).collect();
         let force = self.times(&velocity, at.parallel);
-        add_linear(step.velocity.0, (at.u, &velocity, &force), demand, sums);
+        add_linear(at, step.velocity.0, (&velocity, &force), demand, sums);
         Ok(())
     }
 

@@ -11,7 +11,9 @@ pub(crate) mod supports;
 
 use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
 use crate::error::FemError;
-use nastic_linear::{Corners, Graph, Pattern, Precision, Solver, SolverFactory, SparseMatrix, Structure, Symbolic};
+use nastic_linear::{
+    Corners, Graph, Pattern, Precision, Solver, SolverFactory, Space, SparseMatrix, Structure, Symbolic,
+};
 use nastic_mesh::Mesh;
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -189,6 +191,11 @@ impl Discretization {
     /// The [patch](patches::patches) of every cell. Made when first asked for.
     pub(crate) fn patches(&self) -> &[u32] {
         self.patches.get_or_init(|| Arc::new(patches::patches(&self.mesh)))
+    }
+
+    /// `a . b` over the displacement unknowns of the whole mesh.
+    pub(crate) fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        Space::LOCAL.dot(a, b)
     }
 
     /// A zero matrix of the tangent's pattern.

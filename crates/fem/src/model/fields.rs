@@ -21,7 +21,7 @@ pub(super) fn displacement_alone(mesh: &Mesh) -> Space {
 impl Model {
     /// The space of the unknowns: the displacement, the further nodal fields of contributions in the order in which they came, then the
     /// multipliers of their constraints.
-    pub fn unknowns(&self) -> &Space {
+    pub fn unknowns(&self) -> &Arc<Space> {
         &self.space
     }
 
@@ -68,9 +68,9 @@ impl Model {
         self.supports.hold(support, nodes, (first + component, &format!("{component} of \"{field}\"")), value)
     }
 
-    /// Adds the fields of a contribution to the space.
-    pub(super) fn add_fields(&mut self, contribution: &dyn Contribution) -> Result<(), FemError> {
-        let mut space = self.space.clone();
+    /// The space with the fields of a contribution.
+    pub(super) fn space_with(&self, contribution: &dyn Contribution) -> Result<Space, FemError> {
+        let mut space = Space::clone(&self.space);
         for field in contribution.fields() {
             self.check_field(contribution, field)?;
             if space.nodal_field(&field.name).is_none() {
@@ -90,9 +90,7 @@ impl Model {
                 "it moves unknowns of the body alone",
             ));
         }
-        self.supports.widen(space.block());
-        self.space = space;
-        Ok(())
+        Ok(space)
     }
 
     fn check_field(&self, contribution: &dyn Contribution, field: &Field) -> Result<(), FemError> {
@@ -125,7 +123,10 @@ impl Model {
     }
 
     /// Refuses what knows of the displacement alone.
-    pub(crate) fn refuse_further_fields(&self, what: &str) -> Result<(), FemError> {
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`]: what, with which contribution and field.
+    pub fn refuse_further_fields(&self, what: &str) -> Result<(), FemError> {
         match self.further() {
             None => Ok(()),
             Some((field, owner)) => {

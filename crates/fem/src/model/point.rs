@@ -178,7 +178,7 @@ impl ModelPoint<'_> {
         mut call: impl FnMut(&dyn Contribution, &dyn ContributionPoint, &Instant) -> Result<(), E>,
     ) -> Result<(), E> {
         // These know of no multipliers.
-        let nodal = Instant { u: self.model.nodal(at.u), ..*at };
+        let nodal = Instant { u: self.model.nodal(at.u), space: self.model.unknowns(), ..*at };
         let Model { body, dead_load, .. } = self.model;
         self.model.wrapped(body, &self.body, |point| call(body, point, &nodal))?;
         self.model.wrapped(dead_load, dead_load, |point| call(dead_load, point, &nodal))?;

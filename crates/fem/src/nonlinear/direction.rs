@@ -10,8 +10,8 @@ pub(crate) mod point_strains;
 
 use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::solution::state::SolveReport;
+use nastic_linear::Space;
 use nastic_linear::solver::Curvature;
-use nastic_numeric::vector::max_abs;
 
 /// A step.
 pub(crate) struct Step {
@@ -43,8 +43,8 @@ pub(crate) enum Take {
 
 impl Step {
     /// One that is taken whole or not at all.
-    pub fn whole(dx: Vec<f64>, curvature: Curvature, dofs: usize) -> Self {
-        let size = max_abs(&dx[..dofs]);
+    pub fn whole(dx: Vec<f64>, curvature: Curvature, space: &Space) -> Self {
+        let size = space.max_abs(&dx[..space.nodal()]);
         Step { dx, curvature, size, scale: 0.0, take: Take::Whole }
     }
 }

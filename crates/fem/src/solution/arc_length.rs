@@ -60,7 +60,11 @@ impl<'a> PathEquations<'a> {
         model.supports.clear(&mut weights);
         weights.resize(model.unknowns().len(), 0.0);
         let equations = Equations { model, drive: Drive::Path { from, to }, options };
-        PathEquations { equations, workspace, metric: PathMetric { weights, scale: 1.0 } }
+        PathEquations {
+            equations,
+            workspace,
+            metric: PathMetric { weights, scale: 1.0, space: model.unknowns().clone() },
+        }
     }
 
     /// The start at s = 0, its direction towards larger s; scales the inner product such that u' and s' are of one size

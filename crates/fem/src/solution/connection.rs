@@ -8,7 +8,7 @@ use crate::solution::path::{EventKind, PathEnd, PathOptions};
 use crate::solution::rotation_corrected_step::GradientFit;
 use crate::solution::state::State;
 use crate::solution::workspace::Workspace;
-use nastic_numeric::vector::{axpy, norm, sub};
+use nastic_numeric::vector::{axpy, sub};
 use std::cell::OnceCell;
 use std::sync::Arc;
 
@@ -59,11 +59,12 @@ impl Model {
     /// # Errors
     /// As [`path`](Self::path); a cancelled solve, a lack of memory.
     pub fn connection(&self, from: &State, to: &State, how: &SolveOptions) -> Result<Connection, StateError> {
+        self.refuse_further_fields("a connection between equilibria")?;
         self.check_state(from)?;
         self.check_state(to)?;
-        let change = norm(&sub(self.nodal(&to.u), self.nodal(&from.u)));
+        let change = self.unknowns().norm(&sub(self.nodal(&to.u), self.nodal(&from.u)));
         let (mut workspace, fit) = (Workspace::default(), OnceCell::new());
-        if change <= SMALL * norm(self.nodal(&to.u))
+        if change <= SMALL * self.unknowns().norm(self.nodal(&to.u))
             || !self.may_have_jumped(from, to, how, (&mut workspace, &fit))?
             || self.is_reached_in_parts(from, to, how, (&mut workspace, &fit))?
         {
@@ -79,7 +80,7 @@ impl Model {
             (PathEnd::Stuck(error), _) if error.is_final() => return Err(error),
             (_, Some(limit)) => Connection::LimitPoint(limit.s),
             (PathEnd::Left, None) if last.s > 0.0 => {
-                let apart = norm(&sub(&last.state.u, &to.u)) / change;
+                let apart = self.unknowns().norm(&sub(&last.state.u, &to.u)) / change;
                 if apart <= SAME { Connection::Connected } else { Connection::Elsewhere(apart) }
             }
             _ => Connection::Unknown(last.s),
@@ -143,7 +144,7 @@ impl Model {
                 Ok(_) | Err(_) => (part, refused) = (0.5 * (next - share), refused + 1),
             }
             if share == 1.0 {
-                let apart = |a: &State, b: &State| norm(&sub(self.nodal(&a.u), self.nodal(&b.u)));
+                let apart = |a: &State, b: &State| self.unknowns().norm(&sub(self.nodal(&a.u), self.nodal(&b.u)));
                 return Ok(apart(&here, to) <= SAME * apart(to, from));
             }
         }

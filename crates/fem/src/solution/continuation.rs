@@ -12,7 +12,7 @@ use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
 use nastic_linear::LinearSolver;
-use nastic_numeric::vector::{norm, sub};
+use nastic_numeric::vector::sub;
 
 /// A warm start is left for the way from rest at the first step that fails after so many times the iterations allowed for
 /// one: a state nearby that takes more is not nearby.
@@ -253,7 +253,7 @@ impl Model {
             match self.attempt(&newton, &mut u, (&mut helped, hopeless), workspace, report) {
                 Ok(()) => {
                     report.load_steps += 1;
-                    steps.succeeded(path, norm(&sub(self.nodal(&u), self.nodal(&here.u))));
+                    steps.succeeded(path, self.unknowns().norm(&sub(self.nodal(&u), self.nodal(&here.u))));
                     here = State::equilibrium(u, controls, load, *report);
                 }
                 Err(Stop::Cancelled) => return Err(StateError::Cancelled),

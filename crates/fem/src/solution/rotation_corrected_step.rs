@@ -26,7 +26,6 @@ use crate::kernels::kernel;
 use crate::kernels::patch::Patch;
 use crate::model::Model;
 use nastic_linear::{Factor, SparseMatrix};
-use nastic_numeric::vector::dot;
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, polar_rotation};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -96,7 +95,7 @@ impl GradientFit {
             factor.solve(&mut component, 1);
             if self.free[c] {
                 let volumes = model.discretization().nodal_volumes();
-                let mean = dot(&volumes, &component) / volumes.iter().sum::<f64>();
+                let mean = model.unknowns().dot(&volumes, &component) / volumes.iter().sum::<f64>();
                 component.iter_mut().for_each(|x| *x -= mean);
             }
             rhs.iter_mut().skip(c).step_by(dim).zip(component).for_each(|(r, x)| *r = x);

@@ -8,8 +8,9 @@ use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use nalgebra::DMatrix;
 use nastic_linear::solver::{Accuracy, Border};
-use nastic_linear::{LinearError, SparseMatrix};
-use nastic_numeric::vector::{axpy, dot, norm};
+use nastic_linear::{LinearError, Space, SparseMatrix};
+use nastic_numeric::vector::axpy;
+use std::sync::Arc;
 
 /// The second derivatives `[K B; B^T 0]` of a potential under constraints: K by the displacement, `B = -dg/du`.
 #[derive(Debug, Clone)]
@@ -17,12 +18,14 @@ pub(crate) struct BorderedTangent {
     pub matrix: SparseMatrix,
     /// Columns of B.
     pub columns: Vec<Vec<f64>>,
+    space: Arc<Space>,
 }
 
 impl BorderedTangent {
     pub fn zero(model: &Model) -> Self {
         let dofs = model.unknowns().nodal();
-        BorderedTangent { matrix: model.matrix(), columns: vec![vec![0.0; dofs]; model.unknowns().multipliers()] }
+        let columns = vec![vec![0.0; dofs]; model.unknowns().multipliers()];
+        BorderedTangent { matrix: model.matrix(), columns, space: model.unknowns().clone() }
     }
 
     /// Adds that of a contribution.
@@ -61,7 +64,7 @@ impl BorderedTangent {
         for (column, p) in self.columns.iter().zip(multipliers) {
             out.iter_mut().zip(column).for_each(|(out, b)| *out += p * b);
         }
-        out.extend(self.columns.iter().map(|column| dot(column, nodal)));
+        out.extend(self.columns.iter().map(|column| self.space.dot(column, nodal)));
         out
     }
 }
@@ -81,6 +84,7 @@ impl BorderedTangent {
 /// the size of those of K, so that constraints count like forces in the residual of the whole.
 #[derive(Debug)]
 pub(crate) struct SaddlePoint {
+    space: Arc<Space>,
     matrix: SparseMatrix,
     /// Columns of B, scaled.
     columns: Vec<Vec<f64>>,
@@ -111,12 +115,13 @@ const COMPLIANCE: f64 = 1e-6;
 impl SaddlePoint {
     /// With all constraints.
     pub fn new(model: &Model, tangent: BorderedTangent) -> Self {
-        let BorderedTangent { mut matrix, mut columns } = tangent;
+        let BorderedTangent { mut matrix, mut columns, space } = tangent;
         columns.iter_mut().for_each(|column| model.supports.clear(column));
         eliminate(model, &mut matrix);
         let diagonal = matrix.diagonal();
         let size = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len().max(1) as f64;
-        let scale = |column: &Vec<f64>| Some(size / norm(column)).filter(|scale| scale.is_finite()).unwrap_or(1.0);
+        let scale =
+            |column: &Vec<f64>| Some(size / space.norm(column)).filter(|scale| scale.is_finite()).unwrap_or(1.0);
         let scales: Vec<f64> = columns.iter().map(scale).collect();
         let mut added = vec![0.0; diagonal.len()];
         let mut springs = Vec::with_capacity(scales.len());
@@ -130,7 +135,7 @@ impl SaddlePoint {
         }
         matrix.add_diagonal(&added);
         let acting = vec![true; scales.len()];
-        SaddlePoint { matrix, columns, springs, scales, acting, softened: false, transposed: false }
+        SaddlePoint { space, matrix, columns, springs, scales, acting, softened: false, transposed: false }
     }
 
     /// Sets which constraints act, by constraint, and whether they yield a little: then those that depend on each other have multipliers,
@@ -147,7 +152,7 @@ impl SaddlePoint {
 
     /// `B_k . v` of a constraint.
     pub fn slope(&self, constraint: usize, v: &[f64]) -> f64 {
-        dot(&self.columns[constraint], v) / self.scales[constraint]
+        self.space.dot(&self.columns[constraint], v) / self.scales[constraint]
     }
 
     /// Adds a multiple of a column `B_k`.
@@ -166,7 +171,7 @@ impl SaddlePoint {
         let mut corner = DMatrix::zeros(acting + self.springs.len(), acting + self.springs.len());
         if self.softened {
             // a column is as long as the mean diagonal of K is large
-            columns.iter().enumerate().for_each(|(k, column)| corner[(k, k)] = -COMPLIANCE * norm(column));
+            columns.iter().enumerate().for_each(|(k, column)| corner[(k, k)] = -COMPLIANCE * self.space.norm(column));
         }
         for (k, &(at, stiffness)) in self.springs.iter().enumerate() {
             let mut row = vec![0.0; unknowns];

@@ -7,7 +7,6 @@ use nastic_linear::solver::{
     Accuracy, BlockElimination, Border, Configuration, Curvature, Shift, System, solve_bordered,
 };
 use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, Space, SparseMatrix};
-use nastic_numeric::vector::norm;
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
@@ -162,7 +161,7 @@ impl<'a> TangentSystems<'a> {
         matrix.multiply_on(&x, &mut rest, self.parallel);
         rest.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
         // of multigrid, which shows at a coarser residual that a matrix is definite
-        if norm(&rest) > DEFINITE * norm(b) {
+        if self.model.unknowns().norm(&rest) > DEFINITE * self.model.unknowns().norm(b) {
             let correction = self.solve_to(SYMMETRIC, matrix, u, &rest, Transposition::No, report)?;
             x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
         }

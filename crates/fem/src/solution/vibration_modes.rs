@@ -6,7 +6,6 @@ use crate::solution::modes::normalized;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
 use nastic_linear::{MassMatrix, SparseMatrix};
-use nastic_numeric::vector::dot;
 
 /// A solution `u + phi exp(i w t)` of the undamped motion about an equilibrium u, linearised: `K phi = w^2 M phi`, K
 /// the static tangent at u with its loads and controls, M the mass of the model, consistent or lumped as its
@@ -82,7 +81,7 @@ impl Model {
             let shape = normalized(vector);
             let mut momentum = vec![0.0; shape.len()];
             mass.multiply_on(&shape, &mut momentum, how.parallel);
-            let modal_mass = dot(&shape, &momentum);
+            let modal_mass = self.unknowns().dot(&shape, &momentum);
             let along = |c: usize| shape.iter().zip(&momentum).skip(c).step_by(dim).map(|(x, p)| x * p).sum::<f64>();
             let directions = [0, 1, 2].map(|c| if c < dim { along(c) / modal_mass } else { 0.0 });
             VibrationMode { square, rounding, modal_mass, directions, shape }

@@ -8,8 +8,8 @@ use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
 use nalgebra::DMatrix;
-use nastic_linear::MassMatrix;
-use nastic_numeric::vector::{axpy, dot};
+use nastic_linear::{MassMatrix, Space};
+use nastic_numeric::vector::axpy;
 use std::sync::Arc;
 
 /// What the modes `W^T M W = 1`, `K W = M W diag(lambda)` of the tangent at the beginning of a step do until its end: with
@@ -21,6 +21,7 @@ use std::sync::Arc;
 ///
 /// by the exponential of its matrix. Of damping that couples them with the other modes they feel their own part alone.
 pub(crate) struct ModalStep {
+    space: Arc<Space>,
     /// W, zero on the supports.
     shapes: Vec<Vec<f64>>,
     /// `M W`.
@@ -63,21 +64,32 @@ impl Model {
         for (k, shape) in modes.vectors.iter().enumerate() {
             // the transpose of C, which is symmetric
             let damped = self.vjp(&at.in_step(step), shape).map_err(inverted)?.velocity;
-            modes.vectors.iter().enumerate().for_each(|(i, other)| damping[(i, k)] = dot(other, &damped));
+            modes
+                .vectors
+                .iter()
+                .enumerate()
+                .for_each(|(i, other)| damping[(i, k)] = self.unknowns().dot(other, &damped));
         }
         let begins = begin.velocity.as_deref().map_or(&[][..], Vec::as_slice);
-        let along = |v: &[f64], by: &[f64]| if by.is_empty() { 0.0 } else { dot(v, by) };
+        let along = |v: &[f64], by: &[f64]| if by.is_empty() { 0.0 } else { self.unknowns().dot(v, by) };
         let start: Vec<f64> = momenta.iter().map(|momentum| along(momentum, begins)).collect();
-        let push: Vec<f64> = modes.vectors.iter().map(|shape| -dot(shape, &force)).collect();
+        let push: Vec<f64> = modes.vectors.iter().map(|shape| -self.unknowns().dot(shape, &force)).collect();
         let (displacement, velocity) = oscillation(step.dt, &modes.values, &damping, &start, &push);
-        Ok(ModalStep { shapes: modes.vectors, momenta, displacement, velocity, dt: step.dt })
+        Ok(ModalStep {
+            shapes: modes.vectors,
+            momenta,
+            displacement,
+            velocity,
+            dt: step.dt,
+            space: self.unknowns().clone(),
+        })
     }
 }
 
 impl ModalStep {
     /// Puts the exact displacement in the place of the modes' part of a step.
     pub fn replace(&self, step: &mut [f64]) {
-        let parts: Vec<f64> = self.momenta.iter().map(|momentum| dot(momentum, step)).collect();
+        let parts: Vec<f64> = self.momenta.iter().map(|momentum| self.space.dot(momentum, step)).collect();
         for ((shape, part), q) in self.shapes.iter().zip(parts).zip(&self.displacement) {
             axpy(q - part, shape, step);
         }

@@ -10,7 +10,7 @@ use crate::discretization::supports::Supports;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
-use nastic_numeric::vector::{axpy, dot};
+use nastic_numeric::vector::axpy;
 use std::cell::OnceCell;
 
 /// The potential `-p V(u)` of a [`Cavity`](super::Cavity).
@@ -122,7 +122,7 @@ impl ContributionPoint for CavityPressurePoint<'_> {
         let (pressure, change) = (at.control(0), at.slot_of(along.controls, 0));
         let mut of_lambda = vec![0.0; lambda.len()];
         self.cavity.0.enclosed.each(Some(at.u), true, |patch| patch.add_hessian_product(-1.0, lambda, &mut of_lambda));
-        into.add_control(at, 0, dot(&of_lambda, along.u));
+        into.add_control(at, 0, at.space.dot(&of_lambda, along.u));
         axpy(change, &of_lambda, &mut into.u);
         if pressure != 0.0 {
             self.cavity

@@ -10,7 +10,7 @@ use crate::discretization::supports::Supports;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
-use nastic_numeric::vector::{axpy, dot};
+use nastic_numeric::vector::axpy;
 use std::cell::OnceCell;
 
 /// Times the volume at rest beyond which a volume is a mistake: a stretch of more than 20 everywhere.
@@ -197,7 +197,7 @@ impl ContributionPoint for CavityVolumePoint<'_> {
             patch.add_hessian_product(-1.0, lambda, &mut of_lambda);
             patch.add_hessian_product(-lambda[own], along.u, &mut into.u);
         });
-        into.u[own] += dot(&of_lambda, along.u);
+        into.u[own] += at.space.dot(&of_lambda, along.u);
         axpy(along.u[own], &of_lambda, &mut into.u);
         if pressure != 0.0 {
             self.cavity

@@ -9,7 +9,7 @@ use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::Polyline;
-use nastic_numeric::vector::{axpy, dot};
+use nastic_numeric::vector::axpy;
 
 /// What is given of a tendon.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -238,7 +238,7 @@ impl ContributionPoint for TendonPoint<'_> {
         let (tension, line) = (self.tension(at), &self.line);
         let mut of_du = vec![0.0; lambda.len()];
         line.add_curvature_product(1.0, along.u, &mut of_du);
-        let mixed = dot(lambda, &of_du);
+        let mixed = at.space.dot(lambda, &of_du);
         into.add_control(at, 0, tension.by_control * mixed);
         let change = tension.by_length * line.slope(along.u) + tension.by_control * at.slot_of(along.controls, 0);
         line.add_curvature_product(change, lambda, &mut into.u);

@@ -11,7 +11,7 @@ use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::Polyline;
-use nastic_numeric::vector::{axpy, dot};
+use nastic_numeric::vector::axpy;
 
 /// The constraint `g(u) = L0 - s - L(u) >= 0` of a [`Tendon`](super::Tendon) with the tension as its multiplier, `T >= 0`, `T g = 0`:
 ///
@@ -189,7 +189,7 @@ impl ContributionPoint for InextensiblePoint<'_> {
         let (own, line) = (at.place(0), &self.line);
         let mut of_lambda = vec![0.0; lambda.len()];
         line.add_curvature_product(1.0, lambda, &mut of_lambda);
-        into.u[own] += dot(&of_lambda, along.u);
+        into.u[own] += at.space.dot(&of_lambda, along.u);
         axpy(along.u[own], &of_lambda, &mut into.u);
         line.add_curvature_product(lambda[own], along.u, &mut into.u);
         if at.multiplier(0) != 0.0 {

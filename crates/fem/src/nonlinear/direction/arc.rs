@@ -8,9 +8,9 @@ use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::solution::saddle_point::{BorderedTangent, Extension, SaddlePoint};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::TangentSystems;
-use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
-use nastic_numeric::vector::{dot, norm};
+use nastic_linear::{LinearSolver, Space};
+use std::sync::Arc;
 
 /// Difference of s for the derivative of the residual.
 const DIFFERENCE: f64 = 1e-2;
@@ -21,12 +21,14 @@ pub(crate) struct PathMetric {
     pub weights: Vec<f64>,
     /// A factor of all of them.
     pub scale: f64,
+    /// What sums.
+    pub space: Arc<Space>,
 }
 
 impl PathMetric {
     pub fn product(&self, a: &[f64], b: &[f64]) -> f64 {
         let s = self.weights.len();
-        dot(&a[..s], &self.weighted(b)) + a[s] * b[s]
+        self.space.dot(&a[..s], &self.weighted(b)) + a[s] * b[s]
     }
 
     fn weighted(&self, x: &[f64]) -> Vec<f64> {
@@ -60,7 +62,7 @@ impl Direction for ArcStep<'_> {
         let scale = self.equations.energy_scale(&tangent.matrix, self.equations.split(here.x).0, here.now);
         let mut dx = self.solve((here.point, here.x), tangent, (&force, short), report)?;
         self.equations.keep_positive(here.x, &mut dx);
-        Ok(Step { scale, ..Step::whole(dx, Curvature::Positive, self.equations.dofs()) })
+        Ok(Step { scale, ..Step::whole(dx, Curvature::Positive, self.equations.model.unknowns()) })
     }
 }
 
@@ -91,7 +93,7 @@ impl ArcStep<'_> {
         model.supports.clear(&mut column);
         // The equation in the units of the residual, so that both count alike in the residual of the whole system.
         let dofs = equations.dofs();
-        let scale = Some(norm(&column[..dofs])).filter(|size| *size > 0.0).unwrap_or(1.0);
+        let scale = Some(equations.model.unknowns().norm(&column[..dofs])).filter(|size| *size > 0.0).unwrap_or(1.0);
         let mut row: Vec<f64> = self.metric.weighted(self.plane.normal).iter().map(|r| scale * r).collect();
         row.truncate(dofs);
         let extension = Extension { column, row, corner: scale * self.plane.normal[u.len()] };

@@ -21,7 +21,7 @@ use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{FULL_STEP, TangentSystems};
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
-use nastic_numeric::vector::{axpy, max_abs};
+use nastic_numeric::vector::axpy;
 
 /// Shifts of K, as shares of its mean diagonal: the least, from one to the next, the largest.
 const SHIFTS: (f64, f64, f64) = (1e-8, 8.0, 1e3);
@@ -152,9 +152,15 @@ impl Direction for Bordered<'_> {
         let dofs = self.equations.dofs();
         if let Some(jump) = self.jump.take() {
             self.equations.prescribe(&mut dx, &jump);
-            return Ok(Step { scale, ..Step::whole(dx, curvature, dofs) });
+            return Ok(Step { scale, ..Step::whole(dx, curvature, self.equations.model.unknowns()) });
         }
-        Ok(Step { size: max_abs(&dx[..dofs]), dx, curvature, scale, take: Take::Search })
+        Ok(Step {
+            size: self.equations.model.unknowns().max_abs(&dx[..dofs]),
+            dx,
+            curvature,
+            scale,
+            take: Take::Search,
+        })
     }
 
     /// With K shifted until it is positive definite on the null space of the derivatives of the constraints that act.

@@ -6,9 +6,9 @@ use crate::nonlinear::equations::Equations;
 use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent_systems::{TangentSystems, eliminate};
-use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
-use nastic_numeric::vector::{dot, max_abs};
+use nastic_linear::{LinearSolver, Space};
+use std::sync::Arc;
 
 /// Largest component of one step, as a share of the body's diagonal.
 const LONGEST: f64 = 0.1;
@@ -22,6 +22,7 @@ pub(crate) struct Known<'a> {
     states: Vec<&'a State>,
     /// `V_a / (V l^2)` by displacement component.
     weights: Vec<f64>,
+    space: Arc<Space>,
 }
 
 impl<'a> Known<'a> {
@@ -30,7 +31,7 @@ impl<'a> Known<'a> {
         let mut weights = disc.volumes_by_unknown();
         let scale = weights.iter().sum::<f64>() / disc.dim() as f64 * (RANGE * equations.diagonal()).powi(2);
         weights.iter_mut().for_each(|w| *w /= scale);
-        Known { states, weights }
+        Known { states, weights, space: equations.model.unknowns().clone() }
     }
 
     /// `1 / (1 - (grad log m) . d)` for Newton's step d.
@@ -38,8 +39,8 @@ impl<'a> Known<'a> {
         let slope = |known: &&State| {
             let away: Vec<f64> = u.iter().zip(known.u.iter()).map(|(u, v)| u - v).collect();
             let weighted: Vec<f64> = away.iter().zip(&self.weights).map(|(v, w)| v * w).collect();
-            let square = dot(&away, &weighted);
-            -2.0 * dot(&weighted, step) / (square * (1.0 + square))
+            let square = self.space.dot(&away, &weighted);
+            -2.0 * self.space.dot(&weighted, step) / (square * (1.0 + square))
         };
         let factor = 1.0 / (1.0 - self.states.iter().map(slope).sum::<f64>());
         if factor.is_finite() { factor } else { f64::MAX }
@@ -101,7 +102,7 @@ impl Direction for Deflated<'_> {
             }
         };
         let (u, du) = (equations.model.nodal(here.x), equations.model.nodal(&newton));
-        let (factor, size) = (self.known.factor(u, du), max_abs(du));
+        let (factor, size) = (self.known.factor(u, du), equations.model.unknowns().max_abs(du));
         let longest = LONGEST * equations.diagonal() / size.max(f64::MIN_POSITIVE);
         let mut dx: Vec<f64> = newton.iter().map(|d| factor.clamp(-longest, longest) * d).collect();
         equations.keep_positive(here.x, &mut dx);

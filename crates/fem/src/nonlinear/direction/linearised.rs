@@ -31,7 +31,7 @@ impl Direction for Linearised<'_> {
         if let Some(modes) = self.modes {
             modes.replace(&mut dx);
         }
-        let whole = Step::whole(dx, Curvature::Positive, equations.dofs());
+        let whole = Step::whole(dx, Curvature::Positive, equations.model.unknowns());
         Ok(Step { take: Take::Once, ..whole })
     }
 }

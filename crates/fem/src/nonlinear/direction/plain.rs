@@ -6,7 +6,6 @@ use crate::nonlinear::iteration::{Iterate, ROUNDING, Stop};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{TangentSystems, Wanted, eliminate};
 use nastic_linear::{LinearSolver, SparseMatrix};
-use nastic_numeric::vector::max_abs;
 
 /// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
 /// measure it by. The largest; steps shorter than that share of the body are solved as exactly as they are short, since what they leave may
@@ -41,15 +40,15 @@ impl Direction for Plain<'_> {
         let scale = equations.energy_scale(matrix, here.x, here.now);
         eliminate(equations.model, matrix);
         let accuracy = match &self.jump {
-            Some(jump) => (max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
+            Some(jump) => (equations.model.unknowns().max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
             None => forcing(here.relative, equations.options.accuracy),
         };
         let (mut dx, curvature) = self.systems.step(matrix, here.x, &self.rhs, (accuracy, Wanted::Newton), report)?;
         if let Some(jump) = self.jump.take() {
             equations.prescribe(&mut dx, &jump);
-            return Ok(Step { scale, ..Step::whole(dx, curvature, equations.dofs()) });
+            return Ok(Step { scale, ..Step::whole(dx, curvature, equations.model.unknowns()) });
         }
-        Ok(Step { size: max_abs(&dx), dx, curvature, scale, take: Take::Search })
+        Ok(Step { size: equations.model.unknowns().max_abs(&dx), dx, curvature, scale, take: Take::Search })
     }
 
     /// With a shifted tangent.

@@ -15,7 +15,6 @@ use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{TangentSystems, Wanted, eliminate};
 use nastic_linear::{LinearSolver, SparseMatrix};
-use nastic_numeric::vector::max_abs;
 
 /// Largest `|grad du|` of a step: what the linearised strains leave out is its square.
 const LARGEST: f64 = 1.0;
@@ -71,6 +70,6 @@ impl Direction for WithPointStrains<'_> {
         let Some((length, strains)) = found else { return Err(Stop::Slow { residual: here.relative }) };
         self.strains = strains;
         dx.iter_mut().for_each(|d| *d *= length);
-        Ok(Step { size: max_abs(&dx), dx, curvature, scale: 0.0, take: Take::Checked { length } })
+        Ok(Step { size: model.unknowns().max_abs(&dx), dx, curvature, scale: 0.0, take: Take::Checked { length } })
     }
 }

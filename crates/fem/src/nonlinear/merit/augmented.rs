@@ -5,7 +5,6 @@ use crate::contributions::Sums;
 use crate::error::Inadmissible;
 use crate::nonlinear::equations::{Equations, Evaluated, moved};
 use crate::nonlinear::iteration::Iterate;
-use nastic_numeric::vector::{dot, norm};
 
 /// With the potential `P(u)`, constraints `g(u) = 0` and the multiplier `q = p + dp` behind the step, where the residual is `r + B dp` and
 /// the slope along the step `-du . K du - c |g|^2`:
@@ -33,9 +32,9 @@ impl Augmented {
         let at_new = equations.sums(here.point, &merit.with_multipliers(here.x, dofs))?;
         let (mut force, _) = equations.residual(&at_new);
         force.truncate(dofs);
-        let slope = dot(&force, &dx[..dofs]);
+        let slope = equations.model.unknowns().dot(&force, &dx[..dofs]);
         let relative: Vec<f64> = violations(&at_new, dofs).map(|(g, scale)| g / scale).collect();
-        let size = norm(&relative).powi(2);
+        let size = equations.model.unknowns().norm(&relative).powi(2);
         let bent = if slope < 0.0 { slope.abs() } else { 3.0 * slope.abs() };
         let weight = Some(bent / size).filter(|weight| weight.is_finite()).unwrap_or(0.0);
         merit.weights = violations(&at_new, dofs).map(|(_, scale)| weight / (scale * scale)).collect();

@@ -5,7 +5,6 @@ use crate::error::Inadmissible;
 use crate::nonlinear::direction::Step;
 use crate::nonlinear::equations::{Equations, Evaluated};
 use crate::nonlinear::iteration::Iterate;
-use nastic_numeric::vector::dot;
 
 /// Rounding of the potential, as a share of the sum of its absolute terms.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -29,7 +28,7 @@ impl Energy {
     pub fn lagged(equations: &Equations, here: &Iterate, step: &Step) -> Result<Self, Inadmissible> {
         let mut energy = Energy::new(here, &step.dx, step.scale);
         let others = equations.without_potential(here.point, here.x)?;
-        let work = dot(&others.force, here.x);
+        let work = equations.model.unknowns().dot(&others.force, here.x);
         energy.line.start += work - others.energy;
         energy.line.noise += ROUNDING * (work.abs() + others.energy_scale);
         energy.lagged = Some(others.force);
@@ -46,7 +45,9 @@ impl Merit for Energy {
         let now = equations.evaluate(trial)?;
         let work = match &self.lagged {
             None => 0.0,
-            Some(force) => dot(force, trial) - equations.without_potential(&now.point, trial)?.energy,
+            Some(force) => {
+                equations.model.unknowns().dot(force, trial) - equations.without_potential(&now.point, trial)?.energy
+            }
         };
         Ok((now.sums.energy + work, now))
     }
