@@ -59,6 +59,7 @@ mod solver;
 mod spring;
 mod stability;
 mod structure;
+mod sums_of_unknowns;
 mod supports;
 mod swing;
 mod tendon;

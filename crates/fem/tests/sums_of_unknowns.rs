@@ -1,6 +1,6 @@
 //! Sums over unknowns have one seam, `Space::dot`, `norm` and `max_abs`: whoever distributes vectors replaces these alone.
 
-mod common;
+use crate::common;
 
 use common::Outcome;
 use std::path::{Path, PathBuf};
