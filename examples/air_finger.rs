@@ -116,7 +116,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let set = Bounds::new(0.0, 45e3)?;
         let best = Lbfgs::default().within(set).minimize(&problem, 10e3)?;
         println!("\n{name}: {:.1} Pa, cost {:.4} mm^2; {}", best.point.m[0], best.cost, best.stop);
-        report(problem.solid(), &best.point.state())?;
+        report(problem.solid(), best.point.state())?;
     }
     Ok(())
 }

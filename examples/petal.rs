@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         field[1],
         field[2]
     );
-    println!("negative pivots: {}", problem.solid().negative_pivots(&best.point.state())?);
+    println!("negative pivots: {}", problem.solid().negative_pivots(best.point.state())?);
     draw("start", &problem.snapshot(&first, None)?)?;
     draw("optimum", &problem.snapshot(&best.point, Some(&best.derivative))?)
 }

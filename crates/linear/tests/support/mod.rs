@@ -1,4 +1,6 @@
 //! Grids, random matrices and their dense twins.
+
+#![allow(clippy::unwrap_used)] // helpers of tests
 #![allow(dead_code)]
 
 use std::sync::Arc;
