@@ -8,7 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 minutes="${1:-30}"
 seed=1
 until [ $((SECONDS / 60)) -ge "$minutes" ]; do
-  NASTIC_SEED=$seed NASTIC_MUTATIONS=1000000 cargo test --quiet --locked --release --test all mutation
+  NASTIC_SEED=$seed NASTIC_MUTATIONS=1000000 cargo test --quiet --locked --release -p nastic --test all mutation
   echo "seed $seed: 1,000,000 meshes of either format and 100,000 cases, $((SECONDS / 60)) minutes"
   seed=$((seed + 1))
 done

@@ -132,11 +132,17 @@ fn what_knows_of_the_displacement_alone_is_refused() -> Outcome {
     assert!(unknown.to_string().contains("displacement, phi"), "{unknown}");
     let conflict = solid.clone().hold(("phi", 0), "x+", 1.0).err().ok_or("it holds")?;
     assert!(conflict.to_string().contains("0 of \"phi\""), "{conflict}");
-    // multigrid knows of rigid motions alone: a factor solves
+    // multigrid knows of rigid motions alone
     let how = SolveOptions { solver: Some(Solver::MULTIGRID), ..STRICT };
     let mut controls = solid.controls();
     controls.values_mut(0)[0] = 0.7;
-    assert_eq!(solid.solve(&controls, &how)?.report.solver, "lu");
+    let state = solid.solve(&controls, &STRICT)?;
+    assert_eq!(state.report.solver, "lu");
+    let adjoint = solid.adjoint(&state, &[&state.u], &how).err();
+    for refused in [solid.solve(&controls, &how).err(), adjoint, solid.negative_pivots_by(&state, &how).err()] {
+        let refused = refused.ok_or("multigrid solves it")?.to_string();
+        assert!(["multigrid", "poisson", "phi", "lu"].iter().all(|word| refused.contains(word)), "{refused}");
+    }
     // a contribution that writes to more than its own unknowns would be seen here
     let held = solid.contribution(Oscillators { mass: 0.0, damping: 0.0, stiffness: 1.0, spread: 0.0 })?;
     let state = solve(&held, 0.7)?;

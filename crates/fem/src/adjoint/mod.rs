@@ -63,6 +63,7 @@ impl Model {
             return Err(crate::FemError::Length { what, found: b.len(), expected }.into());
         }
         self.check_state(state)?;
+        self.check_solver(how.solver)?;
         let rhs: Vec<Vec<f64>> = rhs.iter().map(clear).collect();
         let columns: Vec<&[f64]> = rhs.iter().map(Vec::as_slice).collect();
         let mut report = SolveReport::default();
@@ -141,6 +142,7 @@ impl Model {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<usize, StateError> {
+        self.check_solver(how.solver)?;
         if self.unknowns().multipliers() > 0 {
             let system = self.saddle_point(state, how.parallel)?;
             let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));

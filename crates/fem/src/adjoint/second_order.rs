@@ -54,6 +54,7 @@ impl<'a> SecondOrder<'a> {
         workspace: &'a mut Workspace,
     ) -> Result<Self, StateError> {
         model.check_state(state)?;
+        model.check_solver(how.solver)?;
         if !state.history.is_empty() {
             let what = "second derivatives of laws with internal variables are not there yet".to_owned();
             return Err(crate::FemError::Meaningless { what }.into());

@@ -211,12 +211,14 @@ impl Model {
         }
     }
 
-    /// The solver for a model that asks for one; multigrid, whose modes are those of rigid motions, is no solver of further fields.
-    pub(crate) fn solver_for<'f>(&self, wanted: Option<&'f dyn SolverFactory>) -> &'f dyn SolverFactory {
-        let alone = self.space.has_one_nodal_field();
-        match wanted {
-            Some(wanted) if alone || wanted.name() != Solver::MULTIGRID.name() => wanted,
-            _ => self.solver(),
+    /// Refuses a solver that does not go with the fields: multigrid, whose modes are those of rigid motions.
+    pub(crate) fn check_solver(&self, wanted: Option<&dyn SolverFactory>) -> Result<(), FemError> {
+        match self.further() {
+            Some((field, owner)) if wanted.is_some_and(|wanted| wanted.name() == Solver::MULTIGRID.name()) => {
+                let why = format!("it has no modes for its field \"{field}\": take {}", self.solver().name());
+                Err(refused("multigrid", owner, &why))
+            }
+            _ => Ok(()),
         }
     }
 

@@ -71,6 +71,7 @@ impl Model {
         time_step: Option<&TimeStep>,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
+        self.check_solver(how.solver)?;
         self.check_controls(controls)?;
         self.check_constraints(controls)?;
         let rest = self.rest_under(controls);
@@ -197,7 +198,7 @@ impl Model {
         how: &SolveOptions,
         workspace: &'w mut Workspace,
     ) -> &'w mut dyn LinearSolver {
-        workspace.solver(self.solver_for(how.solver), self)
+        workspace.solver(how.solver.unwrap_or_else(|| self.solver()), self)
     }
 
     /// Refuses a state of another body.
