@@ -31,8 +31,7 @@ pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ControlNorm, ControlSmoothness, Cost, CostContext,
     CostExample, CostForm, CostPoint, CostRow, CostTarget, Curvature, Figure, FigureKind, IntoCost, LargestStretch,
-    MakeCost, MeanPosition, Obstacle, ObstaclePenetration, Orientation, Partials, PumpWork, SmoothedHausdorff, Target,
-    Tracking,
+    MakeCost, MeanPosition, ObstaclePenetration, Orientation, Partials, PumpWork, SmoothedHausdorff, Target, Tracking,
 };
 pub use design::Consumer;
 pub use ensemble::{
@@ -48,6 +47,7 @@ pub use map::{
     Basis, Chain, ControlMap, Direction, Expansion, Length, MAPS, MapRow, PowerLaw, SPACES, Space, SpaceRow,
 };
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
+pub use nastic_mesh::spatial::Obstacle;
 pub use reduced::{AdaptiveSteps, Reduced};
 pub use snapshot::StateFields;
 pub use state_bytes::{read_report, read_whole_state, write_report, write_whole_state};

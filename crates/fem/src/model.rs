@@ -361,7 +361,7 @@ impl Model {
     }
 
     /// Calls with every contribution beside the body, in a fixed order, and where it is evaluated.
-    fn each_other<E>(
+    pub(crate) fn each_other<E>(
         &self,
         at: &Instant,
         mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,

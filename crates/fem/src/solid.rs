@@ -7,7 +7,7 @@ use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
 use crate::contributions::inertia::BodyInertia;
 use crate::contributions::rayleigh_damping::RayleighDamping;
-use crate::contributions::{Cavity, Foundation, Inertia, MovingSupport, Spring, Tendon};
+use crate::contributions::{Cavity, Contact, Foundation, Inertia, MovingSupport, Spring, Tendon};
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
@@ -338,6 +338,15 @@ impl Solid {
     pub fn motion(self, motion: MovingSupport) -> Result<Self, FemError> {
         let nodes = self.nodes_of(motion.surface())?;
         let contribution = motion.on(self.mesh(), nodes)?;
+        self.contribution(contribution)
+    }
+
+    /// Lets a surface touch an obstacle; the materials come before it.
+    ///
+    /// # Errors
+    /// As [`Contact`] says; a name that is taken.
+    pub fn contact(self, contact: Contact) -> Result<Self, FemError> {
+        let contribution = contact.on(self.body())?;
         self.contribution(contribution)
     }
 

@@ -12,6 +12,8 @@ mod closed_forms;
 mod common;
 mod connection;
 mod constrained;
+mod contact;
+mod contact_refusals;
 mod contributions;
 mod damping;
 mod deflation;

@@ -2,11 +2,12 @@
 
 use super::{BetweenNodes, Constraint, ConstraintPoint, IntoConstraint};
 use crate::cost::body_points::{BodyPoints, Place};
-use crate::cost::obstacle::Distance;
-use crate::cost::{CostContext, Obstacle, Partials};
+use crate::cost::obstacle::check;
+use crate::cost::{CostContext, Partials};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_mesh::GroupNames;
+use nastic_mesh::spatial::{Obstacle, SignedDistance};
 use nastic_numeric::vector::dot;
 use nastic_opt::{ConstraintGroup, Sense};
 use std::sync::Arc;
@@ -54,7 +55,7 @@ impl ObstacleDistance {
 
 impl IntoConstraint for ObstacleDistance {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Constraint>, ControlError> {
-        self.obstacle.check(self.clearance, solid.discretization().dim())?;
+        check(&self.obstacle, self.clearance, solid.discretization().dim())?;
         let (points, nodes) = self.place.points(solid)?;
         let between = match points {
             BodyPoints::Points(_) => Some(points),
@@ -102,7 +103,7 @@ impl Constraint for Bound {
             (0..dim).for_each(|i| x[i] += at.u[*node as usize * dim + i]);
             self.obstacle.at(&x)
         };
-        let distances: Vec<Distance> = self.nodes.iter().map(distance).collect();
+        let distances: Vec<SignedDistance> = self.nodes.iter().map(distance).collect();
         let values = distances.iter().map(|d| self.clearance - d.value).collect();
         Ok(Arc::new(Point { nodes: self.nodes.clone(), dim, distances, values }))
     }
@@ -112,13 +113,13 @@ impl Constraint for Bound {
 struct Point {
     nodes: Arc<[u32]>,
     dim: usize,
-    distances: Vec<Distance>,
+    distances: Vec<SignedDistance>,
     values: Vec<f64>,
 }
 
 impl Point {
     /// Every node's first unknown, and its distance.
-    fn each(&self) -> impl Iterator<Item = (usize, &Distance)> {
+    fn each(&self) -> impl Iterator<Item = (usize, &SignedDistance)> {
         self.nodes.iter().map(|node| *node as usize * self.dim).zip(&self.distances)
     }
 }
@@ -136,7 +137,7 @@ impl ConstraintPoint for Point {
     }
 
     fn change(&self, along: &Partials) -> Result<Vec<f64>, ControlError> {
-        let of = |(first, d): (usize, &Distance)| -dot(&d.normal[..self.dim], &along.u[first..first + self.dim]);
+        let of = |(first, d): (usize, &SignedDistance)| -dot(&d.normal[..self.dim], &along.u[first..first + self.dim]);
         Ok(self.each().map(of).collect())
     }
 

@@ -2,12 +2,13 @@
 
 use super::{
     Compliance, ControlNorm, ControlSmoothness, Cost, CostForm, Curvature, IntoCost, LargestStretch, MeanPosition,
-    Obstacle, ObstaclePenetration, Orientation, PumpWork, SmoothedHausdorff, Target, Tracking, pump_work,
+    ObstaclePenetration, Orientation, PumpWork, SmoothedHausdorff, Target, Tracking, pump_work,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_hausdorff::Phi;
 use nastic_mesh::Mesh;
+use nastic_mesh::spatial::Obstacle;
 use std::sync::Arc;
 
 /// What examples are made on.

@@ -25,7 +25,7 @@ pub use compliance::Compliance;
 pub use cost_form::{CostForm, MakeCost};
 pub use curvature::Curvature;
 pub use figure::{Figure, FigureKind};
-pub use obstacle::{Obstacle, ObstaclePenetration};
+pub use obstacle::ObstaclePenetration;
 pub use orientation::Orientation;
 pub use position::MeanPosition;
 pub use pump_work::PumpWork;

@@ -2,6 +2,7 @@
 
 use crate::contributions::body_point::BodyPoint;
 use crate::contributions::cavity::{self, Cavity};
+use crate::contributions::contact::{Contact, ContactLaw};
 use crate::contributions::foundation::Foundation;
 use crate::contributions::inertia::{BodyInertia, Inertia};
 use crate::contributions::moving_support::{self, MovingSupport};
@@ -11,6 +12,7 @@ use crate::contributions::tendon::{Tendon, form as tendon};
 use crate::error::FemError;
 use crate::solid::Solid;
 use nastic_energy::{FiberTension, NeoHooke, Slot};
+use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_tensor::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -166,6 +168,28 @@ pub const CATALOGUE: &[Entry] = &[
         form: None,
         example: || block()?.cavity(Cavity::new("cavity of a volume", "inside").lid().by_volume()),
     },
+    Entry {
+        name: "contact",
+        form: None,
+        example: || block()?.contact(Contact::of("contact", "x+", pad()).thickness(3.0).stiffness(2e3)),
+    },
+    Entry {
+        name: "contact with the log law",
+        form: None,
+        example: || {
+            let floor = Obstacle::half_space([3.9, 0.0, 0.0], [-1.0, 0.2, 0.1]);
+            let contact = Contact::of("contact with the log law", ["x+", "inside"], floor).law(ContactLaw::Log);
+            block()?.contact(contact.thickness(9.0).stiffness(2e3).refine(2))
+        },
+    },
+    Entry {
+        name: "contact with friction",
+        form: None,
+        example: || {
+            let contact = Contact::of("contact with friction", "x+", pad()).friction(0.4, 9.0);
+            block()?.contact(contact.thickness(3.0).stiffness(2e3).about([7.0, -6.0, 5.0]))
+        },
+    },
     Entry { name: BodyInertia::NAME, form: None, example: || block()?.inertia(Inertia::new("body", 1e3)) },
     Entry {
         name: RayleighDamping::NAME,
@@ -173,6 +197,11 @@ pub const CATALOGUE: &[Entry] = &[
         example: || block()?.inertia(Inertia::new("body", 1e3))?.rayleigh_damping(0.3, 0.02),
     },
 ];
+
+/// A capsule beside the cup, which its whole side is near to.
+fn pad() -> Obstacle {
+    Obstacle::capsule([4.6, -0.4, 0.9], [4.4, 3.6, 1.5], 1.0)
+}
 
 /// A way through the cup of the examples, between its nodes.
 const TENDON: [[f64; 3]; 3] = [[0.2, 0.4, 0.3], [1.6, 0.7, 0.5], [2.9, 0.3, 1.9]];

@@ -10,6 +10,7 @@ use crate::error::{Inadmissible, SecondDerivativeError};
 use crate::model::Model;
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
+use nastic_energy::Slot;
 use nastic_linear::{Space, Symmetry};
 use nastic_numeric::Random;
 use nastic_numeric::vector::{axpy, sub};
@@ -20,6 +21,9 @@ const SPACE: &Space = Space::LOCAL;
 const AMPLITUDE: f64 = 0.02;
 /// Size of the controls and multipliers at which it is looked at.
 const CONTROL: f64 = 1e3;
+/// What its angles and, as a share of their values, its designs vary by.
+const ANGLE: f64 = 0.3;
+const DESIGN: f64 = 0.1;
 /// Relative error of the sixth-order differences that counts as agreement.
 const TOLERANCE: f64 = 1e-7;
 
@@ -48,8 +52,10 @@ pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), St
     before.velocity = Some(draw(size, CONTROL).into());
     let mut controls = model.controls();
     for k in 0..controls.len() {
-        let scale = if k == block { CONTROL } else { 0.0 };
-        controls.values_mut(k).iter_mut().for_each(|m| *m = scale * random.symmetric());
+        let scales = scales(contribution.slots(), k == block, size);
+        let own = f64::from(u8::from(k == block));
+        let values = controls.values_mut(k).iter_mut().zip(scales);
+        values.for_each(|(m, (rest, scale))| *m = rest + own * scale * random.symmetric());
     }
     let mut history = model.zero_history();
     history.dt = 0.3;
@@ -61,7 +67,7 @@ pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), St
     for step in [None].into_iter().chain(motion.map(Some)) {
         let at = Instant { block, scalar, memory, ..Instant::new(&u, &controls, 0.7) };
         let at = step.map_or(at, |step| at.in_step(step));
-        Subject { contribution, model, at }.check(&direction, &lambda).map_err(|why| {
+        Subject { contribution, model, at, size }.check(&direction, &lambda).map_err(|why| {
             let when = if step.is_some() { "in a time step" } else { "static" };
             format!("contribution \"{name}\", {when}: {why}")
         })?;
@@ -73,6 +79,23 @@ struct Subject<'a> {
     contribution: &'a dyn Contribution,
     model: &'a Model,
     at: Instant<'a>,
+    /// Of displacements.
+    size: f64,
+}
+
+/// Value at rest of each slot of a block, again and again, and what it varies by: a translation as much as the body moves, a rotation by some
+/// degrees, a design by a share of its value, other loads by [`CONTROL`].
+fn scales(slots: &[Slot], own: bool, size: f64) -> Box<dyn Iterator<Item = (f64, f64)> + '_> {
+    let of_slot = move |slot: &Slot| match (slot.is_design(), slot.component.map_or("", |_| slot.unit)) {
+        (true, _) => (slot.rest(), DESIGN * slot.rest()),
+        (false, "m") => (0.0, size),
+        (false, "1") => (0.0, ANGLE),
+        _ => (0.0, CONTROL),
+    };
+    match own && !slots.is_empty() {
+        true => Box::new(slots.iter().map(of_slot).cycle()),
+        false => Box::new(std::iter::repeat((0.0, CONTROL))),
+    }
 }
 
 impl Subject<'_> {
@@ -206,7 +229,10 @@ impl Subject<'_> {
     /// Other values of its own controls.
     fn draw(&self, controls: &mut Controls, random: &mut Random) {
         if self.at.block < controls.len() {
-            controls.values_mut(self.at.block).iter_mut().for_each(|m| *m = CONTROL * random.symmetric());
+            let scales = scales(self.contribution.slots(), true, self.size);
+            controls.values_mut(self.at.block).iter_mut().zip(scales).for_each(|(m, (_, scale))| {
+                *m = scale * random.symmetric();
+            });
         }
     }
 
@@ -257,7 +283,9 @@ impl Subject<'_> {
         let work = |at: Instant| Ok(vec![SPACE.dot(lambda, &self.sums(at)?.force)]);
         let mut random = Random::new(11);
         for k in 0..found.controls.len() {
-            let along: Vec<f64> = found.controls.values(k).iter().map(|_| 10.0 * random.symmetric()).collect();
+            let scales = scales(self.contribution.slots(), k == self.at.block, self.size);
+            let along: Vec<f64> =
+                found.controls.values(k).iter().zip(scales).map(|(_, (_, scale))| scale * random.symmetric()).collect();
             let moved = |s: f64| -> Controls {
                 let mut controls = self.at.controls.clone();
                 controls.values_mut(k).iter_mut().zip(&along).for_each(|(m, d)| *m += s * d);
@@ -298,7 +326,10 @@ impl Subject<'_> {
         let with = |s: f64| {
             let u = step.before.u.iter().zip(lambda).map(|(u, d)| u + s * d).collect::<Vec<f64>>();
             let mut controls = Controls::clone(&step.before.controls);
-            (0..controls.len()).for_each(|k| controls.values_mut(k).iter_mut().for_each(|m| *m += s * CONTROL));
+            for k in 0..controls.len() {
+                let scales = scales(self.contribution.slots(), k == self.at.block, self.size);
+                controls.values_mut(k).iter_mut().zip(scales).for_each(|(m, (_, scale))| *m += s * scale);
+            }
             let mut history = History::clone(&step.history);
             (0..history.len()).for_each(|k| history.values_mut(k).iter_mut().for_each(|z| *z += s));
             let before = State { u: u.into(), controls: controls.into(), ..step.before.clone() };
@@ -306,7 +337,11 @@ impl Subject<'_> {
         };
         let expected = difference(|s| work(&with(s)))?;
         let by_u: f64 = SPACE.dot(&found.u, lambda);
-        let by_controls = (0..found.controls.len()).flat_map(|k| found.controls.values(k)).sum::<f64>() * CONTROL;
+        let of_block = |k: usize| -> f64 {
+            let scales = scales(self.contribution.slots(), k == self.at.block, self.size);
+            found.controls.values(k).iter().zip(scales).map(|(d, (_, scale))| d * scale).sum()
+        };
+        let by_controls = (0..found.controls.len()).map(of_block).sum::<f64>();
         let by_history: f64 = (0..found.history.len()).flat_map(|k| found.history.values(k)).sum();
         let slope = by_u + by_controls + by_history;
         let scale = by_u.abs() + by_controls.abs() + by_history.abs();

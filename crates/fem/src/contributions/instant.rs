@@ -132,6 +132,8 @@ pub struct TimeStep {
     pub velocity: (f64, Vec<f64>),
     /// `c_a` and `b_a`.
     pub acceleration: (f64, Vec<f64>),
+    /// Time from its beginning to the stage that this belongs to.
+    pub elapsed: f64,
     /// The state before.
     pub before: State,
     /// The internal variables that it begins with.
@@ -159,7 +161,7 @@ impl TimeStep {
         let acceleration = velocity.iter().enumerate().map(|(i, b)| (b - v.map_or(0.0, |v| v[i])) / dt).collect();
         let (c_v, c_a) = (1.0 / dt, 1.0 / (dt * dt));
         let (velocity, acceleration, history) = ((c_v, velocity), (c_a, acceleration), Arc::default());
-        TimeStep { dt, velocity, acceleration, before: before.clone(), history, end: None }
+        TimeStep { dt, velocity, acceleration, elapsed: dt, before: before.clone(), history, end: None }
     }
 
     /// The velocity at a displacement.

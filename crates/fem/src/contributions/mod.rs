@@ -6,6 +6,7 @@ pub mod catalogue;
 mod cavity;
 mod check;
 pub(crate) mod constrains;
+mod contact;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
 mod foundation;
@@ -17,6 +18,7 @@ mod moving_support;
 pub(crate) mod point;
 pub(crate) mod prescribes;
 pub(crate) mod rayleigh_damping;
+mod rotation;
 pub(crate) mod sensitivities;
 mod spring;
 mod tendon;
@@ -27,6 +29,7 @@ pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use constrains::Constrains;
+pub use contact::{Contact, ContactLaw};
 pub use controls::{ControlPoint, Controls};
 pub use foundation::Foundation;
 pub use history::{BeforeStep, History, Remembers};
@@ -102,6 +105,19 @@ pub trait Contribution: Debug + Send + Sync {
         false
     }
 
+    /// Why an equilibrium with it depends on the way there, if it does: such a contribution acts in steps in time alone.
+    fn path_dependence(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Whether a motion, or the way to an equilibrium, may begin there.
+    ///
+    /// # Errors
+    /// [`Inadmissible`]: why not.
+    fn check_start(&self, _at: &Instant) -> Result<(), Inadmissible> {
+        Ok(())
+    }
+
     /// Its controls, each one number for the whole contribution (see [`Instant::control`]) or one for each of its
     /// [points](Self::control_points) (see [`Instant::control_at`]).
     fn slots(&self) -> &[Slot] {
@@ -139,6 +155,14 @@ pub trait Contribution: Debug + Send + Sync {
     /// What may not.
     fn check_controls(&self, _values: &[f64]) -> Result<(), FemError> {
         Ok(())
+    }
+
+    /// The longest share of a straight change of the controls, to others of the same model, that a body at an instant bears at once.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the instant is.
+    fn max_change(&self, _at: &Instant, _to: &Controls) -> Result<f64, Inadmissible> {
+        Ok(1.0)
     }
 
     /// Unknowns that it moves by its controls, if there are some.

@@ -2,6 +2,7 @@
 
 use super::Model;
 use crate::contributions::Need;
+use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
 use crate::error::{Inadmissible, StateError};
 use crate::solution::state::State;
@@ -24,12 +25,23 @@ impl Model {
         self.at(from, Need::Residual)?.admissible_move_of_others(from, to)
     }
 
+    /// The longest share of a straight change of the controls that the body at a state bears at once.
+    pub(crate) fn admissible_change(&self, at: &Instant, to: &Controls) -> Result<f64, Inadmissible> {
+        let mut share = 1.0_f64;
+        self.each_other(at, |contribution, at| {
+            share = share.min(contribution.max_change(at, to)?);
+            Ok::<(), Inadmissible>(())
+        })?;
+        Ok(share)
+    }
+
     /// Refuses to begin at a state outside of the admissible set.
     pub(crate) fn check_start(&self, state: &State, parallel: bool) -> Result<(), StateError> {
         let at = self.instant(state, None, parallel);
         let rests = state.u.iter().all(|u| *u == 0.0);
         let found =
             if rests { self.admissible_move_of_others(&at, &state.u) } else { self.admissible_move(&at, &state.u) };
-        found.map(|_| ()).map_err(|at| StateError::Start { at })
+        let begins = || self.each_other(&at, |contribution, at| contribution.check_start(at));
+        found.and_then(|_| begins()).map_err(|at| StateError::Start { at })
     }
 }

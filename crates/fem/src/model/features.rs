@@ -8,6 +8,8 @@ use nastic_linear::Symmetry;
 /// What a command is about to do with a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Feature<'a> {
+    /// One equilibrium: [`Model::solve`].
+    Equilibrium,
     /// Eigenvalues and modes of the tangent, and of small vibrations: [`Model::modes`], [`Model::vibration_modes`].
     Modes,
     /// Equilibria between two sets of controls: [`Model::ramp`].
@@ -35,6 +37,7 @@ impl Model {
     /// [`FemError::Unsupported`]: what, with which contribution or law it does not go, and what does instead.
     pub fn supports(&self, feature: Feature) -> Result<(), FemError> {
         let what = match feature {
+            Feature::Equilibrium => "a static equilibrium",
             Feature::Ramp => "a ramp with its critical points",
             Feature::Path => "a path",
             Feature::Modes => "modes",
@@ -42,9 +45,16 @@ impl Model {
             Feature::Descent => "a descent from a saddle",
             Feature::Motion(scheme) | Feature::MotionAdjoint(scheme) => scheme.name(),
         };
-        self.refuse_further_fields(what)?;
+        if feature != Feature::Equilibrium {
+            self.refuse_further_fields(what)?;
+        }
+        if !matches!(feature, Feature::Motion(_) | Feature::MotionAdjoint(_))
+            && let Some((other, why)) = self.others.iter().find_map(|c| Some((c, c.path_dependence()?)))
+        {
+            return refuse(what, other.name(), why);
+        }
         match feature {
-            Feature::Ramp | Feature::Path => Ok(()),
+            Feature::Equilibrium | Feature::Ramp | Feature::Path => Ok(()),
             Feature::Modes => self.refuse_unsymmetric(
                 "modes",
                 "the number of Newton iterations and ramps still tell where states change",

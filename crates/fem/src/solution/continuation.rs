@@ -1,10 +1,10 @@
 //! Continuation in the load from one equilibrium to another, with an adaptive load step.
 
 use crate::contributions::controls::Controls;
-use crate::contributions::instant::TimeStep;
+use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::FemError;
 use crate::error::{Cause, StateError};
-use crate::model::Model;
+use crate::model::{Feature, Model};
 use crate::nonlinear::equations::Equations;
 use crate::nonlinear::iteration::Stop;
 use crate::solution::load_steps::LoadSteps;
@@ -49,6 +49,7 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.check()?;
+        self.supports(Feature::Equilibrium)?;
         self.find(controls, how, None, workspace)
     }
 
@@ -244,7 +245,9 @@ impl Model {
         let (mut steps, mut helped) = (LoadSteps::default(), false);
         let unbounded = self.body.excess_tension(to).is_some();
         while steps.done < 1.0 {
-            let path = steps.next();
+            let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
+            let bears = self.admissible_change(&instant, to).map_err(|at| StateError::Start { at })?;
+            let path = steps.next().min(steps.done + bears * (1.0 - steps.done));
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };

@@ -73,7 +73,8 @@ impl<'a> Points<'a> {
             ExtrapolatedEnd { alpha, rest, controls: to.clone() }
         });
         let (before, history) = (self.begin.clone(), Arc::default());
-        TimeStep { dt: self.h, velocity: (c_v, b_v), acceleration: (c_a, b_a), before, history, end }
+        let elapsed = stage.time * self.h;
+        TimeStep { dt: self.h, velocity: (c_v, b_v), acceleration: (c_a, b_a), elapsed, before, history, end }
     }
 
     /// Where the next stage is if its acceleration is the last one known, else zero, with the multipliers of a state; `None` of a stage
@@ -86,6 +87,12 @@ impl<'a> Points<'a> {
         let last = self.stages.last().unwrap_or(&self.now).acceleration.as_deref();
         let displacement = b[..self.dofs].iter().enumerate().map(|(i, b)| (last.map_or(0.0, |a| a[i]) - b) / c);
         Some(displacement.chain(here.u[self.dofs..].iter().copied()).collect())
+    }
+
+    /// Where the next stage is if the velocity at the beginning stays; `None` where that is not known.
+    pub fn coast(&self, step: &TimeStep) -> Option<Vec<f64>> {
+        let velocity = self.now.velocity.as_deref()?;
+        Some(self.begin.u.iter().zip(velocity).map(|(u, v)| u + step.elapsed * v).collect())
     }
 
     /// The next stage was found there.

@@ -30,7 +30,8 @@ pub(super) struct Found {
 impl Model {
     /// Goes on from the end of a trajectory by steps of a scheme, at full dead loads. Each stage is an equilibrium of
     /// inertia and forces that minimises an incremental potential, found like a static one from the stage before, or
-    /// from where the last acceleration leads, where that potential is lower: `near` and `guess` of the options are not used. A body may be free. A state that does not carry the
+    /// from where the last acceleration (without inertia the last velocity) leads, where that potential is lower (without a potential, where the
+    /// residual is smaller): `near` and `guess` of the options are not used. A body may be free. A state that does not carry the
     /// acceleration that a scheme begins with gets it from `M a = -r(u, v, 0)`.
     ///
     /// Surfaces that controls move ([`MovingSupport`](crate::MovingSupport)) are where the controls of an instant hold them, at the end of every step:
@@ -130,8 +131,11 @@ impl Model {
             let found = match scheme.is_linearised() {
                 true => self.iterate_once(&controls, begin, (&options, &time_step), modes.as_ref(), workspace),
                 false => {
-                    let predicted = points.predict(&time_step, &here);
-                    let guess = predicted.filter(|u| self.is_lower(u, &here, (&controls, &time_step), how.parallel));
+                    let predicted = match self.has_potential() {
+                        true => points.predict(&time_step, &here),
+                        false => points.predict(&time_step, &here).or_else(|| points.coast(&time_step)),
+                    };
+                    let guess = predicted.filter(|u| self.is_nearer(u, &here, (&controls, &time_step), how.parallel));
                     let options = SolveOptions { guess: guess.as_deref(), ..options };
                     self.find(&controls, &options, Some(&time_step), workspace)
                 }
@@ -159,15 +163,19 @@ impl Model {
         Ok(Found { step: Step { dt: h, scheme, stages, started }, state, error })
     }
 
-    /// Whether a straight move leads from a state to a displacement where the incremental potential of a stage is lower; false without a
-    /// potential.
-    fn is_lower(&self, u: &[f64], than: &State, (controls, step): (&Controls, &TimeStep), parallel: bool) -> bool {
-        let demand = Demand { energy: true, force: false };
+    /// Whether a straight move leads from a state to a displacement where the incremental potential of a stage is lower; without a
+    /// potential, where its free residual is smaller.
+    fn is_nearer(&self, u: &[f64], than: &State, (controls, step): (&Controls, &TimeStep), parallel: bool) -> bool {
+        let energy = self.has_potential();
         let at = |u| Instant { parallel, ..Instant::new(u, controls, 1.0) }.in_step(step);
-        let energy = |u| self.evaluate(&at(u), demand).ok().map(|sums| sums.energy);
+        let merit = |u| {
+            let mut sums = self.evaluate(&at(u), Demand { energy, force: !energy }).ok()?;
+            self.supports.clear(&mut sums.force);
+            Some(if energy { sums.energy } else { self.unknowns().norm(&sums.force) })
+        };
         let reached = || self.admissible_move_of_others(&at(&than.u), u).is_ok_and(|share| share >= 1.0);
-        let lower = || Some(reached() && energy(u)? < energy(&than.u)?);
-        self.has_potential() && lower().unwrap_or(false)
+        let nearer = || Some(reached() && merit(u)? < merit(&than.u)?);
+        nearer().unwrap_or(false)
     }
 
     /// An end that is no equilibrium was not seen by any solve.

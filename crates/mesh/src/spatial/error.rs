@@ -60,6 +60,12 @@ pub enum SpatialError {
         /// Dimension of the second solid.
         b: usize,
     },
+    /// An obstacle that is none.
+    #[error("{what}")]
+    Obstacle {
+        /// What is wrong.
+        what: String,
+    },
     /// The mesh has no such region.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -16,6 +16,7 @@ mod enclosure;
 mod error;
 mod hausdorff;
 mod interpolation_error;
+mod obstacle;
 mod patch;
 mod patch_space;
 mod polyhedron;
@@ -28,6 +29,7 @@ mod tree;
 
 pub use error::SpatialError;
 pub use hausdorff::{Hausdorff, hausdorff, hausdorff_within};
+pub use obstacle::{Obstacle, SignedDistance};
 pub use polyhedron::{Feature, Polyhedron, SurfacePoint};
 pub use self_intersection::SelfIntersection;
 pub use shape::Shape;

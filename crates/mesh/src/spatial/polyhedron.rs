@@ -104,6 +104,14 @@ impl Polyhedron {
         self.dim
     }
 
+    /// The middle of its bounding box.
+    pub fn middle(&self) -> [f64; 3] {
+        let corners = self.triangles.iter().flat_map(|triangle| triangle.corners);
+        let wide = (V::repeat(f64::INFINITY), V::repeat(f64::NEG_INFINITY));
+        let (low, high) = corners.fold(wide, |(low, high), x| (low.inf(&x), high.sup(&x)));
+        (0.5 * (low + high)).into()
+    }
+
     /// The nearest point of the surface, and the signed distance from it. Inside or outside is told by the mean normal of the part that
     /// is nearest (Baerentzen, Aanaes, "Signed distance computation using the angle weighted pseudonormal", IEEE TVCG 11, 2005).
     pub fn nearest(&self, x: [f64; 3]) -> SurfacePoint {

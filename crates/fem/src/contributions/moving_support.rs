@@ -1,8 +1,7 @@
 //! [`MovingSupport`]: a surface held rigid that moves and turns.
 
-mod rotation;
-
 use super::catalogue::{Form, Key, KeyKind};
+use super::rotation::{rotation, spin};
 use super::{
     Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, Prescribes, SecondSensitivities,
     Sensitivities, Sums,
@@ -12,7 +11,7 @@ use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
-use rotation::{rotation, spin};
+
 use std::sync::Arc;
 
 /// The largest angle of a rotation vector: once around.

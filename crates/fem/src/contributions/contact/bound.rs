@@ -1,0 +1,223 @@
+//! [`BoundContact`]: a contact on a body.
+
+use super::point::{Gaps, TouchPoint, advance, floor};
+use super::pose::Pose;
+use super::samples::Samples;
+use super::{Contact, ContactLaw, defaults};
+use crate::contributions::body_energy::BodyEnergy;
+use crate::contributions::{Contribution, ContributionPoint, Controls, Instant, Need};
+use crate::error::{FemError, Inadmissible};
+use nastic_energy::Slot;
+use nastic_linear::Symmetry;
+use nastic_mesh::spatial::Obstacle;
+use nastic_tensor::Vec3;
+
+/// Slots behind those of the pose.
+pub(super) const STIFFNESS: usize = 6;
+pub(super) const FRICTION: usize = 7;
+/// How deep, in thicknesses, samples of the cubic law may be in a load step before the body yields.
+const DEPTH: f64 = 3.0;
+/// The largest angle of a rotation vector: once around.
+const TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
+
+/// The contribution of a [`Contact`].
+#[derive(Debug)]
+pub(crate) struct BoundContact {
+    pub(super) name: String,
+    pub(super) dim: usize,
+    pub(super) obstacle: Obstacle,
+    pub(super) centre: Vec3,
+    pub(super) law: ContactLaw,
+    /// delta
+    pub(super) thickness: f64,
+    /// e, with friction.
+    pub(super) slip_speed: Option<f64>,
+    pub(super) samples: Samples,
+    /// Positions of the samples in the reference body.
+    pub(super) reference: Vec<Vec3>,
+    slots: Vec<Slot>,
+    /// Displacements that it resists to.
+    normals: Vec<Vec<(u32, f64)>>,
+}
+
+impl BoundContact {
+    pub(super) fn new(of: &Contact, body: &BodyEnergy) -> Result<Self, FemError> {
+        let mesh = body.discretization().mesh();
+        let (dim, name) = (mesh.dim(), of.name.clone());
+        let refuse = |what: String| FemError::Meaningless { what: format!("contact \"{}\": {what}", of.name) };
+        of.obstacle.check(dim).map_err(|error| refuse(error.to_string()))?;
+        let facets = mesh.facets_of(&of.surface)?;
+        let positive = |what: &str, value: f64| match value > 0.0 && value.is_finite() {
+            true => Ok(value),
+            false => Err(refuse(format!("its {what} is {value}; it must be positive and finite"))),
+        };
+        let thickness = positive("thickness", of.thickness.unwrap_or_else(|| defaults::thickness(mesh, &facets)))?;
+        let stiffness = of.stiffness.or_else(|| defaults::stiffness(of.law, body, &facets));
+        let stiffness = stiffness.ok_or_else(|| {
+            refuse(format!("no passive law behind {} says how stiff the body is: give a stiffness", of.surface))
+        })?;
+        let stiffness = positive("stiffness", stiffness)?;
+        if of.refine == 0 {
+            return Err(refuse("refine is 0; it is 1 or more".to_owned()));
+        }
+        let slots = slots(of, stiffness, |what, value| positive(what, value).map(|_| ()))?;
+        let obstacle = rounded(&of.obstacle, thickness).map_err(refuse)?;
+        let centre = Vec3::from(of.centre.unwrap_or_else(|| defaults::centre(&obstacle)));
+        if centre.iter().any(|x| !x.is_finite()) {
+            return Err(refuse("its centre is not finite".to_owned()));
+        }
+        let samples = Samples::new(mesh, &of.surface, of.refine)?;
+        let place =
+            |s| samples.parts(s).iter().map(|&(node, shape)| shape * Vec3::from(mesh.points()[node as usize])).sum();
+        let reference: Vec<Vec3> = (0..samples.len()).map(place).collect();
+        let normals = normals(&samples, &reference, &obstacle, dim);
+        let slip_speed = of.friction.map(|friction| friction.slip_speed);
+        Ok(BoundContact {
+            name,
+            dim,
+            obstacle,
+            centre,
+            law: of.law,
+            thickness,
+            slip_speed,
+            samples,
+            reference,
+            slots,
+            normals,
+        })
+    }
+}
+
+/// `n . u` at every sample.
+fn normals(samples: &Samples, reference: &[Vec3], obstacle: &Obstacle, dim: usize) -> Vec<Vec<(u32, f64)>> {
+    let of_sample = |sample: usize| {
+        let n = obstacle.at(&reference[sample].into()).normal;
+        let of_node = |&(node, shape): &(u32, f64)| (0..dim).map(move |i| (dim as u32 * node + i as u32, shape * n[i]));
+        samples.parts(sample).iter().flat_map(of_node).collect()
+    };
+    (0..samples.len()).map(of_sample).collect()
+}
+
+/// The pose, loads; stiffness and friction, designs with the values at rest that were given.
+fn slots(
+    of: &Contact,
+    stiffness: f64,
+    positive: impl Fn(&str, f64) -> Result<(), FemError>,
+) -> Result<Vec<Slot>, FemError> {
+    let mut slots = [Slot::vector("translation", "m"), Slot::vector("rotation", "1")].concat();
+    slots.push(Slot::design("stiffness", "Pa", stiffness));
+    if let Some(friction) = of.friction {
+        positive("slip speed", friction.slip_speed)?;
+        if !(friction.coefficient >= 0.0 && friction.coefficient.is_finite()) {
+            let what = format!(
+                "contact \"{}\": its friction coefficient is {}; it must be finite and at least zero",
+                of.name, friction.coefficient
+            );
+            return Err(FemError::Meaningless { what });
+        }
+        slots.push(Slot::design("friction", "1", friction.coefficient));
+    }
+    Ok(slots)
+}
+
+/// A box with edges that are round enough for a layer: its faces stay. A meshed solid grows when rounded, so that has to be asked for.
+fn rounded(obstacle: &Obstacle, thickness: f64) -> Result<Obstacle, String> {
+    let least = defaults::ROUNDING * thickness;
+    match obstacle {
+        Obstacle::Box { low, high, rounding } if *rounding < least => {
+            let half = (0..3).map(|i| 0.5 * (high[i] - low[i])).fold(f64::INFINITY, f64::min);
+            Ok(obstacle.clone().rounded(least.min(0.9 * half)))
+        }
+        Obstacle::Solid { rounding, .. } if *rounding < least => Err(format!(
+            "a meshed obstacle needs a rounding radius of at least {least:.3e}, twice the thickness of the layer, by which it grows (it \
+             has {rounding:.3e}): give `rounding`, or a thinner layer by `thickness`"
+        )),
+        _ => Ok(obstacle.clone()),
+    }
+}
+
+impl Contribution for BoundContact {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        if self.slip_speed.is_some() { Symmetry::General } else { Symmetry::Symmetric }
+    }
+
+    fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+
+    fn path_dependence(&self) -> Option<&'static str> {
+        self.slip_speed.map(|_| "friction depends on the path: take steps in time, quasi_static for slow loads")
+    }
+
+    fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
+        let refuse = |what: String| Err(FemError::Meaningless { what: format!("contact \"{}\": {what}", self.name) });
+        let angle = values[3..6].iter().map(|r| r * r).sum::<f64>().sqrt();
+        if angle > TURN {
+            return refuse(format!(
+                "its obstacle turns by {angle:.4} rad, more than once around; rotations are in radians"
+            ));
+        }
+        if self.dim == 2 && [2, 3, 4].into_iter().any(|slot| values[slot] != 0.0) {
+            return refuse(
+                "its obstacle leaves the plane of a plane-strain body; its translation has the components x and y, its rotation z"
+                    .to_owned(),
+            );
+        }
+        if values[STIFFNESS] <= 0.0 {
+            return refuse(format!("its stiffness is {}; it must be positive", values[STIFFNESS]));
+        }
+        match values.get(FRICTION) {
+            Some(friction) if *friction < 0.0 => refuse(format!("its friction coefficient is {friction}, below zero")),
+            _ => Ok(()),
+        }
+    }
+
+    /// Normals of the obstacle where it is at rest, at every sample: a side that is not touched does not push, which the search for an
+    /// equilibrium finds.
+    fn resists(&self) -> &[Vec<(u32, f64)>] {
+        &self.normals
+    }
+
+    /// Within the layer, or no deeper than it is thick.
+    fn check_start(&self, at: &Instant) -> Result<(), Inadmissible> {
+        let gaps = Gaps::at(self, at)?;
+        match gaps.all.iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((place, d)) if *d < -self.thickness => {
+                Err(Inadmissible::Penetrates { name: self.name.clone(), place: (*place).into(), depth: -d })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// No sample of a body that stays goes below a few thicknesses inside, or near the limit of the log law.
+    fn max_change(&self, at: &Instant, to: &Controls) -> Result<f64, Inadmissible> {
+        let gaps = Gaps::at(self, at)?;
+        let ([from, to], mut share) = ([at.controls, to], 1.0_f64);
+        let (pose, end) = (gaps.pose, Pose::at(&at.under(to), self.centre));
+        if pose.is_at(&end) {
+            return Ok(1.0);
+        }
+        for &(x, d) in &gaps.all {
+            let reach = pose.reach(&end, &x);
+            let floor = floor(self.law, d, DEPTH * self.thickness);
+            if d - reach < floor {
+                let distance =
+                    |s: f64| Pose::at(&at.under(&from.blend(to, s)), self.centre).distance(&self.obstacle, &x);
+                share = share.min(advance((d, floor), reach, distance));
+            }
+        }
+        Ok(share)
+    }
+
+    fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
+        self.sums(at)
+    }
+
+    fn at<'a>(&'a self, at: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(TouchPoint::new(self, Gaps::at(self, at)?)))
+    }
+}

@@ -1,0 +1,73 @@
+//! What a contact takes where it is not given.
+
+use super::ContactLaw;
+use crate::contributions::body_energy::BodyEnergy;
+use nalgebra::Matrix6;
+use nastic_energy::{PointBatch, Response, Slots, Want};
+use nastic_mesh::spatial::Obstacle;
+use nastic_mesh::{Facet, Mesh};
+use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
+
+/// Thickness as a share of the surface's diagonal.
+const THICKNESS: f64 = 1.0 / 500.0;
+/// Least rounding radius, in thicknesses, at which a box touches where its distance has a continuous gradient.
+pub(super) const ROUNDING: f64 = 2.0;
+
+/// 1/500 of the diagonal of the surface's bounding box.
+pub(super) fn thickness(mesh: &Mesh, facets: &[Facet]) -> f64 {
+    let nodes = mesh.nodes_of_facets(facets);
+    let points = nodes.iter().map(|&node| Vec3::from(mesh.points()[node as usize]));
+    let (low, high) = points.fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(low, high), x| {
+        (low.inf(&x), high.sup(&x))
+    });
+    THICKNESS * (high - low).norm()
+}
+
+/// By the mean of Young's modulus behind the facets; `None` where no material is stiff.
+pub(super) fn stiffness(law: ContactLaw, body: &BodyEnergy, facets: &[Facet]) -> Option<f64> {
+    let factor = match law {
+        ContactLaw::Cubic => 100.0,
+        ContactLaw::Log => 0.1,
+    };
+    let moduli: Option<Vec<f64>> = {
+        let points = body.discretization().points_of_cells();
+        let cell = |facet: &Facet| (facet.cell as usize, points[facet.cell as usize].0);
+        facets.iter().map(|facet| young(body, cell(facet))).collect()
+    };
+    moduli.map(|moduli| factor * moduli.iter().sum::<f64>() / moduli.len() as f64)
+}
+
+/// The mean over the axes of stress over strain of a bar that is free to contract, at rest, all passive laws of a cell together.
+fn young(body: &BodyEnergy, (cell, first): (usize, usize)) -> Option<f64> {
+    let rest = [Kinematics::rest()];
+    let at = PointBatch { kinematics: &rest, cell, first };
+    let mut sum = [Tangent::zero()];
+    let want = Want { energy: false, stress: false, tangent: true };
+    for term in body.materials_of(cell) {
+        let mut response = Response { energy: &mut [], stress: &mut [], tangent: &mut sum };
+        term.respond(&at, Slots::none(), want, &mut response);
+    }
+    const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
+    let stiffness = Matrix6::from_fn(|row, column| {
+        let ((i, j), (k, l)) = (PAIRS[row], PAIRS[column]);
+        let mut strain = Mat3::zeros();
+        strain[(k, l)] += 0.5;
+        strain[(l, k)] += 0.5;
+        sum[0].apply(&strain)[(i, j)]
+    });
+    let compliance = stiffness.try_inverse()?;
+    let mean = (0..3).map(|i| compliance[(i, i)]).sum::<f64>() / 3.0;
+    (mean > 0.0 && mean.is_finite()).then_some(1.0 / mean)
+}
+
+/// The point about which an obstacle turns.
+pub(super) fn centre(obstacle: &Obstacle) -> [f64; 3] {
+    let middle = |a: &[f64; 3], b: &[f64; 3]| std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+    match obstacle {
+        Obstacle::Sphere { center, .. } => *center,
+        Obstacle::HalfSpace { point, .. } => *point,
+        Obstacle::Capsule { ends: [from, to], .. } => middle(from, to),
+        Obstacle::Box { low, high, .. } => middle(low, high),
+        Obstacle::Solid { of, .. } => of.middle(),
+    }
+}

@@ -1,0 +1,126 @@
+//! [`Contact`]: a surface of the body that touches an obstacle.
+
+mod bound;
+mod defaults;
+mod friction;
+mod law;
+mod point;
+mod pose;
+mod samples;
+mod second_order;
+mod sums;
+
+use crate::contributions::body_energy::BodyEnergy;
+use crate::error::FemError;
+pub(crate) use bound::BoundContact;
+pub use law::ContactLaw;
+use nastic_mesh::GroupNames;
+use nastic_mesh::spatial::Obstacle;
+
+/// A surface that an obstacle pushes back, with friction or without.
+///
+/// **Potential**, without friction: `sum_s w_s psi(d(x_s))` over the samples s of the surface, of reference area w_s, d the signed distance
+/// from the obstacle, psi a [`ContactLaw`] of thickness delta and stiffness k (Pa), fixed for good. With `p = -psi'` and `n = grad d`,
+///
+/// ```text
+/// r = sum_s w_s N(x_s)^T t_s,    t_s = -p n + mu p f(v_t),    v_t = (1 - n n^T) (v_s - v_o)
+/// ```
+///
+/// The residual is continuously differentiable in u wherever d has a continuous second derivative, also where contact opens and closes: its
+/// gap under a pressure p is `delta (1 - sqrt(p/k))` (cubic), so that **delta buys accuracy and k safety**.
+///
+/// **Friction** (Coulomb) acts in time steps alone, with the velocity of the scheme and that of the obstacle; `f(v) = v/|v|` above the slip speed
+/// e, smoothed below it. What sticks creeps at `e (1 - sqrt(1 - r))`, r the share of the cone that it takes. It has no potential, and the
+/// tangent is not symmetric.
+///
+/// **Controls**: translation (m) and rotation vector of the obstacle about its centre, loads; stiffness (Pa) and friction coefficient, designs.
+/// The residual depends on the pose at both ends of a step.
+///
+/// Source: docs/contact.md; Li et al., ACM Trans. Graph. 39 (2020) for psi of the log law and f.
+#[derive(Debug, Clone)]
+pub struct Contact {
+    name: String,
+    surface: GroupNames,
+    obstacle: Obstacle,
+    law: ContactLaw,
+    thickness: Option<f64>,
+    stiffness: Option<f64>,
+    friction: Option<Friction>,
+    refine: usize,
+    centre: Option<[f64; 3]>,
+}
+
+/// Coulomb's friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Friction {
+    coefficient: f64,
+    slip_speed: f64,
+}
+
+impl Contact {
+    /// Of a named surface, or of several together, with an obstacle; `name` is that of its controls.
+    pub fn of(name: &str, surface: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
+        Contact {
+            name: name.to_owned(),
+            surface: surface.into(),
+            obstacle,
+            law: ContactLaw::Cubic,
+            thickness: None,
+            stiffness: None,
+            friction: None,
+            refine: 1,
+            centre: None,
+        }
+    }
+
+    /// Another law of the pressure.
+    #[must_use]
+    pub fn law(mut self, law: ContactLaw) -> Self {
+        self.law = law;
+        self
+    }
+
+    /// Thickness delta of the layer in which it acts, m; 1/500 of the surface's diagonal if not given.
+    #[must_use]
+    pub fn thickness(mut self, thickness: f64) -> Self {
+        self.thickness = Some(thickness);
+        self
+    }
+
+    /// Stiffness k, Pa: of the cubic law the pressure that closes the gap, 100 times Young's modulus at rest behind the surface if not given;
+    /// of the log law a tenth of that modulus.
+    #[must_use]
+    pub fn stiffness(mut self, stiffness: f64) -> Self {
+        self.stiffness = Some(stiffness);
+        self
+    }
+
+    /// Coulomb's friction with a coefficient, smoothed below a slip speed (m/s).
+    #[must_use]
+    pub fn friction(mut self, coefficient: f64, slip_speed: f64) -> Self {
+        self.friction = Some(Friction { coefficient, slip_speed });
+        self
+    }
+
+    /// Samples of each facet as of `refine^2` pieces: for obstacles that are smaller than the facets.
+    #[must_use]
+    pub fn refine(mut self, refine: usize) -> Self {
+        self.refine = refine;
+        self
+    }
+
+    /// The point about which the obstacle turns; its own centre if not given (of a half-space the point of its plane).
+    #[must_use]
+    pub fn about(mut self, centre: [f64; 3]) -> Self {
+        self.centre = Some(centre);
+        self
+    }
+
+    /// The contribution on a body whose materials are there.
+    ///
+    /// # Errors
+    /// An unknown surface, an obstacle or numbers that are none; no stiffness given and no material behind the surface.
+    pub(crate) fn on(&self, body: &BodyEnergy) -> Result<BoundContact, FemError> {
+        BoundContact::new(self, body)
+    }
+}

@@ -1,0 +1,271 @@
+//! [`TouchPoint`]: a contact at one displacement.
+
+use super::bound::{BoundContact, FRICTION, STIFFNESS};
+use super::friction::Slip;
+use super::law::{ContactLaw, Pressure};
+use super::pose::{ByPose, Pose};
+use super::second_order;
+use crate::contributions::guides::add_element;
+use crate::contributions::{
+    ContributionPoint, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
+};
+use crate::error::{Inadmissible, SecondDerivativeError};
+use nastic_linear::SparseMatrix;
+use nastic_mesh::spatial::SignedDistance;
+use nastic_tensor::{Mat3, Vec3};
+use std::borrow::Cow;
+
+/// Below this share of its gap (of the cubic law its gap and a depth) no move brings a sample.
+const REST_OF_GAP: f64 = 0.1;
+/// Tries of conservative advancement, and the share of the way that it leaves.
+const ADVANCES: usize = 64;
+const NEAR: f64 = 1e-3;
+
+/// Where the samples of a contact are.
+#[derive(Debug, Clone)]
+pub(super) struct Gaps {
+    pub pose: Pose,
+    /// Of every sample its place and distance.
+    pub all: Vec<(Vec3, f64)>,
+    /// Those within the layer.
+    pub touches: Vec<Touch>,
+}
+
+/// A sample within the layer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    pub sample: usize,
+    pub place: Vec3,
+    pub distance: SignedDistance,
+}
+
+/// What acts at a sample, per area: the residual `t = -p n + mu p f(v_t)` and what its derivatives take.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Traction {
+    pub n: Vec3,
+    pub pressure: Pressure,
+    /// `v_s - v_o`
+    pub relative: Vec3,
+    pub slip: Option<(f64, Slip)>,
+    pub t: Vec3,
+}
+
+impl Gaps {
+    pub fn at(of: &BoundContact, at: &Instant) -> Result<Self, Inadmissible> {
+        let pose = Pose::at(at, of.centre);
+        let mut found = Gaps { pose, all: Vec::with_capacity(of.samples.len()), touches: Vec::new() };
+        for (sample, reference) in of.reference.iter().enumerate() {
+            let place = reference + of.samples.of(sample, of.dim, |dof| at.u[dof]);
+            let d = pose.distance(&of.obstacle, &place);
+            found.all.push((place, d));
+            if of.law == ContactLaw::Log && d <= 0.0 {
+                return Err(Inadmissible::Penetrates { name: of.name.clone(), place: place.into(), depth: -d });
+            }
+            if d < of.thickness {
+                let distance = pose.signed_distance(&of.obstacle, &place);
+                found.touches.push(Touch { sample, place, distance });
+            }
+        }
+        Ok(found)
+    }
+}
+
+impl BoundContact {
+    pub(super) fn traction(&self, touch: &Touch, pose: &Pose, at: &Instant) -> Traction {
+        let n = Vec3::from(touch.distance.normal);
+        let unit = self.law.at(touch.distance.value, self.thickness);
+        let k = at.control(STIFFNESS);
+        let pressure =
+            Pressure { energy: k * unit.energy, value: k * unit.value, slope: k * unit.slope, second: k * unit.second };
+        let mut t = -pressure.value * n;
+        let (mut relative, mut slip) = (Vec3::zeros(), None);
+        if let (Some(e), Some(_)) = (self.slip_speed, at.step) {
+            let own = self.samples.of(touch.sample, self.dim, |dof| at.velocity(dof));
+            relative = own - pose.velocity(&touch.place);
+            let (mu, found) = (at.control(FRICTION), Slip::at(&(relative - n * n.dot(&relative)), e));
+            t += mu * pressure.value * found.share;
+            slip = Some((mu, found));
+        }
+        Traction { n, pressure, relative, slip, t }
+    }
+}
+
+impl Traction {
+    /// `A = dt/dx` at fixed relative velocity and `B = dt/d(v_s - v_o)`.
+    pub fn tangents(&self, distance: &SignedDistance) -> [Mat3; 2] {
+        let (n, p) = (self.n, self.pressure);
+        let a = Vec3::from(distance.straight);
+        let h = distance.curvature * (Mat3::identity() - n * n.transpose() - a * a.transpose());
+        let mut by_place = -p.slope * n * n.transpose() - p.value * h;
+        let Some((mu, slip)) = &self.slip else { return [by_place, Mat3::zeros()] };
+        let turned = n.dot(&self.relative) * h + n * (h * self.relative).transpose();
+        by_place += *mu * (p.slope * slip.share * n.transpose() - p.value * slip.slope * turned);
+        [by_place, *mu * p.value * slip.slope * (Mat3::identity() - n * n.transpose())]
+    }
+}
+
+/// A [`BoundContact`] at one displacement and pose.
+pub(super) struct TouchPoint<'a> {
+    pub of: &'a BoundContact,
+    gaps: Gaps,
+}
+
+impl<'a> TouchPoint<'a> {
+    pub fn new(of: &'a BoundContact, gaps: Gaps) -> Self {
+        TouchPoint { of, gaps }
+    }
+
+    /// Those at the pose of an instant, which other controls may have moved.
+    pub fn gaps(&self, at: &Instant) -> Result<Cow<'_, Gaps>, Inadmissible> {
+        match Pose::at(at, self.of.centre) == self.gaps.pose {
+            true => Ok(Cow::Borrowed(&self.gaps)),
+            false => Gaps::at(self.of, at).map(Cow::Owned),
+        }
+    }
+
+    /// Calls with every touching sample: its traction, and the tangent by its place in the scheme.
+    fn each_tangent(
+        &self,
+        at: &Instant,
+        mut call: impl FnMut(&Touch, Mat3) -> Result<(), Inadmissible>,
+    ) -> Result<(), Inadmissible> {
+        let gaps = self.gaps(at)?;
+        let c = at.step.map_or(0.0, |step| step.velocity.0) * Mat3::identity() - gaps.pose.spin_matrix();
+        for touch in &gaps.touches {
+            let traction = self.of.traction(touch, &gaps.pose, at);
+            let [a, b] = traction.tangents(&touch.distance);
+            call(touch, self.of.samples.weights[touch.sample] * (a + b * c))?;
+        }
+        Ok(())
+    }
+}
+
+/// How near a sample may come in a move of one `reach`: a tenth of its gap is left; the cubic law bears a depth more.
+pub(super) fn floor(law: ContactLaw, d: f64, depth: f64) -> f64 {
+    let sunk = if law == ContactLaw::Cubic { depth + (-d).max(0.0) } else { 0.0 };
+    REST_OF_GAP * (d + sunk) - sunk
+}
+
+/// The longest share of a move by no more than `reach` that keeps a distance above its floor, by conservative advancement, as distances
+/// change no faster than places.
+pub(super) fn advance((d, floor): (f64, f64), reach: f64, distance: impl Fn(f64) -> f64) -> f64 {
+    let mut share = 0.0;
+    for _ in 0..ADVANCES {
+        let gap = distance(share) - floor;
+        if gap >= (1.0 - share) * reach {
+            return 1.0;
+        }
+        if gap <= NEAR * (d - floor) {
+            break;
+        }
+        share += gap / reach;
+    }
+    share
+}
+
+impl ContributionPoint for TouchPoint<'_> {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
+        let (gaps, of) = (self.gaps(at)?, self.of);
+        for touch in &gaps.touches {
+            let (weight, traction) = (of.samples.weights[touch.sample], of.traction(touch, &gaps.pose, at));
+            if demand.energy {
+                sums.energy += weight * traction.pressure.energy;
+                sums.energy_scale += weight * traction.pressure.energy.abs();
+            }
+            if demand.force {
+                for &(node, shape) in of.samples.parts(touch.sample) {
+                    for i in 0..of.dim {
+                        let (dof, force) = (of.dim * node as usize + i, weight * shape * traction.t[i]);
+                        sums.force[dof] += force;
+                        sums.force_scale[dof] += force.abs();
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        self.each_tangent(at, |touch, block| {
+            let parts = self.of.samples.parts(touch.sample);
+            let nodes: Vec<u32> = parts.iter().map(|(node, _)| *node).collect();
+            add_element(&nodes, self.of.dim, tangent, |a, i, b, j| parts[a].1 * parts[b].1 * block[(i, j)])?;
+            Ok(())
+        })
+    }
+
+    fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
+        self.each_tangent(at, |touch, block| {
+            let product = block * self.of.samples.of(touch.sample, self.of.dim, |dof| v[dof]);
+            self.of.spread(touch.sample, &product, out);
+            Ok(())
+        })?;
+        Ok(true)
+    }
+
+    fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
+        let gaps = self.gaps(at)?;
+        let shares = gaps.all.iter().enumerate().map(|(sample, here)| {
+            let dx = self.of.samples.of(sample, self.of.dim, |dof| du[dof]);
+            let (x, d) = *here;
+            if dx.norm() <= (1.0 - REST_OF_GAP) * d {
+                return 1.0;
+            }
+            let floor = floor(self.of.law, d, self.of.thickness);
+            advance((d, floor), dx.norm(), |share| gaps.pose.distance(&self.of.obstacle, &(x + share * dx)))
+        });
+        Ok(shares.fold(1.0, f64::min))
+    }
+
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
+        let (gaps, of) = (self.gaps(at)?, self.of);
+        let spin = gaps.pose.spin_matrix();
+        let (mut by, mut by_stiffness, mut by_friction) = (ByPose::default(), 0.0, 0.0);
+        for touch in &gaps.touches {
+            let traction = of.traction(touch, &gaps.pose, at);
+            let [a, b] = traction.tangents(&touch.distance);
+            let weighted = of.samples.weights[touch.sample] * of.samples.of(touch.sample, of.dim, |dof| lambda[dof]);
+            let (by_place, by_velocity) = (a.transpose() * weighted, b.transpose() * weighted);
+            let arm = gaps.pose.arm(&touch.place);
+            by_stiffness += weighted.dot(&traction.t) / at.control(STIFFNESS);
+            if let Some((_, slip)) = &traction.slip {
+                by_friction += traction.pressure.value * weighted.dot(&slip.share);
+                of.spread(touch.sample, &by_velocity, &mut into.velocity);
+            }
+            // omega x t - A (omega x y) - B (omega x w), omega taken out
+            by.turn += traction.t.cross(&weighted) - arm.cross(&by_place) - traction.relative.cross(&by_velocity);
+            by.translation -= by_place + spin * by_velocity;
+            by.velocity -= by_velocity;
+            by.spin -= arm.cross(&by_velocity);
+        }
+        gaps.pose.add_vjp(at, &by, of.dim, into);
+        into.add_control(at, STIFFNESS, by_stiffness);
+        if of.slip_speed.is_some() {
+            into.add_control(at, FRICTION, by_friction);
+        }
+        Ok(())
+    }
+
+    fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
+        second_order::add_control_product(self, at, v, out)
+    }
+
+    fn second_vjp(
+        &self,
+        at: &Instant,
+        lambda: &[f64],
+        along: &Increment,
+        into: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        second_order::second_vjp(self, at, lambda, along, into)
+    }
+}
+
+impl BoundContact {
+    /// Adds a force at a sample to the nodes of its facet.
+    pub(super) fn spread(&self, sample: usize, force: &Vec3, out: &mut [f64]) {
+        for &(node, shape) in self.samples.parts(sample) {
+            (0..self.dim).for_each(|i| out[self.dim * node as usize + i] += shape * force[i]);
+        }
+    }
+}
