@@ -13,6 +13,8 @@ mod common;
 mod connection;
 mod constrained;
 mod contact;
+mod contact_adjoint;
+mod contact_motion;
 mod contact_refusals;
 mod contributions;
 mod damping;

@@ -1,0 +1,197 @@
+//! Contact in motion: a point mass that bounces, a block that falls, rests and slides, a body held between pads.
+
+#![allow(clippy::unwrap_used)] // helpers of tests
+
+use crate::common;
+
+use common::block::STRICT;
+use common::{Outcome, regular};
+use nastic_energy::NeoHooke;
+use nastic_fem::time::catalogue::SCHEMES;
+use nastic_fem::{Contact, Controls, Inertia, Instant, Scheme, Solid, State, StepTo, Trajectory, Workspace};
+use nastic_mesh::CellKind;
+use nastic_mesh::spatial::Obstacle;
+use nastic_tensor::Vec3;
+
+fn scheme(name: &str) -> Scheme {
+    (SCHEMES.iter().find(|row| row.name == name).unwrap().build)().unwrap()
+}
+
+fn advance(solid: &Solid, from: Trajectory, scheme: &Scheme, steps: &[StepTo]) -> Outcome<Trajectory> {
+    let mut trajectory = from;
+    solid.model().advance(&mut trajectory, scheme, steps, &STRICT, &mut Workspace::default())?;
+    Ok(trajectory)
+}
+
+fn quantity(solid: &Solid, trajectory: &Trajectory, name: &str) -> f64 {
+    let state = trajectory.end();
+    let all = solid.model().quantities(&Instant::of(state)).unwrap();
+    all.into_iter().find(|(_, own, _)| *own == name).unwrap().2
+}
+
+/// A block of mass 1 that moves as a point: a floor below its bottom and one as far below its top push all nodes alike. Of its speed it
+/// keeps what was computed by hand for a point mass on the cubic law with `kappa = k w / (3 delta^2) = 1000`, duration T of a contact.
+#[test]
+fn a_point_mass_bounces_as_computed() -> Outcome {
+    const T: f64 = 0.222_582_5;
+    const DELTA: f64 = 0.1;
+    // by T/h = 5, 10, 20, 40
+    let table = [
+        ("backward_euler", [0.376224, 0.575071, 0.745259, 0.859574]),
+        ("trapezoidal", [0.995907, 0.999561, 0.999966, 0.999998]),
+        ("implicit_midpoint", [1.003970, 1.000310, 1.000020, 1.000001]),
+        ("tr_bdf2", [0.994230, 0.999280, 0.999915, 0.999990]),
+    ];
+    let floor = |name: &str, side: &str, height: f64| {
+        let obstacle = Obstacle::half_space([0.0, 0.0, height - DELTA], [0.0, 0.0, 1.0]);
+        Contact::of(name, side, obstacle).thickness(DELTA).stiffness(3.0 * DELTA * DELTA * 1000.0 / 2.0)
+    };
+    let solid = Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
+        .material("body", NeoHooke::new(1.0, 1.0)?)?
+        .inertia(Inertia::new("body", 1.0))?
+        .contact(floor("bottom", "z-", 0.0))?
+        .contact(floor("top", "z+", 1.0))?;
+    for (name, kept) in table {
+        for (k, kept) in kept.into_iter().enumerate() {
+            let per_contact = 5 << k;
+            let mut begin = solid.rest();
+            let fall: Vec<f64> = (0..begin.u.len()).map(|dof| if dof % 3 == 2 { -1.0 } else { 0.0 }).collect();
+            begin.velocity = Some(fall.into());
+            let to = StepTo { dt: T / per_contact as f64, controls: solid.controls() };
+            let mut trajectory = Trajectory::from_given(begin);
+            for _ in 0..3 * per_contact {
+                trajectory = advance(&solid, trajectory, &scheme(name), std::slice::from_ref(&to))?;
+                if trajectory.end().u[2] >= 0.0 {
+                    break;
+                }
+            }
+            let speed = trajectory.end().velocity.as_ref().unwrap()[2];
+            // the duration of the table has seven digits
+            assert!((speed - kept).abs() < 2e-6, "{name}, {per_contact} steps: {speed} for {kept}");
+        }
+    }
+    Ok(())
+}
+
+/// A stiff block of 1 x 1 x 0.25 m and 250 kg on an incline of `tan = 1/2`: the gravity turns, not the floor.
+fn incline(mu: f64, slip_speed: f64) -> Outcome<Solid> {
+    let (sine, cosine) = (0.2f64.sqrt(), 0.8f64.sqrt());
+    Ok(Solid::new(regular(CellKind::Hex8, [1.0, 1.0, 0.25], [2, 2, 1])?)?
+        .material("body", NeoHooke::new(4e9, 4e9)?)?
+        .body_force("body", 1000.0 * 9.81 * Vec3::new(sine, 0.0, -cosine))?
+        .inertia(Inertia::new("body", 1000.0))?
+        .contact(
+            Contact::of("floor", "z-", Obstacle::half_space([0.0; 3], [0.0, 0.0, 1.0]))
+                .thickness(1e-3)
+                .stiffness(4e5)
+                .friction(mu, slip_speed),
+        )?)
+}
+
+/// In the layer that carries it, at rest: `p = w / A`, `d = delta (1 - sqrt(p/k))`, all samples alike for a rigid block.
+fn resting(solid: &Solid) -> State {
+    let pressure = 1000.0 * 9.81 * 0.25 * 0.8f64.sqrt();
+    let gap = 1e-3 * (1.0 - (pressure / 4e5).sqrt());
+    let mut begin = solid.rest();
+    let u: Vec<f64> = (0..begin.u.len()).map(|dof| if dof % 3 == 2 { gap } else { 0.0 }).collect();
+    begin.velocity = Some(vec![0.0; u.len()].into());
+    begin.u = u.into();
+    begin
+}
+
+fn mean(solid: &Solid, values: &[f64], axis: usize) -> f64 {
+    let n = solid.mesh().points().len();
+    (0..n).map(|node| values[3 * node + axis]).sum::<f64>() / n as f64
+}
+
+/// It slides for `mu < tan`, `a = g (sin - mu cos)`, as backward Euler sums it; for `mu > tan` it creeps at the velocity where the
+/// smoothed friction carries the weight, `v = e (1 - sqrt(1 - tan/mu))`.
+#[test]
+fn a_block_slides_down_an_incline_or_creeps() -> Outcome {
+    let (h, count) = (0.025, 40);
+    let (sine, cosine) = (0.2f64.sqrt(), 0.8f64.sqrt());
+    let sliding = incline(0.49, 1e-5)?;
+    let steps = vec![StepTo { dt: h, controls: sliding.controls() }; count];
+    let end = advance(&sliding, Trajectory::from_given(resting(&sliding)), &scheme("backward_euler"), &steps)?;
+    let (a, n) = (9.81 * (sine - 0.49 * cosine), count as f64);
+    let expected = a * h * h * n * (n + 1.0) / 2.0;
+    let slid = mean(&sliding, &end.end().u, 0);
+    assert!((slid / expected - 1.0).abs() < 1e-4, "{slid} for {expected}");
+    let speed = mean(&sliding, end.end().velocity.as_ref().unwrap(), 0);
+    assert!((speed / (a * h * n) - 1.0).abs() < 1e-4, "{speed}");
+    let sticking = incline(0.55, 1e-3)?;
+    let steps = vec![StepTo { dt: h, controls: sticking.controls() }; count];
+    let end = advance(&sticking, Trajectory::from_given(resting(&sticking)), &scheme("backward_euler"), &steps)?;
+    let creep = mean(&sticking, end.end().velocity.as_ref().unwrap(), 0);
+    let expected = 1e-3 * (1.0 - (1.0f64 - 0.5 / 0.55).sqrt());
+    assert!((creep / expected - 1.0).abs() < 1e-3, "{creep} for {expected}");
+    Ok(())
+}
+
+/// A block that falls on the floor comes to rest: the floor carries its weight and the moment of it, to rounding.
+#[test]
+fn a_fallen_block_is_carried() -> Outcome {
+    let solid = Solid::new(regular(CellKind::Hex8, [1.0, 0.6, 0.5], [3, 2, 2])?)?
+        .material("body", NeoHooke::new(4e4, 6e4)?)?
+        .body_force("body", Vec3::new(0.0, 0.0, -9810.0))?
+        .inertia(Inertia::new("body", 1000.0))?
+        .rayleigh_damping(0.0, 0.02)?
+        .contact(
+            Contact::of("floor", "z-", Obstacle::half_space([0.0, 0.0, -0.02], [0.0, 0.0, 1.0])).friction(0.5, 1e-2),
+        )?;
+    let steps = vec![StepTo { dt: 0.02, controls: solid.controls() }; 200];
+    let mut begin = solid.rest();
+    begin.velocity = Some(vec![0.0; begin.u.len()].into());
+    let end = advance(&solid, Trajectory::from_given(begin), &scheme("backward_euler"), &steps)?;
+    let weight = 9810.0 * 0.3;
+    let force = quantity(&solid, &end, "force_z");
+    assert!((force / weight - 1.0).abs() < 1e-5, "{force} for {weight}");
+    assert!(quantity(&solid, &end, "smallest_gap") > 0.0);
+    // about the floor's point at the origin: the weight acts at (1/2, 0.3)
+    let moment = quantity(&solid, &end, "moment_y");
+    assert!((moment / (-0.5 * weight) - 1.0).abs() < 1e-3, "{moment}");
+    Ok(())
+}
+
+/// Pads lift a block by friction alone, each pressing with N: its weight is carried with `mu N` to spare.
+#[test]
+fn pads_lift_a_block() -> Outcome {
+    let pad = |side: &str, x: f64, outwards: f64| {
+        let face = Obstacle::half_space([x, 0.1, 0.1], [-outwards, 0.0, 0.0]);
+        Contact::of(side, if outwards > 0.0 { "x+" } else { "x-" }, face).friction(0.8, 1e-2)
+    };
+    let solid = Solid::new(regular(CellKind::Hex8, [0.2; 3], [2; 3])?)?
+        .material("body", NeoHooke::new(4e4, 6e4)?)?
+        .body_force("body", Vec3::new(0.0, 0.0, -9810.0))?
+        .inertia(Inertia::new("body", 1000.0))?
+        .rayleigh_damping(0.0, 0.02)?
+        .contact(Contact::of("floor", "z-", Obstacle::half_space([0.0, 0.0, -1e-4], [0.0, 0.0, 1.0])))?
+        .contact(pad("left", -1e-3, -1.0))?
+        .contact(pad("right", 0.201, 1.0))?;
+    let at = |t: f64| -> Controls {
+        let mut controls = solid.controls();
+        for (block, inwards) in [(1, 1.0), (2, -1.0)] {
+            let values = controls.values_mut(block);
+            values[0] = inwards * 0.012 * (t / 0.5).min(1.0);
+            values[2] = 0.1 * (t - 0.5).max(0.0);
+        }
+        controls
+    };
+    let steps: Vec<StepTo> = (1..=150).map(|n| StepTo { dt: 0.01, controls: at(0.01 * f64::from(n)) }).collect();
+    let mut begin = solid.rest();
+    begin.velocity = Some(vec![0.0; begin.u.len()].into());
+    let end = advance(&solid, Trajectory::from_given(begin), &scheme("backward_euler"), &steps)?;
+    let lifted = mean(&solid, &end.end().u, 2);
+    assert!(lifted > 0.09 && lifted < 0.1, "{lifted}");
+    let forces: Vec<f64> = solid
+        .model()
+        .quantities(&Instant::of(end.end()))?
+        .into_iter()
+        .filter(|(name, quantity, _)| (name == "left" || name == "right") && *quantity == "force_x")
+        .map(|(_, _, force)| force)
+        .collect();
+    assert!(forces.len() == 2 && (forces[0] + forces[1]).abs() < 1e-6 * forces[0], "{forces:?}");
+    let newton: usize = end.states().iter().skip(1).map(|state| state.report.newton).sum();
+    assert!(newton < 6 * 150, "{newton} Newton iterations");
+    Ok(())
+}
