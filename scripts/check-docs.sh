@@ -1,23 +1,64 @@
 #!/usr/bin/env bash
-# Every relative link in the documentation, and every file of the project it names in `backticks`, exists.
+# Every relative link in the documentation, its heading included, and every file or directory of the project it names in
+# `backticks`, exists; no cell of a table has more than 200 characters.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+cell_limit=200
 wrong=0
 complain() {
-  echo "$1: $2 does not exist"
+  echo "$1: $2"
   wrong=1
+}
+
+# The anchors that a page's headings make: lower case, no punctuation, hyphens for spaces.
+anchors() { # PAGE
+  awk '/^```/ { code = !code } !code && /^#+ /' "$1" |
+    sed 's/^#* //; s/\[\([^]]*\)\]([^)]*)/\1/g' | tr '[:upper:]' '[:lower:]' | sed 's/[^a-z0-9_ -]//g; s/ /-/g'
+}
+
+# "LINE CHARACTERS" of the cells that are too long; a bar within a cell is written \|.
+long_cells() { # PAGE
+  awk -v limit="$cell_limit" '
+    /^```/ { code = !code }
+    !code && /^ *\|/ {
+      gsub(/\\\|/, "!")
+      cells = split($0, cell, "|")
+      for (i = 1; i <= cells; i++) {
+        gsub(/^ +| +$/, "", cell[i])
+        if (length(cell[i]) > limit) print NR, length(cell[i])
+      }
+    }' "$1"
+}
+
+tracked=$(git ls-files | sed 's|^|/|')
+# Whole paths, and ends of paths such as `solver/direct.rs`; a directory ends with a slash.
+is_tracked() { # NAME
+  local pattern
+  pattern=$(sed 's/\./\\./g; s/\*/[^ ]*/g' <<<"$1")
+  [[ "$1" == */ ]] || pattern="$pattern(/|$)"
+  grep -qE "/$pattern" <<<"$tracked"
 }
 
 while read -r page; do
   here=$(dirname "$page")
-  while read -r link; do
-    [ -e "$here/$link" ] || complain "$page" "$link"
-  done < <(grep -oE '\]\([^)#:]+[)#]' "$page" | sed 's/^](//; s/[)#]$//')
+  while IFS='#' read -r link heading; do
+    target="$page"
+    [ -z "$link" ] || target="$here/$link"
+    if [ ! -e "$target" ]; then
+      complain "$page" "$link does not exist"
+    elif [ -n "$heading" ] && [[ "$target" == *.md ]]; then
+      anchors "$target" | grep -qxF -- "$heading" || complain "$page" "$target has no heading #$heading"
+    fi
+  done < <(tr '\n' ' ' <"$page" | grep -oE '\]\( *[^): ]+\)' | sed -E 's/^\]\( *//; s/\)$//' | sort -u)
   while read -r path; do
-    compgen -G "$path" >/dev/null || complain "$page" "$path"
-  done < <(grep -oE '`(crates|tests|docs|examples|scripts|benches|meshes)/[A-Za-z0-9_./*-]+`' "$page" | tr -d '`' | sort -u)
+    is_tracked "$path" || complain "$page" "$path does not exist"
+  done < <(grep -oE '`[A-Za-z0-9_.*-]+(/[A-Za-z0-9_.*-]+)*/?`' "$page" | tr -d '`' |
+    grep -E '^(crates|tests|docs|examples|scripts|benches|meshes)/|\.rs$|/$' | grep -vE '^(target|out)/' | sort -u)
+  while read -r line characters; do
+    complain "$page:$line" "a table cell of $characters characters; $cell_limit are allowed: say it below the table"
+  done < <(long_cells "$page")
 done < <(git ls-files '*.md')
 
-[ "$wrong" = 0 ] && echo "All links and file names in the documentation lead somewhere."
+[ "$wrong" = 0 ] && echo "All links and file names in the documentation lead somewhere; no table cell is over $cell_limit characters."
 exit "$wrong"
