@@ -172,6 +172,11 @@ impl Model {
         self.others.iter().find(|contribution| contribution.stores_energy()).map(|contribution| contribution.name())
     }
 
+    /// Whether an equilibrium depends on the way there: with friction.
+    pub(crate) fn depends_on_path(&self) -> bool {
+        self.others.iter().any(|c| c.path_dependence().is_some())
+    }
+
     /// Whether all contributions have a potential.
     pub fn has_potential(&self) -> bool {
         self.others.iter().all(|c| c.has_potential())

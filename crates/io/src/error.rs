@@ -35,7 +35,7 @@ pub enum ReadError {
         /// The system's answer.
         source: std::io::Error,
     },
-    /// The name ends in neither `.msh` nor `.vtu`.
+    /// The name ends in none of `.msh`, `.vtu`, `.vtk`.
     #[error("{}: {}", file.display(), crate::other_format::advice(file))]
     Extension {
         /// The file asked for.

@@ -13,6 +13,7 @@ mod error;
 mod gmsh;
 mod other_format;
 mod pvd;
+mod vtk;
 mod vtu;
 
 use std::path::Path;
@@ -23,12 +24,13 @@ pub use atomic::write_atomically;
 pub use error::{At, ReadError, WriteError};
 pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
 pub use pvd::write_pvd;
+pub use vtk::read_vtk;
 pub use vtu::{
     Entity, FileArray, base64, escape, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled, write_lines,
     write_vtu,
 };
 
-/// Reads a mesh from a `.msh` (Gmsh) or `.vtu` (VTK) file, all lengths multiplied by `scale`.
+/// Reads a mesh from a `.msh` (Gmsh), `.vtu` or legacy `.vtk` (VTK) file, all lengths multiplied by `scale`.
 ///
 /// # Errors
 ///
@@ -38,6 +40,7 @@ pub fn read_mesh(path: impl AsRef<Path>, scale: f64) -> Result<Mesh, ReadError> 
     match other_format::extension(path).as_str() {
         "msh" => read_gmsh_scaled(path, scale),
         "vtu" => read_vtu_scaled(path, scale),
+        "vtk" => read_vtk(path, scale),
         _ => Err(ReadError::Extension { file: path.to_owned() }),
     }
 }

@@ -7,11 +7,12 @@ pub(crate) fn advice(file: &Path) -> String {
     let name = file.display();
     let stem = file.with_extension("").display().to_string();
     match extension(file).as_str() {
-        "inp" | "vtk" | "xdmf" | "xmf" | "med" | "bdf" | "nas" | "fem" | "e" | "exo" | "ex2" | "su2" | "mesh"
-        | "avs" => format!(
-            "convert it, for instance by Python's meshio: `meshio convert {name} {stem}.vtu`. That keeps nodes and cells, but not the \
+        "inp" | "xdmf" | "xmf" | "med" | "bdf" | "nas" | "fem" | "e" | "exo" | "ex2" | "su2" | "mesh" | "avs" => {
+            format!(
+                "convert it, for instance by Python's meshio: `meshio convert {name} {stem}.vtu`. That keeps nodes and cells, but not the \
              names of sets: where the case names regions or surfaces, save the mesh from Gmsh as .msh, with physical groups of those names"
-        ),
+            )
+        }
         "unv" | "cgns" => {
             format!("convert it by Gmsh: `gmsh {name} -save -o {stem}.msh`; its groups become physical groups")
         }
@@ -26,7 +27,8 @@ pub(crate) fn advice(file: &Path) -> String {
              `gmsh -3 {stem}.geo -order 2 -o {stem}.msh`"
         ),
         "geo" => format!("this is a script of Gmsh: mesh it by `gmsh -3 {name} -o {stem}.msh` (-2 for plane strain)"),
-        _ => "the name must end in .msh (Gmsh 2.2 or 4.1) or .vtu (VTK XML unstructured grid)".to_owned(),
+        _ => "the name must end in .msh (Gmsh 2.2 or 4.1), .vtu (VTK XML unstructured grid) or .vtk (legacy VTK)"
+            .to_owned(),
     }
 }
 

@@ -4,6 +4,9 @@ use crate::build::{self, RawMesh};
 use crate::{CellKind, MeshError, geometry, names};
 use std::collections::BTreeMap;
 
+/// The surface of all outer facets.
+const SKIN: &str = "skin";
+
 /// The cells of one kind, numbered consecutively.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellBlock {
@@ -136,12 +139,15 @@ impl Mesh {
         &self.regions
     }
 
-    /// Facets of a surface, ascending.
+    /// Facets of a surface, ascending; `skin`, where the mesh gives no other this name, are those that belong to one cell only.
     ///
     /// # Errors
     /// [`MeshError::UnknownName`].
     pub fn surface(&self, name: &str) -> Result<&[Facet], MeshError> {
-        self.look_up("surface", &self.surfaces, name)
+        match self.look_up("surface", &self.surfaces, name) {
+            Err(_) if name == SKIN => Ok(&self.boundary),
+            found => found,
+        }
     }
 
     /// All surfaces. In the plane these are the named curves.

@@ -134,6 +134,8 @@ pub struct TimeStep {
     pub acceleration: (f64, Vec<f64>),
     /// Time from its beginning to the stage that this belongs to.
     pub elapsed: f64,
+    /// What slip speeds of friction are multiplied by: 1, and more on the way to a step that is not found at once.
+    pub smoothing: f64,
     /// The state before.
     pub before: State,
     /// The internal variables that it begins with.
@@ -161,7 +163,20 @@ impl TimeStep {
         let acceleration = velocity.iter().enumerate().map(|(i, b)| (b - v.map_or(0.0, |v| v[i])) / dt).collect();
         let (c_v, c_a) = (1.0 / dt, 1.0 / (dt * dt));
         let (velocity, acceleration, history) = ((c_v, velocity), (c_a, acceleration), Arc::default());
-        TimeStep { dt, velocity, acceleration, elapsed: dt, before: before.clone(), history, end: None }
+        TimeStep { dt, velocity, acceleration, elapsed: dt, smoothing: 1.0, before: before.clone(), history, end: None }
+    }
+
+    /// The step that led from one state to the next one, whose velocity and acceleration are what that carries: to ask for forces and
+    /// quantities there, not for derivatives.
+    pub fn between(before: &State, after: &State) -> Self {
+        let rate = |values: &Option<Arc<Vec<f64>>>| match values {
+            Some(values) => (0.0, values.to_vec()),
+            None => (0.0, vec![0.0; after.u.len()]),
+        };
+        let (dt, history) = (after.time - before.time, after.history.clone());
+        let (velocity, acceleration) = (rate(&after.velocity), rate(&after.acceleration));
+        let before = before.clone();
+        TimeStep { dt, velocity, acceleration, elapsed: dt, smoothing: 1.0, before, history, end: None }
     }
 
     /// The velocity at a displacement.

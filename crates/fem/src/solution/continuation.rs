@@ -94,6 +94,11 @@ impl Model {
         {
             return found;
         }
+        if let (Some(step), Some(near)) = (time_step, how.near)
+            && let Some(found) = self.slide(near, controls, (how, step), workspace, &mut spent)?
+        {
+            return Ok(found);
+        }
         let most = if time_step.is_none() { WARM * how.max_newton } else { MOST };
         let Some(near) = how.near else {
             return self.walk(&rest, controls, (how, time_step), MOST, workspace, &mut spent);

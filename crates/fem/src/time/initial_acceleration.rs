@@ -95,5 +95,14 @@ pub(super) fn without_acceleration(state: &State) -> TimeStep {
     let zero = vec![0.0; state.u.len()];
     let velocity = state.velocity.as_deref().unwrap_or(&zero).clone();
     let (before, history) = (state.clone(), state.history.clone());
-    TimeStep { dt: 0.0, velocity: (0.0, velocity), acceleration: (0.0, zero), elapsed: 0.0, before, history, end: None }
+    TimeStep {
+        dt: 0.0,
+        velocity: (0.0, velocity),
+        acceleration: (0.0, zero),
+        elapsed: 0.0,
+        smoothing: 1.0,
+        before,
+        history,
+        end: None,
+    }
 }

@@ -74,7 +74,16 @@ impl<'a> Points<'a> {
         });
         let (before, history) = (self.begin.clone(), Arc::default());
         let elapsed = stage.time * self.h;
-        TimeStep { dt: self.h, velocity: (c_v, b_v), acceleration: (c_a, b_a), elapsed, before, history, end }
+        TimeStep {
+            dt: self.h,
+            velocity: (c_v, b_v),
+            acceleration: (c_a, b_a),
+            elapsed,
+            smoothing: 1.0,
+            before,
+            history,
+            end,
+        }
     }
 
     /// Where the next stage is if its acceleration is the last one known, else zero, with the multipliers of a state; `None` of a stage

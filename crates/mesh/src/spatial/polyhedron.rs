@@ -104,12 +104,12 @@ impl Polyhedron {
         self.dim
     }
 
-    /// The middle of its bounding box.
-    pub fn middle(&self) -> [f64; 3] {
+    /// Lowest and highest corner of its bounding box.
+    pub fn bounds(&self) -> ([f64; 3], [f64; 3]) {
         let corners = self.triangles.iter().flat_map(|triangle| triangle.corners);
         let wide = (V::repeat(f64::INFINITY), V::repeat(f64::NEG_INFINITY));
         let (low, high) = corners.fold(wide, |(low, high), x| (low.inf(&x), high.sup(&x)));
-        (0.5 * (low + high)).into()
+        (low.into(), high.into())
     }
 
     /// The nearest point of the surface, and the signed distance from it. Inside or outside is told by the mean normal of the part that

@@ -57,7 +57,8 @@ impl BoundContact {
             refuse(format!("no passive law behind {} says how stiff the body is: give a stiffness", of.surface))
         })?;
         let stiffness = positive("stiffness", stiffness)?;
-        if of.refine == 0 {
+        let refine = of.refine.unwrap_or_else(|| defaults::refine(&of.obstacle, mesh, &facets));
+        if refine == 0 {
             return Err(refuse("refine is 0; it is 1 or more".to_owned()));
         }
         let slots = slots(of, stiffness, |what, value| positive(what, value).map(|_| ()))?;
@@ -66,7 +67,7 @@ impl BoundContact {
         if centre.iter().any(|x| !x.is_finite()) {
             return Err(refuse("its centre is not finite".to_owned()));
         }
-        let samples = Samples::new(mesh, &of.surface, of.refine)?;
+        let samples = Samples::new(mesh, &of.surface, refine)?;
         let place =
             |s| samples.parts(s).iter().map(|&(node, shape)| shape * Vec3::from(mesh.points()[node as usize])).sum();
         let reference: Vec<Vec3> = (0..samples.len()).map(place).collect();

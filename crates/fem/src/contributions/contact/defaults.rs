@@ -10,6 +10,8 @@ use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
 /// Thickness as a share of the surface's diagonal.
 const THICKNESS: f64 = 1.0 / 500.0;
+/// Pieces of a facet's edge, unless more are asked for.
+const MOST_PIECES: usize = 8;
 /// Least rounding radius, in thicknesses, at which a box touches where its distance has a continuous gradient.
 pub(super) const ROUNDING: f64 = 2.0;
 
@@ -60,6 +62,32 @@ fn young(body: &BodyEnergy, (cell, first): (usize, usize)) -> Option<f64> {
     (mean > 0.0 && mean.is_finite()).then_some(1.0 / mean)
 }
 
+/// Pieces of a facet's edge that are no longer than half of the obstacle's least width.
+pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facets: &[Facet]) -> usize {
+    let half = |low: &[f64; 3], high: &[f64; 3]| {
+        let sides = (0..mesh.dim()).map(|i| high[i] - low[i]);
+        0.5 * sides.fold(f64::INFINITY, f64::min)
+    };
+    let width = match obstacle {
+        Obstacle::Sphere { radius, .. } | Obstacle::Capsule { radius, .. } => *radius,
+        Obstacle::HalfSpace { .. } => f64::INFINITY,
+        Obstacle::Box { low, high, .. } => half(low, high),
+        Obstacle::Solid { of, .. } => {
+            let (low, high) = of.bounds();
+            half(&low, &high)
+        }
+    };
+    let edge = |facet: &Facet| -> f64 {
+        let (kind, nodes) = mesh.facet_nodes(*facet);
+        let corners: Vec<Vec3> =
+            nodes[..kind.corners()].iter().map(|&node| Vec3::from(mesh.points()[node as usize])).collect();
+        let next = corners.iter().skip(1).chain(corners.first());
+        corners.iter().zip(next).map(|(a, b)| (b - a).norm()).fold(0.0, f64::max)
+    };
+    let longest = facets.iter().map(edge).fold(0.0, f64::max);
+    ((longest / width).ceil() as usize).clamp(1, MOST_PIECES)
+}
+
 /// The point about which an obstacle turns.
 pub(super) fn centre(obstacle: &Obstacle) -> [f64; 3] {
     let middle = |a: &[f64; 3], b: &[f64; 3]| std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
@@ -68,6 +96,9 @@ pub(super) fn centre(obstacle: &Obstacle) -> [f64; 3] {
         Obstacle::HalfSpace { point, .. } => *point,
         Obstacle::Capsule { ends: [from, to], .. } => middle(from, to),
         Obstacle::Box { low, high, .. } => middle(low, high),
-        Obstacle::Solid { of, .. } => of.middle(),
+        Obstacle::Solid { of, .. } => {
+            let (low, high) = of.bounds();
+            middle(&low, &high)
+        }
     }
 }

@@ -46,7 +46,7 @@ pub struct Contact {
     thickness: Option<f64>,
     stiffness: Option<f64>,
     friction: Option<Friction>,
-    refine: usize,
+    refine: Option<usize>,
     centre: Option<[f64; 3]>,
 }
 
@@ -68,7 +68,7 @@ impl Contact {
             thickness: None,
             stiffness: None,
             friction: None,
-            refine: 1,
+            refine: None,
             centre: None,
         }
     }
@@ -102,10 +102,11 @@ impl Contact {
         self
     }
 
-    /// Samples of each facet as of `refine^2` pieces: for obstacles that are smaller than the facets.
+    /// Samples of each facet as of `refine^2` pieces. If not given, as many (8 at most) as leave samples no further apart than half of the
+    /// obstacle's least width: nothing slips between them, and a sphere of radius R enters by `h^2/(8 R)` where they are h apart.
     #[must_use]
     pub fn refine(mut self, refine: usize) -> Self {
-        self.refine = refine;
+        self.refine = Some(refine);
         self
     }
 

@@ -79,10 +79,10 @@ impl BoundContact {
             Pressure { energy: k * unit.energy, value: k * unit.value, slope: k * unit.slope, second: k * unit.second };
         let mut t = -pressure.value * n;
         let (mut relative, mut slip) = (Vec3::zeros(), None);
-        if let (Some(e), Some(_)) = (self.slip_speed, at.step) {
+        if let (Some(e), Some(step)) = (self.slip_speed, at.step) {
             let own = self.samples.of(touch.sample, self.dim, |dof| at.velocity(dof));
             relative = own - pose.velocity(&touch.place);
-            let (mu, found) = (at.control(FRICTION), Slip::at(&(relative - n * n.dot(&relative)), e));
+            let (mu, found) = (at.control(FRICTION), Slip::at(&(relative - n * n.dot(&relative)), step.smoothing * e));
             t += mu * pressure.value * found.share;
             slip = Some((mu, found));
         }
