@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Every shipped case and every example program, in release, held to its expected numbers; optimisations killed at random moments.
 #
-#   scripts/slow.sh [--quick]        --quick: those that take less than 30 s each on two idle cores, as .ci/run does
+#   scripts/slow.sh [--quick]        --quick: those that take less than 30 s each on two idle cores and are not run by
+#                                    the tests as they stand, as .ci/run does
 #
-# Cases carry their numbers themselves (`expect`); what the programs must say stands below. About fifteen minutes for all.
+# Cases carry their numbers themselves (`expect`); what the programs must say stands below. All of it also runs the tests that are
+# larger here than per change: kills, and the adjoints of long motions.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -26,6 +28,15 @@ is_in() { # WORD LIST...
   shift
   for other in "$@"; do [ "$word" = "$other" ] && return 0; done
   return 1
+}
+
+# What tests/cases.rs and tests/examples.rs run unchanged, and hold to the same numbers.
+is_tested_case() { # NAME
+  grep -qE "met\(\"$1\"\)|shipped\(\"$1\.json\"\), \"$1\", &\[\]" tests/cases.rs
+}
+
+is_tested_example() { # NAME
+  grep -q "run(\"$1\", &\[\])" tests/examples.rs
 }
 
 run() { # NAME COMMAND...
@@ -81,22 +92,22 @@ example_met() { # NAME
   esac
 }
 
-cargo build --release --locked --quiet -p nastic-cli --bins || exit 1
-cargo build --release --locked --quiet -p nastic --examples || exit 1
+# The whole workspace, as tests are built: each `-p` has other features of dependencies, with which all would be compiled again.
+cargo build --release --workspace --locked --quiet --bins --examples || exit 1
 for file in examples/cases/*.json; do
   name=$(basename "$file" .json)
-  [ "$quick" = 1 ] && is_in "$name" "${slow_cases[@]}" && continue
+  [ "$quick" = 1 ] && { is_in "$name" "${slow_cases[@]}" || is_tested_case "$name"; } && continue
   run "case $name" case_met "$name"
 done
 for file in examples/*.rs; do
   name=$(basename "$file" .rs)
-  [ "$quick" = 1 ] && is_in "$name" "${slow_examples[@]}" && continue
+  [ "$quick" = 1 ] && { is_in "$name" "${slow_examples[@]}" || is_tested_example "$name"; } && continue
   run "example $name" example_met "$name"
 done
-# Optimisations killed at random moments; the tests do it 20 times.
 if [ "$quick" = 0 ]; then
-  export NASTIC_KILLS=200
-  run "200 kills of each kind of case" cargo test --release --locked --quiet -p nastic-cli --test all resume
+  # Optimisations killed at random moments; the tests do it 10 times.
+  NASTIC_KILLS=200 run "200 kills of each kind of case" cargo test --release --workspace --locked --quiet --test all resume::
+  NASTIC_SLOW=1 run "adjoints of long motions" cargo test --release --workspace --locked --quiet --test all motion_adjoint::
 fi
 [ "${#failed[@]}" = 0 ] && echo "all as expected" && exit 0
 printf 'FAILED: %s\n' "${failed[@]}"

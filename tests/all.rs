@@ -3,5 +3,6 @@
 mod arrows;
 mod cases;
 mod examples;
+mod key_tables;
 mod mutation;
 mod test_programs;

@@ -1,7 +1,7 @@
 //! The program killed, stopped and starved of space at random moments of an optimisation, then resumed: the result is
 //! that of a program that was left alone, to the bit.
 //!
-//! Moments are drawn from a printed seed. `NASTIC_KILLS` sets how many kills there are of each case (20 by default;
+//! Moments are drawn from a printed seed. `NASTIC_KILLS` sets how many kills there are of each case (10 by default;
 //! `scripts/slow.sh` has more).
 
 #![cfg(unix)]
@@ -135,7 +135,7 @@ impl Trial {
 }
 
 fn blows() -> usize {
-    std::env::var("NASTIC_KILLS").map_or(20, |text| text.parse().unwrap())
+    std::env::var("NASTIC_KILLS").map_or(10, |text| text.parse().unwrap())
 }
 
 #[test]
