@@ -29,7 +29,7 @@ use nastic_fem::contributions::catalogue::{CATALOGUE as CONTRIBUTIONS, Entry, Fo
 ///
 /// let catalogue = Catalogue::standard().with_material(&SILICONE);
 /// let outcome = run_with(&catalogue, Command::Solve, "case.json".as_ref(), &Options::default(), &Console::silent())?;
-/// # Ok::<(), nastic_case::run::RunError>(())
+/// # Ok::<(), crate::run::error::RunError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Catalogue {

@@ -1,6 +1,6 @@
 //! Terminal output while a command runs.
 
-use crate::run::Pace;
+use crate::pace::Pace;
 use std::fmt;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -9,6 +9,8 @@ pub mod console;
 pub mod expression;
 pub mod history;
 pub mod lower;
+pub(crate) mod number;
+pub(crate) mod pace;
 pub mod quantity;
 pub mod result;
 pub mod run;

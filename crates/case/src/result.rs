@@ -1,6 +1,7 @@
 //! What commands leave behind: `result.json`, snapshots, pictures.
 
 pub(crate) mod checkpoint_file;
+pub(crate) mod collections;
 pub(crate) mod convergence;
 pub(crate) mod csv;
 pub(crate) mod expectation;
@@ -16,6 +17,8 @@ pub(crate) mod picture;
 pub(crate) mod smoothing;
 pub(crate) mod snapshot;
 pub(crate) mod summary;
+pub(crate) mod target_files;
+pub(crate) mod title;
 
 pub use checkpoint_file::CheckpointError;
 pub use expectation::{Missed, find};

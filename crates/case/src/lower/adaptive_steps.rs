@@ -1,6 +1,6 @@
 //! Time steps of a case with a tolerance: found once, at its start controls.
 
-use super::CaseProblem;
+use crate::lower::problem::CaseProblem;
 use crate::syntax::Diagnostics;
 use nastic_control::{AdaptiveSteps, ControlError};
 use nastic_fem::Tolerance;
@@ -30,7 +30,8 @@ impl CaseProblem {
     /// is for looking at.
     #[must_use]
     pub fn lacks_steps(&self) -> bool {
-        let has = |label: &super::Label| label.case.time.as_ref().is_none_or(|time| time.tolerance.is_none());
+        let has =
+            |label: &crate::lower::member::Label| label.case.time.as_ref().is_none_or(|time| time.tolerance.is_none());
         !self.has_steps && !self.labels.iter().all(has)
     }
 

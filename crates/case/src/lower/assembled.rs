@@ -5,14 +5,17 @@ mod error;
 
 pub use error::AssemblyError;
 
-use super::control::{Admitted, ControlField, is_reserved};
 use super::control_grid::unresolved;
 use super::member::Label;
 use super::probe::LocatedProbe;
+use super::result_array::is_reserved;
+use super::sizes;
 use super::tension::{beyond_limit, beyond_together, joint_excess, limit};
 use super::variant::stems;
-use super::{CaseProblem, TargetShape, sizes};
 use crate::expression::dimension_of;
+use crate::lower::control_field::{Admitted, ControlField};
+use crate::lower::problem::CaseProblem;
+use crate::lower::target_shape::TargetShape;
 use crate::quantity::Dimension;
 use crate::schema::Case;
 use crate::syntax::{At, Document};

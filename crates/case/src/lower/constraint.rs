@@ -1,10 +1,10 @@
 //! Constraints, and the obstacles of costs and constraints.
 
 use super::context::Context;
-use super::cost::{Lowering, TargetShape};
+use super::cost::Lowering;
 use super::place::{Kind, Place};
-use crate::run::number::count;
-use crate::run::short;
+use crate::lower::target_shape::TargetShape;
+use crate::number::{count, short};
 use crate::schema::{Case, Constraint as Block, Cost, HoldsWhen, KeepOut, Shape};
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{

@@ -1,7 +1,7 @@
 //! Meshes of a case: from files, or generated.
 
-use super::CaseProblem;
 use super::context::Context;
+use crate::lower::problem::CaseProblem;
 use crate::schema::{BoxMesh, Case, MeshFile, MeshSource};
 use crate::syntax::At;
 use nastic_mesh::{Mesh, MeshError, box_mesh, rectangle};

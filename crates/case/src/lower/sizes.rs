@@ -1,12 +1,11 @@
 //! Sizes that look like another unit was meant.
 
 use super::context::Context;
-use super::control::{Admitted, ControlField};
-use super::cost::TargetShape;
 use super::elements::Elastic;
+use crate::lower::control_field::{Admitted, ControlField};
+use crate::lower::target_shape::TargetShape;
+use crate::number::{count, short};
 use crate::quantity::{Dimension, Units};
-use crate::run::number::count;
-use crate::run::short;
 use crate::schema::{Case, Cost, MeshSource, Shape};
 use crate::warning::{BOUNDS, UNITS};
 use nastic_fem::Solid;

@@ -1,7 +1,8 @@
 //! Starts: random ones, uniform over what is admitted, and those of an earlier run.
 
 use super::context::Context;
-use super::{Admitted, CaseProblem, ControlField};
+use crate::lower::control_field::{Admitted, ControlField};
+use crate::lower::problem::CaseProblem;
 use crate::schema::{Case, ControlsFile};
 use crate::syntax::{At, quoted};
 use nastic_numeric::Random;

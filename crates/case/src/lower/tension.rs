@@ -1,7 +1,7 @@
 //! Bounds of fibre tensions by what the laws bear: one family alone, and all on the same cells.
 
-use super::ControlField;
 use super::variant::Variant;
+use crate::lower::control_field::ControlField;
 use crate::quantity::{Dimension, Units};
 use crate::syntax::At;
 use crate::warning::CONVEXITY;

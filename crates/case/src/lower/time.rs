@@ -2,7 +2,7 @@
 
 use super::array::{self, Entity};
 use super::context::Context;
-use crate::run::short;
+use crate::number::short;
 use crate::schema::{self, Beginning, Case, InTime, KnotInterpolation, Time, VectorField, vector_at};
 use nastic_control::{Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
 use nastic_fem::{Checkpoints, Feature, Solid};

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use crate::expression::Formula;
-use crate::run::short;
+use crate::number::short;
 use crate::schema::{Case, Fixed, Parameter, Start, TimeTable, VectorField};
 use crate::syntax::{At, quoted};
 use crate::warning::UNITS;

@@ -1,8 +1,8 @@
 //! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
 
 use crate::lower::{CaseMember, CaseProblem};
+use crate::number::{quantity, short};
 use crate::quantity::Dimension;
-use crate::run::number::{quantity, short};
 use crate::warning::{
     BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
 };

@@ -211,7 +211,7 @@ fn arrows(body: &Snapshot) -> &'static str {
 
 /// Root mean square and true distances in a result or the entry of a member, for subtitles; empty without any.
 pub(crate) fn distance(entry: &serde_json::Value, unit: &str) -> String {
-    let short = crate::run::short;
+    let short = crate::number::short;
     if let Some(distance) = entry["hausdorff"]["true"].as_f64() {
         return format!("; true Hausdorff {} {unit}", short(distance));
     }

@@ -1,7 +1,7 @@
 //! The exponents of smoothed Hausdorff distances, stage by stage.
 
 use crate::lower::{CaseMember, CaseProblem};
-use crate::run::number::short;
+use crate::number::short;
 use crate::schema::{Cost, Stages};
 use serde_json::{Map, Value, json};
 

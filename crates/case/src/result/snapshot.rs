@@ -1,6 +1,7 @@
 //! States as snapshots, under the names the case gives its controls.
 
 use super::summary;
+use crate::lower::result_array::TARGET_DISTANCE;
 use crate::lower::{CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, ControlError, StateFields};
 use nastic_fem::{Instant, State};
@@ -8,35 +9,6 @@ use nastic_mesh::{Shape, Snapshot};
 use rayon::prelude::*;
 
 use super::inspection::Inspection;
-
-/// Distance of nodes from the first target.
-const TARGET_DISTANCE: &str = "target_distance";
-
-/// Names of result arrays that no control may take.
-pub(crate) const RESERVED: [&str; 22] = [
-    "mises",
-    "displacement",
-    "velocity",
-    "adjoint",
-    "J",
-    "P",
-    "cauchy_stress",
-    "energy",
-    "fiber",
-    "B_r",
-    "B_a",
-    "region",
-    "intersecting",
-    "failed",
-    "min_J",
-    "failure_rank",
-    "green_strain",
-    "principal_stretches",
-    "nodal_cauchy_stress",
-    "nodal_mises",
-    "reaction",
-    TARGET_DISTANCE,
-];
 
 /// The snapshot of a state: [`nastic_control::Reduced::snapshot_of`] with the case's names.
 pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {

@@ -1,8 +1,9 @@
 //! `nastic check`: what the case says, as it was understood. Nothing is solved.
 
-use super::describe::{self, Line};
+use super::describe;
 use super::error::{Exit, RunError};
 use super::session::Session;
+use crate::run::describe::line::Line;
 use serde_json::json;
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
@@ -19,7 +20,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::supports(problem),
         describe::springs(problem),
         describe::time(problem),
-        describe::costs(problem),
+        describe::costs::costs(problem),
         describe::load_cases(problem),
         describe::scenarios(problem),
         describe::optimizer(problem),
@@ -40,7 +41,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.put_all(entries);
     session.console.say(match warnings {
         0 => "check       the case is complete and consistent".to_owned(),
-        n => format!("check       the case is complete and consistent, with {}", super::number::count(n, "warning")),
+        n => format!("check       the case is complete and consistent, with {}", crate::number::count(n, "warning")),
     });
     session.put("valid", json!(true));
     Ok(Exit::Done)

@@ -2,47 +2,39 @@
 
 mod actuation;
 mod conventions;
+pub(crate) mod costs;
 mod duration;
 mod existence;
+pub(crate) mod line;
 mod members;
 mod memory;
+mod parameters;
 mod shape_cost;
 mod spring;
 mod time;
 
+use crate::lower::{Admitted, CaseProblem, ControlField, grid_cells};
+use crate::number::{count, grouped, quantity, short, vector};
+use crate::quantity::Dimension;
+use crate::result::summary::owner;
+use crate::run::describe::line::Line;
+use crate::run::describe::line::line;
+use crate::run::describe::parameters::parameters;
+use crate::run::describe::parameters::{catalogue_of, law};
+use crate::schema::Metric;
 pub(super) use actuation::actuation;
 pub(super) use conventions::conventions;
 pub(super) use duration::duration;
 pub(super) use existence::{conditions, existence};
 pub(super) use members::{load_cases, scenarios};
 pub(super) use memory::memory;
-use shape_cost::shape_cost;
-pub(super) use spring::springs;
-pub(super) use time::time;
-
-use super::number::{count, grouped, quantity, short, vector};
-use crate::expression::dimension_of;
-use crate::lower::{Admitted, CaseProblem, ControlField, TargetShape, grid_cells};
-use crate::quantity::{Dimension, Units};
-use crate::result::summary::owner;
-use crate::schema::{Constraint, Cost, HoldsWhen, Input, Metric, Parameter, Phi, Stage, Stages, VectorField};
 use nastic_control::EnsembleBlock;
-use nastic_energy::catalogue::{self, Takes};
 use nastic_fem::Formulation;
-use nastic_mesh::{CellKind, GroupNames};
-use nastic_opt::Constrained;
+use nastic_mesh::CellKind;
 use serde_json::{Map, Value, json};
+pub(super) use spring::springs;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// A line under a heading.
-pub(super) struct Line {
-    pub head: &'static str,
-    pub text: String,
-}
-
-fn line(head: &'static str, text: impl Into<String>) -> Line {
-    Line { head, text: text.into() }
-}
+pub(super) use time::time;
 
 pub(super) fn units(problem: &CaseProblem) -> Vec<Line> {
     let units = problem.units();
@@ -208,113 +200,6 @@ pub(super) fn supports(problem: &CaseProblem) -> Vec<Line> {
     out
 }
 
-pub(super) fn costs(problem: &CaseProblem) -> Vec<Line> {
-    let mut out: Vec<Line> = problem.case.costs.iter().map(|cost| cost_line("costs", cost)).collect();
-    let reduced = problem.member(0).reduced();
-    for (k, (block, group)) in problem.case.constraints.iter().zip(reduced.constraints()).enumerate() {
-        let instants = reduced.constraint_states(k).len().max(1);
-        let bound = match (&block.obstacle, block.at_most, block.equal) {
-            (Some(keep_out), ..) => format!(
-                "{} at least {} {} from a {}",
-                count(group.len / instants, "node"),
-                short(keep_out.clearance),
-                problem.units().length().symbol,
-                keep_out.shape.name().replace('_', "-")
-            ),
-            (None, Some(most), _) => format!("at most {}", short(most)),
-            (None, None, value) => format!("equal to {}", short(value.unwrap_or_default())),
-        };
-        let when = problem
-            .case
-            .time
-            .as_ref()
-            .map_or_else(String::new, |_| format!(", {}", instants_of(block, instants, problem.lacks_steps())));
-        out.push(line("constraints", format!("{}: {bound}{when}", block.name())));
-    }
-    for target in problem.member(0).targets() {
-        out.push(target_line(problem, target));
-    }
-    out
-}
-
-/// At which instants a constraint of a motion holds.
-fn instants_of(block: &Constraint, count_of: usize, lacks_steps: bool) -> String {
-    match &block.when {
-        // how many there are is not known yet
-        Some(HoldsWhen::Always) if lacks_steps => "at every instant".to_owned(),
-        None if lacks_steps && block.obstacle.is_some() => "at every instant".to_owned(),
-        _ => format!("at {}", count(count_of, "instant")),
-    }
-}
-
-/// A term of the cost.
-fn cost_line(head: &'static str, cost: &Cost) -> Line {
-    let text = match cost {
-        Cost::SmoothedHausdorff(block) => {
-            let stages = match &block.stages {
-                Stages::Auto => "automatic stages".to_owned(),
-                Stages::List(stages) => {
-                    let of = |s: &Stage| format!("({}, {}, {})", short(s.alpha), short(s.beta), short(s.gamma));
-                    format!("(alpha, beta, gamma) = {}", stages.iter().map(of).collect::<Vec<_>>().join(" then "))
-                }
-            };
-            format!("phi {}, {stages}", phi(&block.phi))
-        }
-        Cost::Tracking(block) => {
-            let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
-            format!("weight/2 int |x - x_target|^2 on {}", place.map(ToString::to_string).unwrap_or_default())
-        }
-        Cost::Position(_)
-        | Cost::Orientation(_)
-        | Cost::Curvature(_)
-        | Cost::LargestStretch(_)
-        | Cost::Compliance(_) => shape_cost(cost),
-        Cost::Obstacle(block) => {
-            let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
-            let place = place.map(ToString::to_string).unwrap_or_default();
-            format!("weight/2 int max(0, {} - d)^2 on {place}, d from a {}", short(block.clearance), block.shape.name())
-        }
-        Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
-        Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
-        Cost::ControlRate(block) => format!("weight/2 int int |d{}/dt|^2", block.of),
-        Cost::KineticEnergy(_) => "kinetic energy of the body".to_owned(),
-        Cost::ActuationWork(_) => "work that the actuations do".to_owned(),
-        Cost::Added(block) => block.row.about.to_owned(),
-    };
-    let (name, kind) = (cost.name(), cost.kind());
-    let name = if name == kind { name.to_owned() } else { format!("{name} ({kind})") };
-    line(head, format!("{name}: {text}, weight {}{}", short(cost.weight()), time::when(cost.when())))
-}
-
-/// A shape that a term aims at.
-fn target_line(problem: &CaseProblem, target: &TargetShape) -> Line {
-    let unit = problem.units().length().symbol;
-    if target.displacement.is_empty() {
-        let size: Vec<String> = target.mesh.size()[..target.mesh.dim()].iter().map(|s| short(*s)).collect();
-        let cells = count(target.mesh.cells(), "cell");
-        return line(
-            "targets",
-            format!("{}: {} ({cells}), size {} {unit}", target.cost, target.mesh.name(), size.join(" x ")),
-        );
-    }
-    let n = target.displacement.iter().filter(|(_, matters)| *matters).count();
-    let length = |u: &[f64; 3]| u.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let far = target.displacement.iter().map(|(u, _)| length(u)).fold(0.0, f64::max);
-    line("targets", format!("{}: {} to be moved by up to {} {unit}", target.cost, count(n, "node"), short(far)))
-}
-
-fn phi(phi: &Phi) -> String {
-    match phi {
-        Phi::Exponential(block) => match (block.length, block.fraction) {
-            (Some(length), _) => format!("exp(-r/{})", short(length)),
-            (None, Some(fraction)) => format!("exp(-r/l), l {} of the target's diagonal", short(fraction)),
-            (None, None) => "exp(-r/l)".to_owned(),
-        },
-        Phi::Inverse(block) => format!("1/(r + {})", short(block.eps)),
-        Phi::SmoothInverse(block) => format!("1/sqrt(r^2 + {}^2)", short(block.eps)),
-    }
-}
-
 pub(super) fn optimizer(problem: &CaseProblem) -> Vec<Line> {
     if problem.start.is_empty() || !problem.has_costs() {
         return vec![];
@@ -336,54 +221,6 @@ pub(super) fn optimizer(problem: &CaseProblem) -> Vec<Line> {
         }
     );
     vec![line("optimizer", text)]
-}
-
-/// The parameters of all forms by name.
-fn catalogue_of(forms: &'static [&'static [catalogue::Parameter]]) -> BTreeMap<&'static str, Dimension> {
-    let dimension = |p: &catalogue::Parameter| match p.takes {
-        Takes::Number { unit, .. } => dimension_of(unit).unwrap_or(Dimension::NONE),
-        Takes::Direction { .. } | Takes::Choice { .. } | Takes::Name { .. } => Dimension::NONE,
-    };
-    forms.iter().copied().flatten().map(|p| (p.name, dimension(p))).collect()
-}
-
-fn parameters(
-    inputs: &BTreeMap<&'static str, Input>,
-    dimensions: &BTreeMap<&'static str, Dimension>,
-    units: &Units,
-) -> String {
-    let of = |(name, input): (&&'static str, &Input)| {
-        let value = match input {
-            Input::Number(value) => scalar(value, dimensions.get(name).copied().unwrap_or(Dimension::NONE), units),
-            Input::Direction(value) => vector_field(value),
-            Input::Word(word) => (*word).to_owned(),
-            Input::Name(place) => place.clone(),
-        };
-        format!("{name} {value}")
-    };
-    inputs.iter().map(of).collect::<Vec<_>>().join(", ")
-}
-
-fn scalar(value: &Parameter, dimension: Dimension, units: &Units) -> String {
-    match value {
-        Parameter::Formula(formula) => match formula.constant() {
-            Some(value) => quantity(value, dimension, units),
-            None => format!("\"{}\"", formula.text()),
-        },
-        Parameter::Array(file) => format!("array {} of {}", file.array, file.file),
-        Parameter::Cells(_) => "by cell".to_owned(),
-    }
-}
-
-fn vector_field(value: &VectorField) -> String {
-    match (value.constant(), value) {
-        (Some(constant), _) => vector(&constant),
-        (None, VectorField::Formulas(entries)) => {
-            let texts: Vec<String> = entries.iter().map(|entry| format!("\"{}\"", entry.text())).collect();
-            format!("({})", texts.join(", "))
-        }
-        (None, VectorField::Array(file)) => format!("array {} of {}", file.array, file.file),
-    }
 }
 
 /// The same for programs.
@@ -456,42 +293,4 @@ pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
     out.insert("memory".into(), memory::json(problem));
     out.extend(members::json(problem));
     out
-}
-
-/// A law with its constants in the case's units and in SI.
-fn law(
-    problem: &CaseProblem,
-    region: &GroupNames,
-    name: &str,
-    inputs: &BTreeMap<&'static str, Input>,
-    forms: &'static [&'static [catalogue::Parameter]],
-) -> Value {
-    let dimensions = catalogue_of(forms);
-    let units = problem.units();
-    let of = |(name, input): (&&'static str, &Input)| {
-        let dimension = dimensions.get(name).copied().unwrap_or(Dimension::NONE);
-        let value = match input {
-            Input::Number(value) => match value.constant() {
-                Some(constant) => {
-                    json!({ "value": constant, "unit": units.label(dimension), "si": units.in_si(constant, dimension) })
-                }
-                None => json!({ "varies": scalar(value, dimension, units) }),
-            },
-            Input::Direction(value) => match value.constant() {
-                Some(constant) => json!(constant),
-                None => json!({ "varies": vector_field(value) }),
-            },
-            Input::Word(word) => json!(word),
-            Input::Name(place) => json!(place),
-        };
-        ((*name).to_owned(), value)
-    };
-    let values: Map<String, Value> = inputs.iter().map(of).collect();
-    json!({ "region": names(region), "law": name, "parameters": values })
-}
-
-/// A name, or a list of several.
-fn names(names: &GroupNames) -> Value {
-    let list: Vec<&str> = names.iter().collect();
-    if let [one] = list.as_slice() { json!(one) } else { json!(list) }
 }

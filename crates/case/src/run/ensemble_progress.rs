@@ -1,9 +1,9 @@
 //! The members of an ensemble as they finish.
 
-use super::number::scientific;
 use crate::console::Console;
 use crate::lower::CaseProblem;
 use nastic_control::Finished;
+use nastic_numeric::format::scientific;
 use std::sync::{Arc, Mutex};
 
 /// Who has finished in the present round, and where that is shown.

@@ -6,10 +6,10 @@ mod print;
 mod table;
 
 use super::error::{Exit, RunError};
-use super::session::directory_of;
 use crate::console::Console;
 use crate::result::files::Directory;
 use crate::result::output_names::FIT;
+use crate::run::output_directory::directory_of;
 use crate::schema::{FitData, FitKind, FitTest};
 use crate::syntax::{Diagnostics, Document};
 use entry::Fitted;

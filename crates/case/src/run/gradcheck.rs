@@ -3,11 +3,11 @@
 mod memo;
 
 use super::error::{Exit, RunError};
-use super::number::scientific;
 use super::session::Session;
 use crate::lower::{Admitted, CaseProblem};
 use memo::{Column, Memo, Term};
 use nastic_control::EnsembleError;
+use nastic_numeric::format::scientific;
 use nastic_opt::{Admissible, Failed, Objective, SecondOrder, Taylor, TaylorDirection, TaylorError, Verdict};
 use serde_json::{Value, json};
 

@@ -2,17 +2,22 @@
 
 use super::check_gradient;
 use super::error::{Exit, RunError};
-use super::number::{scientific, short};
 use super::report::remove_earlier;
 use super::session::Session;
-use super::solve::{say_cost, say_files, say_members, say_probes, show, write_collections, write_targets};
 use crate::lower::CaseProblem;
+use crate::number::short;
+use crate::result::collections::write_collections;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
 use crate::result::snapshot;
 use crate::result::summary;
+use crate::result::target_files::write_targets;
+use crate::run::report::say_files;
+use crate::run::solve::equilibrium::show;
+use crate::run::terminal::{say_cost, say_members, say_probes};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
+use nastic_numeric::format::scientific;
 use nastic_opt::{Objective, Verdict};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {

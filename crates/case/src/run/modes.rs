@@ -1,36 +1,27 @@
 //! `nastic modes`: frequencies and shapes of small vibrations about an equilibrium or the undeformed body.
 
 use super::error::{Exit, RunError};
-use super::number::{quantity, short};
 use super::report::remove_earlier;
 use super::session::{START_ACCURACY, Session};
-use super::solve::{report, say_files, title, with_modes, write_collections, write_targets};
 use crate::lower::CaseMember;
+use crate::number::{quantity, short};
 use crate::quantity::{Dimension, Units};
+use crate::result::collections::write_collections;
 use crate::result::inspection::Inspection;
 use crate::result::picture;
 use crate::result::snapshot;
+use crate::result::target_files::write_targets;
+use crate::result::title::title;
+use crate::run::modes_request::ModesRequest;
+use crate::run::report::say_files;
+use crate::run::solve::equilibrium::report;
+use crate::run::solve::modes::with_fields;
 use crate::schema::Beginning;
 use nastic_control::{ControlError, EnsembleWorkspace, StateFields};
 use nastic_fem::{ModalDamping, ModeKind, SolveOptions, State, VibrationMode};
 use nastic_mesh::Snapshot;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
-
-/// What `nastic modes` computes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ModesRequest {
-    /// How many modes, the lowest ones.
-    pub count: usize,
-    /// Whether about the undeformed body without controls and loads instead of the equilibrium at the start controls.
-    pub undeformed: bool,
-}
-
-impl Default for ModesRequest {
-    fn default() -> Self {
-        Self { count: 6, undeformed: false }
-    }
-}
 
 /// Modes that are drawn.
 const DRAWN: usize = 4;
@@ -286,7 +277,7 @@ fn write(session: &mut Session<'_>, about: &str, found: &[Found], inspections: &
     for (member, own) in problem.members().zip(found) {
         let fields = StateFields::new(&own.state, &own.m);
         let shot = snapshot::inspected(member, &fields, inspections.get(member.index()))?;
-        let shot = with_modes(shot, own.modes.iter().map(|mode| mode.shape.as_slice()))?;
+        let shot = with_fields(shot, own.modes.iter().map(|mode| mode.shape.as_slice()))?;
         files.extend(out.write_state(&member.file("start"), &shot)?);
         if member.part().scenario() == 0 {
             let drawn = own.modes.iter().take(DRAWN).enumerate();

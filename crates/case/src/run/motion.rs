@@ -1,6 +1,7 @@
 //! Motions as results: `motion_0000.vtu` .. with `motion.pvd`, `motion.csv` and charts of every step, the entry `time`.
 
 mod checkpoint;
+mod record;
 mod recorder;
 mod solved;
 mod table;
@@ -8,78 +9,31 @@ mod table;
 pub(super) use checkpoint::{MotionCheckpoint, NAME as CHECKPOINT};
 pub(super) use solved::solve;
 
-use super::error::RunError;
-use super::modes;
-use super::number::{count, quantity, short};
-use super::session::Session;
-use super::time_steps;
 use crate::lower::{CaseMember, CaseProblem};
+use crate::number::{count, quantity, short};
 use crate::quantity::Dimension;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::snapshot;
-use crate::result::summary;
+use crate::run::error::RunError;
+pub(crate) use crate::run::motion::record::Record;
+use crate::run::motion::table::{ENERGY, energies};
+use crate::run::session::Session;
+use crate::run::{modes, time_steps};
 use crate::schema::{Command, Time};
 use crate::warning::Warning;
-use nastic_control::{ControlError, EnsemblePoint, Evaluated, StateFields, Timeline};
-use nastic_fem::{Feature, State};
+use nastic_control::{EnsemblePoint, Evaluated, StateFields, Timeline};
 use nastic_io::write_atomically;
 use nastic_mesh::Snapshot;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use table::{ENERGY, Table};
 
 /// Instants drawn as glass behind the end of a motion.
 const GHOSTS: usize = 4;
 
 /// What a state is called in messages.
 pub(super) fn state_name(problem: &CaseProblem) -> &'static str {
-    if is_motion(problem) { "end of the motion" } else { "equilibrium" }
-}
-
-/// Whether the problem is one in time.
-pub(super) fn is_motion(problem: &CaseProblem) -> bool {
-    problem.case.time.is_some()
-}
-
-/// What is told of the motion of one member: the table of all steps, and the states that are written.
-pub(super) struct Record {
-    /// Index of the member.
-    member: usize,
-    /// Its control vector.
-    m: Vec<f64>,
-    is_shown: Vec<bool>,
-    table: Option<Table>,
-    shown: Vec<State>,
-}
-
-impl Record {
-    /// Of a motion without a state.
-    fn new(member: CaseMember<'_>, m: Vec<f64>) -> Self {
-        let (time, timeline) = (member.case().time.as_ref(), member.reduced().timeline());
-        let is_shown = time.zip(timeline).map_or_else(Vec::new, |(time, timeline)| time.shown(timeline.instants()));
-        Self { member: member.index(), m, is_shown, table: None, shown: Vec::new() }
-    }
-
-    /// The n-th state was reached.
-    fn add(&mut self, member: CaseMember<'_>, n: usize, state: &State) -> Result<(), ControlError> {
-        self.table.get_or_insert_with(|| Table::head(member, state)).add(member, &self.m, state)?;
-        if self.is_shown.get(n) == Some(&true) {
-            self.shown.push(state.clone());
-        }
-        Ok(())
-    }
-
-    /// The number of the last state, and its instant.
-    fn reached(&self) -> Option<(usize, f64)> {
-        let rows = &self.table.as_ref()?.rows;
-        Some((rows.len() - 1, *rows.last()?.first()?))
-    }
-
-    /// The states so far.
-    fn states(&self) -> usize {
-        self.table.as_ref().map_or(0, |table| table.rows.len())
-    }
+    if problem.is_motion() { "end of the motion" } else { "equilibrium" }
 }
 
 impl Session<'_> {
@@ -105,7 +59,7 @@ impl Session<'_> {
 
 /// The motions of all members. One that keeps few states in memory runs once more.
 fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
-    if !is_motion(&session.problem) {
+    if !session.problem.is_motion() {
         return Ok(vec![]);
     }
     let record = |(member, at): (CaseMember<'_>, &Evaluated)| {
@@ -246,11 +200,6 @@ pub(super) fn ghosts(
     (0..GHOSTS.min(last)).map(of).collect()
 }
 
-/// Kinetic energy, and the potential of stresses, actuations and loads.
-fn energies(member: CaseMember<'_>, state: &State) -> [f64; 2] {
-    [member.solid().model().kinetic_energy(state).unwrap_or(f64::NAN), summary::potential(member, state)]
-}
-
 /// Removes the checkpoint of a motion that has come to its end, after all results are written.
 pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
     match &session.out {
@@ -265,15 +214,6 @@ pub(super) fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<()
         None => Ok(()),
         Some(out) => Err(RunError::InterruptedMotion { directory: out.path().to_owned() }),
     }
-}
-
-/// Refuses schemes without an adjoint where derivatives are wanted.
-pub(super) fn check_adjoint(problem: &CaseProblem) -> Result<(), RunError> {
-    let refused = problem.members().find_map(|member| {
-        let (model, scheme) = (member.solid().model(), member.reduced().timeline()?.scheme());
-        model.supports(Feature::MotionAdjoint(scheme)).err()
-    });
-    refused.map_or(Ok(()), |error| Err(problem.complain("time/scheme", error.to_string()).into()))
 }
 
 /// The options of `solve` that look at one equilibrium.

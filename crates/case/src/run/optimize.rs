@@ -8,6 +8,7 @@ mod early_stopping;
 mod finished_run;
 mod journal;
 mod minima;
+mod minimization;
 mod ordered_output;
 mod outcome;
 mod recorder;
@@ -16,33 +17,26 @@ mod run_trials;
 mod run_warnings;
 mod same_program;
 mod spectrum;
+mod start_place;
 mod start_run;
 mod starts;
 mod table_of_starts;
 
 pub(super) use checkpoint::{Checkpoint, Position};
 
-use super::check_gradient;
-use super::error::{Exit, RunError};
-use super::number::{scientific, short};
-use super::session::Session;
-use crate::lower::CaseProblem;
 use crate::result::files::Directory;
+use crate::run::check_gradient;
+use crate::run::error::{Exit, RunError};
+use crate::run::optimize::journal::{Journal, SharedJournal, Written};
+use crate::run::optimize::minimization::evaluate;
+use crate::run::optimize::start_run::Begun;
+use crate::run::optimize::starts::Starts;
+use crate::run::session::Session;
 use crate::warning::{INPUT, Warning};
-use finished_run::FinishedRun;
-use journal::{Journal, SharedJournal, Written};
-use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
-use nastic_opt::{
-    AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, DEFAULT_ACCURACY, Domain, EvaluatedStart, Failed,
-    Objective, Optimizer, Outcome, Problem as _, Stop, Verdict,
-};
-use recorder::Recorder;
-use run_trials::RunTrials;
+use nastic_control::EnsembleWorkspace;
+use nastic_opt::{Objective, Optimizer, Verdict};
 use serde_json::json;
-use starts::Starts;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
@@ -85,7 +79,7 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
     let derivative =
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
-    let place = starts::place(session, 0);
+    let place = start_place::place(session, 0);
     let (found, warnings) = session.timed("inspect", |session| session.look_into(session.console, &place, &point));
     let checked = outcome::write_start(session, &point, &derivative, &found)
         .and_then(|()| check_gradient::of_start(session, &point, &derivative, &mut workspace));
@@ -190,114 +184,4 @@ pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
         Some(out) if session.ended => checkpoint::record_end(out, true),
         _ => Ok(()),
     }
-}
-
-/// An evaluated start.
-pub(super) struct Begun {
-    point: EnsemblePoint,
-    derivative: Vec<f64>,
-    workspace: EnsembleWorkspace,
-    /// What deserves attention in its states; said already.
-    warnings: Vec<Warning>,
-}
-
-fn evaluate(session: &Session<'_>, m: &[f64], workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, Failed> {
-    session.evaluate(m, DEFAULT_ACCURACY, workspace)
-}
-
-/// A run from an evaluated start.
-fn begin_run<'s>(
-    session: &'s Session<'_>,
-    optimizer: &dyn Optimizer,
-    begun: Begun,
-) -> Result<AugmentedRun<&'s Ensemble>, RunError> {
-    let Begun { point, derivative, workspace, .. } = begun;
-    let start = EvaluatedStart { m: point.m.clone(), point, derivative: Some(derivative) };
-    let ensemble = &session.problem.ensemble;
-    let run = AugmentedLagrangian::default().start(optimizer, ensemble, domain(session)?, start)?;
-    Ok(run.with_workspace(workspace))
-}
-
-/// Where controls may be, how they are measured, and the flag that stops the run.
-fn domain(session: &Session<'_>) -> Result<Domain, RunError> {
-    let problem = &session.problem;
-    let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
-    Ok(Domain { set: Arc::new(problem.set.clone()), metric, cancel: Some(session.cancel.clone()) })
-}
-
-/// A run from a checkpoint.
-fn resume_run<'s>(
-    session: &'s Session<'_>,
-    optimizer: &dyn Optimizer,
-    state: &AugmentedState,
-) -> Result<AugmentedRun<&'s Ensemble>, RunError> {
-    let ensemble = &session.problem.ensemble;
-    Ok(AugmentedLagrangian::default().load(optimizer, ensemble, domain(session)?, state)?)
-}
-
-/// Where [`minimize`] left a run.
-enum Minimized {
-    /// At the limit of its round.
-    Paused(Box<AugmentedState>, RunTrials),
-    Ended(Box<FinishedRun>, RunTrials),
-}
-
-/// Runs the optimiser to its end, to a number of iterations, or until `halt` is raised. `saved` is the iteration of the checkpoint that
-/// the run comes from.
-fn minimize(
-    session: &Session<'_>,
-    (mut run, start): (AugmentedRun<&Ensemble>, EnsemblePoint),
-    mut recorder: Recorder<'_>,
-    mut saved: Option<usize>,
-    (limit, halt): (usize, &AtomicBool),
-) -> Minimized {
-    let every = session.problem.case.output.checkpoint;
-    let stop = loop {
-        let done = run.progress().counts.iterations;
-        if halt.load(Ordering::Relaxed) {
-            break Stop::Cancelled;
-        }
-        if done >= limit && !session.is_cancelled() {
-            let state = Box::new(run.checkpoint());
-            return Minimized::Paused(state, recorder.finish());
-        }
-        if every > 0 && done.is_multiple_of(every) && saved != Some(done) {
-            // The workspace goes whether the file can be written or not: bits do not depend on disks.
-            recorder.save(&run.checkpoint());
-            saved = Some(done);
-        }
-        match run.step(&mut |trial: &nastic_opt::Trial<'_, EnsemblePoint>| recorder.record(trial)) {
-            Outcome::Stopped(stop) => break stop,
-            Outcome::Iterated | Outcome::Staged(_) => {}
-        }
-    };
-    let trials = recorder.finish();
-    let AugmentedBest { best, constraints } = run.finish(stop);
-    let run = FinishedRun { start, best, constraints, work: trials.work.clone() };
-    Minimized::Ended(Box::new(run), trials)
-}
-
-/// Why it ended, for people.
-pub(super) fn why(stop: &Stop) -> String {
-    match stop {
-        stop if stop.is_interrupted() => format!("{stop}: what was found so far is kept"),
-        other => other.to_string(),
-    }
-}
-
-/// The start as the last stage values it: what the end can be compared with.
-fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
-    problem.ensemble.restage(problem.stages() - 1, start).ok()
-}
-
-/// "1.2e-03 -> 4.5e-06, a factor of 267"
-pub(super) fn fall(from: f64, to: f64) -> String {
-    let factor =
-        if to > 0.0 && from > to { format!(", a factor of {}", short(round(from / to))) } else { String::new() };
-    format!("{} -> {}{factor}", scientific(from, 6), scientific(to, 6))
-}
-
-/// Three digits.
-fn round(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
 }

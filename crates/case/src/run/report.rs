@@ -1,11 +1,11 @@
 //! `result.json`, and the page that shows it with the other files of a run: `nastic report DIR`, and the end of every run.
 
-use super::error::RunError;
-use super::session::Session;
-use super::solve::target_names;
 use crate::lower::CaseProblem;
 use crate::result::files::Directory;
 use crate::result::obstacle_shape;
+use crate::result::target_files::target_names;
+use crate::run::error::RunError;
+use crate::run::session::Session;
 use crate::schema::Command;
 use nastic_io::write_atomically;
 use serde_json::{Value, json};
@@ -86,14 +86,6 @@ pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {
     Ok(out.remove(RESULT)?)
 }
 
-/// The files that an earlier run in a directory lists as its results.
-pub(super) fn listed(directory: &Path) -> Vec<String> {
-    let text = std::fs::read_to_string(directory.join("result.json")).unwrap_or_default();
-    let earlier: Value = serde_json::from_str(&text).unwrap_or_default();
-    let files = earlier["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    files.map(str::to_owned).collect()
-}
-
 /// Whether a name may be one of those that runs write into their directory; the list may be of another program, or edited.
 fn is_of_runs(name: &str) -> bool {
     const ENDINGS: [&str; 9] = ["bin", "csv", "html", "json", "jsonl", "png", "pvd", "svg", "vtu"];
@@ -119,4 +111,13 @@ fn members(problem: &CaseProblem) -> Value {
         })
     };
     problem.members().map(of).collect()
+}
+
+/// Puts the names of files into the result and says them, the first of many.
+pub(crate) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
+    const NAMED: usize = 9;
+    let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
+    let said: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
+    session.console.say(format!("files       result.json, {}{more}", said.join(", ")));
+    session.list_files(files);
 }

@@ -1,30 +1,32 @@
 //! What the commands share: the case at hand, the clock, the place for results.
 
-use super::ensemble_progress::EnsembleProgress;
-use super::error::{Exit, RunError};
-use super::spectrum_request::SpectrumRequest;
-use super::states::Shown;
-use super::{OnTrial, Options, motion, number, report};
 use crate::catalogue::Catalogue;
 use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
+use crate::number;
 use crate::quantity::Dimension;
-use crate::result::checkpoint_file::{self, CheckpointError};
-use crate::result::failure;
+use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
 use crate::result::output_names::written_by;
-use crate::result::smoothing;
+use crate::result::{checkpoint_file, failure, smoothing};
+use crate::run::ensemble_progress::EnsembleProgress;
+use crate::run::error::{Exit, RunError};
+use crate::run::on_trial::OnTrial;
+use crate::run::options::Options;
+use crate::run::output_directory::listed;
+use crate::run::output_directory::{directory, usual_directory};
+use crate::run::spectrum_request::SpectrumRequest;
+use crate::run::states::Shown;
 use crate::schema::Command;
 use crate::syntax::{Diagnostics, Document};
 use crate::warning::Warning;
 use nastic_control::{AdaptiveSteps, ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, StateError, peak_memory};
 use nastic_opt::{Failed, Objective, Request};
-use nastic_report::case_name;
 use serde_json::{Map, Value, json};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -107,7 +109,7 @@ impl<'c> Session<'c> {
     pub fn claim(&self, directory: PathBuf) -> Result<Directory, RunError> {
         let (problem, json) = (&self.problem, self.problem.document.json());
         let mesh = json["mesh"].as_str().or(json["mesh"]["file"].as_str()).map(|mesh| problem.document.resolve(mesh));
-        let results = report::listed(&directory);
+        let results = listed(&directory);
         let is_result = |file: &Path| {
             let name = file.file_name().and_then(|name| name.to_str());
             mesh.as_deref() != Some(file) && results.iter().any(|result| name == Some(result))
@@ -355,7 +357,7 @@ impl<'c> Session<'c> {
             let message = format!("\"{command}\" needs costs, and the case has none");
             return Err(self.problem.complain("costs", message).into());
         }
-        if controls && costs { motion::check_adjoint(&self.problem) } else { Ok(()) }
+        if controls && costs { Ok(self.problem.check_adjoint()?) } else { Ok(()) }
     }
 
     /// The error of an evaluation that failed; the last good state of the member at fault is kept on disk.
@@ -456,40 +458,6 @@ fn apply(settings: &[String], document: &mut Document) -> Result<(), Diagnostics
         problems.extend(others.err().iter().flat_map(Diagnostics::list).cloned());
     }
     Diagnostics::new(problems).into_result()
-}
-
-/// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where
-/// they are told to.
-fn directory(command: &Command, problem: &CaseProblem, options: &Options) -> Option<PathBuf> {
-    let named = options.out.clone();
-    if options.in_memory || matches!(command, Command::Check | Command::Gradcheck) {
-        return named;
-    }
-    Some(named.unwrap_or_else(|| usual_directory(problem)))
-}
-
-/// What the case says, else `out/CASE` beside it.
-fn usual_directory(problem: &CaseProblem) -> PathBuf {
-    directory_of(&problem.document, problem.case.output.directory.as_deref())
-}
-
-/// `own` of a case, else `out/CASE` beside it.
-pub(super) fn directory_of(document: &Document, own: Option<&str>) -> PathBuf {
-    plain(&document.resolve(own.unwrap_or(&format!("out/{}", case_name(document.name())))))
-}
-
-/// The same place with fewer words: `a/../b` is `b`, unless `a` is a link.
-fn plain(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for part in path.components() {
-        let is_named = matches!(out.components().next_back(), Some(Component::Normal(_)));
-        if part == Component::ParentDir && is_named && !out.is_symlink() {
-            out.pop();
-        } else {
-            out.push(part);
-        }
-    }
-    if out.as_os_str().is_empty() { PathBuf::from(".") } else { out }
 }
 
 impl From<Exit> for u8 {

@@ -1,10 +1,10 @@
 //! [`States`]: what a command found, as values.
 
-use super::solve::title;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::result::inspection::Inspection;
 use crate::result::picture::{self, Drawing};
 use crate::result::snapshot;
+use crate::result::title::title;
 use nastic_control::{ControlError, EnsemblePoint, StateFields};
 use nastic_mesh::Snapshot;
 use nastic_picture::{PictureError, Sheet};

@@ -1,6 +1,6 @@
 //! [`Study`]: an optimisation of a program's own problem, with all that `nastic optimize` does for a case file.
 
-mod control_set;
+pub(crate) mod control_set;
 mod error;
 mod record;
 mod running;
@@ -9,9 +9,11 @@ pub use control_set::ControlSet;
 pub use error::StudyError;
 
 use super::states::States;
-use super::{OnTrial, Outcome, SpectrumRequest};
 use crate::console::Console;
 use crate::quantity::Units;
+use crate::run::on_trial::OnTrial;
+use crate::run::outcome::Outcome;
+use crate::run::spectrum_request::SpectrumRequest;
 use nastic_control::{Ensemble, LoadCase, Reduced};
 use nastic_uncertainty::risk::Mean;
 use std::io::Write;
@@ -83,7 +85,7 @@ pub struct Study {
 /// Where a [`Study`] ended.
 #[derive(Debug)]
 pub struct Optimum {
-    /// How it ended ([`Exit::Done`](super::Exit::Done) where it converged), and the content of `result.json`.
+    /// How it ended ([`Exit::Done`](crate::run::error::Exit::Done) where it converged), and the content of `result.json`.
     pub outcome: Outcome,
     /// The best control and its states, of which snapshots and pictures can be made.
     pub states: States,

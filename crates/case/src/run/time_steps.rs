@@ -1,9 +1,9 @@
 //! Time steps of a case with a tolerance: found before a command solves anything, and held to the tolerance at its end.
 
 use super::error::RunError;
-use super::number::{count, quantity, short};
 use super::session::{START_ACCURACY, Session, watch};
 use crate::lower::{CaseMember, StepsError};
+use crate::number::{count, quantity, short};
 use crate::quantity::Dimension;
 use crate::schema::Time;
 use crate::warning::{STEP_ERROR, Warning};

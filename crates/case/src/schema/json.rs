@@ -1,27 +1,10 @@
-//! The JSON Schema of case files (draft 2020-12), from the same description the reader uses.
+//! JSON Schema (draft 2020-12) of blocks, from the same description the reader uses.
 
 use crate::catalogue::Catalogue;
 use crate::quantity::{Sign, Want};
-use crate::schema::case::Case;
 use crate::schema::read::{Choice, Object, Read};
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
-
-/// The JSON Schema of case files with these names. Comments and trailing commas, which case files may have, are outside
-/// its scope.
-#[must_use]
-pub fn json_schema(catalogue: &Catalogue) -> Json {
-    let mut definitions = Definitions { parts: BTreeMap::new(), catalogue: catalogue.clone() };
-    let case = definitions.describe::<Case>(None);
-    let mut schema = Map::new();
-    schema.insert("$schema".into(), "https://json-schema.org/draft/2020-12/schema".into());
-    schema.insert("title".into(), "nastic case".into());
-    if let Json::Object(case) = case {
-        schema.extend(case);
-    }
-    schema.insert("$defs".into(), Json::Object(definitions.parts.into_iter().collect()));
-    Json::Object(schema)
-}
 
 /// The named parts of the schema, each described once.
 pub(crate) struct Definitions {
@@ -31,6 +14,20 @@ pub(crate) struct Definitions {
 }
 
 impl Definitions {
+    /// The schema of a whole file that is one `T`.
+    pub(crate) fn document<T: Object>(title: &str, catalogue: &Catalogue) -> Json {
+        let mut definitions = Self { parts: BTreeMap::new(), catalogue: catalogue.clone() };
+        let root = definitions.describe::<T>(None);
+        let mut schema = Map::new();
+        schema.insert("$schema".into(), "https://json-schema.org/draft/2020-12/schema".into());
+        schema.insert("title".into(), title.into());
+        if let Json::Object(root) = root {
+            schema.extend(root);
+        }
+        schema.insert("$defs".into(), Json::Object(definitions.parts.into_iter().collect()));
+        Json::Object(schema)
+    }
+
     /// A reference to the part `name`, which `build` describes when it is met first.
     pub(crate) fn part(&mut self, name: &str, build: impl FnOnce(&mut Self) -> Json) -> Json {
         if !self.parts.contains_key(name) {

@@ -1,10 +1,11 @@
 //! The actuations in words and as JSON.
 
-use super::{Line, catalogue_of, law, line, parameters, scalar, vector_field};
 use crate::expression::dimension_of;
 use crate::lower::CaseProblem;
+use crate::number::quantity;
 use crate::quantity::Dimension;
-use crate::run::number::quantity;
+use crate::run::describe::line::{Line, line};
+use crate::run::describe::parameters::{catalogue_of, law, parameters, scalar, vector_field};
 use crate::schema::{Fixed, Means};
 use nastic_fem::contributions::catalogue::{Key, KeyKind};
 use nastic_fem::{BodyEnergy, BodyPoint};

@@ -1,10 +1,10 @@
 //! The signs and conventions that a case uses.
 
-use super::{Line, line};
 use crate::lower::CaseProblem;
 use crate::result::summary::owner;
-use crate::run::number::scientific;
+use crate::run::describe::line::{Line, line};
 use crate::schema::{Input, Means};
+use nastic_numeric::format::scientific;
 
 pub(in crate::run) fn conventions(problem: &CaseProblem) -> Vec<Line> {
     let mut out = vec![line(

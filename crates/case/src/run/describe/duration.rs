@@ -1,8 +1,8 @@
 //! How long a trial takes on this machine, from a factorisation and the costs at rest.
 
-use super::super::number::count;
-use super::{Line, line};
 use crate::lower::{CaseMember, CaseProblem};
+use crate::number::count;
+use crate::run::describe::line::{Line, line};
 use nastic_control::{ControlError, Partials};
 use nastic_fem::{Solver, available_memory};
 use nastic_report::duration as text;

@@ -1,8 +1,8 @@
 //! Which of the conditions for a state of least energy hold: J. Ball (1977), survey, theorem 2.
 
-use super::{Line, line};
 use crate::lower::CaseProblem;
-use crate::run::number::{count, short};
+use crate::number::{count, short};
+use crate::run::describe::line::{Line, line};
 use nastic_energy::{Existence, Place};
 use serde_json::{Value, json};
 

@@ -1,10 +1,10 @@
 //! Load cases and scenarios in words.
 
-use super::super::number::{count, short};
-use super::{Line, cost_line, line};
 use crate::lower::CaseProblem;
-use crate::schema::Rule;
-use crate::schema::{LoadCase, Scenarios};
+use crate::number::{count, short};
+use crate::run::describe::costs::cost_line;
+use crate::run::describe::line::{Line, line};
+use crate::schema::{LoadCase, Rule, Scenarios};
 use serde_json::{Map, Value, json};
 
 /// Scenarios listed one by one; the result has them all.

@@ -1,7 +1,7 @@
 //! The memory that a solve takes, predicted.
 
-use super::{Line, line};
 use crate::lower::CaseProblem;
+use crate::run::describe::line::{Line, line};
 use nastic_fem::{Solver, available_memory};
 use serde_json::{Value, json};
 

@@ -1,7 +1,7 @@
 //! Costs of positions, directions, curvatures and stretches in words.
 
 use crate::expression::Formula;
-use crate::run::short;
+use crate::number::short;
 use crate::schema::Cost;
 
 /// What such a cost measures; nothing of others.

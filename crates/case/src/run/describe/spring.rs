@@ -1,10 +1,10 @@
 //! The springs in words and as JSON.
 
-use super::actuation::{at_rest, point};
-use super::{Line, line};
 use crate::lower::CaseProblem;
+use crate::number::quantity;
 use crate::quantity::{Dimension, Want};
-use crate::run::number::quantity;
+use crate::run::describe::actuation::{at_rest, point};
+use crate::run::describe::line::{Line, line};
 use crate::schema::{Spring, SpringEnd};
 use nastic_fem::BodyPoint;
 use serde_json::{Value, json};

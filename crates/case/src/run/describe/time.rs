@@ -1,9 +1,10 @@
 //! A motion in words: its steps, masses and dissipation.
 
-use super::{Line, line, scalar};
 use crate::lower::CaseProblem;
+use crate::number::{count, grouped, quantity, short, vector};
 use crate::quantity::{Dimension, Units};
-use crate::run::number::{count, grouped, quantity, short, vector};
+use crate::run::describe::line::{Line, line};
+use crate::run::describe::parameters::scalar;
 use crate::schema::{Beginning, KnotInterpolation, Material, Parameter, Time, When};
 use nastic_control::{ControlBlock, Timeline};
 

@@ -2,7 +2,7 @@
 
 use super::entry::{Fitted, Stable, fibers_name, scatter_unit};
 use crate::console::Console;
-use crate::run::number::short;
+use crate::number::short;
 use crate::schema::FitData;
 use nastic_fit::{End, Errors, Estimate, Fibers, FitError, Law, Starts, Test};
 

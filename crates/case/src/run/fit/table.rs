@@ -1,7 +1,7 @@
 //! Tables of test data: CSV with a line of column names and units.
 
+use crate::number::short;
 use crate::quantity::{Dimension, Unit};
-use crate::run::number::short;
 use crate::schema::FitTest;
 use crate::syntax::{Diagnostic, Diagnostics, Document, quoted};
 use nastic_fit::{FitError, Mode, Response, Test};

@@ -1,6 +1,7 @@
 //! [`MotionCheckpoint`]: everything that a `solve` of a motion needs to go on to the bit.
 
-use crate::result::checkpoint_file::{self, CheckpointError};
+use crate::result::checkpoint_file;
+use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;

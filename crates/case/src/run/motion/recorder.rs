@@ -1,12 +1,13 @@
 //! [`Recorder`]: what is told of the motions of a `solve` while they run, and the checkpoints they leave.
 
-use super::Record;
-use super::checkpoint::{self, MotionCheckpoint, SavedMember};
 use crate::console::Console;
 use crate::lower::{CaseMember, CaseProblem};
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
+use crate::run::motion::checkpoint;
+use crate::run::motion::checkpoint::{MotionCheckpoint, SavedMember};
+use crate::run::motion::record::Record;
 use crate::run::session::Session;
 use nastic_control::{AdaptiveSteps, ControlError, MotionObserver, read_whole_state, write_whole_state};
 use nastic_fem::State;
@@ -154,7 +155,7 @@ impl Recorded {
         };
         let shown = shown.iter().map(read).collect::<Result<Vec<State>, _>>().map_err(|error| error.to_string())?;
         let first = shown.first().ok_or("no state of the motion")?;
-        let mut table = super::Table::head(member, first);
+        let mut table = crate::run::motion::table::Table::head(member, first);
         if n.checked_add(1) != Some(rows.len()) || rows.iter().any(|row| row.len() != table.columns()) {
             return Err("another table of the motion".to_owned());
         }

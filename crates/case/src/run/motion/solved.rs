@@ -1,11 +1,12 @@
 //! The motions of `solve`: they leave what they found where they fail or are stopped, and go on from a checkpoint.
 
-use super::checkpoint::{self, MotionCheckpoint};
-use super::recorder::{MemberObserver, Recorder};
-use super::{Record, write};
+use crate::number::quantity;
 use crate::quantity::Dimension;
 use crate::run::error::RunError;
-use crate::run::number::quantity;
+use crate::run::motion::checkpoint::MotionCheckpoint;
+use crate::run::motion::record::Record;
+use crate::run::motion::recorder::{MemberObserver, Recorder};
+use crate::run::motion::{checkpoint, write};
 use crate::run::session::{START_ACCURACY, Session};
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, MotionObserver};
 use nastic_fem::StateError;

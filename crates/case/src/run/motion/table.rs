@@ -1,12 +1,12 @@
 //! [`Table`]: the numbers of every step of a motion, as CSV and as charts.
 
-use super::energies;
 use crate::lower::CaseMember;
 use crate::quantity::Dimension;
 use crate::result::csv::quoted;
 use crate::result::files::Directory;
+use crate::result::summary;
+use crate::result::title::title;
 use crate::run::error::RunError;
-use crate::run::solve::title;
 use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{Instant, State};
 use nastic_picture::{Chart, Curve};
@@ -17,7 +17,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 pub(super) const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
 
 /// Columns of a table of a motion, one row for every step.
-pub(super) struct Table {
+pub(crate) struct Table {
     names: Vec<String>,
     units: Vec<String>,
     pub rows: Vec<Vec<f64>>,
@@ -123,4 +123,9 @@ fn is_uniform(block: &ControlBlock) -> bool {
 fn quantities(member: CaseMember<'_>, state: &State) -> Vec<(String, &'static str, f64)> {
     let at = Instant::of(state);
     member.solid().model().quantities(&at).unwrap_or_default()
+}
+
+/// Kinetic energy, and the potential of stresses, actuations and loads.
+pub(crate) fn energies(member: CaseMember<'_>, state: &State) -> [f64; 2] {
+    [member.solid().model().kinetic_energy(state).unwrap_or(f64::NAN), summary::potential(member, state)]
 }

@@ -1,11 +1,10 @@
 //! What to try after an optimisation that stopped before it converged, or whose bounds decided: each with the command.
 
-use super::super::session::Session;
 use crate::lower::Admitted;
 use crate::result::summary;
+use crate::run::session::Session;
 use crate::schema::Cost;
-use nastic_control::EnsemblePoint;
-use nastic_control::Smoothing;
+use nastic_control::{EnsemblePoint, Smoothing};
 use nastic_opt::{Best, Constrained, Stall, Stop};
 use serde_json::{Value, json};
 use std::path::{Component, Path, PathBuf};

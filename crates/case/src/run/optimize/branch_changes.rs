@@ -1,8 +1,8 @@
 //! [`BranchChanges`]: iterations that led to another branch of equilibria.
 
-use super::super::number::short;
-use super::starts::place;
 use crate::lower::{CaseMember, CaseProblem};
+use crate::number::short;
+use crate::run::optimize::start_place::place;
 use crate::run::session::Session;
 use crate::warning::{BRANCH_CHANGE, BRANCH_UNKNOWN, Warning, WarningKind};
 use nastic_control::{EnsemblePoint, Evaluated};

@@ -1,11 +1,12 @@
 //! [`Checkpoint`]: everything that an optimisation needs to go on to the bit.
 
-use super::journal::Written;
-use super::start_run::StartRun;
-use crate::result::checkpoint_file::{self, CheckpointError};
+use crate::result::checkpoint_file;
+use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
+use crate::run::optimize::journal::Written;
+use crate::run::optimize::start_run::StartRun;
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use serde_json::Value;

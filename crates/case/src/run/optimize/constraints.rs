@@ -1,9 +1,9 @@
 //! Constraints in results.
 
-use super::super::number::short;
-use super::super::session::Session;
 use crate::lower::{CaseMember, CaseProblem};
+use crate::number::short;
 use crate::run::error::RunError;
+use crate::run::session::Session;
 use crate::warning::{BETWEEN_NODES, VIOLATED, Warning};
 use nastic_control::{BetweenNodes, ControlError, EnsemblePoint, Evaluated};
 use nastic_fem::State;

@@ -1,13 +1,13 @@
 //! [`Journal`]: what an optimisation writes while it runs, and what of that could not be written.
 
-use super::checkpoint;
-use super::start_run::StartRun;
 use crate::console::Console;
 use crate::history::History;
 use crate::result::checkpoint_file;
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
+use crate::run::optimize::checkpoint;
+use crate::run::optimize::start_run::StartRun;
 use crate::run::session::Session;
 use serde_json::Value;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -1,6 +1,6 @@
 //! Which of several starts ended in the same minimum.
 
-use super::starts::Starts;
+use crate::run::optimize::starts::Starts;
 use crate::run::session::Session;
 use nastic_numeric::vector::sub;
 use serde_json::json;

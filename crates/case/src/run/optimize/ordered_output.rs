@@ -1,8 +1,8 @@
 //! [`OrderedOutput`]: what several starts say at once, in the order of the starts.
 
-use super::journal::SharedJournal;
 use crate::console::Console;
-use crate::run::OnTrial;
+use crate::run::on_trial::OnTrial;
+use crate::run::optimize::journal::SharedJournal;
 use serde_json::Value;
 use std::io::Write;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

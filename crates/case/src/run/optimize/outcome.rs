@@ -1,33 +1,33 @@
 //! What an optimisation leaves behind, and what it says at the end.
 
-use super::super::error::RunError;
-use super::super::gradient::write_states;
-use super::super::motion;
-use super::super::number::{count, short};
-use super::super::session::Session;
-use super::super::solve::{
-    members_of, say_files, say_members, say_probes, say_stability, say_tracked, title, title_of_scenarios,
-    write_collections, write_targets,
-};
-use super::super::spectrum_request::SpectrumRequest;
-use super::super::states::Shown;
-use super::constraints::Known;
-use super::finished_run::FinishedRun;
-use super::journal::Written;
-use super::spectrum::Diagnosis;
-use super::{advice, constraints, fall, revalued, table_of_starts, why};
-use crate::lower::CaseMember;
-use crate::result::convergence;
+use crate::lower::{CaseMember, CaseProblem};
+use crate::number::{count, short};
+use crate::result::collections::write_collections;
 use crate::result::files::state_files;
 use crate::result::inspection::Inspection;
-use crate::result::member_report::{self, Detail};
-use crate::result::picture::{self, Drawing};
-use crate::result::snapshot;
-use crate::result::summary;
+use crate::result::member_report::Detail;
+use crate::result::picture::Drawing;
+use crate::result::target_files::write_targets;
+use crate::result::title::{title, title_of_scenarios};
+use crate::result::{convergence, member_report, picture, snapshot, summary};
+use crate::run::error::RunError;
+use crate::run::gradient::write_states;
+use crate::run::motion;
+use crate::run::optimize::constraints::Known;
+use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::journal::Written;
+use crate::run::optimize::spectrum::Diagnosis;
+use crate::run::optimize::{advice, constraints, table_of_starts};
+use crate::run::report::say_files;
+use crate::run::session::Session;
+use crate::run::spectrum_request::SpectrumRequest;
+use crate::run::states::Shown;
+use crate::run::terminal::{members_of, say_members, say_probes, say_stability, say_tracked};
 use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
 use nastic_mesh::Snapshot;
-use nastic_opt::Best;
+use nastic_numeric::format::scientific;
+use nastic_opt::{Best, Objective, Stop};
 use nastic_picture::Picture;
 use serde_json::{Value, json};
 
@@ -275,7 +275,7 @@ fn write(
     files.extend(write_collections(problem, "optimum", &out)?);
     files.extend(motion::write(problem, records, &out)?);
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::has_lines(member))));
-    files.extend(super::super::solve::target_files(problem));
+    files.extend(crate::result::target_files::target_files(problem));
     let number = if several { format!("start_{best_start}_") } else { String::new() };
     files.extend(problem.leads().map(|lead| lead.case_file(&format!("{number}iterates.bin"))));
     if problem.case.output.every > 0 && starts == 1 {
@@ -313,4 +313,29 @@ fn mean(session: &Session<'_>, load_case: &str, point: &EnsemblePoint) -> Result
 fn spectrum(session: &Session<'_>) -> String {
     let Some(SpectrumRequest { count, cost_rise }) = session.spectrum else { return String::new() };
     format!(" --spectrum {count}") + &cost_rise.map_or_else(String::new, |rise| format!(" --cost-rise {rise}"))
+}
+
+/// Why it ended, for people.
+pub(crate) fn why(stop: &Stop) -> String {
+    match stop {
+        stop if stop.is_interrupted() => format!("{stop}: what was found so far is kept"),
+        other => other.to_string(),
+    }
+}
+
+/// The start as the last stage values it: what the end can be compared with.
+pub(crate) fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
+    problem.ensemble.restage(problem.stages() - 1, start).ok()
+}
+
+/// "1.2e-03 -> 4.5e-06, a factor of 267"
+pub(crate) fn fall(from: f64, to: f64) -> String {
+    let factor =
+        if to > 0.0 && from > to { format!(", a factor of {}", short(round(from / to))) } else { String::new() };
+    format!("{} -> {}{factor}", scientific(from, 6), scientific(to, 6))
+}
+
+/// Three digits.
+pub(crate) fn round(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }

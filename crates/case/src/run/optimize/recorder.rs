@@ -1,18 +1,17 @@
 //! Trial by trial: the table, `history.jsonl`, snapshots of iterations, `iterates.bin`.
 
-use super::super::Pace;
-use super::super::error::RunError;
-use super::super::motion;
-use super::super::session::Session;
-use super::branch_changes::Before;
-use super::journal::SharedJournal;
-use super::ordered_output::StartOutput;
-use super::run_trials::RunTrials;
-use super::start_run::StartRecord;
 use crate::history;
 use crate::lower::{CaseMember, CaseProblem};
+use crate::pace::Pace;
 use crate::result::files::Directory;
 use crate::result::snapshot;
+use crate::run::error::RunError;
+use crate::run::optimize::branch_changes::Before;
+use crate::run::optimize::journal::SharedJournal;
+use crate::run::optimize::ordered_output::StartOutput;
+use crate::run::optimize::run_trials::RunTrials;
+use crate::run::optimize::start_run::StartRecord;
+use crate::run::session::Session;
 use nastic_control::{EnsemblePoint, Evaluated, StateFields};
 use nastic_fem::SolveOptions;
 use nastic_io::write_atomically;
@@ -158,7 +157,7 @@ impl<'s> Recorder<'s> {
     fn changes_branch(&mut self, point: &EnsemblePoint, trial: &Trial<'_, EnsemblePoint>) -> Option<bool> {
         // The start, which a resumed run tells of once more, and the point of a new stage have none before them.
         let fresh = trial.iteration == 0 || trial.reason.is_revaluation();
-        if motion::is_motion(self.problem) {
+        if self.problem.is_motion() {
             return Some(false); // a motion from a given state is unique where equilibria are not
         }
         let before = self.before.replace(Before::new(point)).filter(|_| !fresh);
@@ -171,7 +170,7 @@ impl<'s> Recorder<'s> {
 
     /// Negative pivots of the tangent, the most of all members; `None` where those of one were not counted, and in motion.
     fn inertia(&self, point: &EnsemblePoint) -> Option<usize> {
-        if motion::is_motion(self.problem) {
+        if self.problem.is_motion() {
             return None;
         }
         let members: Vec<_> = self.problem.members().zip(&point.members).collect();

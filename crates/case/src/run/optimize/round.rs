@@ -1,17 +1,17 @@
 //! [`Round`]: starts side by side, to a limit of iterations.
 
-use super::early_stopping::Standing;
-use super::finished_run::{FinishedRun, read_start, write_start};
-use super::journal::SharedJournal;
-use super::ordered_output::{OrderedOutput, StartOutput};
-use super::recorder::{Recorder, write_iterates};
-use super::run_trials::RunTrials;
-use super::start_run::{Ended, Phase, StartRecord, StartRun, UnderWay};
-use super::starts::{place, seed};
-use super::table_of_starts::entry;
-use super::{Begun, Minimized, begin_run, evaluate, minimize, resume_run};
 use crate::run::check_gradient;
 use crate::run::error::RunError;
+use crate::run::optimize::early_stopping::Standing;
+use crate::run::optimize::finished_run::{FinishedRun, read_start, write_start};
+use crate::run::optimize::journal::SharedJournal;
+use crate::run::optimize::minimization::{Minimized, begin_run, evaluate, minimize, resume_run};
+use crate::run::optimize::ordered_output::{OrderedOutput, StartOutput};
+use crate::run::optimize::recorder::{Recorder, write_iterates};
+use crate::run::optimize::run_trials::RunTrials;
+use crate::run::optimize::start_place::{place, seed};
+use crate::run::optimize::start_run::{Begun, Ended, Phase, StartRecord, StartRun, UnderWay};
+use crate::run::optimize::table_of_starts::entry;
 use crate::run::session::{Session, say_warning};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Solver, available_memory};

@@ -1,7 +1,7 @@
 //! [`RunTrials`]: what is kept of the trials of one start.
 
-use super::branch_changes::BranchChanges;
-use super::finished_run::{read_work, write_work};
+use crate::run::optimize::branch_changes::BranchChanges;
+use crate::run::optimize::finished_run::{read_work, write_work};
 use nastic_fem::SolveReport;
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};

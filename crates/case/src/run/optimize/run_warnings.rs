@@ -1,13 +1,14 @@
 //! Warnings about an optimisation that ended: nothing moved, bounds decide, terms that do not count, branches left.
 
-use super::FinishedRun;
-use super::constraints::Known;
 use crate::lower::{CONTRACTION, ControlField};
+use crate::number::{count, short};
 use crate::result::summary;
-use crate::run::number::{count, scientific, short};
+use crate::run::optimize::constraints::Known;
+use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::session::Session;
 use crate::warning::{ALL_ON_BOUNDS, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
 use nastic_control::{EnsembleBlock, EnsembleWorkspace, Evaluated};
+use nastic_numeric::format::scientific;
 use nastic_numeric::vector::{norm, sub};
 use nastic_opt::DEFAULT_ACCURACY;
 

@@ -1,8 +1,8 @@
 //! Whether a program that resumes has the laws and costs of the one before.
 
-use crate::run::number::scientific;
 use nastic_control::{Ensemble, EnsemblePoint};
 use nastic_fem::{Demand, Instant};
+use nastic_numeric::format::scientific;
 use nastic_opt::Objective;
 
 /// The cost and the potential of a state computed again, relative: rounding is less, another law or cost is more.

@@ -1,13 +1,13 @@
 //! The spectrum of the reduced Hessian at the optimum: asked for by `--spectrum`, in results, in files and in words.
 
-use super::super::error::RunError;
-use super::super::number::{count, short};
-use super::super::session::Session;
-use super::super::spectrum_request::{SpectrumRefusal, SpectrumRequest};
-use super::domain;
 use crate::lower::CaseProblem;
+use crate::number::{count, short};
 use crate::result::files::Directory;
 use crate::result::{snapshot, summary};
+use crate::run::error::RunError;
+use crate::run::optimize::minimization::domain;
+use crate::run::session::Session;
+use crate::run::spectrum_request::{SpectrumRefusal, SpectrumRequest};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_numeric::vector::dot;
 use nastic_opt::{Best, Constrained, Hessian, Objective, Spectrum, SpectrumOptions};

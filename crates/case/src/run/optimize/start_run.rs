@@ -1,10 +1,10 @@
 //! [`StartRun`]: one of several starts and what became of it, as a value and as bytes.
 
-use super::Begun;
-use super::checkpoint::read_json;
-use super::early_stopping::Standing;
-use super::run_trials::RunTrials;
+use crate::run::optimize::checkpoint::read_json;
+use crate::run::optimize::early_stopping::Standing;
+use crate::run::optimize::run_trials::RunTrials;
 use crate::warning::Warning;
+use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{AugmentedState, SavedRunError};
 use serde_json::Value;
@@ -184,4 +184,13 @@ fn read_warnings(input: &mut Reader<'_>) -> Result<Vec<Warning>, SavedRunError> 
 
 fn read_warning(input: &mut Reader<'_>) -> Result<Warning, SavedRunError> {
     Warning::from_json(&read_json(input)?).ok_or_else(|| input.damaged("a warning of no known kind"))
+}
+
+/// An evaluated start.
+pub struct Begun {
+    pub point: EnsemblePoint,
+    pub derivative: Vec<f64>,
+    pub workspace: EnsembleWorkspace,
+    /// What deserves attention in its states; said already.
+    pub warnings: Vec<Warning>,
 }

@@ -1,16 +1,19 @@
 //! Several starts, of which the best is kept.
 
-use super::checkpoint::Position;
-use super::early_stopping::{self, Outperformed, Standing};
-use super::finished_run::FinishedRun;
-use super::journal::SharedJournal;
-use super::recorder::write_iterates;
-use super::round::{Found, Round, best_bytes, ended, read_record};
-use super::same_program::same_program;
-use super::start_run::{Phase, StartRun, UnderWay};
-use super::{Begun, Session, resume_run};
+use crate::number::short;
 use crate::run::error::RunError;
-use crate::run::number::short;
+use crate::run::optimize::checkpoint::Position;
+use crate::run::optimize::early_stopping;
+use crate::run::optimize::early_stopping::{Outperformed, Standing};
+use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::journal::SharedJournal;
+use crate::run::optimize::minimization::resume_run;
+use crate::run::optimize::recorder::write_iterates;
+use crate::run::optimize::round::{Found, Round, best_bytes, ended, read_record};
+use crate::run::optimize::same_program::same_program;
+use crate::run::optimize::start_place::seed;
+use crate::run::optimize::start_run::{Begun, Phase, StartRun, UnderWay};
+use crate::run::session::Session;
 use crate::run::session::say_warning;
 use crate::warning::Warning;
 use nastic_opt::bytes::Reader;
@@ -224,21 +227,6 @@ fn read_best(session: &Session<'_>, bytes: &[u8]) -> Result<(usize, FinishedRun)
 /// The entry of a start that an interruption found before its first trial.
 fn not_begun(session: &Session<'_>, index: usize) -> Value {
     serde_json::json!({ "seed": seed(session, index), "failed": "interrupted before it had begun" })
-}
-
-/// What warnings call a start: "start", of several "start 2 of 4".
-pub(super) fn place(session: &Session<'_>, index: usize) -> String {
-    match session.problem.case.optimizer.starts {
-        0 | 1 => "start".to_owned(),
-        count => format!("start {} of {count}", index + 1),
-    }
-}
-
-/// The seed of a start; the first is as written.
-pub(super) fn seed(session: &Session<'_>, index: usize) -> Option<u64> {
-    // Seeds of neighbouring cases shall not share their starts.
-    let of = |index: usize| session.problem.case.optimizer.seed.wrapping_mul(1_000_003).wrapping_add(index as u64);
-    (index > 0).then(|| of(index))
 }
 
 fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {

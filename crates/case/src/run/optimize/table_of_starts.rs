@@ -1,9 +1,9 @@
 //! The starts in the result and on the terminal.
 
-use super::finished_run::FinishedRun;
 use crate::lower::Admitted;
-use crate::run::number::scientific;
+use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::session::Session;
+use nastic_numeric::format::scientific;
 use nastic_opt::Stop;
 use serde_json::{Value, json};
 

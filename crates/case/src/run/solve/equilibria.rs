@@ -1,8 +1,8 @@
 //! `nastic solve --equilibria N`: several equilibria under the start controls, by deflation.
 
-use super::say_files;
 use super::series::{Row, Series};
 use crate::run::error::{Exit, RunError};
+use crate::run::report::say_files;
 use crate::run::session::Session;
 use nastic_control::{ControlError, EnsemblePoint};
 use nastic_fem::{Equilibrium, Progress, SolveOptions, StateError, Workspace};

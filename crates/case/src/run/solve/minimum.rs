@@ -1,10 +1,11 @@
 //! `nastic solve --minimum`: on from an unstable equilibrium to a stable one.
 
+use crate::number::short;
 use crate::run::error::RunError;
-use crate::run::number::{scientific, short};
 use crate::run::session::Session;
 use nastic_control::{ControlError, EnsemblePoint, SolvedStates};
 use nastic_fem::{SolveOptions, Workspace};
+use nastic_numeric::format::scientific;
 use nastic_opt::Objective;
 
 /// The point with every member's state taken down to a minimum of its potential, costs valued there.

@@ -3,11 +3,11 @@
 use crate::lower::{CaseMember, CaseProblem};
 use crate::quantity::Dimension;
 use crate::run::error::RunError;
-use crate::run::number::scientific;
 use crate::run::session::Session;
 use nastic_control::{ControlError, EnsemblePoint};
 use nastic_fem::{Modes, SolveOptions};
 use nastic_mesh::Snapshot;
+use nastic_numeric::format::scientific;
 use serde_json::json;
 
 /// Unit of eigenvalues: a stiffness per volume.

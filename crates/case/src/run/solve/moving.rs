@@ -1,9 +1,9 @@
 //! `nastic solve` of a case that moves, and `nastic resume` of one that was stopped.
 
-use super::{report, show, write};
 use crate::run::error::{Exit, RunError};
 use crate::run::motion::{self, MotionCheckpoint};
 use crate::run::session::Session;
+use crate::run::solve::equilibrium::{report, show, write};
 use serde_json::json;
 use std::mem::take;
 

@@ -1,11 +1,11 @@
 //! `nastic solve --path`: the equilibrium path from rest to the start controls and full loads, through limit points.
 
-use super::say_files;
 use super::series::{Row, Series};
 use crate::lower::CaseMember;
+use crate::number::short;
 use crate::result::summary;
 use crate::run::error::{Exit, RunError};
-use crate::run::number::short;
+use crate::run::report::say_files;
 use crate::run::session::Session;
 use crate::warning::Warning;
 use nastic_control::ControlError;

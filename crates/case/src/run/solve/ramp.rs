@@ -2,14 +2,13 @@
 
 use super::ramp_failure::RampFailure;
 use super::ramp_jumps::jumps;
-use super::say_files;
 use super::series::{Row, Series};
 use crate::expression::{Formula, dimension_of};
 use crate::lower::{CaseMember, ControlField};
+use crate::number::short;
 use crate::quantity::{Dimension, Units};
 use crate::run::error::{Exit, RunError};
-use crate::run::number::short;
-use crate::run::report::remove_earlier;
+use crate::run::report::{remove_earlier, say_files};
 use crate::run::session::Session;
 use crate::warning::Warning;
 use nastic_control::{ControlBlock, ControlError};

@@ -1,9 +1,10 @@
 //! [`RampFailure`]: where a ramp stopped, in values of its control.
 
 use crate::lower::CaseMember;
+use crate::number::{count, short};
 use crate::result::failure;
-use crate::run::number::{count, scientific, short};
 use nastic_fem::{Cause, StateError};
+use nastic_numeric::format::scientific;
 use serde_json::{Map, Value, json};
 
 /// An equilibrium of a ramp that was not found.

@@ -1,7 +1,7 @@
 //! Neighbouring rows of a ramp that lie on different branches of equilibria.
 
 use super::series::Series;
-use crate::run::number::short;
+use crate::number::short;
 use crate::warning::{BRANCH_CHANGE, BRANCH_UNKNOWN, Warning};
 use nastic_fem::{Connection, SolveOptions};
 use rayon::prelude::*;

@@ -1,13 +1,13 @@
 //! [`Series`]: equilibria of one member along a parameter, as a table, CSV, a chart and snapshots.
 
 use crate::lower::CaseMember;
+use crate::number::short;
 use crate::result::csv::quoted;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
+use crate::result::title::title;
 use crate::result::{snapshot, summary};
 use crate::run::error::RunError;
-use crate::run::number::short;
-use crate::run::solve::title;
 use crate::warning::Warning;
 use nastic_control::{ControlError, StateFields};
 use nastic_fem::{Instant, State};

@@ -2,7 +2,7 @@
 
 use crate::lower::AssemblyError;
 use crate::result::checkpoint_file::CheckpointError;
-use crate::run::RunError;
+use crate::run::error::RunError;
 use nastic_control::EnsembleError;
 use std::path::PathBuf;
 use thiserror::Error;

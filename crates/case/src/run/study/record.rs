@@ -1,8 +1,8 @@
 //! What a program's problem is, as far as it can be written down: a checkpoint goes on only with an equal one.
 
-use super::ControlSet;
 use crate::lower::ControlProblem;
 use crate::result::fingerprint::Fingerprint;
+use crate::run::study::control_set::ControlSet;
 use crate::schema::Case;
 use nastic_control::{Ensemble, Member, Space};
 use nastic_fem::Solid;

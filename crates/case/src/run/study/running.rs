@@ -1,13 +1,17 @@
 //! A [`Study`] is made a problem of the command line's kind, and run.
 
-use super::{ControlSet, Optimum, Study, StudyError, record};
+use super::{Optimum, Study, StudyError, record};
 use crate::console::Console;
 use crate::lower::{Assembled, CaseProblem, ControlProblem};
 use crate::result::checkpoint_file::CheckpointError;
+use crate::run::commands::thread_pool;
+use crate::run::conclusion::conclude;
 use crate::run::error::{Exit, RunError};
+use crate::run::outcome::Outcome;
 use crate::run::session::Session;
 use crate::run::states::States;
-use crate::run::{Outcome, conclude, optimize, resume, thread_pool};
+use crate::run::study::control_set::ControlSet;
+use crate::run::{optimize, resumption};
 use crate::schema::{Case, Command, Method};
 use crate::signals::cancelled_by_signals;
 use crate::syntax::Document;
@@ -143,7 +147,7 @@ fn stop_by_signals(console: &Console) -> Arc<AtomicBool> {
 
 /// Goes on where the directory holds a checkpoint of the same problem beyond its start; begins elsewhere.
 fn resume_in(session: &mut Session<'_>, optimizer: &dyn Optimizer, directory: PathBuf) -> Result<Exit, RunError> {
-    match resume::read(&directory) {
+    match resumption::read(&directory) {
         Err(RunError::Checkpoint(CheckpointError::Missing { .. })) => {
             session.out = Some(session.claim(directory)?);
             optimize::begin(session, optimizer, true)

@@ -3,8 +3,8 @@
 use super::row::Row;
 use super::swept::Swept;
 use crate::expression::Formula;
+use crate::number::short;
 use crate::quantity::Units;
-use crate::run::number::short;
 use nastic_picture::{Chart, Curve};
 
 /// Curves of one chart.

@@ -1,7 +1,7 @@
 //! [`Row`]: one run of a sweep as a row of its table.
 
-use crate::run::Outcome;
 use crate::run::error::{Exit, RunError};
+use crate::run::outcome::Outcome;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

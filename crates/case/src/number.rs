@@ -2,7 +2,7 @@
 
 use crate::quantity::{Dimension, Units};
 
-pub(super) use nastic_numeric::format::scientific;
+use nastic_numeric::format::scientific;
 
 /// Six significant digits, without an exponent where that reads well.
 pub(crate) fn short(value: f64) -> String {
@@ -24,7 +24,7 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// (x, y, z)
-pub(super) fn vector(values: &[f64]) -> String {
+pub(crate) fn vector(values: &[f64]) -> String {
     format!("({})", values.iter().map(|x| short(*x)).collect::<Vec<_>>().join(", "))
 }
 
@@ -45,7 +45,7 @@ pub(crate) fn quantity(value: f64, dimension: Dimension, units: &Units) -> Strin
 }
 
 /// 1,234,567
-pub(super) fn grouped(count: usize) -> String {
+pub(crate) fn grouped(count: usize) -> String {
     let digits = count.to_string();
     let mut out = String::new();
     for (i, digit) in digits.chars().enumerate() {
