@@ -1,4 +1,4 @@
-//! From a [`Case`](crate::schema::Case) to a [`CaseProblem`]: meshes read, formulas evaluated where they are needed, names looked up.
+//! From a [`Case`](nastic_language::schema::Case) to a [`CaseProblem`]: meshes read, formulas evaluated where they are needed, names looked up.
 //!
 //! Every problem names its path and line; as many as possible are found before giving up. A case becomes an
 //! [`Ensemble`](nastic_control::Ensemble) of members, one for every load case of every scenario; a plain case is an ensemble of one.
@@ -45,15 +45,15 @@ mod time;
 mod time_table;
 mod variant;
 
-pub(crate) use actuation::CONTRACTION;
+pub use actuation::CONTRACTION;
 pub use adaptive_steps::StepsError;
 pub use assembled::AssemblyError;
-pub(crate) use assembled::{Admission, Assembled, ControlProblem};
+pub use assembled::{Admission, Assembled, ControlProblem};
 pub use control_field::{Admitted, ControlField};
-pub(crate) use control_grid::grid_cells;
+pub use control_grid::grid_cells;
 pub use member::CaseMember;
-pub(crate) use mesh::again as mesh_again;
+pub use mesh::again as mesh_again;
 pub use probe::LocatedProbe;
 pub use problem::CaseProblem;
 pub use target_shape::TargetShape;
-pub(crate) use variant::file_name;
+pub use variant::file_name;

@@ -5,9 +5,9 @@
 //!
 //! `cargo run --release -p nastic-cli --example own_program -- solve CASE`
 
-use nastic_case::catalogue::Catalogue;
 use nastic_energy::catalogue::{Made, MaterialRow, Parameter};
 use nastic_energy::{Block, Conjugates, ConvexDensity, Curvature, Field, Place};
+use nastic_language::catalogue::Catalogue;
 use nastic_tensor::Mat3;
 
 #[derive(Debug)]

@@ -1,9 +1,9 @@
 //! Time steps of a case with a tolerance: found once, at its start controls.
 
 use crate::lower::problem::CaseProblem;
-use crate::syntax::Diagnostics;
 use nastic_control::{AdaptiveSteps, ControlError};
 use nastic_fem::Tolerance;
+use nastic_language::syntax::Diagnostics;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -71,7 +71,7 @@ impl CaseProblem {
     ///
     /// # Errors
     /// What is wrong with the case by these steps.
-    pub(crate) fn through(&self, instants: &[Vec<f64>], cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
+    pub fn through(&self, instants: &[Vec<f64>], cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
         Self::lower_through(self.document.clone(), cancel, instants).map(|problem| Self { has_steps: true, ..problem })
     }
 }

@@ -4,13 +4,13 @@ use super::context::Context;
 use super::cost::Lowering;
 use super::place::{Kind, Place};
 use crate::lower::target_shape::TargetShape;
-use crate::number::{count, short};
-use crate::schema::{Case, Constraint as Block, Cost, HoldsWhen, KeepOut, Shape};
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
     BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, Instants, IntoConstraint,
     Obstacle, ObstacleDistance, Reduced,
 };
+use nastic_language::number::{count, short};
+use nastic_language::schema::{Case, Constraint as Block, Cost, HoldsWhen, KeepOut, Shape};
 use nastic_opt::ConstraintGroup;
 use std::sync::Arc;
 

@@ -1,6 +1,5 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
-use crate::expression::Formula;
 use crate::lower::actuation::{is_built, must_pull};
 use crate::lower::context::Context;
 use crate::lower::control_field::{Admitted, ControlField};
@@ -9,10 +8,11 @@ use crate::lower::result_array::is_reserved;
 use crate::lower::tension::{beyond_limit, default_upper, limit};
 use crate::lower::time;
 use crate::lower::variant::Variant;
-use crate::quantity::Dimension;
-use crate::schema::{Beginning, Case, Cells, Control, Parameter, Space as SpaceBlock, Start};
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
 use nastic_control::{ControlBlock, RateLimit, Reduced, Space};
+use nastic_language::expression::Formula;
+use nastic_language::quantity::Dimension;
+use nastic_language::schema::{Beginning, Case, Cells, Control, Parameter, Space as SpaceBlock, Start};
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
 
 /// What becomes of the block `controls`.
@@ -152,7 +152,7 @@ impl Lowering<'_> {
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
         let start = self.settle(start, set.as_ref(), context)?;
         self.check_at_rest(bounds.as_ref(), context)?;
-        let unit = crate::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
+        let unit = nastic_language::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
         // the only controls that are plain numbers are angles
         let unit = if unit.is_none() { "rad".to_owned() } else { context.units.label(unit) };
         if let Some(message) = unresolved(self.block, self.reduced) {
@@ -215,7 +215,7 @@ impl Lowering<'_> {
     /// Whether start and bounds are of the dimension of what they control, where the mesh decides it (a volume is an area in
     /// the plane).
     fn check_dimension(&self, context: &mut Context<'_>) -> Option<()> {
-        let dimension = crate::expression::dimension_of(self.block.unit)?;
+        let dimension = nastic_language::expression::dimension_of(self.block.unit)?;
         let start = if let Some(Start::Scalar(formula)) = &self.control.start { Some(formula) } else { None };
         let bounds = [("lower", &self.control.lower), ("upper", &self.control.upper)].map(|(key, bound)| {
             (key, if let Some(Parameter::Formula(formula)) = bound { Some(formula) } else { None })

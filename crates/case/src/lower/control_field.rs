@@ -1,6 +1,6 @@
 //! Control fields as a case describes them.
 
-use crate::syntax::At;
+use nastic_language::syntax::At;
 use nastic_opt::Bounds;
 
 /// A control field as the case describes it; its place in the control vector is that of the same number in the layout.

@@ -1,6 +1,5 @@
 //! Cost terms and the shapes they aim at.
 
-use crate::expression::EvaluationError;
 use crate::lower::array::Entity;
 use crate::lower::context::Context;
 use crate::lower::named::key_of;
@@ -8,14 +7,17 @@ use crate::lower::named_cost::{Named, NamedMotionTerm};
 use crate::lower::place::{Kind, Place};
 use crate::lower::target_shape::TargetShape;
 use crate::lower::{array, place, time};
-use crate::schema;
-use crate::schema::{AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Stages, Target as TargetBlock, vector_at};
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
     ActuationWork, ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, IntoCost, KineticEnergy,
     ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Timeline, Tracking, TrajectoryCost, When,
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
+use nastic_language::expression::EvaluationError;
+use nastic_language::schema;
+use nastic_language::schema::{
+    AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Stages, Target as TargetBlock, vector_at,
+};
 use nastic_mesh::Mesh;
 use nastic_tensor::Vec3;
 use std::sync::{Arc, OnceLock};

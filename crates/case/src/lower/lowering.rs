@@ -11,11 +11,11 @@ use crate::lower::{
     body, constraint, control, cost, elements, mesh, probe, scenario, sizes, start, survey, tension, time_table,
     variant,
 };
-use crate::schema::{Case, Reading};
-use crate::syntax::{At, Diagnostic, Diagnostics, Document};
 use crate::warning::Warning;
 use nastic_control::{Ensemble, EnsembleError, LoadCase, Reduced};
 use nastic_fem::Discretization;
+use nastic_language::schema::{Case, Reading};
+use nastic_language::syntax::{At, Diagnostic, Diagnostics, Document};
 use serde_json::{Map, Value};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -3,9 +3,9 @@
 use crate::lower::control_field::ControlField;
 use crate::lower::problem::CaseProblem;
 use crate::lower::target_shape::TargetShape;
-use crate::schema::Case;
 use nastic_control::{ControlBlock, Layout, Member, Reduced};
 use nastic_fem::Solid;
+use nastic_language::schema::Case;
 use nastic_mesh::Mesh;
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 
 use super::context::Context;
 use crate::lower::problem::CaseProblem;
-use crate::schema::{BoxMesh, Case, MeshFile, MeshSource};
-use crate::syntax::At;
+use nastic_language::schema::{BoxMesh, Case, MeshFile, MeshSource};
+use nastic_language::syntax::At;
 use nastic_mesh::{Mesh, MeshError, box_mesh, rectangle};
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> O
 }
 
 /// The same mesh once more, for a drawing.
-pub(crate) fn again(source: &MeshSource, problem: &CaseProblem) -> Option<Arc<Mesh>> {
+pub fn again(source: &MeshSource, problem: &CaseProblem) -> Option<Arc<Mesh>> {
     load(source, &place(source), &mut Context::new(&problem.document, *problem.units()))
 }
 

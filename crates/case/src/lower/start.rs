@@ -3,8 +3,8 @@
 use super::context::Context;
 use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::problem::CaseProblem;
-use crate::schema::{Case, ControlsFile};
-use crate::syntax::{At, quoted};
+use nastic_language::schema::{Case, ControlsFile};
+use nastic_language::syntax::{At, quoted};
 use nastic_numeric::Random;
 use nastic_opt::Bounds;
 use serde_json::{Map, Value};

@@ -1,7 +1,7 @@
 //! The shapes that costs aim at.
 
-use crate::syntax::At;
 use nastic_control::CostTarget;
+use nastic_language::syntax::At;
 use nastic_mesh::{GroupNames, Mesh};
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ impl TargetShape {
     }
 
     /// Whether it is the same shape.
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
+    pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.mesh, &other.mesh) && self.cost == other.cost && self.displacement == other.displacement
     }
 

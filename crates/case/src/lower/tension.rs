@@ -2,11 +2,11 @@
 
 use super::variant::Variant;
 use crate::lower::control_field::ControlField;
-use crate::quantity::{Dimension, Units};
-use crate::syntax::At;
 use crate::warning::CONVEXITY;
 use nastic_control::Reduced;
 use nastic_fem::{BodyEnergy, ExcessTension};
+use nastic_language::quantity::{Dimension, Units};
+use nastic_language::syntax::At;
 use nastic_opt::Bounds;
 
 use super::context::Context;
