@@ -8,6 +8,7 @@ use nastic_io::WriteError;
 use nastic_mesh::{NamedArray, Polyline, Snapshot};
 use nastic_picture::{Appearance, Body, Colour, Face, Field, Picture, Sheet};
 use nastic_report::carried;
+use nastic_report::record::{StateRecord, number_of};
 
 /// What is drawn.
 pub(crate) struct Drawing<'a> {
@@ -209,13 +210,12 @@ fn arrows(body: &Snapshot) -> &'static str {
 }
 
 /// Root mean square and true distances in a result or the entry of a member, for subtitles; empty without any.
-pub(crate) fn distance(entry: &serde_json::Value, unit: &str) -> String {
+pub(crate) fn distance(state: &StateRecord, unit: &str) -> String {
     let short = nastic_language::number::short;
-    if let Some(distance) = entry["hausdorff"]["true"].as_f64() {
+    if let Some(distance) = state.hausdorff.and_then(|distances| distances.exact) {
         return format!("; true Hausdorff {} {unit}", short(distance));
     }
-    let mut tracked = entry["tracking"].as_object().into_iter().flatten().map(|(_, one)| &one["root_mean_square"]);
-    match tracked.next().and_then(serde_json::Value::as_f64) {
+    match state.tracking.first().and_then(|(_, tracked)| number_of(tracked, "root_mean_square")) {
         Some(distance) => format!("; distance {} {unit} (root mean square)", short(distance)),
         None => String::new(),
     }

@@ -9,6 +9,7 @@ use crate::run::{motion, optimize, report};
 use nastic_case::warning::Warning;
 use nastic_control::ControlError;
 use nastic_language::number;
+use nastic_report::record::number_of;
 use serde_json::{Value, json};
 
 pub(crate) fn conclude(
@@ -27,7 +28,7 @@ pub(crate) fn conclude(
 }
 
 /// What went wrong takes the place of a result, so that no older one is taken for it.
-pub(crate) fn note_failure(mut session: Session<'_>, error: &RunError) {
+fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.finish_clock();
     let warnings: Vec<Value> = session.warnings.iter().map(Warning::json).collect();
     session.put("warnings", json!(warnings));
@@ -35,9 +36,7 @@ pub(crate) fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.put("exit", json!(error.exit().code()));
     if let RunError::Forward { member, error, file } = error.cause() {
         if file.is_some() {
-            let mut files = session.result_value()["files"].as_array().cloned().unwrap_or_default();
-            files.push(json!("failure.vtu"));
-            session.put("files", json!(files));
+            session.list_files(vec!["failure.vtu".to_owned()]);
         }
         if let ControlError::State(state) = error.as_ref() {
             let one = session.problem.members().find(|one| one.name() == *member);
@@ -50,18 +49,19 @@ pub(crate) fn note_failure(mut session: Session<'_>, error: &RunError) {
 }
 
 /// Wall time and memory.
-pub(crate) fn say_effort(session: &Session<'_>) {
-    let result = session.result_value();
-    let seconds = result["seconds"]["total"].as_f64().unwrap_or(f64::NAN);
-    let memory = match result["peak_memory"].as_u64() {
+fn say_effort(session: &Session<'_>) -> Result<(), RunError> {
+    let result = session.record()?;
+    let seconds = number_of(&result.seconds, "total").unwrap_or(f64::NAN);
+    let memory = match result.peak_memory {
         Some(bytes) => format!(", at most {:.0} MB of memory", bytes as f64 / 1e6),
         None => String::new(),
     };
     session.console.say(format!("time        {}{memory}", nastic_report::duration(seconds)));
+    Ok(())
 }
 
 /// Judges expectations and writes the result.
-pub(crate) fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, Option<States>), RunError> {
+fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, Option<States>), RunError> {
     let mut exit = exit;
     session.finish_clock();
     let expect = &session.problem.case.expect;
@@ -99,7 +99,7 @@ pub(crate) fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result
             session.console.say(format!("page        {}", page.display()));
         }
     }
-    say_effort(&session);
+    say_effort(&session)?;
     let outcome = Outcome { exit, result: session.result_value(), missed };
     let Session { problem, shown, .. } = session;
     Ok((outcome, shown.map(|shown| States::new(problem, shown))))

@@ -11,12 +11,12 @@ use crate::run::error::{Exit, RunError};
 use crate::run::report::{remove_earlier, say_files};
 use crate::run::session::Session;
 use crate::run::solve::equilibrium::show;
-use crate::run::terminal::{say_cost, say_members, say_probes};
+use crate::run::terminal::{digits, say_cost, say_members, say_probes};
 use nastic_case::lower::CaseProblem;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_language::number::short;
-use nastic_numeric::format::scientific;
 use nastic_opt::{Objective, Verdict};
+use nastic_report::record::number_of;
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true).map_err(|error| session.refuse(error))?;
@@ -32,7 +32,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     report(session, &point, &derivative, &found)?;
     let certificate = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
     session.timed("write", |session| write(session, &point, &derivative, &found))?;
-    show(session, point, Some(derivative), found);
+    show(session, point, Some(derivative), found)?;
     Ok(if certificate.verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
 }
 
@@ -52,15 +52,13 @@ fn report(
     session.put_all(entries);
     session.put("derivative_norm", norm);
     session.put("controls", controls);
-    let result = session.result_value();
+    let result = session.record()?;
     say_cost(session, &result);
     say_members(session, &result);
-    let entry =
-        |key: &str| result["derivative_norm"][key].as_f64().map_or_else(|| "-".to_owned(), |x| scientific(x, 9));
     session.console.say(format!(
         "derivative  Euclidean norm {}, norm in the metric {}",
-        entry("euclidean"),
-        entry("metric")
+        digits(number_of(&result.derivative_norm, "euclidean"), 9),
+        digits(number_of(&result.derivative_norm, "metric"), 9)
     ));
     for (block, field) in session.problem.ensemble.blocks().iter().zip(&session.problem.controls) {
         let own = block.of(derivative);

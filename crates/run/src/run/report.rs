@@ -32,11 +32,9 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     let with_page = session.report && is_shown && session.command != Command::Gradient;
     if is_shown {
         session.put("members", members(&session.problem));
-        let mut files = session.result_value()["files"].as_array().cloned().unwrap_or_default();
         let case = session.problem.case_file().is_some();
-        files.extend(case.then(|| json!(CASE)));
-        files.extend(with_page.then(|| json!(nastic_report::FILE)));
-        session.put("files", Value::Array(files));
+        let page = with_page.then_some(nastic_report::FILE);
+        session.list_files(case.then_some(CASE).into_iter().chain(page).map(str::to_owned).collect());
         if case {
             out.write_json(CASE, &session.problem.document.json())?;
         } else {
@@ -50,10 +48,12 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
 impl Session<'_> {
     /// Adds names to the list of files of the result.
     pub(super) fn list_files(&mut self, names: Vec<String>) {
-        let mut files = self.result_value()["files"].as_array().cloned().unwrap_or_default();
-        let new: Vec<Value> = names.into_iter().map(Value::from).filter(|name| !files.contains(name)).collect();
-        files.extend(new);
-        self.put("files", Value::Array(files));
+        for name in names {
+            if !self.files.contains(&name) {
+                self.files.push(name);
+            }
+        }
+        self.put("files", json!(self.files));
     }
 
     /// A run that cannot begin leaves its directory as it is.

@@ -24,6 +24,7 @@ use nastic_language::quantity::Dimension;
 use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostics, Document};
 use nastic_opt::{Failed, Objective, Request};
+use nastic_report::record::RunRecord;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -63,6 +64,8 @@ pub(super) struct Session<'c> {
     pub shown: Option<Shown>,
     /// Of a case with a tolerance of time steps those of every member, once they were found.
     pub steps: Vec<AdaptiveSteps>,
+    /// Names of the files that were written.
+    pub files: Vec<String>,
     result: Map<String, Value>,
     phases: Vec<(&'static str, f64)>,
     began: Instant,
@@ -176,6 +179,7 @@ impl<'c> Session<'c> {
             on_trial: OnTrial::default(),
             shown: None,
             steps: Vec::new(),
+            files: Vec::new(),
             result: Map::new(),
             phases: vec![("read", began.elapsed().as_secs_f64() - ordering), ("ordering", ordering)],
             began,
@@ -294,6 +298,11 @@ impl<'c> Session<'c> {
     /// The result as it stands.
     pub fn result_value(&self) -> Value {
         Value::Object(self.result.clone())
+    }
+
+    /// The result as its printers read it.
+    pub fn record(&self) -> Result<RunRecord, RunError> {
+        Ok(RunRecord::of(&self.result_value())?)
     }
 
     /// Does something, and notes how long it took.

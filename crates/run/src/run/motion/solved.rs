@@ -60,7 +60,7 @@ fn unfinished(session: &mut Session<'_>, (records, saved): (&[Record], bool), er
         Ok(files) => files,
         Err(error) => return error,
     };
-    session.put("files", json!(files));
+    session.list_files(files.clone());
     session.put("reached", json!({ "t": t, "steps": steps }));
     if !saved && let Err(error) = out.remove(checkpoint::NAME) {
         return error.into();

@@ -20,7 +20,7 @@ use crate::run::report::say_files;
 use crate::run::session::Session;
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
-use crate::run::terminal::{members_of, say_members, say_probes, say_stability, say_tracked};
+use crate::run::terminal::{known as known_number, say_members, say_probes, say_stability, say_tracked};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
@@ -29,6 +29,7 @@ use nastic_mesh::Snapshot;
 use nastic_numeric::format::scientific;
 use nastic_opt::{Best, Objective, Stop};
 use nastic_picture::Picture;
+use nastic_report::record::{Number, number_of};
 use serde_json::{Value, json};
 
 /// Writes the states at the start and the targets.
@@ -99,8 +100,8 @@ pub(super) fn report(
     work.iter().for_each(|work| total.add_work(work));
     session.put_all(summary::work(&total));
     session.console.say("");
-    table_of_starts::say(session, entries_of_starts, index);
-    say(session, (ended, known, diagnosis), resumable);
+    table_of_starts::say(session, entries_of_starts, index)?;
+    say(session, (ended, known, diagnosis), resumable)?;
     session.timed("write", |session| {
         write(session, (ended, diagnosis), (&found, &records), (index, entries_of_starts.len()))
     })?;
@@ -108,31 +109,34 @@ pub(super) fn report(
 }
 
 /// The line below the title of a picture.
-fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
-    let result = session.result_value();
-    let distance = picture::distance(&result, session.problem.units().length().symbol);
+fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Result<String, RunError> {
+    let distance = picture::distance(&session.record()?.state, session.problem.units().length().symbol);
     let (why, iterations) = (why(&best.stop), count(best.counts.iterations, "iteration"));
     // A limit of iterations names them itself.
     let end = if why.contains("iteration") { why } else { format!("{iterations}: {why}") };
-    format!("{end}; cost {}{distance}{}", short(best.cost), session.warned())
+    Ok(format!("{end}; cost {}{distance}{}", short(best.cost), session.warned()))
 }
 
 /// Keeps the best states for whoever runs the command.
-pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: Vec<Inspection>) {
+pub(super) fn show(
+    session: &mut Session<'_>,
+    ended: FinishedRun,
+    inspections: Vec<Inspection>,
+) -> Result<(), RunError> {
     let FinishedRun { start, best, .. } = ended;
-    let subtitle = subtitle(session, &best);
+    let subtitle = subtitle(session, &best)?;
     let (derivative, start) = (Some(best.derivative), Some(start));
     session.shown = Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
+    Ok(())
 }
 
 fn say(
     session: &Session<'_>,
     (ended, known, diagnosis): (&FinishedRun, &[Known], Option<&Diagnosis>),
     resumable: Option<Written>,
-) {
+) -> Result<(), RunError> {
     let best = &ended.best;
-    let (console, result) = (session.console, session.result_value());
-    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    let (console, result) = (session.console, session.record()?);
     console.say(format!("end         {}", why(&best.stop)));
     for stage in best.stages.iter().filter(|_| best.stages.len() > 1) {
         console.say(format!(
@@ -142,24 +146,18 @@ fn say(
             stage.why
         ));
     }
-    let (from, to) = (number(&result["start"]["cost"]["total"]), number(&result["cost"]["total"]));
-    console.say(format!("cost        {}", fall(from, to)));
-    if let Some(terms) = result["cost"]["terms"].as_object().filter(|terms| terms.len() > 1) {
-        for (name, value) in terms {
-            let from = number(&result["start"]["cost"]["terms"][name]);
-            console.say(format!("            {name} {}", fall(from, number(value))));
-        }
+    let (from, now) = (&result.start.cost, &result.cost);
+    console.say(format!("cost        {}", fall(from.total, now.total)));
+    for (name, value) in now.terms.iter().filter(|_| now.terms.len() > 1) {
+        console.say(format!("            {name} {}", fall(number_of(&from.terms, name), *value)));
     }
     constraints::say(session, &ended.constraints, known);
-    if result["hausdorff"].is_object() {
+    if let Some(now) = result.hausdorff {
         let unit = session.problem.units().length().symbol;
-        let (from, to) = (number(&result["start"]["hausdorff"]["true"]), number(&result["hausdorff"]["true"]));
-        console.say(format!("distance    true Hausdorff [{unit}] {}", fall(from, to)));
-        console.say(format!(
-            "            smoothed {} {unit}, target to itself {} {unit}",
-            short(number(&result["hausdorff"]["smoothed"])),
-            short(number(&result["hausdorff"]["self"]))
-        ));
+        let from = result.start.hausdorff.and_then(|distances| distances.exact);
+        let [smoothed, floor] = [now.smoothed, now.floor].map(|x| short(known_number(x)));
+        console.say(format!("distance    true Hausdorff [{unit}] {}", fall(from, now.exact)));
+        console.say(format!("            smoothed {smoothed} {unit}, target to itself {floor} {unit}"));
     }
     say_tracked(session, &result);
     console.say(format!(
@@ -171,24 +169,24 @@ fn say(
             0 => String::new(),
             products => format!(", {}", count(products, "Hessian product")),
         },
-        result["newton_iterations"],
-        result["factorisations"],
-        result["reused_factorisations"]
+        result.newton_iterations.unwrap_or_default(),
+        result.factorisations.unwrap_or_default(),
+        result.reused_factorisations.unwrap_or_default()
     ));
     say_stability(session, &result);
     say_members(session, &result);
-    for (name, control) in result["controls"].as_object().into_iter().flatten() {
-        let unit = control["unit"].as_str().map_or_else(String::new, |unit| format!(" {unit}"));
+    for (name, control) in &result.controls {
+        let unit = control.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"));
         let area = format!("{}^{}", session.problem.units().length().symbol, session.problem.mesh().dim() - 1);
-        let variation = control["total_variation"].as_f64().filter(|_| control["space"] != "uniform");
+        let variation = control.total_variation.filter(|_| control.space.as_deref() != Some("uniform"));
         let variation =
             variation.map(|v| format!(", total variation {}{unit} {}", short(v), area.trim_end_matches("^1")));
         console.say(format!(
             "control     {name} from {} to {}{unit}, {} of {} on their bounds{}",
-            short(number(&control["min"])),
-            short(number(&control["max"])),
-            control["active"],
-            control["unknowns"],
+            short(known_number(control.min)),
+            short(known_number(control.max)),
+            control.active.unwrap_or_default(),
+            control.unknowns.unwrap_or_default(),
             variation.unwrap_or_default()
         ));
     }
@@ -200,6 +198,7 @@ fn say(
         Some(checkpoint) => say_how_to_resume(session, checkpoint),
         None => advice::say(session, best),
     }
+    Ok(())
 }
 
 /// A run that was interrupted goes on from its last checkpoint.
@@ -248,8 +247,8 @@ fn write(
         let moving = motion::ghosts(records, member, &best.point.members[member.index()])?;
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, best)
-                + &distance(session, member)
+            subtitle: subtitle(session, best)?
+                + &distance(session, member)?
                 + &left_out(session)
                 + &picture::legend(&end),
             body: ("optimum", &end),
@@ -286,11 +285,11 @@ fn write(
 }
 
 /// The distance of one of several members from its target, for a subtitle; that of all stands there anyway.
-fn distance(session: &Session<'_>, member: CaseMember<'_>) -> String {
-    let result = session.result_value();
-    let own = members_of(&result).into_iter().find(|(name, _)| *name == member.name());
+fn distance(session: &Session<'_>, member: CaseMember<'_>) -> Result<String, RunError> {
+    let result = session.record()?;
+    let own = result.members().into_iter().find(|(name, _)| *name == member.name());
     let unit = session.problem.units().length().symbol;
-    own.map_or_else(String::new, |(_, entry)| picture::distance(&Value::Object(entry.clone()), unit))
+    Ok(own.map_or_else(String::new, |(_, state)| picture::distance(state, unit)))
 }
 
 /// Members that pictures leave out, for a subtitle.
@@ -324,18 +323,19 @@ pub(crate) fn why(stop: &Stop) -> String {
 }
 
 /// The start as the last stage values it: what the end can be compared with.
-pub(crate) fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
+fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
     problem.ensemble.restage(problem.stages() - 1, start).ok()
 }
 
 /// "1.2e-03 -> 4.5e-06, a factor of 267"
-pub(crate) fn fall(from: f64, to: f64) -> String {
+fn fall(from: Number, to: Number) -> String {
+    let (from, to) = (known_number(from), known_number(to));
     let factor =
         if to > 0.0 && from > to { format!(", a factor of {}", short(round(from / to))) } else { String::new() };
     format!("{} -> {}{factor}", scientific(from, 6), scientific(to, 6))
 }
 
 /// Three digits.
-pub(crate) fn round(value: f64) -> f64 {
+fn round(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }

@@ -1,10 +1,12 @@
 //! The starts in the result and on the terminal.
 
+use crate::run::error::RunError;
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::Admitted;
 use nastic_numeric::format::scientific;
 use nastic_opt::Stop;
+use nastic_report::record::StartRecord;
 use serde_json::{Value, json};
 
 /// The entry of a start that ended.
@@ -26,7 +28,7 @@ pub(super) fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Value) 
 }
 
 /// One line per start.
-pub(super) fn say(session: &Session<'_>, entries: &[Value], best: usize) {
+pub(super) fn say(session: &Session<'_>, entries: &[Value], best: usize) -> Result<(), RunError> {
     let directions = session.problem.controls.iter().any(|field| matches!(field.admitted, Admitted::Norm(_)));
     if entries.len() == 1 && session.problem.case.optimizer.starts == 1 && directions {
         let hint = "one; vectors of given length often have several minima: --set optimizer/starts=4 tries three more";
@@ -34,23 +36,26 @@ pub(super) fn say(session: &Session<'_>, entries: &[Value], best: usize) {
     }
     for (k, entry) in entries.iter().enumerate().filter(|_| entries.len() > 1) {
         let head = if k == 0 { "starts" } else { "" };
-        let seed = entry["seed"].as_u64().map_or_else(|| "as written".to_owned(), |seed| format!("seed {seed}"));
-        let what = match (entry["cost"].as_f64(), entry["failed"].as_str()) {
-            (Some(cost), _) => {
-                format!("cost {} after {} iterations", scientific(cost, 6), entry["iterations"])
+        let start = StartRecord::of(entry)?;
+        let seed = start.seed.map_or_else(|| "as written".to_owned(), |seed| format!("seed {seed}"));
+        let what = match start.cost {
+            Some(cost) => {
+                let iterations = start.iterations.unwrap_or_default();
+                format!("cost {} after {iterations} iterations", scientific(cost, 6))
             }
-            (None, why) => format!("failed: {}", why.unwrap_or_default()),
+            None => format!("failed: {}", start.failed.unwrap_or_default()),
         };
-        let mark = match (entry["minimum"].as_u64(), k == best) {
+        let mark = match (start.minimum, k == best) {
             (_, true) => ", the best".to_owned(),
             (Some(0), _) => ", the same minimum".to_owned(),
             (Some(minimum), _) => {
-                let percent = 100.0 * entry["distance"].as_f64().unwrap_or(f64::NAN);
+                let percent = 100.0 * start.distance.unwrap_or(f64::NAN);
                 format!(", minimum {}, its control {percent:.0} % away", minimum + 1)
             }
-            (None, _) if entry["stopped_early"] == true => ", stopped early".to_owned(),
+            (None, _) if start.stopped_early => ", stopped early".to_owned(),
             (None, _) => String::new(),
         };
         session.console.say(format!("{head:<12}{} ({seed}): {what}{mark}", k + 1));
     }
+    Ok(())
 }

@@ -39,7 +39,7 @@ pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Res
         Analysis::Equilibria(count) => equilibria::run(session, &point, *count)?,
         _ => Exit::Done,
     };
-    show(session, point, None, found);
+    show(session, point, None, found)?;
     Ok(exit)
 }
 
@@ -49,18 +49,18 @@ pub(crate) fn show(
     point: EnsemblePoint,
     derivative: Option<Vec<f64>>,
     inspections: Vec<Inspection>,
-) {
-    let subtitle = subtitle(session, point.members.iter().map(|at| at.min_j()).fold(f64::INFINITY, f64::min));
+) -> Result<(), RunError> {
+    let subtitle = subtitle(session, point.members.iter().map(|at| at.min_j()).fold(f64::INFINITY, f64::min))?;
     let what = motion::state_name(&session.problem);
     session.shown = Some(Shown { what, subtitle, point, derivative, start: None, inspections });
+    Ok(())
 }
 
 /// The line below the title of a picture.
-pub(crate) fn subtitle(session: &Session<'_>, min_j: f64) -> String {
-    let result = session.result_value();
-    let distance = picture::distance(&result, session.problem.units().length().symbol);
+fn subtitle(session: &Session<'_>, min_j: f64) -> Result<String, RunError> {
+    let distance = picture::distance(&session.record()?.state, session.problem.units().length().symbol);
     let what = motion::state_name(&session.problem);
-    format!("{what} at the start control, min J {}{distance}{}", short(min_j), session.warned())
+    Ok(format!("{what} at the start control, min J {}{distance}{}", short(min_j), session.warned()))
 }
 
 /// Puts what the equilibria are into the result and says it.
@@ -74,13 +74,12 @@ pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[
     session.put_all(entries);
     session.put("controls", controls);
     session.put("load_steps", json!(point.members.iter().map(|at| at.state().report.load_steps).max()));
-    say(session, point);
-    Ok(())
+    say(session, point)
 }
 
-pub(crate) fn say(session: &Session<'_>, point: &EnsemblePoint) {
+fn say(session: &Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
     let states = || point.members.iter().map(|at| at.state());
-    let (console, result) = (session.console, session.result_value());
+    let (console, result) = (session.console, session.record()?);
     let mut work = SolveReport::default();
     point.members.iter().for_each(|at| work.add_work(&at.work));
     if work.newton == 0 && states().all(|state| state.u.iter().all(|u| *u == 0.0)) {
@@ -107,6 +106,7 @@ pub(crate) fn say(session: &Session<'_>, point: &EnsemblePoint) {
     say_tracked(session, &result);
     say_probes(session, &result);
     say_reactions(session, &result);
+    Ok(())
 }
 
 pub(crate) fn write(
@@ -132,7 +132,7 @@ pub(crate) fn write(
         let ghosts = motion::ghosts(records, member, at)?;
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, at.min_j()) + &picture::legend(&shot),
+            subtitle: subtitle(session, at.min_j())? + &picture::legend(&shot),
             body: (motion::state_name(problem), &shot),
             ghosts: picture::named(&ghosts),
             scenarios: Vec::new(),

@@ -2,6 +2,7 @@
 
 use crate::run::error::{Exit, RunError};
 use crate::run::outcome::Outcome;
+use nastic_report::record::{MemberRecord, RunRecord};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
@@ -51,10 +52,7 @@ const LEFT_OUT: [&str; 10] =
 impl Row {
     pub fn of(directory: &str, values: Vec<(String, String)>, ran: Result<Outcome, RunError>, out: &Path) -> Self {
         let (exit, error, result) = match ran {
-            Ok(outcome) => {
-                let error = outcome.result["error"].as_str().map(str::to_owned);
-                (outcome.exit, error, outcome.result)
-            }
+            Ok(outcome) => (outcome.exit, None, outcome.result),
             // What a failed solve found out before is in its directory; nothing is written of a case that is wrong.
             Err(error @ (RunError::Forward { .. } | RunError::Motion { .. })) => {
                 let text = std::fs::read_to_string(out.join(directory).join("result.json")).ok();
@@ -63,15 +61,19 @@ impl Row {
             }
             Err(error) => (error.exit(), Some(error.to_string()), Value::Null),
         };
+        let record = RunRecord::of(&result).unwrap_or_default();
+        let mut warnings: Vec<String> = record.warnings.into_iter().map(|warning| warning.code).collect();
+        warnings.sort_unstable();
+        warnings.dedup();
         Self {
             directory: directory.to_owned(),
             values,
             warm_from: None,
             exit,
-            error,
-            warnings: warnings(&result),
+            error: error.or(record.error),
+            warnings,
             figures: figures(&result),
-            stems: stems(&result),
+            stems: stems(&record.members),
         }
     }
 
@@ -109,21 +111,12 @@ impl Row {
     }
 }
 
-fn warnings(result: &Value) -> Vec<String> {
-    let codes = result["warnings"].as_array().into_iter().flatten().filter_map(|one| one["code"].as_str());
-    let mut codes: Vec<String> = codes.map(str::to_owned).collect();
-    codes.sort_unstable();
-    codes.dedup();
-    codes
-}
-
-fn stems(result: &Value) -> Vec<(String, String)> {
+/// What the names of the files begin with, of the first scenario of every load case.
+fn stems(members: &[MemberRecord]) -> Vec<(String, String)> {
     let mut out: Vec<(String, String)> = Vec::new();
-    for member in result["members"].as_array().into_iter().flatten() {
-        let text = |key: &str| member[key].as_str().unwrap_or("").to_owned();
-        let (stem, case) = (text("stem"), text("case_stem"));
-        if out.iter().all(|(_, known)| *known != case) {
-            out.push((stem, case));
+    for member in members {
+        if out.iter().all(|(_, known)| *known != member.case_stem) {
+            out.push((member.stem.clone(), member.case_stem.clone()));
         }
     }
     out
