@@ -113,18 +113,14 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<Map<String, Value>, M
     if !one.terms.is_empty() {
         out.insert("stage".into(), json!(one.stage));
         out.insert("cost".into(), summary::cost(one));
-        let figures = summary::hausdorff(one.member, &one.costs);
-        let figures = figures.map_err(|error| (one.member.index(), error))?;
-        if !figures.is_null() {
-            out.insert("hausdorff".into(), figures);
-        }
-        let distances = summary::tracking(one.member, &one.costs).map_err(|error| (one.member.index(), error))?;
-        if !distances.is_null() {
-            out.insert("tracking".into(), distances);
-        }
-        let others = summary::figures(one.member, &one.costs).map_err(|error| (one.member.index(), error))?;
-        if !others.is_null() {
-            out.insert("figures".into(), others);
+        let told = [
+            ("hausdorff", summary::hausdorff(one.member, &one.costs)),
+            ("tracking", summary::tracking(one.member, &one.costs)),
+            ("figures", summary::figures(one.member, &one.costs)),
+        ];
+        for (key, figures) in told {
+            let figures = figures.map_err(|error| (one.member.index(), error))?;
+            out.extend((!figures.is_empty()).then(|| (key.to_owned(), Value::Object(figures))));
         }
     }
     if detail == Detail::Full {

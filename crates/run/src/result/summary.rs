@@ -17,53 +17,51 @@ pub(crate) fn cost(report: &MemberReport<'_>) -> Value {
     json!({ "total": report.terms.iter().sum::<f64>(), "terms": entries })
 }
 
+/// What costs report of themselves, of these kinds: `{ TERM: { FIGURE: ... } }`.
+fn reported(
+    member: CaseMember<'_>,
+    costs: &[Arc<dyn CostPoint>],
+    is_told: fn(FigureKind) -> bool,
+) -> Result<Map<String, Value>, ControlError> {
+    let mut out = Map::new();
+    for (name, cost) in member.reduced().term_names().into_iter().zip(costs) {
+        let own = cost.figures()?.into_iter().filter(|figure| is_told(figure.kind));
+        let own: Map<String, Value> = own.map(|figure| (figure.kind.name().to_owned(), json!(figure.value))).collect();
+        if !own.is_empty() {
+            out.insert(name, Value::Object(own));
+        }
+    }
+    Ok(out)
+}
+
 /// `{ "smoothed": ..., "true": ..., "self": ... }` of the first such cost, and of each under its name where there are
-/// several; null without one.
-pub(crate) fn hausdorff(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> Result<Value, ControlError> {
-    let mut all = Vec::new();
-    for (name, cost) in member.reduced().term_names().into_iter().zip(costs) {
-        let distances = cost.figures()?.into_iter().filter(|figure| figure.kind.is_hausdorff());
-        let own: Map<String, Value> =
-            distances.map(|figure| (figure.kind.name().to_owned(), json!(figure.value))).collect();
-        if !own.is_empty() {
-            all.push((name, own));
-        }
-    }
-    let Some((_, first)) = all.first() else { return Ok(Value::Null) };
-    let mut out = first.clone();
+/// several.
+pub(crate) fn hausdorff(
+    member: CaseMember<'_>,
+    costs: &[Arc<dyn CostPoint>],
+) -> Result<Map<String, Value>, ControlError> {
+    let all = reported(member, costs, FigureKind::is_hausdorff)?;
+    let mut out = all.values().next().and_then(Value::as_object).cloned().unwrap_or_default();
     if all.len() > 1 {
-        out.extend(all.into_iter().map(|(name, own)| (name, Value::Object(own))));
+        out.extend(all);
     }
-    Ok(Value::Object(out))
+    Ok(out)
 }
 
-/// `{ TERM: { "root_mean_square": ..., "largest": ... } }`: distances of tracked points from their targets; null without
-/// such a cost.
-pub(crate) fn tracking(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> Result<Value, ControlError> {
-    let mut out = Map::new();
-    for (name, cost) in member.reduced().term_names().into_iter().zip(costs) {
-        let distances = cost.figures()?.into_iter().filter(|figure| figure.kind.is_tracking());
-        let own: Map<String, Value> =
-            distances.map(|figure| (figure.kind.name().to_owned(), json!(figure.value))).collect();
-        if !own.is_empty() {
-            out.insert(name, Value::Object(own));
-        }
-    }
-    Ok(if out.is_empty() { Value::Null } else { Value::Object(out) })
+/// `{ TERM: { "root_mean_square": ..., "largest": ... } }`: distances of tracked points from their targets.
+pub(crate) fn tracking(
+    member: CaseMember<'_>,
+    costs: &[Arc<dyn CostPoint>],
+) -> Result<Map<String, Value>, ControlError> {
+    reported(member, costs, FigureKind::is_tracking)
 }
 
-/// `{ TERM: { "angle": ... } }`: what other costs report of themselves; null without one.
-pub(crate) fn figures(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> Result<Value, ControlError> {
-    let mut out = Map::new();
-    for (name, cost) in member.reduced().term_names().into_iter().zip(costs) {
-        let others = cost.figures()?.into_iter().filter(|figure| matches!(figure.kind, FigureKind::Other(_)));
-        let own: Map<String, Value> =
-            others.map(|figure| (figure.kind.name().to_owned(), json!(figure.value))).collect();
-        if !own.is_empty() {
-            out.insert(name, Value::Object(own));
-        }
-    }
-    Ok(if out.is_empty() { Value::Null } else { Value::Object(out) })
+/// `{ TERM: { "angle": ... } }`: what other costs report of themselves.
+pub(crate) fn figures(
+    member: CaseMember<'_>,
+    costs: &[Arc<dyn CostPoint>],
+) -> Result<Map<String, Value>, ControlError> {
+    reported(member, costs, |kind| matches!(kind, FigureKind::Other(_)))
 }
 
 /// `{ "euclidean": ..., "metric": ... }`

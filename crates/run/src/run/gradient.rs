@@ -3,9 +3,8 @@
 use crate::result::collections::write_collections;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
-use crate::result::member_report::Detail;
 use crate::result::target_files::write_targets;
-use crate::result::{member_report, snapshot, summary};
+use crate::result::{snapshot, summary};
 use crate::run::check_gradient;
 use crate::run::error::{Exit, RunError};
 use crate::run::report::{remove_earlier, say_files};
@@ -42,13 +41,9 @@ fn report(
     derivative: &[f64],
     found: &[Inspection],
 ) -> Result<(), RunError> {
-    let reports = member_report::of_inspected(&session.problem, point, found);
-    let reports = reports.map_err(|error| session.member_failed(error))?;
-    let entries = member_report::entries(&session.problem, &reports, Detail::Full);
-    let entries = entries.map_err(|error| session.member_failed(error))?;
+    let entries = session.entries(point, found)?;
     let norm = summary::derivative_norm(&session.problem, derivative);
     let controls = summary::controls(&session.problem, &point.m);
-    drop(reports);
     session.put_all(entries);
     session.put("derivative_norm", norm);
     session.put("controls", controls);

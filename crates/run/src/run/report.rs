@@ -1,14 +1,17 @@
 //! `result.json`, and the page that shows it with the other files of a run: `nastic report DIR`, and the end of every run.
 
 use crate::result::files::Directory;
+use crate::result::inspection::Inspection;
+use crate::result::member_report::{self, Detail};
 use crate::result::obstacle_shape;
 use crate::result::target_files::target_names;
 use crate::run::error::RunError;
 use crate::run::session::Session;
 use nastic_case::lower::CaseProblem;
+use nastic_control::EnsemblePoint;
 use nastic_io::write_atomically;
 use nastic_language::schema::Command;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
 /// The case with its overrides.
@@ -54,6 +57,13 @@ impl Session<'_> {
             }
         }
         self.put("files", json!(self.files));
+    }
+
+    /// What is told of the states of an evaluated control.
+    pub(super) fn entries(&self, point: &EnsemblePoint, found: &[Inspection]) -> Result<Map<String, Value>, RunError> {
+        let reports = member_report::of_inspected(&self.problem, point, found);
+        let entries = reports.and_then(|reports| member_report::entries(&self.problem, &reports, Detail::Full));
+        entries.map_err(|error| self.member_failed(error))
     }
 
     /// A run that cannot begin leaves its directory as it is.

@@ -2,11 +2,10 @@
 
 use crate::result::collections::write_collections;
 use crate::result::inspection::Inspection;
-use crate::result::member_report::Detail;
 use crate::result::picture::Drawing;
 use crate::result::target_files::write_targets;
 use crate::result::title::title;
-use crate::result::{member_report, picture, snapshot, summary};
+use crate::result::{picture, snapshot, summary};
 use crate::run::analysis::Analysis;
 use crate::run::error::{Exit, RunError};
 use crate::run::motion;
@@ -65,12 +64,8 @@ fn subtitle(session: &Session<'_>, min_j: f64) -> Result<String, RunError> {
 
 /// Puts what the equilibria are into the result and says it.
 pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
-    let reports = member_report::of_inspected(&session.problem, point, found);
-    let reports = reports.map_err(|error| session.member_failed(error))?;
-    let entries = member_report::entries(&session.problem, &reports, Detail::Full);
-    let entries = entries.map_err(|error| session.member_failed(error))?;
+    let entries = session.entries(point, found)?;
     let controls = summary::controls(&session.problem, &point.m);
-    drop(reports);
     session.put_all(entries);
     session.put("controls", controls);
     session.put("load_steps", json!(point.members.iter().map(|at| at.state().report.load_steps).max()));
