@@ -19,7 +19,7 @@ pub struct Options {
     pub threads: Option<usize>,
     /// Overrides `path=value`, in order.
     pub set: Vec<String>,
-    /// Whether warnings make a command fail, with [`Exit::Warned`].
+    /// Whether warnings make a command fail, with [`Exit::Warned`](crate::run::Exit::Warned).
     pub strict: bool,
     /// Whether the page of results, `report.html`, is left out.
     pub no_report: bool,
