@@ -44,7 +44,6 @@
 //! | [`control`] | control fields, costs, reduced problems |
 //! | [`case`] | case files and what the command line does with them |
 
-pub use nastic_case as case;
 pub use nastic_control as control;
 pub use nastic_energy as energy;
 pub use nastic_fem as fem;
@@ -59,6 +58,13 @@ pub use nastic_picture as picture;
 pub use nastic_report as report;
 pub use nastic_tensor as tensor;
 pub use nastic_uncertainty as uncertainty;
+
+/// Case files and what the command line does with them.
+pub mod case {
+    pub use nastic_case::{lower, warning};
+    pub use nastic_language::{catalogue, expression, quantity, schema, syntax, template};
+    pub use nastic_run::{console, history, result, run, signals};
+}
 
 /// What most programs need.
 pub mod prelude {

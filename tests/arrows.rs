@@ -21,8 +21,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("uncertainty", &["numeric", "energy", "mesh"]),
     ("fem", &["numeric", "tensor", "energy", "mesh", "linear"]),
     ("control", &["numeric", "tensor", "energy", "mesh", "linear", "fem", "opt", "hausdorff", "uncertainty"]),
+    ("language", &["numeric", "energy", "fit", "mesh", "io", "fem", "opt", "control"]),
+    ("case", &["numeric", "tensor", "energy", "mesh", "io", "fem", "opt", "uncertainty", "control", "language"]),
     (
-        "case",
+        "run",
         &[
             "numeric",
             "tensor",
@@ -36,10 +38,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "opt",
             "uncertainty",
             "control",
+            "language",
+            "case",
         ],
     ),
-    ("cli", &["case"]),
-    ("python", &["mesh", "opt", "control", "case"]),
+    ("cli", &["language", "run"]),
+    ("python", &["mesh", "opt", "control", "language", "case", "run"]),
     (
         "nastic",
         &[
@@ -57,7 +61,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "uncertainty",
             "fem",
             "control",
+            "language",
             "case",
+            "run",
         ],
     ),
 ];

@@ -143,12 +143,12 @@ fn vtu_files() {
 /// Cases are lowered to the problem they describe, which reads meshes and samples formulas; that takes longer.
 #[test]
 fn case_files() {
-    let mut corpus = files("crates/case/tests/cases", ".json", 40_000);
+    let mut corpus = files("crates/language/tests/cases", ".json", 40_000);
     for case in &mut corpus {
         // 3^8 scenarios, each with its body, are right but take half a minute.
         *case = String::from_utf8(case.clone()).unwrap().replace(r#""gauss": 3"#, r#""gauss": 1"#).into_bytes();
     }
-    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/case/tests/cases/mutant.json");
+    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/language/tests/cases/mutant.json");
     run("case", &corpus, 10, |bytes| {
         let Ok(text) = std::str::from_utf8(bytes) else { return };
         let document = Document::parse(&place.display().to_string(), text);

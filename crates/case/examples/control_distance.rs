@@ -12,8 +12,8 @@
 #![allow(clippy::print_stdout)] // a program prints its table
 
 use nastic_case::lower::CaseProblem;
-use nastic_case::syntax::Document;
 use nastic_control::ControlTarget;
+use nastic_language::syntax::Document;
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! [`Warning`]: a result or an input that deserves attention although nothing failed.
 
-use crate::syntax::Diagnostic;
+use nastic_language::syntax::Diagnostic;
 use serde_json::{Value, json};
 use std::fmt;
 

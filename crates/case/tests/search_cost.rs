@@ -4,8 +4,8 @@
 #![allow(clippy::unwrap_used)] // a test may
 
 use nastic_case::lower::CaseProblem;
-use nastic_case::syntax::Document;
 use nastic_fem::SolveOptions;
+use nastic_language::syntax::Document;
 use nastic_mesh::spatial::Shape;
 use std::path::Path;
 use std::sync::Arc;

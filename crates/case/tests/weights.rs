@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // a test may
 
 use nastic_case::lower::CaseProblem;
-use nastic_case::syntax::Document;
+use nastic_language::syntax::Document;
 use std::sync::Arc;
 
 /// A change through the whole range counts the same in every field, whatever its unit and its size.

@@ -8,7 +8,7 @@
 //!
 //! `cargo run --release -p nastic-cli --example own_program -- solve CASE`
 
-use nastic_case::catalogue::Catalogue;
+use nastic_language::catalogue::Catalogue;
 use nastic_energy::catalogue::{ActuationRow, Example, Made, MaterialRow, Parameter};
 use nastic_energy::{Block, Conjugates, ConvexDensity, Curvature, FiberTension, Field, Place};
 use nastic_fem::contributions::catalogue::{Entry, Form, Key, KeyKind};

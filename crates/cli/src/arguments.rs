@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand};
-use nastic_case::template::TEMPLATES;
+use nastic_language::template::TEMPLATES;
 use std::path::PathBuf;
 
 /// Optimal control of actuated hyperelastic soft bodies.

@@ -4,15 +4,15 @@ use crate::arguments::{
     self, Arguments, Case, Command, Diagnosis, Fit, Modes, New, Optimize, Report, Resume, Running, StopAt, Sweep,
     SweptCommand,
 };
-use nastic_case::catalogue::Catalogue;
-use nastic_case::console::Console;
-use nastic_case::run;
-use nastic_case::run::{
+use nastic_language::catalogue::Catalogue;
+use nastic_language::schema;
+use nastic_language::template::{Template, TemplateError};
+use nastic_run::console::Console;
+use nastic_run::run;
+use nastic_run::run::{
     Analysis, Exit, ModesRequest, Options, Outcome, RunError, SpectrumRequest, report, resume, run_with, sweep,
 };
-use nastic_case::schema;
-use nastic_case::signals::cancelled_by_signals;
-use nastic_case::template::{Template, TemplateError};
+use nastic_run::signals::cancelled_by_signals;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;

@@ -1,7 +1,7 @@
 //! The command line of nastic as a function, so that a program of your own can add laws, actuations and costs to it:
 //!
 //! ```no_run
-//! use nastic_case::catalogue::Catalogue;
+//! use nastic_language::catalogue::Catalogue;
 //!
 //! fn main() -> std::process::ExitCode {
 //!     nastic_cli::run(&Catalogue::standard()) // .with_material(&MY_LAW)
@@ -15,7 +15,7 @@ mod command;
 
 use arguments::Arguments;
 use clap::Parser;
-use nastic_case::catalogue::Catalogue;
+use nastic_language::catalogue::Catalogue;
 use std::process::ExitCode;
 
 /// Runs what was typed, with the names of this catalogue: the whole of the program `nastic`. Arguments that cannot be

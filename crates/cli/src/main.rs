@@ -1,6 +1,6 @@
 //! The command line program `nastic`.
 
-use nastic_case::catalogue::Catalogue;
+use nastic_language::catalogue::Catalogue;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

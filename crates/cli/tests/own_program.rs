@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-const BAR: &str = include_str!("../../case/tests/cases/bar.json");
+const BAR: &str = include_str!("../../language/tests/cases/bar.json");
 
 fn own_program(directory: &tempfile::TempDir, arguments: &[&str]) -> Output {
     let test = std::env::current_exe().unwrap();

@@ -1,10 +1,10 @@
 //! Errors as the exceptions of `nastic.errors`.
 
 use nastic_case::lower::StepsError;
-use nastic_case::run::{Exit, RunError};
-use nastic_case::syntax::Diagnostics;
 use nastic_control::{ControlError, EnsembleError};
+use nastic_language::syntax::Diagnostics;
 use nastic_opt::Failed;
+use nastic_run::run::{Exit, RunError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 

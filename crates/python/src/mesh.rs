@@ -1,7 +1,7 @@
 //! Meshes from NumPy arrays, and their arrays.
 
 use crate::error;
-use nastic_case::syntax::quoted;
+use nastic_language::syntax::quoted;
 use nastic_mesh::{CellKind, RawMesh};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;

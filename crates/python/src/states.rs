@@ -3,7 +3,7 @@
 use crate::error;
 use crate::mesh::{arrays, matrix};
 use nastic_case::lower::CaseProblem;
-use nastic_case::run;
+use nastic_run::run;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};

@@ -36,3 +36,10 @@ pub enum ReportError {
     #[error(transparent)]
     Vtu(#[from] ReadError),
 }
+
+impl ReportError {
+    /// A value of `result.json` is of another kind than its key has.
+    pub(crate) fn of_result(error: serde_json::Error) -> Self {
+        Self::Content { file: "result.json".into(), what: error.to_string() }
+    }
+}

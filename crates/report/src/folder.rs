@@ -1,8 +1,10 @@
 //! [`ResultFolder`]: the files of a run.
 
 use crate::error::ReportError;
+use crate::record::RunRecord;
 use nastic_io::read_snapshot;
 use nastic_mesh::Snapshot;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct ResultFolder {
     path: PathBuf,
     /// `result.json`.
-    pub result: Value,
+    pub result: RunRecord,
     /// The lines of `history.jsonl`, if the run wrote any.
     pub history: Vec<Value>,
     /// `case.json`: the case with its overrides.
@@ -21,7 +23,7 @@ pub(crate) struct ResultFolder {
 impl ResultFolder {
     pub fn open(path: &Path) -> Result<Self, ReportError> {
         let missing = || ReportError::Missing { directory: path.to_owned() };
-        let mut folder = Self { path: path.to_owned(), result: Value::Null, history: Vec::new(), case: None };
+        let mut folder = Self { path: path.to_owned(), result: RunRecord::default(), history: Vec::new(), case: None };
         let text = folder.text("result.json")?.ok_or_else(missing)?;
         folder.result = folder.json("result.json", &text)?;
         if folder.wrote("history.jsonl") {
@@ -37,17 +39,16 @@ impl ResultFolder {
 
     /// Whether the run wrote this file: one of an earlier run in the same directory is not taken for its own.
     pub fn wrote(&self, name: &str) -> bool {
-        self.result["files"].as_array().into_iter().flatten().any(|file| file == name)
+        self.result.files.iter().any(|file| file == name)
     }
 
     /// The files that the run wrote whose names begin and end so, in order.
     pub fn series(&self, beginning: &str, ending: &str) -> Vec<String> {
-        let files = self.result["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
         let is_number = |middle: &str| !middle.is_empty() && middle.bytes().all(|byte| byte.is_ascii_digit());
-        let fits = |file: &&str| {
+        let fits = |file: &&String| {
             file.strip_prefix(beginning).and_then(|rest| rest.strip_suffix(ending)).is_some_and(is_number)
         };
-        let mut found: Vec<String> = files.filter(fits).map(str::to_owned).collect();
+        let mut found: Vec<String> = self.result.files.iter().filter(fits).cloned().collect();
         found.sort();
         found
     }
@@ -79,7 +80,7 @@ impl ResultFolder {
         ReportError::Content { file: self.path.join(name), what }
     }
 
-    fn json(&self, name: &str, text: &str) -> Result<Value, ReportError> {
+    fn json<T: DeserializeOwned>(&self, name: &str, text: &str) -> Result<T, ReportError> {
         serde_json::from_str(text).map_err(|error| self.content(name, format!("not JSON: {error}")))
     }
 }

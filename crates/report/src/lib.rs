@@ -21,6 +21,7 @@ mod iterates;
 mod number;
 mod page;
 mod plots;
+pub mod record;
 mod scene;
 mod spectrum;
 mod summary;

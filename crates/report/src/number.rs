@@ -1,6 +1,6 @@
 //! Numbers for people.
 
-use serde_json::Value;
+use crate::record::Number;
 
 /// Five significant digits, with an exponent only where that reads better.
 pub(crate) fn short(value: f64) -> String {
@@ -21,8 +21,8 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// A number of a result with its unit; a dash where there is none.
-pub(crate) fn number(value: &Value, unit: &str) -> String {
-    match value.as_f64() {
+pub(crate) fn number(value: Number, unit: &str) -> String {
+    match value {
         Some(x) if unit.is_empty() => short(x),
         Some(x) => format!("{} {unit}", short(x)),
         None => "–".to_owned(),
@@ -71,6 +71,6 @@ mod tests {
         assert_eq!(millimetres(3.0, "ft"), "3 ft");
         assert_eq!(duration(0.0123), "12 ms");
         assert_eq!(duration(150.0), "2.5 min");
-        assert_eq!(number(&Value::Null, "Pa"), "–");
+        assert_eq!(number(None, "Pa"), "–");
     }
 }

@@ -4,6 +4,7 @@ use crate::case_name::case_name;
 use crate::folder::ResultFolder;
 use crate::html::{escape, paragraph, section};
 use crate::plots::plots;
+use crate::record::RunRecord;
 use crate::scene::Scene;
 use crate::{spectrum, summary, tables};
 use serde_json::{Value, json};
@@ -31,10 +32,10 @@ const PROGRAM: [&str; 9] = [
 /// The whole page.
 pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
     let result = &folder.result;
-    let view = scene.json(&result["units"]);
+    let view = scene.json(&result.units.length);
     let plots = plots(result, &folder.history);
-    let file = || result["case"].as_str().map(case_name);
-    let title = result["title"].as_str().map(str::to_owned).or_else(file).unwrap_or_else(|| "nastic".to_owned());
+    let file = || result.case.as_deref().map(case_name);
+    let title = result.title.clone().or_else(file).unwrap_or_else(|| "nastic".to_owned());
     let body = [
         summary::warnings(result),
         summary::summary(result),
@@ -97,9 +98,9 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
     )
 }
 
-fn subtitle(result: &Value) -> String {
-    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-    format!("nastic {} {}, {}", text(&result["versions"]["nastic"]), text(&result["command"]), text(&result["case"]))
+fn subtitle(result: &RunRecord) -> String {
+    let case = result.case.as_deref().unwrap_or_default();
+    format!("nastic {} {}, {case}", result.versions.nastic, result.command)
 }
 
 /// The three-dimensional view, or in words why there is none; what is not shown.
@@ -121,9 +122,8 @@ fn plot_places(plots: &[Value]) -> String {
 
 /// The charts whose names end so, as the run drew them.
 fn drawings(folder: &ResultFolder, endings: &[&str]) -> String {
-    let files = folder.result["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let drawn = files.filter(|file| endings.iter().any(|ending| file.ends_with(ending)));
-    let figure = |file: &str| {
+    let drawn = folder.result.files.iter().filter(|file| endings.iter().any(|ending| file.ends_with(ending)));
+    let figure = |file: &String| {
         let text = folder.text(file).ok().flatten()?;
         let start = text.find("<svg")?;
         Some(format!("<figure class=\"drawing\">{}</figure>\n", &text[start..]))
@@ -132,25 +132,24 @@ fn drawings(folder: &ResultFolder, endings: &[&str]) -> String {
 }
 
 /// Name, unit and explanation of the fields that bodies are coloured by.
-fn fields(result: &Value) -> Value {
-    let units = &result["units"];
-    let unit = |key: &str| units[key].as_str().unwrap_or_default();
+fn fields(result: &RunRecord) -> Value {
+    let units = &result.units;
     let mut out = json!({
-        "|u|": { "label": "displacement |u|", "unit": unit("length") },
+        "|u|": { "label": "displacement |u|", "unit": units.length },
         "J": { "label": "volume ratio J", "unit": "" },
-        "energy": { "label": "energy density", "unit": unit("pressure") },
-        "mises": { "label": "von Mises stress", "unit": unit("pressure") },
-        "distance": { "label": "distance from the target", "unit": unit("length") },
-        "deviation_norm": { "label": "standard deviation of positions", "unit": unit("length") },
+        "energy": { "label": "energy density", "unit": units.pressure },
+        "mises": { "label": "von Mises stress", "unit": units.pressure },
+        "distance": { "label": "distance from the target", "unit": units.length },
+        "deviation_norm": { "label": "standard deviation of positions", "unit": units.length },
         "mode": { "label": "mode", "unit": "" },
         "intersecting": { "label": "intersects itself", "unit": "" },
-        "B_r": { "label": "remanence B_r (carried with the body)", "unit": unit("field") },
-        "B_a": { "label": "applied field B_a", "unit": unit("field") },
+        "B_r": { "label": "remanence B_r (carried with the body)", "unit": units.field },
+        "B_a": { "label": "applied field B_a", "unit": units.field },
         "fiber": { "label": "fibre of the material", "unit": "" },
     });
-    for control in result["controls"].as_object().into_iter().flatten().map(|(_, control)| control) {
-        if let Some(array) = control["array"].as_str() {
-            out[array] = json!({ "label": array, "unit": control["unit"], "control": true });
+    for (_, control) in &result.controls {
+        if let Some(array) = &control.array {
+            out[array] = json!({ "label": array, "unit": control.unit, "control": true });
         }
     }
     out

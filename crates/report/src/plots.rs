@@ -1,5 +1,6 @@
 //! The plots of a run: columns of `history.jsonl` over trials, and the costs of scenarios.
 
+use crate::record::{RunRecord, StateRecord};
 use serde_json::{Value, json};
 
 /// One curve.
@@ -9,23 +10,21 @@ struct Curve {
 }
 
 /// All plots, as `{ "title", "x", "y", "log", "points", "columns": [x, ..], "labels": [..] }`; empty without a history.
-pub(crate) fn plots(result: &Value, history: &[Value]) -> Vec<Value> {
+pub(crate) fn plots(result: &RunRecord, history: &[Value]) -> Vec<Value> {
     let mut out = convergence(result, &of_best_start(result, history));
     out.extend(scenarios(result));
     out
 }
 
 /// The trials of the start that everything else speaks of.
-fn of_best_start<'a>(result: &Value, history: &'a [Value]) -> Vec<&'a Value> {
-    let best = &result["best_start"];
-    history.iter().filter(|line| best.is_null() || line["start"] == *best).collect()
+fn of_best_start<'a>(result: &RunRecord, history: &'a [Value]) -> Vec<&'a Value> {
+    history.iter().filter(|line| result.best_start.is_none_or(|best| line["start"] == best)).collect()
 }
 
-fn convergence(result: &Value, trials: &[&Value]) -> Vec<Value> {
+fn convergence(result: &RunRecord, trials: &[&Value]) -> Vec<Value> {
     if trials.len() < 2 {
         return Vec::new();
     }
-    let length = result["units"]["length"].as_str().unwrap_or_default();
     let column = |path: &[&str], label: &str| {
         let value = |line: &&Value| path.iter().fold(*line, |value, key| &value[*key]).as_f64();
         Curve { label: label.to_owned(), values: trials.iter().map(value).collect() }
@@ -43,7 +42,7 @@ fn convergence(result: &Value, trials: &[&Value]) -> Vec<Value> {
         plot("Cost", "cost", costs),
         plot(
             "Distance from the target",
-            length,
+            &result.units.length,
             vec![
                 count("hausdorff_true", "true Hausdorff distance"),
                 count("tracking_largest", "largest tracked distance"),
@@ -92,11 +91,11 @@ fn plot((title, x_label, y_label): (&str, &str, &str), x: &[Option<f64>], curves
 }
 
 /// The cost of every scenario at the optimum and at the start, in the order of the former.
-fn scenarios(result: &Value) -> Option<Value> {
-    let all = result["scenarios"].as_object().filter(|all| all.len() > 1)?;
-    let cost = |entry: &Value| entry["cost"]["total"].as_f64();
-    let mut costs: Vec<(Option<f64>, Option<f64>)> =
-        all.iter().map(|(name, entry)| (cost(entry), cost(&result["start"]["scenarios"][name]))).collect();
+fn scenarios(result: &RunRecord) -> Option<Value> {
+    let all = Some(&result.scenarios).filter(|all| all.len() > 1)?;
+    let begin = |name: &str| result.start.scenarios.get(name).and_then(|entry| entry.cost.total);
+    let of = |(name, entry): (&String, &StateRecord)| (entry.cost.total, begin(name));
+    let mut costs: Vec<(Option<f64>, Option<f64>)> = all.iter().map(of).collect();
     costs.sort_by(|a, b| a.0.unwrap_or(f64::NAN).total_cmp(&b.0.unwrap_or(f64::NAN)));
     let (now, begin): (Vec<_>, Vec<_>) = costs.into_iter().unzip();
     let ranks: Vec<Option<f64>> = (1..=now.len()).map(|k| Some(k as f64)).collect();

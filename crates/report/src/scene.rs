@@ -6,10 +6,11 @@ use crate::folder::ResultFolder;
 use crate::frame::{self, Amount};
 use crate::iterates::Iterates;
 use crate::number::short;
+use crate::record::{MemberRecord, Number, RunRecord, SeriesRecord, StateRecord};
 use crate::surface::BodySurface;
 use nastic_mesh::Snapshot;
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 /// Members that are shown: those of least and of largest cost are among them.
 const MOST_MEMBERS: usize = 10;
@@ -33,14 +34,9 @@ pub(crate) struct Scene {
 
 /// One member as `result.json` lists it.
 struct ListedMember<'a> {
-    name: &'a str,
-    stem: &'a str,
-    /// The same without the scenario.
-    case_stem: &'a str,
-    targets: Vec<&'a str>,
-    obstacles: Vec<&'a str>,
-    /// Its entries in the result.
-    entry: &'a Value,
+    record: &'a MemberRecord,
+    /// What the result says of it.
+    state: Option<&'a StateRecord>,
     is_lead: bool,
 }
 
@@ -62,7 +58,7 @@ impl Scene {
             scene.add_member(folder, member, ITERATES_SIZE / leads)?;
         }
         for lead in members.iter().filter(|member| member.is_lead) {
-            let file = format!("{}mean_optimum.vtu", lead.case_stem);
+            let file = format!("{}mean_optimum.vtu", lead.record.case_stem);
             if folder.wrote(&file) {
                 let shot = folder.snapshot(&file)?;
                 let name = format!("mean over scenarios{}", case_name(lead));
@@ -75,12 +71,12 @@ impl Scene {
     }
 
     fn add_member(&mut self, folder: &ResultFolder, member: &ListedMember<'_>, most: usize) -> Result<(), ReportError> {
-        let file = |name: &str| format!("{}{name}", member.stem);
+        let file = |name: &str| format!("{}{name}", member.record.stem);
         let mut names: Vec<(String, String)> = Vec::new();
         let start = if folder.wrote(&file("optimum.vtu")) { "start" } else { "equilibrium" };
         names.extend([(file("start.vtu"), start.to_owned()), (file("optimum.vtu"), "optimum".to_owned())]);
-        names.extend(rows(folder, member, "ramp"));
-        names.extend(rows(folder, member, "path"));
+        names.extend(rows(folder, member, ("ramp", |state| state.ramp.as_ref())));
+        names.extend(rows(folder, member, ("path", |state| state.path.as_ref())));
         let instants = instants(folder, member)?;
         if !instants.is_empty() && start != "start" {
             // the end of the motion, which is among the instants
@@ -106,9 +102,11 @@ impl Scene {
             frames.push(self.frame(label, shot, surface, amount));
             for mode in shot.point_data.iter().filter(|array| array.name.starts_with("mode_")) {
                 let number = mode.name.trim_start_matches("mode_").parse::<usize>().unwrap_or(1);
-                let of = |key: &str| member.entry["modes"][key][number - 1].as_f64().map(short);
-                let value = of("eigenvalues").map(|value| format!(", eigenvalue {value}"));
-                let value = value.or_else(|| of("frequencies").map(|value| format!(", {value} Hz")));
+                let modes = member.state.map(|state| &state.modes);
+                let of = |list: &[Number]| list.get(number - 1).copied().flatten().map(short);
+                let value = modes.and_then(|modes| of(&modes.eigenvalues)).map(|value| format!(", eigenvalue {value}"));
+                let frequency = || modes.and_then(|modes| of(&modes.frequencies)).map(|value| format!(", {value} Hz"));
+                let value = value.or_else(frequency);
                 let label = format!("mode {number}{}", value.unwrap_or_default());
                 frames.push(frame::of_mode(&label, shot, mode, &self.surfaces[surface]));
             }
@@ -116,9 +114,10 @@ impl Scene {
         if self.first.is_none() {
             (self.first, self.last) = (Some(first.clone()), Some(last.clone()));
         }
-        let mut targets = self.targets(folder, ("target", &member.targets))?;
-        targets.extend(self.targets(folder, ("obstacle", &member.obstacles))?);
-        self.views.push(json!({ "name": member.name, "surface": surface, "frames": frames, "targets": targets }));
+        let mut targets = self.targets(folder, ("target", &member.record.targets))?;
+        targets.extend(self.targets(folder, ("obstacle", &member.record.obstacles))?);
+        self.views
+            .push(json!({ "name": member.record.name, "surface": surface, "frames": frames, "targets": targets }));
         Ok(())
     }
 
@@ -134,15 +133,15 @@ impl Scene {
         surface: usize,
         most: usize,
     ) -> Result<Vec<Value>, ReportError> {
-        let best = folder.result["best_start"].as_u64().unwrap_or(0);
+        let best = folder.result.best_start.unwrap_or(0);
         let names = ["iterates.bin".to_owned(), format!("start_{best}_iterates.bin")];
-        let mut names = names.into_iter().map(|name| format!("{}{name}", member.case_stem));
+        let mut names = names.into_iter().map(|name| format!("{}{name}", member.record.case_stem));
         let Some(name) = names.find(|name| folder.wrote(name)) else { return Ok(Vec::new()) };
         let Some(bytes) = folder.bytes(&name)? else { return Ok(Vec::new()) };
         let iterates = Iterates::from_bytes(&bytes).map_err(|error| folder.content(&name, error.to_string()))?;
         let surface = &self.surfaces[surface];
         // The first is the start, the last the optimum: these are there already.
-        let last = folder.result["iterations"].as_u64().map_or(usize::MAX, |n| n as usize);
+        let last = folder.result.iterations.map_or(usize::MAX, |n| n as usize);
         let all = iterates.iterations().into_iter().enumerate().filter(|(_, k)| *k > 0 && *k < last);
         let frames: Option<Vec<Value>> = all.map(|(index, _)| frame::of_iterate(&iterates, index, surface)).collect();
         let foreign = || folder.content(&name, "it belongs to another mesh".to_owned());
@@ -157,7 +156,7 @@ impl Scene {
     }
 
     /// Targets or obstacles as `{ "label", "surface", "x" }`; of a tracking target the faces that are tracked.
-    fn targets(&mut self, folder: &ResultFolder, (label, files): (&str, &[&str])) -> Result<Vec<Value>, ReportError> {
+    fn targets(&mut self, folder: &ResultFolder, (label, files): (&str, &[String])) -> Result<Vec<Value>, ReportError> {
         let mut out = Vec::new();
         for file in files.iter().filter(|file| folder.wrote(file)) {
             let shot = folder.snapshot(file)?;
@@ -189,48 +188,25 @@ impl Scene {
     }
 
     /// The data of the page's view; null without a state.
-    pub fn json(&self, units: &Value) -> Value {
+    pub fn json(&self, length: &str) -> Value {
         if self.views.is_empty() {
             return Value::Null;
         }
         let surfaces: Vec<Value> = self.surfaces.par_iter().map(BodySurface::json).collect();
-        json!({ "length": units["length"], "surfaces": surfaces, "views": self.views })
+        json!({ "length": length, "surfaces": surfaces, "views": self.views })
     }
 }
 
 /// The members of a result.
-fn listed(result: &Value) -> Vec<ListedMember<'_>> {
+fn listed(result: &RunRecord) -> Vec<ListedMember<'_>> {
     let mut stems: Vec<&str> = Vec::new();
-    fn text(value: &Value) -> &str {
-        value.as_str().unwrap_or_default()
-    }
-    let of = |member| {
-        let member: &Value = member;
-        let case_stem = text(&member["case_stem"]);
-        let is_lead = !stems.contains(&case_stem);
-        stems.push(case_stem);
-        ListedMember {
-            name: text(&member["name"]),
-            stem: text(&member["stem"]),
-            case_stem,
-            targets: member["targets"].as_array().into_iter().flatten().map(text).collect(),
-            obstacles: member["obstacles"].as_array().into_iter().flatten().map(text).collect(),
-            entry: entry(result, member),
-            is_lead,
-        }
+    let of = |record| {
+        let record: &MemberRecord = record;
+        let is_lead = !stems.contains(&record.case_stem.as_str());
+        stems.push(&record.case_stem);
+        ListedMember { record, state: result.member(record), is_lead }
     };
-    result["members"].as_array().into_iter().flatten().map(of).collect()
-}
-
-/// What the result says of a member.
-pub(crate) fn entry<'a>(result: &'a Value, member: &Value) -> &'a Value {
-    let mut entry = result;
-    for (group, name) in [("scenarios", &member["scenario"]), ("load_cases", &member["load_case"])] {
-        if let Some(name) = name.as_str() {
-            entry = &entry[group][name];
-        }
-    }
-    entry
+    result.members.iter().map(of).collect()
 }
 
 /// All leads, and of the others those at even distances in the order of their costs.
@@ -238,7 +214,7 @@ fn chosen<'a, 'b>(members: &'a [ListedMember<'b>]) -> Vec<&'a ListedMember<'b>> 
     if members.len() <= MOST_MEMBERS {
         return members.iter().collect();
     }
-    let cost = |k: usize| members[k].entry["cost"]["total"].as_f64().unwrap_or(f64::INFINITY);
+    let cost = |k: usize| members[k].state.and_then(|state| state.cost.total).unwrap_or(f64::INFINITY);
     let mut order: Vec<usize> = (0..members.len()).collect();
     order.sort_by(|a, b| cost(*a).total_cmp(&cost(*b)));
     let last = members.len() - 1;
@@ -250,23 +226,27 @@ fn chosen<'a, 'b>(members: &'a [ListedMember<'b>]) -> Vec<&'a ListedMember<'b>> 
 }
 
 /// Files and labels of the rows of a ramp or path, evenly thinned.
-fn rows(folder: &ResultFolder, member: &ListedMember<'_>, series: &str) -> Vec<(String, String)> {
-    let files = folder.series(&format!("{}{series}_", member.stem), ".vtu");
-    let points = &member.entry[series]["points"];
-    let unit = member.entry[series]["unit"].as_str().unwrap_or_default();
-    let parameter = member.entry[series]["control"].as_str().unwrap_or("load");
+fn rows(
+    folder: &ResultFolder,
+    member: &ListedMember<'_>,
+    (name, series): (&str, fn(&StateRecord) -> Option<&SeriesRecord>),
+) -> Vec<(String, String)> {
+    let files = folder.series(&format!("{}{name}_", member.record.stem), ".vtu");
     let step = files.len().div_ceil(MOST_ROWS).max(1);
+    let series = member.state.and_then(series);
     let of = |(k, file): (usize, String)| {
-        let value =
-            points[k]["value"].as_f64().map_or_else(String::new, |x| format!(": {parameter} {} {unit}", short(x)));
-        (file, format!("{series} {k}{}", value.trim_end()))
+        let value = series.and_then(|series| Some((series, series.points.get(k)?.value?)));
+        let value = value.map_or_else(String::new, |(series, x)| {
+            format!(": {} {} {}", series.control.as_deref().unwrap_or("load"), short(x), series.unit)
+        });
+        (file, format!("{name} {k}{}", value.trim_end()))
     };
     files.into_iter().enumerate().map(of).step_by(step).collect()
 }
 
 /// Files and labels of the written instants of a motion, evenly thinned, the last among them.
 fn instants(folder: &ResultFolder, member: &ListedMember<'_>) -> Result<Vec<(String, String)>, ReportError> {
-    let name = format!("{}motion.pvd", member.stem);
+    let name = format!("{}motion.pvd", member.record.stem);
     let text = if folder.wrote(&name) { folder.text(&name)?.unwrap_or_default() } else { String::new() };
     fn attribute<'a>(line: &'a str, key: &str) -> Option<&'a str> {
         line.split_once(key)?.1.strip_prefix("=\"")?.split('"').next()
@@ -282,16 +262,15 @@ fn instants(folder: &ResultFolder, member: &ListedMember<'_>) -> Result<Vec<(Str
 }
 
 /// Arrays of vectors that belong to the material, and turn with it; so do the `direction_` of actuations.
-fn material_vectors(result: &Value) -> Vec<String> {
+fn material_vectors(result: &RunRecord) -> Vec<String> {
     let mut out: Vec<String> = ["fiber", "B_r"].map(str::to_owned).to_vec();
-    let controls: Map<String, Value> = result["controls"].as_object().cloned().unwrap_or_default();
-    let remanences = controls.values().filter(|control| control["slot"] == "remanence");
-    out.extend(remanences.filter_map(|control| control["array"].as_str()).map(str::to_owned));
+    let remanences = result.controls.iter().filter(|(_, control)| control.slot.as_deref() == Some("remanence"));
+    out.extend(remanences.filter_map(|(_, control)| control.array.clone()));
     out
 }
 
 fn case_name(lead: &ListedMember<'_>) -> String {
-    let case = lead.name.rsplit_once('/').map_or("", |(_, case)| case);
+    let case = lead.record.name.rsplit_once('/').map_or("", |(_, case)| case);
     if case.is_empty() { String::new() } else { format!(": {case}") }
 }
 

@@ -2,51 +2,52 @@
 
 use crate::html::{escape, folded, paragraph, section, table};
 use crate::number::{count, duration, number, short};
-use crate::scene::entry;
+use crate::record::{
+    ControlRecord, MemberRecord, Number, ProbesRecord, RunRecord, StateRecord, UnitsRecord, number_of,
+};
 use crate::summary::stability;
 use nastic_mesh::Snapshot;
-use serde_json::Value;
 
 /// Rows of scenarios that are not folded away.
 const OPEN: usize = 12;
 
 /// Cost, distance and stability of every scenario and load case; measures of risk.
-pub(crate) fn members(result: &Value) -> String {
-    let members: Vec<&Value> = result["members"].as_array().into_iter().flatten().collect();
-    if members.len() < 2 {
+pub(crate) fn members(result: &RunRecord) -> String {
+    if result.members.len() < 2 {
         return String::new();
     }
-    let length = result["units"]["length"].as_str().unwrap_or_default();
-    let row = |member: &&Value| {
-        let (own, begin) = (entry(result, member), entry(&result["start"], member));
-        let scenario = &result["scenarios"][member["scenario"].as_str().unwrap_or_default()];
-        let weight = [&scenario["probability"], &own["weight"]].into_iter().find(|value| value.is_number());
+    let none = StateRecord::default();
+    let row = |member: &MemberRecord| {
+        let own = result.member(member).unwrap_or(&none);
+        let begin = result.start.member(member).unwrap_or(&none);
+        let scenario = member.scenario.as_ref().and_then(|name| result.scenarios.get(name));
         vec![
-            member["name"].as_str().unwrap_or_default().to_owned(),
-            weight.map_or_else(|| "–".to_owned(), |weight| number(weight, "")),
-            number(&begin["cost"]["total"], ""),
-            number(&own["cost"]["total"], ""),
-            number(&own["hausdorff"]["true"], length),
-            number(&own["min_J"], ""),
+            member.name.clone(),
+            number(scenario.and_then(|scenario| scenario.probability).or(own.weight), ""),
+            number(begin.cost.total, ""),
+            number(own.cost.total, ""),
+            number(own.hausdorff.and_then(|distances| distances.exact), &result.units.length),
+            number(own.min_j, ""),
             stability(own).0.to_owned(),
         ]
     };
-    let rows: Vec<Vec<String>> = members.iter().map(row).collect();
+    let rows: Vec<Vec<String>> = result.members.iter().map(row).collect();
     let head =
         ["state", "probability or weight", "cost at the start", "cost", "true distance", "smallest J", "stability"];
     let all = told_columns(&head, rows);
-    let mut content = if members.len() > OPEN { folded(&count(members.len() as u64, "state"), &all) } else { all };
-    let measures = result["risk"]["measures"].as_object().into_iter().flatten();
+    let mut content =
+        if result.members.len() > OPEN { folded(&count(result.members.len() as u64, "state"), &all) } else { all };
+    let measures = result.risk.measures.iter().flatten();
     let rows: Vec<Vec<String>> = measures
-        .map(|(name, one)| vec![measure(name, &one["level"]), number(&one["value"], ""), number(&one["exact"], "")])
+        .map(|(name, one)| vec![measure(name, one.level), number(one.value, ""), number(one.exact, "")])
         .collect();
     content += &table(&["measure of risk", "value", "without smoothing"], &rows);
     section("members", "Scenarios and load cases", &content)
 }
 
 /// A measure of risk with its level, where it has one.
-pub(crate) fn measure(name: &str, level: &Value) -> String {
-    let level = level.as_f64().map_or_else(String::new, |level| format!(" (level {})", short(level)));
+pub(crate) fn measure(name: &str, level: Number) -> String {
+    let level = level.map_or_else(String::new, |level| format!(" (level {})", short(level)));
     name.replace('_', " ") + &level
 }
 
@@ -59,24 +60,23 @@ fn told_columns(head: &[&str], rows: Vec<Vec<String>>) -> String {
 }
 
 /// Range and active bounds of every control.
-pub(crate) fn controls(result: &Value) -> String {
-    let controls = result["controls"].as_object().into_iter().flatten();
-    let row = |(name, control): (&String, &Value)| {
-        let unit = control["unit"].as_str().unwrap_or_default();
-        let share = control["active_share"].as_f64().map_or_else(String::new, |x| format!(" ({:.0} %)", 100.0 * x));
+pub(crate) fn controls(result: &RunRecord) -> String {
+    let row = |(name, control): (&String, &ControlRecord)| {
+        let unit = control.unit.as_deref().unwrap_or_default();
+        let share = control.active_share.map_or_else(String::new, |x| format!(" ({:.0} %)", 100.0 * x));
         vec![
             name.clone(),
-            control["space"].as_str().unwrap_or("–").to_owned(),
-            number(&control["unknowns"], ""),
-            number(&control["min"], unit),
-            number(&control["max"], unit),
-            number(&control["lower"], unit),
-            number(&control["upper"], unit),
-            format!("{}{share}", number(&control["active"], "")),
-            number(&control["total_variation"], ""),
+            control.space.as_deref().unwrap_or("–").to_owned(),
+            number(control.unknowns.map(|n| n as f64), ""),
+            number(control.min, unit),
+            number(control.max, unit),
+            number(control.lower, unit),
+            number(control.upper, unit),
+            format!("{}{share}", number(control.active.map(|n| n as f64), "")),
+            number(control.total_variation, ""),
         ]
     };
-    let rows: Vec<Vec<String>> = controls.map(row).collect();
+    let rows: Vec<Vec<String>> = result.controls.iter().map(row).collect();
     let head = [
         "control",
         "space",
@@ -92,10 +92,10 @@ pub(crate) fn controls(result: &Value) -> String {
 }
 
 /// The gradient check that a run begins with, and those of further starts.
-pub(crate) fn certificate(result: &Value) -> String {
-    let check = &result["gradient_check"];
-    let Some(verdict) = check["verdict"].as_str() else { return String::new() };
-    let mismatch = check["mismatch"].as_f64().map_or_else(String::new, |x| {
+pub(crate) fn certificate(result: &RunRecord) -> String {
+    let check = &result.gradient_check;
+    let Some(verdict) = &check.verdict else { return String::new() };
+    let mismatch = check.mismatch.map_or_else(String::new, |x| {
         format!(" Relative mismatch with differences of the cost along a random admissible direction: {}.", short(x))
     });
     let text = format!("Adjoint derivative at the start: {verdict}.{mismatch}");
@@ -103,18 +103,15 @@ pub(crate) fn certificate(result: &Value) -> String {
 }
 
 /// Critical values of ramps, limit points and bifurcations of paths.
-pub(crate) fn events(result: &Value) -> String {
+pub(crate) fn events(result: &RunRecord) -> String {
     let mut rows = Vec::new();
     for (name, own) in entries(result) {
-        for (list, kind) in [(&own["ramp"]["critical"], "critical value"), (&own["path"]["events"], "")] {
-            for event in list.as_array().into_iter().flatten() {
-                let unit = own["ramp"]["unit"].as_str().unwrap_or_default();
-                let kind = event["kind"].as_str().unwrap_or(kind);
-                let pivots = |key: &str| number(&event[key], "");
+        for series in own.ramp.iter().chain(&own.path) {
+            for event in series.critical.iter().chain(&series.events) {
                 rows.push(vec![
-                    format!("{name}{kind}"),
-                    number(&event["value"], unit),
-                    format!("{} to {}", pivots("before"), pivots("after")),
+                    format!("{name}{}", event.kind.as_deref().unwrap_or("critical value")),
+                    number(event.value, &series.unit),
+                    format!("{} to {}", number(event.before, ""), number(event.after, "")),
                 ]);
             }
         }
@@ -123,67 +120,69 @@ pub(crate) fn events(result: &Value) -> String {
 }
 
 /// Probes, reactions, cavities, tendons and springs of the result's state, or of every load case.
-pub(crate) fn states(result: &Value) -> String {
-    let units = &result["units"];
-    let unit = |key: &str| units[key].as_str().unwrap_or_default();
-    let vector = |value: &Value| -> Vec<String> {
-        (0..3).map(|k| value[k].as_f64().map_or_else(|| "–".to_owned(), short)).collect()
-    };
+pub(crate) fn states(result: &RunRecord) -> String {
+    let UnitsRecord { length, force, pressure, .. } = &result.units;
+    let vector =
+        |value: &[Number]| -> Vec<String> { (0..3).map(|k| number(value.get(k).copied().flatten(), "")).collect() };
     let (mut probes, mut reactions) = (Vec::new(), Vec::new());
     let mut others: Vec<Vec<String>> = Vec::new();
     let (mut cavities, mut tendons, mut springs) = (Vec::new(), Vec::new(), Vec::new());
     for (name, own) in entries(result) {
-        for (probe, entry) in own["probes"].as_object().into_iter().flatten() {
+        for (probe, entry) in &own.probes {
+            let (displacement, position) = match entry {
+                ProbesRecord::One(probe) => (probe.displacement.as_slice(), probe.position.as_slice()),
+                ProbesRecord::OfLoadCase(_) => Default::default(),
+            };
             let mut row = vec![format!("{name}{probe}")];
-            row.extend(vector(&entry["displacement"]));
-            row.extend(vector(&entry["position"]));
+            row.extend(vector(displacement));
+            row.extend(vector(position));
             probes.push(row);
         }
-        for (support, force) in own["reactions"].as_object().into_iter().flatten() {
+        for (support, force) in own.reactions.iter().flatten() {
             let mut row = vec![format!("{name}{support}")];
             row.extend(vector(force));
             reactions.push(row);
         }
-        for (contribution, entry) in own["contributions"].as_object().into_iter().flatten() {
-            let of = |key: &str, unit: &str| number(&entry[key], unit);
-            if entry.get("force_x").is_some() && entry.get("pressure").is_none() {
+        for (contribution, entry) in &own.contributions {
+            let of = |key: &str, unit: &str| number(number_of(entry, key), unit);
+            let has = |key: &str| entry.get(key).is_some();
+            if has("force_x") && !has("pressure") {
                 let mut row = vec![format!("{name}{contribution}")];
-                row.extend(["force_x", "force_y", "force_z"].map(|key| number(&entry[key], "")));
+                row.extend(["force_x", "force_y", "force_z"].map(|key| of(key, "")));
                 reactions.push(row);
                 continue;
             }
-            if entry.get("tension").is_some() {
-                let slack = if entry["slack"] == 1.0 { "slack" } else { "taut" };
-                let mut row = vec![format!("{name}{contribution}"), slack.to_owned(), of("tension", unit("force"))];
-                row.extend(["length", "reference_length"].map(|key| of(key, unit("length"))));
+            if has("tension") {
+                let slack = if number_of(entry, "slack") == Some(1.0) { "slack" } else { "taut" };
+                let mut row = vec![format!("{name}{contribution}"), slack.to_owned(), of("tension", force)];
+                row.extend(["length", "reference_length"].map(|key| of(key, length)));
                 tendons.push(row);
                 continue;
             }
-            if entry.get("rest_length").is_some() {
-                let mut row = vec![format!("{name}{contribution}"), of("force", unit("force"))];
-                row.extend(["length", "rest_length"].map(|key| of(key, unit("length"))));
+            if has("rest_length") {
+                let mut row = vec![format!("{name}{contribution}"), of("force", force)];
+                row.extend(["length", "rest_length"].map(|key| of(key, length)));
                 springs.push(row);
                 continue;
             }
-            if entry.get("volume").is_none() {
-                for (quantity, value) in entry.as_object().into_iter().flatten() {
-                    others.push(vec![format!("{name}{contribution}"), quantity.replace('_', " "), number(value, "")]);
+            if !has("volume") {
+                for (quantity, value) in entry {
+                    others.push(vec![format!("{name}{contribution}"), quantity.replace('_', " "), number(*value, "")]);
                 }
                 continue;
             }
-            let volume = format!("{}^3", unit("length"));
+            let volume = format!("{length}^3");
             cavities.push(vec![
                 format!("{name}{contribution}"),
-                of("pressure", unit("pressure")),
+                of("pressure", pressure),
                 of("volume", &volume),
                 of("reference_volume", &volume),
             ]);
         }
     }
-    let length = unit("length");
     let heads = ["u x", "u y", "u z", "x", "y", "z"].map(|head| format!("{head} [{length}]"));
     let head: Vec<&str> = ["probe"].into_iter().chain(heads.iter().map(String::as_str)).collect();
-    let forces = ["x", "y", "z"].map(|head| format!("{head} [{}]", unit("force")));
+    let forces = ["x", "y", "z"].map(|head| format!("{head} [{force}]"));
     let force_head: Vec<&str> = ["reaction at"].into_iter().chain(forces.iter().map(String::as_str)).collect();
     let content = table(&head, &probes)
         + &table(&force_head, &reactions)
@@ -195,35 +194,35 @@ pub(crate) fn states(result: &Value) -> String {
 }
 
 /// The result's own entries, or those of its load cases with their names.
-fn entries(result: &Value) -> Vec<(String, &Value)> {
-    match result["load_cases"].as_object() {
-        Some(cases) => cases.iter().map(|(name, entry)| (format!("{name}: "), entry)).collect(),
-        None => vec![(String::new(), result)],
+fn entries(result: &RunRecord) -> Vec<(String, &StateRecord)> {
+    match result.load_cases.is_empty() {
+        true => vec![(String::new(), &result.state)],
+        false => result.load_cases.iter().map(|(name, entry)| (format!("{name}: "), entry)).collect(),
     }
 }
 
 /// Inertia, modes, self-intersection.
-pub(crate) fn stabilities(result: &Value) -> String {
+pub(crate) fn stabilities(result: &RunRecord) -> String {
     let mut content = String::new();
-    if result.get("inertia").is_some() {
+    if result.inertia.is_some() {
         let (what, why) = stability(result);
         content += &paragraph(&format!("{what}: {why}."));
     }
-    if let Some(cells) = result["self_intersection"]["cells"].as_u64() {
+    if let Some(cells) = result.self_intersection.and_then(|found| found.cells) {
         let text = match cells {
             0 => "The deformed body does not intersect itself.".to_owned(),
             n => format!("The deformed body intersects itself in {}.", count(n, "cell")),
         };
         content += &paragraph(&text);
     }
-    let values = result["modes"]["eigenvalues"].as_array().into_iter().flatten().enumerate();
-    let unit = result["modes"]["unit"].as_str().unwrap_or_default();
+    let values = result.modes.eigenvalues.iter().enumerate();
+    let unit = &result.modes.unit;
     let rows: Vec<Vec<String>> =
-        values.map(|(k, value)| vec![format!("mode {}", k + 1), number(value, unit)]).collect();
+        values.map(|(k, value)| vec![format!("mode {}", k + 1), number(*value, unit)]).collect();
     content += &table(&["mode of the tangent", "eigenvalue"], &rows);
-    let values = result["modes"]["frequencies"].as_array().into_iter().flatten().enumerate();
-    let told = |value: &Value| if value.is_null() { "unstable".to_owned() } else { number(value, "Hz") };
-    let rows: Vec<Vec<String>> = values.map(|(k, value)| vec![format!("mode {}", k + 1), told(value)]).collect();
+    let values = result.modes.frequencies.iter().enumerate();
+    let told = |value: Number| if value.is_none() { "unstable".to_owned() } else { number(value, "Hz") };
+    let rows: Vec<Vec<String>> = values.map(|(k, value)| vec![format!("mode {}", k + 1), told(*value)]).collect();
     content += &table(&["mode of vibration", "frequency"], &rows);
     section("stability", "Stability", &content)
 }
@@ -260,50 +259,48 @@ pub(crate) fn mesh(first: Option<&Snapshot>, last: Option<&Snapshot>) -> String 
 }
 
 /// Times, work, starts, versions, files.
-pub(crate) fn run(result: &Value) -> String {
+pub(crate) fn run(result: &RunRecord) -> String {
     let mut content = String::new();
-    let starts = result["starts"].as_array().into_iter().flatten().enumerate();
+    let starts = result.starts.iter().enumerate();
     let rows: Vec<Vec<String>> = starts
         .map(|(k, start)| {
-            let end = start["stop"].as_str().or(start["failed"].as_str()).unwrap_or_default();
-            let mark = if result["best_start"].as_u64() == Some(k as u64) { " (the best)" } else { "" };
+            let end = start.stop.as_ref().or(start.failed.as_ref()).cloned().unwrap_or_default();
+            let mark = if result.best_start == Some(k as u64) { " (the best)" } else { "" };
             vec![
                 format!("{}{mark}", k + 1),
-                number(&start["start_cost"], ""),
-                number(&start["cost"], ""),
-                number(&start["iterations"], ""),
-                end.to_owned(),
+                number(start.start_cost, ""),
+                number(start.cost, ""),
+                number(start.iterations.map(|n| n as f64), ""),
+                end,
             ]
         })
         .collect();
     content += &table(&["start", "cost at the start", "cost", "iterations", "end"], &rows);
     let work = [
-        ("newton_iterations", "Newton iterations"),
-        ("factorisations", "factorisations"),
-        ("reused_factorisations", "reused factorisations"),
-        ("back_substitutions", "back substitutions"),
-        ("multigrid_cycles", "multigrid cycles"),
+        (result.newton_iterations, "Newton iterations"),
+        (result.factorisations, "factorisations"),
+        (result.reused_factorisations, "reused factorisations"),
+        (result.back_substitutions, "back substitutions"),
+        (result.multigrid_cycles, "multigrid cycles"),
     ];
-    let told = work.iter().filter(|(key, _)| result[*key].as_u64().is_some_and(|n| n > 0));
-    let rows: Vec<Vec<String>> = told.map(|(key, name)| vec![(*name).to_owned(), number(&result[*key], "")]).collect();
+    let told = work.into_iter().filter_map(|(n, name)| Some((n.filter(|n| *n > 0)?, name)));
+    let rows: Vec<Vec<String>> = told.map(|(n, name)| vec![name.to_owned(), short(n as f64)]).collect();
     content += &table(&["work", "count"], &rows);
-    let times = result["seconds"].as_object().into_iter().flatten();
+    let times = result.seconds.iter();
     let rows: Vec<Vec<String>> =
-        times.filter_map(|(phase, seconds)| Some(vec![phase.replace('_', " "), duration(seconds.as_f64()?)])).collect();
+        times.filter_map(|(phase, seconds)| Some(vec![phase.replace('_', " "), duration((*seconds)?)])).collect();
     content += &table(&["phase", "time"], &rows);
-    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let rows = [
-        vec!["case".to_owned(), text(&result["case"])],
-        vec!["hash of the case and its files".to_owned(), text(&result["case_hash"])],
-        vec!["nastic".to_owned(), text(&result["versions"]["nastic"])],
-        vec!["linear solver".to_owned(), text(&result["linear_solver"])],
-        vec!["exit code".to_owned(), number(&result["exit"], "")],
+        vec!["case".to_owned(), result.case.clone().unwrap_or_default()],
+        vec!["hash of the case and its files".to_owned(), result.case_hash.clone()],
+        vec!["nastic".to_owned(), result.versions.nastic.clone()],
+        vec!["linear solver".to_owned(), result.linear_solver.clone()],
+        vec!["exit code".to_owned(), number(result.exit, "")],
     ];
     let rows: Vec<Vec<String>> = rows.into_iter().filter(|row| !row[1].is_empty()).collect();
     content += &table(&["run", ""], &rows);
-    let files: Vec<&str> = result["files"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-    if !files.is_empty() {
-        content += &folded(&count(files.len() as u64, "file"), &paragraph(&files.join(", ")));
+    if !result.files.is_empty() {
+        content += &folded(&count(result.files.len() as u64, "file"), &paragraph(&result.files.join(", ")));
     }
     section("run", "Run", &content)
 }

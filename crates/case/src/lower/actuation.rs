@@ -6,16 +6,16 @@ use super::material::inputs;
 use super::named::{attempt, complain_of_law};
 use super::place;
 use super::tension::beyond_limit;
-use crate::expression::{Formula, dimension_of};
-use crate::schema::{
-    Actuation, Beginning, Case, Fixed, Input, Means, Parameter as Number, Time, VectorField, vector_at,
-};
-use crate::syntax::At;
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
 use nastic_energy::{Dielectric, Place, Turgor};
 use nastic_fem::Solid;
+use nastic_language::expression::{Formula, dimension_of};
+use nastic_language::schema::{
+    Actuation, Beginning, Case, Fixed, Input, Means, Parameter as Number, Time, VectorField, vector_at,
+};
+use nastic_language::syntax::At;
 use nastic_mesh::GroupNames;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -312,7 +312,7 @@ fn everywhere(value: &Fixed) -> Option<Vec<f64>> {
 }
 
 /// The control of a muscle.
-pub(crate) const CONTRACTION: &str = "contraction";
+pub const CONTRACTION: &str = "contraction";
 
 /// Why a negative value of a slot that only pulls is refused.
 pub(super) fn must_pull(slot: &str) -> &'static str {

@@ -1,9 +1,9 @@
 //! Time steps of a case with a tolerance: found once, at its start controls.
 
-use super::CaseProblem;
-use crate::syntax::Diagnostics;
+use crate::lower::problem::CaseProblem;
 use nastic_control::{AdaptiveSteps, ControlError};
 use nastic_fem::Tolerance;
+use nastic_language::syntax::Diagnostics;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -30,7 +30,8 @@ impl CaseProblem {
     /// is for looking at.
     #[must_use]
     pub fn lacks_steps(&self) -> bool {
-        let has = |label: &super::Label| label.case.time.as_ref().is_none_or(|time| time.tolerance.is_none());
+        let has =
+            |label: &crate::lower::member::Label| label.case.time.as_ref().is_none_or(|time| time.tolerance.is_none());
         !self.has_steps && !self.labels.iter().all(has)
     }
 
@@ -70,7 +71,7 @@ impl CaseProblem {
     ///
     /// # Errors
     /// What is wrong with the case by these steps.
-    pub(crate) fn through(&self, instants: &[Vec<f64>], cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
+    pub fn through(&self, instants: &[Vec<f64>], cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
         Self::lower_through(self.document.clone(), cancel, instants).map(|problem| Self { has_steps: true, ..problem })
     }
 }

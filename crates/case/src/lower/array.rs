@@ -1,8 +1,8 @@
 //! Arrays of VTU files on the body's mesh.
 
 use super::context::Context;
-use crate::schema::{ArrayFile, Case, MeshSource};
-use crate::syntax::{At, quoted};
+use nastic_language::schema::{ArrayFile, Case, MeshSource};
+use nastic_language::syntax::{At, quoted};
 use nastic_mesh::{Mesh, NamedArray};
 
 /// What an array's values belong to.

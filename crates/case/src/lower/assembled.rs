@@ -5,26 +5,30 @@ mod error;
 
 pub use error::AssemblyError;
 
-use super::control::{Admitted, ControlField, is_reserved};
 use super::control_grid::unresolved;
 use super::member::Label;
 use super::probe::LocatedProbe;
+use super::result_array::is_reserved;
+use super::sizes;
 use super::tension::{beyond_limit, beyond_together, joint_excess, limit};
 use super::variant::stems;
-use super::{CaseProblem, TargetShape, sizes};
-use crate::expression::dimension_of;
-use crate::quantity::Dimension;
-use crate::schema::Case;
-use crate::syntax::{At, Document};
+use crate::lower::control_field::{Admitted, ControlField};
+use crate::lower::problem::CaseProblem;
+use crate::lower::target_shape::TargetShape;
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, HAUSDORFF_LENGTH, UNBOUNDED, UNITS, Warning};
 use nastic_control::{Ensemble, EnsembleBlock, Member, Reduced};
+use nastic_language::expression::dimension_of;
+use nastic_language::quantity::Dimension;
+use nastic_language::schema::Case;
+use nastic_language::syntax::{At, Document};
 use nastic_opt::{Admissible, Bounds, Product};
 use serde_json::Map;
 use std::sync::Arc;
 
 /// Bodies, sets and starts of a program, and what else results need to know.
 #[derive(Debug)]
-pub(crate) struct Assembled {
+pub struct Assembled {
+    /// The bodies with their costs.
     pub ensemble: Ensemble,
     /// Set and start of every control field, in the order of the ensemble's blocks.
     pub controls: Vec<ControlProblem>,
@@ -38,19 +42,25 @@ pub(crate) struct Assembled {
 
 /// Where a control field may be, and where it begins.
 #[derive(Debug)]
-pub(crate) struct ControlProblem {
+pub struct ControlProblem {
+    /// What its values may be.
     pub admitted: Admission,
+    /// The set they stay in.
     pub set: Arc<dyn Admissible>,
+    /// The values to begin with.
     pub start: Vec<f64>,
 }
 
 /// What a control field may be, before the number of its values is known.
 #[derive(Debug, Clone)]
-pub(crate) enum Admission {
+pub enum Admission {
+    /// Scalars within bounds.
     Bounds(Bounds),
     /// Vectors of so many components.
     Vectors {
+        /// What each vector may be.
         admitted: Admitted,
+        /// Components of a vector.
         dim: usize,
     },
 }
@@ -60,7 +70,7 @@ impl CaseProblem {
     ///
     /// # Errors
     /// The first member, start, control or probe that does not fit.
-    pub(crate) fn assemble(assembled: Assembled) -> Result<Self, AssemblyError> {
+    pub fn assemble(assembled: Assembled) -> Result<Self, AssemblyError> {
         let Assembled { ensemble, controls, probes, case, document } = assembled;
         check::members(&ensemble)?;
         let labels: Vec<Label> = ensemble.members().iter().map(|member| label(&ensemble, member, &case)).collect();

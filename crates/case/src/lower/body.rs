@@ -3,10 +3,10 @@
 use super::context::Context;
 use super::variant::Variant;
 use super::{actuation, control, inertia, load, material, optimizer, spring, support, time};
-use crate::schema::{Beginning, Case, Time};
-use crate::syntax::At;
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid};
+use nastic_language::schema::{Beginning, Case, Time};
+use nastic_language::syntax::At;
 use std::sync::Arc;
 
 /// Builds the body of a variant; `None` after a complaint.

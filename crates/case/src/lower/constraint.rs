@@ -1,16 +1,16 @@
 //! Constraints, and the obstacles of costs and constraints.
 
 use super::context::Context;
-use super::cost::{Lowering, TargetShape};
+use super::cost::Lowering;
 use super::place::{Kind, Place};
-use crate::run::number::count;
-use crate::run::short;
-use crate::schema::{Case, Constraint as Block, Cost, HoldsWhen, KeepOut, Shape};
+use crate::lower::target_shape::TargetShape;
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
     BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, Instants, IntoConstraint,
     Obstacle, ObstacleDistance, Reduced,
 };
+use nastic_language::number::{count, short};
+use nastic_language::schema::{Case, Constraint as Block, Cost, HoldsWhen, KeepOut, Shape};
 use nastic_opt::ConstraintGroup;
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! Context of lowering: the document and the diagnostics collected.
 
-use crate::quantity::Units;
-use crate::syntax::{At, Diagnostic, Document};
 use crate::warning::{WARNINGS, WarningKind};
+use nastic_language::quantity::Units;
+use nastic_language::syntax::{At, Diagnostic, Document};
 use nastic_mesh::{Mesh, Snapshot};
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -1,70 +1,19 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
-use super::actuation::{is_built, must_pull};
-use super::context::Context;
-use super::control_grid::unresolved;
-use super::tension::{beyond_limit, default_upper, limit};
-use super::time;
-use super::variant::Variant;
-use crate::expression::Formula;
-use crate::quantity::Dimension;
-use crate::result::snapshot::RESERVED;
-use crate::schema::{Beginning, Case, Cells, Control, Parameter, Space as SpaceBlock, Start};
-use crate::syntax::At;
+use crate::lower::actuation::{is_built, must_pull};
+use crate::lower::context::Context;
+use crate::lower::control_field::{Admitted, ControlField};
+use crate::lower::control_grid::unresolved;
+use crate::lower::result_array::is_reserved;
+use crate::lower::tension::{beyond_limit, default_upper, limit};
+use crate::lower::time;
+use crate::lower::variant::Variant;
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
 use nastic_control::{ControlBlock, RateLimit, Reduced, Space};
+use nastic_language::expression::Formula;
+use nastic_language::quantity::Dimension;
+use nastic_language::schema::{Beginning, Case, Cells, Control, Parameter, Space as SpaceBlock, Start};
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
-
-/// A control field as the case describes it; its place in the control vector is that of the same number in the layout.
-#[derive(Clone, PartialEq, Debug)]
-pub struct ControlField {
-    /// Path of its block in the case.
-    pub at: At,
-    /// Its name in results; `LOAD_CASE.NAME` for what a load case has alone.
-    pub name: String,
-    /// Its name in files: without the load case.
-    pub array: String,
-    /// Index of the load case in the case that has it alone; `None` for what all share.
-    pub load_case: Option<usize>,
-    /// Unit of its values, in the case's system.
-    pub unit: String,
-    /// What its values may be.
-    pub admitted: Admitted,
-    /// The bounds of every component, where the values are scalars.
-    pub bounds: Option<Bounds>,
-    /// The convexity bound of the passive law on this tension alone, where the law has one: the smallest of all members.
-    pub limit: Option<f64>,
-}
-
-/// What values are admitted.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Admitted {
-    /// Between bounds; the least and the greatest over the body.
-    Between {
-        /// Least lower bound.
-        lower: f64,
-        /// Greatest upper bound.
-        upper: f64,
-    },
-    /// Vectors of this length.
-    Norm(f64),
-    /// Vectors no longer than this.
-    MaxNorm(f64),
-    /// All vectors.
-    Any,
-}
-
-impl Admitted {
-    /// How far two admitted values can lie apart; `None` where there is no limit.
-    fn range(&self) -> Option<f64> {
-        let range = match self {
-            Self::Between { lower, upper } => upper - lower,
-            Self::Norm(norm) | Self::MaxNorm(norm) => 2.0 * norm,
-            Self::Any => f64::INFINITY,
-        };
-        (range.is_finite() && range > 0.0).then_some(range)
-    }
-}
 
 /// What becomes of the block `controls`.
 pub(super) struct Lowered {
@@ -203,7 +152,7 @@ impl Lowering<'_> {
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
         let start = self.settle(start, set.as_ref(), context)?;
         self.check_at_rest(bounds.as_ref(), context)?;
-        let unit = crate::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
+        let unit = nastic_language::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
         // the only controls that are plain numbers are angles
         let unit = if unit.is_none() { "rad".to_owned() } else { context.units.label(unit) };
         if let Some(message) = unresolved(self.block, self.reduced) {
@@ -266,7 +215,7 @@ impl Lowering<'_> {
     /// Whether start and bounds are of the dimension of what they control, where the mesh decides it (a volume is an area in
     /// the plane).
     fn check_dimension(&self, context: &mut Context<'_>) -> Option<()> {
-        let dimension = crate::expression::dimension_of(self.block.unit)?;
+        let dimension = nastic_language::expression::dimension_of(self.block.unit)?;
         let start = if let Some(Start::Scalar(formula)) = &self.control.start { Some(formula) } else { None };
         let bounds = [("lower", &self.control.lower), ("upper", &self.control.upper)].map(|(key, bound)| {
             (key, if let Some(Parameter::Formula(formula)) = bound { Some(formula) } else { None })
@@ -366,12 +315,6 @@ impl Lowering<'_> {
         };
         Some(Some(Limit::Each(values.repeat(self.block.values_in_time()))))
     }
-}
-
-/// Whether results have arrays of this name already.
-pub(super) fn is_reserved(array: &str) -> bool {
-    let prefixes = ["gradient_", "direction_", "mode_"];
-    RESERVED.contains(&array) || prefixes.iter().any(|prefix| array.starts_with(prefix))
 }
 
 fn least(limit: &Limit) -> f64 {

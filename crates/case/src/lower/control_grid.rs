@@ -14,6 +14,6 @@ pub(super) fn unresolved(block: &ControlBlock, body: &Reduced) -> Option<String>
 }
 
 /// The cells of a grid on a body of a dimension: `4 x 2` in the plane, `4 x 2 x 2` in space.
-pub(crate) fn grid_cells(cells: [u32; 3], dim: usize) -> String {
+pub fn grid_cells(cells: [u32; 3], dim: usize) -> String {
     cells.iter().take(dim).map(u32::to_string).collect::<Vec<_>>().join(" x ")
 }

@@ -4,10 +4,10 @@ use super::array::{self, Entity, MeshArray};
 use super::context::Context;
 use super::control::Lowering;
 use super::start;
-use crate::expression::{EvaluationError, Formula};
-use crate::schema::{ArrayFile, Cells, ControlsFile, Start, vector_at};
-use crate::syntax::At;
 use nastic_control::{Basis, Space};
+use nastic_language::expression::{EvaluationError, Formula};
+use nastic_language::schema::{ArrayFile, Cells, ControlsFile, Start, vector_at};
+use nastic_language::syntax::At;
 use nastic_numeric::Random;
 use nastic_opt::{Admissible, Outside};
 

@@ -1,60 +1,26 @@
 //! Cost terms and the shapes they aim at.
 
-use super::array::{self, Entity};
-use super::context::Context;
-use super::named::key_of;
-use super::named_cost::{Named, NamedMotionTerm};
-use super::place::{self, Kind, Place};
-use super::time;
-use crate::expression::EvaluationError;
-use crate::schema::{
-    self, AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Stages, Target as TargetBlock, vector_at,
-};
-use crate::syntax::At;
+use crate::lower::array::Entity;
+use crate::lower::context::Context;
+use crate::lower::named::key_of;
+use crate::lower::named_cost::{Named, NamedMotionTerm};
+use crate::lower::place::{Kind, Place};
+use crate::lower::target_shape::TargetShape;
+use crate::lower::{array, place, time};
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
-    ActuationWork, ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, CostTarget, IntoCost,
-    KineticEnergy, ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Timeline, Tracking, TrajectoryCost,
-    When,
+    ActuationWork, ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, IntoCost, KineticEnergy,
+    ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Timeline, Tracking, TrajectoryCost, When,
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
-use nastic_mesh::{GroupNames, Mesh};
+use nastic_language::expression::EvaluationError;
+use nastic_language::schema;
+use nastic_language::schema::{
+    AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Stages, Target as TargetBlock, vector_at,
+};
+use nastic_mesh::Mesh;
 use nastic_tensor::Vec3;
 use std::sync::{Arc, OnceLock};
-
-/// The shape a cost aims at, for pictures and `target.vtu`.
-#[derive(Clone, Debug)]
-pub struct TargetShape {
-    /// Path of the cost's block.
-    pub at: At,
-    /// Name of the cost.
-    pub cost: String,
-    /// The target's mesh, in the case's units; of a tracking target the body's own.
-    pub mesh: Arc<Mesh>,
-    /// The regions of its mesh that are the target; all of it if `None`.
-    pub regions: Option<GroupNames>,
-    /// Displacement of the nodes where the mesh is the body's, with a flag for those it matters at; empty otherwise.
-    pub displacement: Vec<([f64; 3], bool)>,
-}
-
-impl TargetShape {
-    /// That of a cost of this name and block.
-    pub(super) fn of(at: At, cost: &str, target: CostTarget) -> Self {
-        let CostTarget { mesh, regions, displacement } = target;
-        Self { at, cost: cost.to_owned(), mesh, regions, displacement }
-    }
-
-    /// Whether it is the same shape.
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.mesh, &other.mesh) && self.cost == other.cost && self.displacement == other.displacement
-    }
-
-    /// Whether it says where every node should be: such a shape can be drawn.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
-        self.displacement.iter().all(|(_, matters)| *matters)
-    }
-}
 
 /// The target meshes, by cost; read before the body is built, so that all missing files are told at once.
 pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option<TargetShape>> {

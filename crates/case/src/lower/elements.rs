@@ -3,11 +3,11 @@
 use super::bending::Bending;
 use super::context::Context;
 use super::mesh;
-use crate::quantity::Dimension;
-use crate::schema::Case;
 use crate::warning::{CELL_SHAPE, LOCKING, UNMATCHED_INTERFACE};
 use nastic_energy::Place;
 use nastic_fem::{Formulation, Solid};
+use nastic_language::quantity::Dimension;
+use nastic_language::schema::Case;
 use nastic_mesh::{CellKind, Column, GroupNames};
 
 /// Poisson's ratio from which fully integrated first-order quadrilaterals and hexahedra lock.

@@ -2,10 +2,10 @@
 
 use super::array::{self, Entity, MeshArray};
 use super::context::Context;
-use crate::schema::{Case, Parameter, VectorField, vector_at};
-use crate::syntax::At;
 use nastic_energy::Field;
 use nastic_fem::{Discretization, QuadraturePoints};
+use nastic_language::schema::{Case, Parameter, VectorField, vector_at};
+use nastic_language::syntax::At;
 use nastic_mesh::Mesh;
 use nastic_tensor::Vec3;
 

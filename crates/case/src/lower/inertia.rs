@@ -4,13 +4,13 @@ use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
 use super::place;
-use crate::quantity::Dimension;
-use crate::run::short;
-use crate::schema::{Case, MassKind, Material, Parameter};
-use crate::syntax::At;
 use crate::warning::UNITS;
 use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch};
 use nastic_fem::{Inertia, Solid};
+use nastic_language::number::short;
+use nastic_language::quantity::Dimension;
+use nastic_language::schema::{Case, MassKind, Material, Parameter};
+use nastic_language::syntax::At;
 use nastic_tensor::Vec3;
 
 /// Gives the body its masses, viscous laws and weight; Rayleigh damping comes last, as it knows of all others.

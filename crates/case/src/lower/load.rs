@@ -4,9 +4,9 @@ use super::context::Context;
 use super::field::SamplePoints;
 use super::named::attempt;
 use super::place;
-use crate::schema::{Case, VectorField};
-use crate::syntax::At;
 use nastic_fem::{QuadraturePoints, Solid};
+use nastic_language::schema::{Case, VectorField};
+use nastic_language::syntax::At;
 use nastic_mesh::GroupNames;
 use nastic_tensor::Vec3;
 

@@ -4,12 +4,12 @@ use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
 use super::place;
-use crate::schema::{Case, Input};
-use crate::syntax::At;
 use crate::warning::INPUT;
 use nastic_energy::EnergyError;
 use nastic_energy::catalogue::Inputs;
 use nastic_fem::{Discretization, Solid};
+use nastic_language::schema::{Case, Input};
+use nastic_language::syntax::At;
 use std::collections::BTreeMap;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {

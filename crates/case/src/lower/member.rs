@@ -1,10 +1,11 @@
 //! The members of a problem: every load case of every scenario.
 
-use super::cost::TargetShape;
-use super::{CaseProblem, ControlField};
-use crate::schema::Case;
+use crate::lower::control_field::ControlField;
+use crate::lower::problem::CaseProblem;
+use crate::lower::target_shape::TargetShape;
 use nastic_control::{ControlBlock, Layout, Member, Reduced};
 use nastic_fem::Solid;
+use nastic_language::schema::Case;
 use nastic_mesh::Mesh;
 use std::sync::Arc;
 

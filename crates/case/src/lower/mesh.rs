@@ -1,9 +1,9 @@
 //! Meshes of a case: from files, or generated.
 
-use super::CaseProblem;
 use super::context::Context;
-use crate::schema::{BoxMesh, Case, MeshFile, MeshSource};
-use crate::syntax::At;
+use crate::lower::problem::CaseProblem;
+use nastic_language::schema::{BoxMesh, Case, MeshFile, MeshSource};
+use nastic_language::syntax::At;
 use nastic_mesh::{Mesh, MeshError, box_mesh, rectangle};
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> O
 }
 
 /// The same mesh once more, for a drawing.
-pub(crate) fn again(source: &MeshSource, problem: &CaseProblem) -> Option<Arc<Mesh>> {
+pub fn again(source: &MeshSource, problem: &CaseProblem) -> Option<Arc<Mesh>> {
     load(source, &place(source), &mut Context::new(&problem.document, *problem.units()))
 }
 

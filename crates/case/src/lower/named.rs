@@ -1,9 +1,9 @@
 //! Builder calls whose errors belong to a place of the case.
 
 use super::context::Context;
-use crate::syntax::At;
 use nastic_energy::EnergyError;
 use nastic_fem::{FemError, Solid};
+use nastic_language::syntax::At;
 
 /// One builder call on the body; if it fails the body stays as it was.
 pub(super) fn attempt(

@@ -1,7 +1,7 @@
 //! The optimiser and the inner product of controls.
 
-use crate::schema::{Case, Metric as MetricBlock};
 use nastic_control::Metric;
+use nastic_language::schema::{Case, Metric as MetricBlock};
 use nastic_opt::{Optimizer, Options, by_name};
 
 pub(super) fn metric(case: &Case) -> Metric {

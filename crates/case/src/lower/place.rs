@@ -1,7 +1,7 @@
 //! Where blocks of a case act: groups of the mesh by name.
 
 use super::context::Context;
-use crate::syntax::At;
+use nastic_language::syntax::At;
 use nastic_mesh::{GroupNames, Mesh, MeshError};
 
 /// Kinds of groups, by the key that names them.

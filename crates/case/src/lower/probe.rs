@@ -1,7 +1,7 @@
 //! Probes: points of the body, found in its cells.
 
 use super::context::Context;
-use crate::schema::Case;
+use nastic_language::schema::Case;
 use nastic_mesh::{Located, Mesh};
 
 /// A probe and where in the mesh it lies.

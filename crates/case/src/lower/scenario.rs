@@ -2,9 +2,9 @@
 
 use super::context::Context;
 use super::random;
-use crate::schema::{Case, Risk as RiskBlock, Scenario as ScenarioBlock, Scenarios};
-use crate::syntax::{At, Document, Setting};
 use nastic_fem::Discretization;
+use nastic_language::schema::{Case, Risk as RiskBlock, Scenario as ScenarioBlock, Scenarios};
+use nastic_language::syntax::{At, Document, Setting};
 use nastic_uncertainty::risk::{Cvar, Mean, MeanDeviation, Risk, WorstCase};
 use serde_json::{Map, Value};
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 use super::context::Context;
 use super::cost::Lowering;
 use super::place::{self, Kind, Place};
-use crate::schema;
 use nastic_control::{Compliance, Cost, Curvature, IntoCost, LargestStretch, MeanPosition, Orientation};
+use nastic_language::schema;
 
 impl Lowering<'_> {
     pub(super) fn position(&self, block: &schema::Position, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {

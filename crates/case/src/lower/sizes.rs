@@ -1,15 +1,14 @@
 //! Sizes that look like another unit was meant.
 
 use super::context::Context;
-use super::control::{Admitted, ControlField};
-use super::cost::TargetShape;
 use super::elements::Elastic;
-use crate::quantity::{Dimension, Units};
-use crate::run::number::count;
-use crate::run::short;
-use crate::schema::{Case, Cost, MeshSource, Shape};
+use crate::lower::control_field::{Admitted, ControlField};
+use crate::lower::target_shape::TargetShape;
 use crate::warning::{BOUNDS, UNITS};
 use nastic_fem::Solid;
+use nastic_language::number::{count, short};
+use nastic_language::quantity::{Dimension, Units};
+use nastic_language::schema::{Case, Cost, MeshSource, Shape};
 use nastic_mesh::Mesh;
 
 /// Soft bodies longer than this are rare, millimetres taken for metres are not.

@@ -2,8 +2,8 @@
 
 use super::context::Context;
 use super::named::attempt;
-use crate::schema::{Case, Spring, SpringEnd};
 use nastic_fem::Solid;
+use nastic_language::schema::{Case, Spring, SpringEnd};
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for spring in &case.springs {

@@ -1,9 +1,10 @@
 //! Starts: random ones, uniform over what is admitted, and those of an earlier run.
 
 use super::context::Context;
-use super::{Admitted, CaseProblem, ControlField};
-use crate::schema::{Case, ControlsFile};
-use crate::syntax::{At, quoted};
+use crate::lower::control_field::{Admitted, ControlField};
+use crate::lower::problem::CaseProblem;
+use nastic_language::schema::{Case, ControlsFile};
+use nastic_language::syntax::{At, quoted};
 use nastic_numeric::Random;
 use nastic_opt::Bounds;
 use serde_json::{Map, Value};

@@ -3,10 +3,10 @@
 use super::context::Context;
 use super::named::attempt;
 use super::place::Place;
-use crate::expression::EvaluationError;
-use crate::schema::{Along, Case, Displacement, Support};
-use crate::syntax::At;
 use nastic_fem::{Foundation, Solid};
+use nastic_language::expression::EvaluationError;
+use nastic_language::schema::{Along, Case, Displacement, Support};
+use nastic_language::syntax::At;
 use nastic_mesh::Mesh;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {

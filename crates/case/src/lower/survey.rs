@@ -3,10 +3,9 @@
 
 use super::context::Context;
 use super::{actuation, cost, load, material, mesh, place, probe, spring, support};
-use crate::quantity::Want;
-use crate::schema::{Case, GroupNames, Read, Reader};
-use crate::syntax::{At, Document, Node, Value};
 use nastic_fem::{Discretization, Solid};
+use nastic_language::schema::{Case, group_names};
+use nastic_language::syntax::{At, Document, Node, Value};
 use nastic_mesh::Mesh;
 
 /// Blocks whose entries name groups of the mesh.
@@ -54,8 +53,7 @@ fn blocks(node: &Node, at: &At, mesh: &Mesh, context: &mut Context<'_>) {
             for key in ["surface", "region", "nodes"] {
                 let Some(named) = node.find(own.key(key).as_str()) else { continue };
                 let at = at.key(key);
-                let mut silent = Reader::new(context.document, context.units);
-                let Some(names) = GroupNames::read(named, &at, Want::ANY, &mut silent) else { continue };
+                let Some(names) = group_names(context.document, named, &at) else { continue };
                 let _ = match key {
                     "surface" => place::facets(mesh, &names, &at, context).map(|_| ()),
                     "region" => place::cells(mesh, &names, &at, context).map(|_| ()),

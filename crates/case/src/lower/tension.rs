@@ -1,12 +1,12 @@
 //! Bounds of fibre tensions by what the laws bear: one family alone, and all on the same cells.
 
-use super::ControlField;
 use super::variant::Variant;
-use crate::quantity::{Dimension, Units};
-use crate::syntax::At;
+use crate::lower::control_field::ControlField;
 use crate::warning::CONVEXITY;
 use nastic_control::Reduced;
 use nastic_fem::{BodyEnergy, ExcessTension};
+use nastic_language::quantity::{Dimension, Units};
+use nastic_language::syntax::At;
 use nastic_opt::Bounds;
 
 use super::context::Context;

@@ -2,10 +2,11 @@
 
 use super::array::{self, Entity};
 use super::context::Context;
-use crate::run::short;
-use crate::schema::{self, Beginning, Case, InTime, KnotInterpolation, Time, VectorField, vector_at};
 use nastic_control::{Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
 use nastic_fem::{Checkpoints, Feature, Solid};
+use nastic_language::number::short;
+use nastic_language::schema;
+use nastic_language::schema::{Beginning, Case, InTime, KnotInterpolation, Time, VectorField, vector_at};
 
 /// Makes the problem one in time, where the case says so; `found`: the instants of steps that were found.
 pub(super) fn apply(

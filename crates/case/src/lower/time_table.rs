@@ -1,11 +1,11 @@
 //! Values over the time from CSV files, as formulas of t.
 
 use super::context::Context;
-use crate::expression::Formula;
-use crate::run::short;
-use crate::schema::{Case, Fixed, Parameter, Start, TimeTable, VectorField};
-use crate::syntax::{At, quoted};
 use crate::warning::UNITS;
+use nastic_language::expression::Formula;
+use nastic_language::number::short;
+use nastic_language::schema::{Case, Fixed, Parameter, Start, TimeTable, VectorField};
+use nastic_language::syntax::{At, quoted};
 
 /// A table of which the motion takes so small a share is hardly in its unit.
 const APART: f64 = 50.0;

@@ -2,10 +2,10 @@
 
 use super::context::Context;
 use super::scenario::Scenario;
-use crate::quantity::Units;
-use crate::schema::{Case, Input, LoadCase, Parameter};
-use crate::syntax::{At, Diagnostic, Diagnostics, Document, Setting};
 use crate::warning::INPUT;
+use nastic_language::quantity::Units;
+use nastic_language::schema::{Case, Input, LoadCase, Parameter};
+use nastic_language::syntax::{At, Diagnostic, Diagnostics, Document, Setting};
 
 /// The case as one member sees it: its values, and all blocks that count for it.
 #[derive(Debug)]
@@ -143,6 +143,6 @@ pub(super) fn stems(scenario: Option<usize>, load_case: Option<&str>) -> (String
 }
 
 /// A name without what file systems dislike.
-pub(crate) fn file_name(name: &str) -> String {
+pub fn file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '.' { c } else { '_' }).collect()
 }

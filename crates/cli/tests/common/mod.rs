@@ -9,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// A bar of four hexahedra with a fibre along it, tracked at its end.
-pub const BAR: &str = include_str!("../../../case/tests/cases/bar.json");
+pub const BAR: &str = include_str!("../../../language/tests/cases/bar.json");
 
 /// A directory with a case.
 pub struct Place(tempfile::TempDir);

@@ -1,10 +1,10 @@
 //! Whether the members, sets and starts of a program can be run and reported as those of a case file.
 
 use super::{Admission, AssemblyError, ControlProblem};
+use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::start::{self, Unbounded};
-use crate::lower::{Admitted, ControlField};
-use crate::schema::Case;
 use nastic_control::{ControlBlock, Ensemble, Member};
+use nastic_language::schema::Case;
 
 /// All members have one mesh, all scenarios the same load cases.
 pub(super) fn members(ensemble: &Ensemble) -> Result<(), AssemblyError> {

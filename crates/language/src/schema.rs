@@ -1,0 +1,80 @@
+//! The typed case: every block and key of a case file.
+//!
+//! One description serves three readers: the structs below are written once, with their keys, documentation, units and
+//! defaults, and three macros turn that into the Rust type, the reader that reports every problem, and the
+//! JSON Schema ([`json_schema`]). They cannot diverge. Laws and actuations take their names and keys from the catalogue
+//! of `nastic-energy`.
+
+#[macro_use]
+mod macros;
+
+mod actuation;
+mod added_cost;
+mod body_point;
+mod case;
+mod case_schema;
+mod catalogue;
+mod check;
+mod constraint;
+mod control;
+mod cost;
+mod direction;
+mod expectation;
+mod field;
+mod fit;
+mod group_names;
+mod hints;
+mod json;
+mod load;
+mod load_case;
+mod material;
+mod mesh;
+mod named;
+mod obstacle;
+mod optimizer;
+mod read;
+mod scenario;
+mod settings;
+mod shape_cost;
+mod spring;
+mod support;
+mod time;
+mod time_table;
+mod timing;
+mod units;
+mod value;
+
+pub use actuation::{Actuation, Fixed, Means};
+pub use added_cost::AddedCost;
+pub use case::{Case, Output, Probe, Reading};
+pub use case_schema::json_schema;
+pub use catalogue::{Input, SlotName};
+pub use constraint::{Constraint, KeepOut};
+pub use control::{Cells, Control, ControlsFile, Space, Start};
+pub use cost::{
+    ActuationWork, ControlNorm, ControlRate, ControlSmoothness, Cost, Exponential, Inverse, KineticEnergy, Penetration,
+    Phi, SmoothedHausdorff, Stage, Stages, Target, Tracking,
+};
+pub use direction::Direction;
+pub use expectation::{Command, Expectation};
+pub use field::{ArrayFile, Parameter, VectorField, vector_at};
+pub use fit::{FitData, FitErrors, FitKind, FitLaw, FitTest};
+pub use group_names::group_names;
+pub use load::Load;
+pub use load_case::LoadCase;
+pub use material::Material;
+pub use mesh::{BoxMesh, MeshFile, MeshSource};
+pub use named::{Element, Method, SchemeName};
+pub use obstacle::{AlignedBox, Capsule, HalfSpace, Shape, Sphere};
+pub use optimizer::{Metric, Optimizer, Unstable};
+pub use scenario::{
+    BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
+    RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
+};
+pub use shape_cost::{Compliance, Coordinates, Curvature, LargestStretch, Orientation, Position};
+pub use spring::{Ground, Spring, SpringEnd};
+pub use support::{Along, Axis, Displacement, Fix, Support};
+pub use time::{Beginning, KelvinVoigt, MassKind, Maxwell, Rayleigh, Time};
+pub use time_table::TimeTable;
+pub use timing::{HoldsWhen, InTime, KnotInterpolation, When};
+pub use value::Vector;

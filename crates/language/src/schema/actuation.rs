@@ -1,0 +1,302 @@
+//! The blocks of `actuation`.
+
+use crate::quantity::Want;
+use crate::schema::body_point::BodyPoints;
+use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, slot_names, slot_schema, slots, want};
+use crate::schema::field::{Parameter, VectorField};
+use crate::schema::json::{Definitions, annotated};
+use crate::schema::read::{Read, Reader};
+use crate::schema::time_table::TimeTable;
+use crate::schema::value::{Vector, described_text};
+use crate::syntax::{At, Node, Property};
+use nastic_energy::catalogue::ActuationRow;
+use nastic_fem::contributions::catalogue::{Form, KeyKind, Values};
+use nastic_mesh::GroupNames;
+use serde_json::{Map, Value as Json, json};
+use std::collections::BTreeMap;
+
+/// What moves the body; kinds and their keys are those of the catalogues.
+#[derive(Clone, Debug)]
+pub struct Actuation {
+    /// Path of this block in the case.
+    pub at: At,
+    /// Name, by which controls refer to it.
+    pub name: String,
+    /// What it is and where.
+    pub means: Means,
+    /// Values of slots ("tension", "field", ...) where they are no controls; zero where absent.
+    pub fixed: BTreeMap<&'static str, Fixed>,
+}
+
+/// An actuation is a law of the cells of a region, or a contribution that has a form in case files.
+#[derive(Clone, Debug)]
+pub enum Means {
+    /// A law.
+    Law {
+        /// Its row.
+        row: &'static ActuationRow,
+        /// Region of the mesh.
+        region: GroupNames,
+        /// Exactly the parameters of one of the row's forms, in the case's units.
+        parameters: BTreeMap<&'static str, Input>,
+    },
+    /// A contribution.
+    Contribution {
+        /// Its kind.
+        kind: &'static str,
+        /// How it stands in case files.
+        form: &'static Form,
+        /// What its keys say.
+        values: Values,
+    },
+}
+
+/// The value of a slot that is no control.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Fixed {
+    /// Of a tension, a pressure.
+    Scalar(Parameter),
+    /// Of a remanence, a field.
+    Vector(VectorField),
+    /// Of either, over the time.
+    Table(TimeTable),
+}
+
+impl PartialEq for Actuation {
+    fn eq(&self, other: &Self) -> bool {
+        let same = match (&self.means, &other.means) {
+            (Means::Law { region, parameters, .. }, Means::Law { region: other_region, parameters: others, .. }) => {
+                region == other_region && parameters == others
+            }
+            (Means::Contribution { values, .. }, Means::Contribution { values: others, .. }) => values == others,
+            _ => false,
+        };
+        same && (&self.at, &self.name, self.kind(), &self.fixed) == (&other.at, &other.name, other.kind(), &other.fixed)
+    }
+}
+
+const NAME: &str = "Name, by which controls refer to it.";
+const REGION: &str = "Region of the mesh.";
+
+impl Actuation {
+    /// The kind, as case files name it.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match &self.means {
+            Means::Law { row, .. } => row.name,
+            Means::Contribution { kind, .. } => kind,
+        }
+    }
+
+    /// What it is, in a sentence.
+    #[must_use]
+    pub fn about(&self) -> &'static str {
+        match &self.means {
+            Means::Law { row, .. } => row.about,
+            Means::Contribution { form, .. } => form.about,
+        }
+    }
+
+    /// Whether it acts where nothing drives it.
+    pub(crate) fn is_passive(&self) -> bool {
+        matches!(&self.means, Means::Contribution { form, .. } if form.passive)
+    }
+
+    /// How a control names each slot, and the slot: "NAME" if there is one, or it is the first of those of which one drives; otherwise
+    /// "NAME.field", ...
+    pub fn slots(&self) -> Vec<(String, SlotName)> {
+        let slots = match &self.means {
+            Means::Law { row, .. } => slots(row),
+            Means::Contribution { form, .. } => slot_names(form.slots),
+        };
+        let alone = |k: usize| slots.len() == 1 || (self.has_one_driver() && k == 0);
+        let name = |k: usize, slot: &SlotName| match alone(k) {
+            true => self.name.clone(),
+            false => format!("{}.{}", self.name, slot.key),
+        };
+        slots.iter().enumerate().map(|(k, slot)| (name(k, slot), *slot)).collect()
+    }
+
+    /// Whether one of its slots drives it, and the others follow.
+    pub(crate) fn has_one_driver(&self) -> bool {
+        matches!(&self.means, Means::Contribution { form, .. } if form.one_of)
+    }
+
+    /// True if a slot has a fixed value other than zero.
+    pub(crate) fn fixes(&self, key: &str) -> bool {
+        match self.fixed.get(key) {
+            None => false,
+            Some(Fixed::Scalar(value)) => value.constant() != Some(0.0),
+            Some(Fixed::Vector(value)) => value.constant() != Some([0.0; 3]),
+            Some(Fixed::Table(_)) => true,
+        }
+    }
+}
+
+impl Read for Actuation {
+    fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        let catalogue = reader.document.catalogue().clone();
+        let laws = catalogue.actuations().iter().map(|row| row.name);
+        let mut kinds: Vec<&str> = laws.chain(catalogue.contributions().map(|(kind, _)| kind)).collect();
+        kinds.dedup();
+        let name: Option<String> = reader.key(node, at, "name", NAME, Want::ANY, None);
+        let tag = reader.tag(node, at, "kind", &kinds)?;
+        let (means, slots, known) = match catalogue.actuations().iter().find(|row| row.name == tag) {
+            Some(row) => read_law(row, node, at, reader),
+            None => {
+                let members = reader.members(node, at)?;
+                let of_kind = catalogue.contributions().filter(|(kind, _)| *kind == tag);
+                // The form that was meant has the most of the keys that are there.
+                let (kind, form) = of_kind.min_by_key(|(_, form)| strange(form, members))?;
+                read_contribution(kind, form, node, at, reader)
+            }
+        };
+        let members = reader.members(node, at)?;
+        let known: Vec<&str> = ["name", "kind"].into_iter().chain(known).chain(slots.iter().map(|s| s.key)).collect();
+        reader.refuse_unknown(members, at, &known);
+        let mut fixed = BTreeMap::new();
+        for slot in slots {
+            let member = members.iter().find(|member| member.key == slot.key);
+            if let Some(value) = member.and_then(|m| read_fixed(&slot, &m.node, &at.key(slot.key), reader)) {
+                fixed.insert(slot.key, value);
+            }
+        }
+        Some(Self { at: at.clone(), name: name?, means: means?, fixed })
+    }
+
+    fn schema(_: Want, definitions: &mut Definitions) -> Json {
+        definitions.part("Actuation", |definitions| {
+            let catalogue = definitions.catalogue.clone();
+            let mut options = Vec::new();
+            for kind in catalogue.actuations() {
+                for form in kind.forms {
+                    let mut properties = common_properties(kind.name, &slots(kind), definitions);
+                    properties
+                        .insert("region".into(), annotated(GroupNames::schema(Want::ANY, definitions), REGION, None));
+                    let required = vec!["name", "kind", "region"];
+                    options.push(form_schema(kind.about, properties, required, form, definitions));
+                }
+            }
+            for (kind, form) in catalogue.contributions() {
+                options.push(contribution_schema(kind, form, definitions));
+            }
+            json!({ "description": "What moves the body.", "oneOf": options })
+        })
+    }
+}
+
+/// How many keys of a block are not those of the form.
+fn strange(form: &Form, members: &[Property]) -> usize {
+    let common = ["name", "kind"].into_iter().chain(form.keys.iter().map(|key| key.name));
+    let known: Vec<&str> = common.chain(form.slots.iter().map(|slot| slot.group)).collect();
+    members.iter().filter(|member| !known.contains(&member.key.as_str())).count()
+}
+
+type Found = (Option<Means>, Vec<SlotName>, Vec<&'static str>);
+
+/// A law, its slots, and its keys.
+fn read_law(row: &'static ActuationRow, node: &Node, at: &At, reader: &mut Reader<'_>) -> Found {
+    let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
+    let parameters = read_inputs(row.name, row.forms, node, at, reader);
+    let means = region.zip(parameters).map(|(region, parameters)| Means::Law { row, region, parameters });
+    (means, slots(row), keys(row.forms).into_iter().map(|p| p.name).chain(["region"]).collect())
+}
+
+/// A contribution, its slots, and its keys.
+fn read_contribution(kind: &'static str, form: &'static Form, node: &Node, at: &At, reader: &mut Reader<'_>) -> Found {
+    let mut values = Values::default();
+    let mut complete = true;
+    for key in form.keys {
+        let names = match key.kind {
+            KeyKind::Surface => {
+                let name: Option<String> = reader.key(node, at, key.name, key.about, Want::ANY, None);
+                complete &= name.is_some();
+                name.into_iter().collect()
+            }
+            KeyKind::Union => {
+                let names: Option<GroupNames> = reader.key(node, at, key.name, key.about, Want::ANY, None);
+                complete &= names.is_some();
+                names.iter().flat_map(GroupNames::iter).map(str::to_owned).collect()
+            }
+            KeyKind::Surfaces => {
+                reader.key::<Vec<String>>(node, at, key.name, key.about, Want::ANY, Some(vec![])).unwrap_or_default()
+            }
+            KeyKind::Flag => {
+                let flag = reader.key::<bool>(node, at, key.name, key.about, Want::ANY, Some(false));
+                values.flags.extend(flag.unwrap_or_default().then_some(key.name));
+                continue;
+            }
+            KeyKind::Points => {
+                let points: Option<BodyPoints> = reader.key(node, at, key.name, key.about, Want::LENGTH, None);
+                complete &= points.is_some();
+                values.points.insert(key.name, points.map(|points| points.0).unwrap_or_default());
+                continue;
+            }
+            KeyKind::Place => {
+                let place: Option<Option<Vector>> = reader.key(node, at, key.name, key.about, Want::LENGTH, Some(None));
+                values.places.extend(place.flatten().map(|place| (key.name, place.xyz())));
+                continue;
+            }
+            KeyKind::Number { unit, required } => {
+                let default = if required { None } else { Some(None) };
+                let number: Option<Option<f64>> =
+                    reader.key(node, at, key.name, key.about, want(unit).positive(), default);
+                complete &= number.is_some();
+                values.numbers.extend(number.flatten().map(|number| (key.name, number)));
+                continue;
+            }
+        };
+        values.names.insert(key.name, names);
+    }
+    let means = complete.then_some(Means::Contribution { kind, form, values });
+    (means, slot_names(form.slots), form.keys.iter().map(|key| key.name).collect())
+}
+
+/// The properties that every kind has.
+fn common_properties(kind: &str, slots: &[SlotName], definitions: &mut Definitions) -> Map<String, Json> {
+    let mut properties = Map::new();
+    properties.insert("name".into(), described_text(NAME));
+    properties.insert("kind".into(), json!({ "const": kind }));
+    for slot in slots {
+        properties.insert(slot.key.into(), slot_schema(slot, definitions));
+    }
+    properties
+}
+
+fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Definitions) -> Json {
+    let mut properties = common_properties(kind, &slot_names(form.slots), definitions);
+    let mut required = vec!["name", "kind"];
+    for key in form.keys {
+        let schema = match key.kind {
+            KeyKind::Surface => described_text(key.about),
+            KeyKind::Union => annotated(GroupNames::schema(Want::ANY, definitions), key.about, None),
+            KeyKind::Surfaces => json!({ "description": key.about, "type": "array", "items": { "type": "string" } }),
+            KeyKind::Flag => json!({ "description": key.about, "type": "boolean", "default": false }),
+            KeyKind::Points => annotated(BodyPoints::schema(Want::LENGTH, definitions), key.about, None),
+            KeyKind::Place => annotated(Vector::schema(Want::LENGTH, definitions), key.about, None),
+            KeyKind::Number { unit, .. } => annotated(f64::schema(want(unit).positive(), definitions), key.about, None),
+        };
+        properties.insert(key.name.into(), schema);
+        if key.kind.is_required() {
+            required.push(key.name);
+        }
+    }
+    json!({
+        "type": "object",
+        "description": form.about,
+        "required": required,
+        "properties": properties,
+        "additionalProperties": false,
+    })
+}
+
+fn read_fixed(slot: &SlotName, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Fixed> {
+    if TimeTable::is_named_by(node) {
+        return TimeTable::read_for(Some(slot.vector), node, at, reader).map(Fixed::Table);
+    }
+    if slot.vector {
+        VectorField::read(node, at, slot.want.in_time(), reader).map(Fixed::Vector)
+    } else {
+        Parameter::read(node, at, slot.want.in_time(), reader).map(Fixed::Scalar)
+    }
+}

@@ -1,0 +1,147 @@
+//! The whole case.
+
+use crate::quantity::{Units, Want};
+use crate::schema::actuation::Actuation;
+use crate::schema::check;
+use crate::schema::constraint::Constraint;
+use crate::schema::control::Control;
+use crate::schema::cost::Cost;
+use crate::schema::expectation::Expectation;
+use crate::schema::load::Load;
+use crate::schema::load_case::LoadCase;
+use crate::schema::material::Material;
+use crate::schema::mesh::MeshSource;
+use crate::schema::optimizer::Optimizer;
+use crate::schema::read::{Read, Reader};
+use crate::schema::scenario::{Risk, Scenarios};
+use crate::schema::spring::Spring;
+use crate::schema::support::Support;
+use crate::schema::time::Time;
+use crate::schema::value::Vector;
+use crate::syntax::{At, Diagnostic, Diagnostics, Document};
+use std::collections::BTreeMap;
+
+object! {
+    /// A case: a soft body, what moves it, what it shall become.
+    pub struct Case {
+        /// Version of the case format: 1.
+        pub nastic: u64,
+        /// For people.
+        pub title: Option<String>,
+        /// The consistent system of plain numbers, of the mesh and of results.
+        pub units: Units,
+        /// The body.
+        pub mesh: MeshSource,
+        /// Passive laws, one per region.
+        pub materials: Vec<Material>,
+        /// What holds the body.
+        pub supports: Vec<Support> = Vec::new(),
+        /// Springs between points of the body, and from it to the ground.
+        pub springs: Vec<Spring> = Vec::new(),
+        /// Dead loads.
+        pub loads: Vec<Load> = Vec::new(),
+        /// What moves the body from within.
+        pub actuation: Vec<Actuation> = Vec::new(),
+        /// What the optimiser may change.
+        pub controls: Vec<Control> = Vec::new(),
+        /// What the optimiser makes small: the sum.
+        pub costs: Vec<Cost> = Vec::new(),
+        /// What the optimum must fulfil, in every load case of every scenario.
+        pub constraints: Vec<Constraint> = Vec::new(),
+        /// Several states that share the design.
+        pub load_cases: Vec<LoadCase> = Vec::new(),
+        /// Scenarios that share the control.
+        pub scenarios: Scenarios,
+        /// What of the scenarios' costs is made small.
+        pub risk: Risk = Risk::Mean,
+        /// A motion instead of an equilibrium.
+        pub time: Option<Time>,
+        /// How.
+        pub optimizer: Optimizer,
+        /// Points to report.
+        pub probes: Vec<Probe> = Vec::new(),
+        /// Values the results must have, by their path in `result.json`.
+        pub expect: BTreeMap<String, Expectation> = BTreeMap::new(),
+        /// What is written where.
+        pub output: Output,
+        /// For editors: where the JSON Schema of case files is, as `nastic schema` prints it.
+        pub schema("$schema"): Option<String>,
+    }
+}
+
+object! {
+    /// A point of the body to report.
+    pub struct Probe {
+        /// Name in results.
+        pub name: String,
+        /// Reference position.
+        pub point: Vector as LENGTH,
+    }
+}
+
+object! {
+    /// What is written where.
+    pub struct Output {
+        /// Directory of all results; `--out` comes first.
+        pub directory: Option<String>,
+        /// A snapshot is written every so many iterations; 0 for none.
+        pub every: usize = 10,
+        /// A checkpoint is written every so many iterations; 0 for none. The optimiser forgets its factors there.
+        pub checkpoint: usize = 10,
+    }
+}
+
+/// A case as far as it can be read, and all that is wrong with its form.
+pub struct Reading {
+    /// Without the entries of lists that cannot be read; `None` where even the mesh cannot be read.
+    pub case: Option<Case>,
+    /// The mistakes.
+    pub problems: Vec<Diagnostic>,
+}
+
+impl Case {
+    /// Reads a document and checks all that needs no mesh.
+    ///
+    /// # Errors
+    ///
+    /// All problems of the file at once: unknown, missing and repeated keys, wrong types, wrong units, unknown names,
+    /// contradictions; those of the scenarios' and load cases' variants too.
+    pub fn read(document: &Document) -> Result<Self, Diagnostics> {
+        let Reading { case, problems } = Self::read_all(document);
+        Diagnostics::new(problems).into_result()?;
+        case.ok_or_else(Diagnostics::default)
+    }
+
+    /// What can be read, whole if there are no problems.
+    pub fn read_all(document: &Document) -> Reading {
+        let mut reader = Reader::new(document, units(document));
+        reader.problems.extend(document.problems().iter().cloned());
+        let case = Self::read_document(&mut reader);
+        check::check(&mut reader);
+        Reading { case: case.or_else(|| check::readable(&reader)), problems: reader.problems }
+    }
+
+    /// Reads a variant of a case that was read before: other values, the same blocks.
+    ///
+    /// # Errors
+    ///
+    /// Values that do not fit their places.
+    pub fn read_variant(document: &Document, units: Units) -> Result<Self, Diagnostics> {
+        let mut reader = Reader::new(document, units);
+        let case = Self::read_document(&mut reader);
+        Diagnostics::new(reader.problems).into_result()?;
+        case.ok_or_else(Diagnostics::default)
+    }
+
+    /// Without the checks between blocks.
+    pub(crate) fn read_document(reader: &mut Reader<'_>) -> Option<Self> {
+        <Self as Read>::read(reader.document.root(), &At::root(), Want::ANY, reader)
+    }
+}
+
+/// The units come first: everything else is read with them. Problems in them are reported by the full reading.
+pub(crate) fn units(document: &Document) -> Units {
+    let mut silent = Reader::new(document, Units::default());
+    let node = document.root().find("units");
+    node.and_then(|node| Units::read(node, &At::root(), Want::ANY, &mut silent)).unwrap_or_default()
+}

@@ -1,0 +1,229 @@
+//! Blocks whose keys come from the catalogue of laws and actuations: a new row there is a new name here.
+
+use crate::expression::dimension_of;
+use crate::quantity::Want;
+use crate::schema::direction;
+use crate::schema::field::{Parameter, VectorField, check_unit};
+use crate::schema::json::{Definitions, annotated, any_of};
+use crate::schema::read::{Read, Reader};
+use crate::schema::time_table::TimeTable;
+use crate::syntax::{At, Node, Property};
+use nastic_energy::SlotGroup;
+use nastic_energy::catalogue::{self, ActuationRow, Takes};
+use serde_json::{Map, Value as Json, json};
+use std::collections::BTreeMap;
+
+/// A parameter of a law or actuation, as its catalogue row takes it.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Input {
+    /// A number, which may vary over the body.
+    Number(Parameter),
+    /// A unit vector of the reference body.
+    Direction(VectorField),
+    /// One of a few words.
+    Word(&'static str),
+    /// A region, a surface, a node set.
+    Name(String),
+}
+
+impl Input {
+    /// The number, if it is one.
+    #[must_use]
+    pub fn number(&self) -> Option<&Parameter> {
+        if let Self::Number(value) = self { Some(value) } else { None }
+    }
+
+    /// The direction, if it is one.
+    #[must_use]
+    pub fn direction(&self) -> Option<&VectorField> {
+        if let Self::Direction(value) = self { Some(value) } else { None }
+    }
+}
+
+/// Sets of parameters, one of which a row takes.
+pub(crate) type Forms = &'static [&'static [catalogue::Parameter]];
+
+/// What of an actuation a control may set, or a fixed value.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct SlotName {
+    /// Its key in the block.
+    pub key: &'static str,
+    pub(crate) want: Want,
+    pub(crate) vector: bool,
+    pub(crate) not_negative: bool,
+}
+
+/// The control slots of an actuation; the components of a vector are one.
+pub(crate) fn slots(row: &ActuationRow) -> Vec<SlotName> {
+    let Some(example) = row.examples().into_iter().next().and_then(|inputs| row.build(&inputs).ok()) else {
+        return vec![];
+    };
+    slot_names(example.slots())
+}
+
+/// Slots by name; the components of a vector are one.
+pub(crate) fn slot_names(slots: &[nastic_energy::Slot]) -> Vec<SlotName> {
+    let name = |group: SlotGroup| SlotName {
+        key: group.name,
+        want: want(group.unit),
+        vector: group.is_vector(),
+        not_negative: group.not_negative,
+    };
+    SlotGroup::of(slots).into_iter().map(name).collect()
+}
+
+/// All keys of all forms, each once.
+pub(crate) fn keys(forms: Forms) -> Vec<&'static catalogue::Parameter> {
+    let mut out: Vec<&catalogue::Parameter> = Vec::new();
+    for parameter in forms.iter().copied().flatten() {
+        if !out.iter().any(|known| known.name == parameter.name) {
+            out.push(parameter);
+        }
+    }
+    out
+}
+
+/// The parameters of a block, of exactly one form.
+pub(crate) fn read_inputs(
+    owner: &str,
+    forms: Forms,
+    node: &Node,
+    at: &At,
+    reader: &mut Reader<'_>,
+) -> Option<BTreeMap<&'static str, Input>> {
+    let members = reader.members(node, at)?;
+    let fits = check_form(owner, forms, node, members, at, reader);
+    let mut out = BTreeMap::new();
+    for parameter in keys(forms) {
+        let Some(member) = members.iter().find(|member| member.key == parameter.name) else { continue };
+        if let Some(input) = read_input(parameter, &member.node, &at.key(parameter.name), reader) {
+            out.insert(parameter.name, input);
+        }
+    }
+    fits.then_some(out)
+}
+
+fn read_input(parameter: &catalogue::Parameter, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Input> {
+    match parameter.takes {
+        Takes::Number { unit, .. } => Parameter::read(node, at, want(unit), reader).map(Input::Number),
+        Takes::Choice { of } => reader.word(node, at, parameter.name, of).map(Input::Word),
+        Takes::Name { .. } => String::read(node, at, Want::ANY, reader).map(Input::Name),
+        Takes::Direction { .. } => {
+            let direction = direction::read_field(node, at, reader)?;
+            check_unit(&direction, at, reader);
+            Some(Input::Direction(direction))
+        }
+    }
+}
+
+/// True if all keys belong to one form and none of its own is missing.
+fn check_form(owner: &str, forms: Forms, node: &Node, members: &[Property], at: &At, reader: &mut Reader<'_>) -> bool {
+    let has = |name: &str| members.iter().any(|member| member.key == name);
+    let given: Vec<&str> = keys(forms).iter().map(|p| p.name).filter(|name| has(name)).collect();
+    let missing = |form: &[catalogue::Parameter]| -> Vec<&str> {
+        form.iter().filter(|p| !p.optional && !has(p.name)).map(|p| p.name).collect()
+    };
+    let strange =
+        |form: &[catalogue::Parameter]| given.iter().filter(|name| !form.iter().any(|p| p.name == **name)).count();
+    // The form that was meant shares the most keys and lacks the fewest.
+    let Some(best) = forms.iter().min_by_key(|form| (strange(form), missing(form).len())) else { return true };
+    let lacking = missing(best);
+    let described: Vec<String> = forms.iter().map(|form| describe(form)).collect();
+    let described = described.join(" or ");
+    if strange(best) > 0 {
+        let found = given.join(", ");
+        reader.complain(node, at, format!("\"{owner}\" takes {described}, found {{{found}}}"));
+    } else if !lacking.is_empty() {
+        let lacking = lacking.join("\", \"");
+        reader.complain(node, at, format!("missing key \"{lacking}\": \"{owner}\" takes {described}"));
+    }
+    strange(best) == 0 && lacking.is_empty()
+}
+
+fn describe(form: &[catalogue::Parameter]) -> String {
+    let names = form.iter().map(|p| format!("{}{}", p.name, if p.optional { "?" } else { "" }));
+    format!("{{{}}}", names.collect::<Vec<_>>().join(", "))
+}
+
+/// What a value in this unit of the catalogue demands of a case.
+pub(crate) fn want(unit: &str) -> Want {
+    dimension_of(unit).map_or(Want::ANY, Want::a)
+}
+
+/// The block with these fixed keys and one form's parameters.
+pub(crate) fn form_schema(
+    about: &str,
+    mut properties: Map<String, Json>,
+    mut required: Vec<&str>,
+    form: &'static [catalogue::Parameter],
+    definitions: &mut Definitions,
+) -> Json {
+    for parameter in form {
+        let schema = match parameter.takes {
+            Takes::Number { unit, .. } => Parameter::schema(want(unit), definitions),
+            Takes::Direction { .. } => direction::field_schema(definitions),
+            Takes::Choice { of } => json!({ "enum": of, "default": of.first() }),
+            Takes::Name { .. } => String::schema(Want::ANY, definitions),
+        };
+        properties.insert(parameter.name.into(), schema);
+        if !parameter.optional {
+            required.push(parameter.name);
+        }
+    }
+    json!({
+        "type": "object",
+        "description": about,
+        "required": required,
+        "properties": properties,
+        "additionalProperties": false,
+    })
+}
+
+/// The schema of a slot's fixed value.
+pub(crate) fn slot_schema(slot: &SlotName, definitions: &mut Definitions) -> Json {
+    let sign = match slot.key {
+        _ if slot.not_negative => " It only pulls: not negative.",
+        "tension" => " A positive one lengthens, a negative one contracts.",
+        _ => "",
+    };
+    let about = format!("The {} where it is no control.{sign}", slot.key);
+    let own = if slot.vector {
+        VectorField::schema(slot.want, definitions)
+    } else {
+        Parameter::schema(slot.want, definitions)
+    };
+    let schema = any_of(vec![own, TimeTable::schema(slot.want, definitions)]);
+    annotated(schema, &about, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_unit_of_the_catalogue_has_a_dimension() {
+        let forms = catalogue::materials().iter().flat_map(|row| row.forms);
+        let forms = forms.chain(catalogue::actuations().iter().flat_map(|row| row.forms));
+        for parameter in forms.copied().flatten() {
+            if let Takes::Number { unit, .. } = parameter.takes {
+                assert!(want(unit) != Want::ANY, "{}: {unit}", parameter.name);
+            }
+        }
+        for row in catalogue::actuations() {
+            assert!(!slots(row).is_empty(), "{}", row.name);
+            assert!(slots(row).iter().all(|slot| slot.want != Want::ANY), "{}", row.name);
+        }
+    }
+
+    #[test]
+    fn components_of_a_slot_are_one_vector() {
+        let magnet = catalogue::actuation("magnet").unwrap();
+        let names: Vec<_> = slots(magnet).iter().map(|slot| (slot.key, slot.vector)).collect();
+        assert_eq!(names, [("remanence", true), ("field", true)]);
+        let turgor = catalogue::actuation("turgor").unwrap();
+        assert_eq!(
+            slots(turgor),
+            [SlotName { key: "pressure", want: Want::PRESSURE, vector: false, not_negative: false }]
+        );
+    }
+}

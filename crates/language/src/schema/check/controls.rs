@@ -1,0 +1,247 @@
+//! Controls against actuations, and costs against controls.
+
+use crate::expression::Formula;
+use crate::quantity::Dimension;
+use crate::schema::actuation::{Actuation, Means};
+use crate::schema::catalogue::SlotName;
+use crate::schema::check::{Blocks, plain};
+use crate::schema::control::{Control, Start};
+use crate::schema::cost::Cost;
+use crate::schema::field::{Parameter, check_unit};
+use crate::schema::read::Reader;
+use crate::syntax::{At, nearest, quoted};
+
+pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
+    let alone: Vec<&[Control]> = blocks.load_cases.iter().map(|case| case.controls.as_slice()).collect();
+    for control in blocks.controls.iter().chain(alone.iter().copied().flatten()) {
+        check_slot(control, blocks, reader);
+    }
+    check_group(blocks, &[], &blocks.controls, &blocks.costs, reader);
+    for case in &blocks.load_cases {
+        check_group(blocks, &blocks.controls, &case.controls, &case.costs, reader);
+    }
+    check_purpose(blocks, reader);
+}
+
+fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
+    let slots: Vec<(String, SlotName)> = blocks.actuation.iter().flat_map(Actuation::slots).collect();
+    if blocks.actuation.iter().any(|actuation| has_unknown_slots(actuation, &control.of, blocks, reader)) {
+        return;
+    }
+    let Some((_, slot)) = slots.iter().find(|(name, _)| *name == control.of) else {
+        if blocks.complete("actuation") {
+            let known: Vec<&str> = slots.iter().map(|(name, _)| name.as_str()).collect();
+            let owner = blocks.actuation.iter().find_map(|actuation| {
+                let slot = control.of.strip_prefix(&actuation.name)?.strip_prefix('.')?;
+                Some((actuation, slot))
+            });
+            let clause = match owner {
+                _ if known.is_empty() => ": the case has no actuation".into(),
+                Some((actuation, slot)) => unknown_input(actuation, slot, &known, reader),
+                None => nearest::clause(&control.of, &known),
+            };
+            let message = format!("no actuation {}{clause}", quoted(&control.of));
+            reader.complain_at(&control.at.key("of"), message);
+        }
+        return;
+    };
+    if slot.vector && control.direction.is_none() {
+        check_vector(control, reader);
+    } else {
+        check_scalar(control, slot, reader);
+    }
+    check_dimensions(control, slot, reader);
+}
+
+/// Whether a control is of an actuation with a mistake that may hide which form of its kind it is, and so what its slots are.
+fn has_unknown_slots(actuation: &Actuation, of: &str, blocks: &Blocks, reader: &Reader<'_>) -> bool {
+    let forms = reader.document.catalogue().contributions().filter(|(kind, _)| *kind == actuation.kind()).count();
+    let is_own = of.strip_prefix(&actuation.name).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    forms > 1 && is_own && !blocks.is_sound(&actuation.at)
+}
+
+/// What can be controlled of an actuation that has no such input, and why not that.
+fn unknown_input(actuation: &Actuation, wrong: &str, known: &[&str], reader: &Reader<'_>) -> String {
+    let inputs = actuation.slots();
+    let keys: Vec<&str> = inputs.iter().map(|(_, slot)| slot.key).collect();
+    // an input that has another name here is no misspelling
+    let meant = if keys.contains(&wrong) { None } else { nearest::nearest(wrong, &keys) };
+    if let Some((name, _)) = meant.and_then(|key| inputs.iter().find(|(_, slot)| slot.key == key)) {
+        return format!(": did you mean \"{name}\"? (one of: {})", known.join(", "));
+    }
+    let of = |(name, slot): &(String, SlotName)| format!("\"{name}\" (its {})", slot.key);
+    let list: Vec<String> = inputs.iter().map(of).collect();
+    let why = excluding(actuation, wrong, reader)
+        .map(|key| format!("; with \"{key}\" a {} has no {wrong}", actuation.kind().replace('_', " ")));
+    let one = if actuation.has_one_driver() { ", one of which drives it" } else { "" };
+    format!(
+        ": what can be controlled of \"{}\" is {}{one}{}",
+        actuation.name,
+        list.join(" and "),
+        why.unwrap_or_default()
+    )
+}
+
+/// The key that keeps an actuation from having an input that another form of its kind has.
+fn excluding(actuation: &Actuation, input: &str, reader: &Reader<'_>) -> Option<&'static str> {
+    let Means::Contribution { kind, form, .. } = &actuation.means else { return None };
+    let mut forms = reader.document.catalogue().contributions().filter(|(other, _)| other == kind);
+    let (_, other) = forms.find(|(_, other)| other.slots.iter().any(|slot| slot.group == input))?;
+    form.keys.iter().map(|key| key.name).find(|key| !other.keys.iter().any(|known| known.name == *key))
+}
+
+fn check_vector(control: &Control, reader: &mut Reader<'_>) {
+    for (key, given) in [("lower", control.lower.is_some()), ("upper", control.upper.is_some())] {
+        if given {
+            let message = format!("\"{}\" is a vector: give \"norm\" or \"max_norm\"", control.of);
+            reader.complain_at(&control.at.key(key), message);
+        }
+    }
+    let start = control.at.key("start");
+    match &control.start {
+        Some(Start::Table(table)) if table.columns.is_none() => {
+            reader.complain_at(&start, format!("\"{}\" is a vector: give two or three \"columns\"", control.of));
+        }
+        Some(Start::Scalar(_)) => {
+            reader.complain_at(&start, format!("\"{}\" is a vector: give two or three entries", control.of));
+        }
+        None if control.norm.is_some() && reader.document.root().find(start.as_str()).is_none() => {
+            reader.complain_at(&control.at, "missing key \"start\": zero, the default, does not have the \"norm\"");
+        }
+        Some(Start::Vector(entries)) if control.norm.is_some() && entries.iter().all(|e| e.constant() == Some(0.0)) => {
+            reader.complain_at(&start, "a zero vector cannot be given the \"norm\"");
+        }
+        _ => {}
+    }
+}
+
+fn check_scalar(control: &Control, slot: &SlotName, reader: &mut Reader<'_>) {
+    match &control.direction {
+        Some(_) if !slot.vector => {
+            let message = format!("\"{}\" is a scalar, it has no direction", control.of);
+            reader.complain_at(&control.at.key("direction"), message);
+        }
+        Some(direction) => {
+            check_unit(&direction.field(), &control.at.key("direction"), reader);
+        }
+        None => {}
+    }
+    for (key, given) in [("norm", control.norm.is_some()), ("max_norm", control.max_norm.is_some() && !slot.vector)] {
+        if given {
+            let message = format!("\"{}\" is a scalar: give \"lower\" and \"upper\"", control.of);
+            reader.complain_at(&control.at.key(key), message);
+        }
+    }
+    let several = matches!(&control.start, Some(Start::Table(table)) if table.columns.is_some());
+    if several || matches!(control.start, Some(Start::Vector(_) | Start::Random(_))) {
+        reader.complain_at(&control.at.key("start"), format!("\"{}\" is a scalar: give one value", control.of));
+    }
+}
+
+/// Start and bounds take the dimension of what they control.
+fn check_dimensions(control: &Control, slot: &SlotName, reader: &mut Reader<'_>) {
+    let start = control.at.key("start");
+    let mut values: Vec<(At, &Formula)> = Vec::new();
+    match &control.start {
+        Some(Start::Scalar(formula)) => values.push((start, formula)),
+        Some(Start::Vector(entries)) => values.extend(entries.iter().enumerate().map(|(i, e)| (start.index(i), e))),
+        _ => {}
+    }
+    for (key, bound) in [("lower", &control.lower), ("upper", &control.upper)] {
+        if let Some(Parameter::Formula(formula)) = bound {
+            values.push((control.at.key(key), formula));
+        }
+    }
+    let per_time = slot.want.dimension.and_then(|dimension| dimension.over(Dimension::TIME));
+    // what is a scalar is told that it has no length
+    let of_vector = slot.want.dimension.filter(|_| slot.vector);
+    let sizes = [
+        ("norm", &control.norm, of_vector),
+        ("max_norm", &control.max_norm, of_vector),
+        ("rate", &control.rate, per_time),
+    ];
+    for (key, size, dimension) in sizes {
+        let Some(size) = size else { continue };
+        if let Some(Err(why)) = dimension.map(|dimension| size.check(dimension)) {
+            reader.complain_at(&control.at.key(key), why);
+        }
+    }
+    for (at, formula) in values {
+        if let Some(Err(why)) = slot.want.dimension.map(|dimension| formula.check(dimension)) {
+            reader.complain_at(&at, why);
+        }
+    }
+}
+
+/// The controls and costs of one load case, or those that all share.
+fn check_group(blocks: &Blocks, shared: &[Control], own: &[Control], costs: &[Cost], reader: &mut Reader<'_>) {
+    for (i, control) in own.iter().enumerate() {
+        plain(control.name(), &control.at.key("name"), &['/'], reader);
+        let before: Vec<&Control> = shared.iter().chain(&own[..i]).collect();
+        if let Some(first) = before.iter().find(|other| other.of == control.of) {
+            let message = format!("{} has a control already, at {}", quoted(&control.of), first.at);
+            reader.complain_at(&control.at.key("of"), message);
+        } else if let Some(first) = before.iter().find(|other| other.name() == control.name()) {
+            let message = format!("{} names a control already, at {}", quoted(control.name()), first.at);
+            reader.complain_at(&control.at.key("name"), message);
+        }
+    }
+    let names: Vec<&str> = shared.iter().chain(own).map(Control::name).collect();
+    if !blocks.complete("controls") || !blocks.complete("load_cases") {
+        return;
+    }
+    for cost in costs {
+        if let Some(of) = cost.control().filter(|of| !names.contains(of)) {
+            let clause =
+                if names.is_empty() { ": the case has no controls".into() } else { nearest::clause(of, &names) };
+            reader.complain_at(&cost.at().key("of"), format!("no control {}{clause}", quoted(of)));
+        }
+    }
+}
+
+/// An actuation that is zero and nobody's control does nothing, which nobody wants.
+fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
+    if !["controls", "load_cases", "scenarios"].iter().all(|block| blocks.complete(block)) {
+        return;
+    }
+    let controls = blocks.controls.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.controls));
+    let controlled: Vec<&str> = controls.map(|control| control.of.as_str()).collect();
+    let known: Vec<String> = blocks.actuation.iter().flat_map(Actuation::slots).map(|(name, _)| name).collect();
+    if controlled.iter().any(|of| !known.iter().any(|name| name == of)) {
+        // A misspelt control may have meant any of them.
+        return;
+    }
+    // what drives one with a mistake may be what could not be read
+    let told = |actuation: &&Actuation| !actuation.is_passive() && blocks.is_sound(&actuation.at);
+    for actuation in blocks.actuation.iter().filter(told) {
+        let slots = actuation.slots();
+        let drives = |(name, slot): &(String, SlotName)| {
+            // A volume that stays as it is does something, a pressure of zero does not.
+            let held = slot.key != slots[0].1.key && actuation.fixed.contains_key(slot.key);
+            let at = actuation.at.key(slot.key);
+            held || actuation.fixes(slot.key) || controlled.contains(&name.as_str()) || varies(blocks, &at)
+        };
+        if actuation.has_one_driver() && slots.iter().any(drives) {
+            continue;
+        }
+        for (name, slot) in slots.clone() {
+            let at = actuation.at.key(slot.key);
+            if actuation.fixes(slot.key) || controlled.contains(&name.as_str()) || varies(blocks, &at) {
+                continue;
+            }
+            let message = format!(
+                "\"{}\" has no effect: its {} is zero; give \"{}\" a value, or a control {{ \"of\": \"{name}\", ... }}",
+                actuation.name, slot.key, slot.key
+            );
+            reader.complain_at(&actuation.at, message);
+            if actuation.has_one_driver() {
+                break;
+            }
+        }
+    }
+}
+
+fn varies(blocks: &Blocks, at: &At) -> bool {
+    let mut paths = crate::schema::check::variants::paths(blocks);
+    paths.any(|path| path.starts_with(at.as_str()))
+}

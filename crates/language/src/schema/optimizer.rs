@@ -1,0 +1,51 @@
+//! The block `optimizer`.
+
+use crate::schema::named::Method;
+
+object! {
+    /// How the cost is made small.
+    pub struct Optimizer {
+        /// The method.
+        pub method: Method = Method::default(),
+        /// Iterations after which it stops unconverged.
+        pub max_iterations: usize = 100,
+        /// It stops when the projected gradient's norm has fallen to this part of its first value.
+        pub tolerance: f64 as POSITIVE = 1e-4,
+        /// The same of the stages before the last, where `tolerance` is smaller.
+        pub stage_tolerance: f64 as POSITIVE = 1e-2,
+        /// It stops as well when that norm is no larger than this (`gradient_norm` of `result.json` is the norm at which a run ended).
+        pub absolute_tolerance: f64 as NOT_NEGATIVE = 0.0,
+        /// The inner product of controls.
+        pub metric: Metric = Metric::L2,
+        /// What becomes of trials whose equilibrium is unstable.
+        pub unstable: Unstable = Unstable::Accept,
+        /// Whether the optimum is solved again from rest: a warning tells if that ends in another state.
+        pub verify: bool = false,
+        /// Number of starts; those after the first are random.
+        pub starts: usize as POSITIVE = 1,
+        /// Whether starts that cannot reach the best one any more are stopped.
+        pub early_stopping: bool = true,
+        /// Seed of whatever is random.
+        pub seed: u64 = 0,
+    }
+}
+
+choice! {
+    /// What becomes of unstable trials.
+    pub enum Unstable {
+        /// They are taken like others; a warning tells if the optimum is one.
+        "accept" => Accept,
+        /// They fail, so that the optimiser shortens its step; one factorisation more per trial.
+        "refuse" => Refuse,
+    }
+}
+
+choice! {
+    /// Inner products of controls.
+    pub enum Metric {
+        /// int m n
+        "l2" => L2,
+        /// int m n + length^2 int grad m . grad n
+        "h1" => H1(f64) as POSITIVE_LENGTH,
+    }
+}

@@ -1,0 +1,24 @@
+//! What commands leave behind: `result.json`, snapshots, pictures.
+
+pub(crate) mod checkpoint_file;
+pub(crate) mod collections;
+pub(crate) mod convergence;
+pub(crate) mod csv;
+pub(crate) mod expectation;
+pub(crate) mod failure;
+pub(crate) mod files;
+pub(crate) mod fingerprint;
+pub(crate) mod inspection;
+pub(crate) mod lock;
+pub(crate) mod member_report;
+pub(crate) mod obstacle_shape;
+pub(crate) mod output_names;
+pub(crate) mod picture;
+pub(crate) mod smoothing;
+pub(crate) mod snapshot;
+pub(crate) mod summary;
+pub(crate) mod target_files;
+pub(crate) mod title;
+
+pub use checkpoint_file::CheckpointError;
+pub use expectation::{Missed, find};

@@ -1,0 +1,131 @@
+//! The output directory.
+
+use crate::result::lock::{DirectoryError, DirectoryLock};
+use crate::result::output_names;
+use nastic_io::{WriteError, write_atomically};
+use nastic_mesh::Snapshot;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Where the files of a command go. While it or a clone of it exists, no other program writes there.
+#[derive(Clone, Debug)]
+pub(crate) struct Directory {
+    path: PathBuf,
+    _lock: Arc<DirectoryLock>,
+}
+
+impl Directory {
+    /// Makes the directory and locks it now, so that a place that cannot be written to, or that another program writes
+    /// to, is told before hours of work; and so is one where what the command writes, by the patterns of its names, would replace what
+    /// it reads.
+    pub fn claim<'f>(
+        path: PathBuf,
+        patterns: &[&str],
+        inputs: impl IntoIterator<Item = &'f Path>,
+    ) -> Result<Self, DirectoryError> {
+        if let Some(file) = output_names::replaced(&path, patterns, inputs) {
+            return Err(DirectoryError::Input { file });
+        }
+        std::fs::create_dir_all(&path).map_err(|source| WriteError::System { file: path.clone(), source })?;
+        let lock = DirectoryLock::acquire(&path)?;
+        if lock.is_held() {
+            remove_parts(&path);
+        }
+        let probe = path.join(".nastic");
+        write_atomically(&probe, |_| Ok(())).map(|()| {
+            let _ = std::fs::remove_file(&probe);
+        })?;
+        Ok(Self { path, _lock: Arc::new(lock) })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A file in it.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Removes what an earlier run left that this one may not overwrite.
+    pub fn remove_old_iterations(&self) {
+        let Ok(entries) = std::fs::read_dir(&self.path) else { return };
+        for entry in entries.flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            let number = name.rsplit_once("iteration_").and_then(|(_, rest)| rest.strip_suffix(".vtu"));
+            let ours = number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
+            let collection = name == "iterations.pvd" || name.ends_with("_iterations.pvd");
+            let iterates = name == "iterates.bin" || name.ends_with("_iterates.bin");
+            if ours || collection || iterates || name == "failure.vtu" {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+
+    /// Removes the snapshots `STEM0000.vtu` .. that an earlier run left.
+    pub fn remove_numbered(&self, stem: &str) {
+        let Ok(entries) = std::fs::read_dir(&self.path) else { return };
+        for entry in entries.flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            let number = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".vtu"));
+            if number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit())) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+
+    /// Removes a file, if it is there.
+    pub fn remove(&self, name: &str) -> Result<(), WriteError> {
+        let file = self.file(name);
+        match std::fs::remove_file(&file) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(WriteError::System { file, source }),
+            _ => Ok(()),
+        }
+    }
+
+    pub fn write_json(&self, name: &str, value: &Value) -> Result<(), WriteError> {
+        let text = format!("{value:#}\n");
+        write_atomically(self.file(name), |out| out.write_all(text.as_bytes()))
+    }
+
+    pub fn write_vtu(&self, name: &str, snapshot: &Snapshot) -> Result<(), WriteError> {
+        nastic_io::write_vtu(self.file(name), snapshot)
+    }
+
+    /// A state `NAME.vtu`, and beside it `NAME_lines.vtu` where it has lines; the names of the files.
+    pub fn write_state(&self, name: &str, snapshot: &Snapshot) -> Result<Vec<String>, WriteError> {
+        let files = state_files(name, !snapshot.lines.is_empty());
+        self.write_vtu(&files[0], snapshot)?;
+        match files.get(1) {
+            Some(lines) => nastic_io::write_lines(self.file(lines), &snapshot.lines)?,
+            None => self.remove(&lines_of(name))?,
+        }
+        Ok(files)
+    }
+}
+
+/// The files of a state: `NAME.vtu`, and `NAME_lines.vtu` where it has lines.
+pub(crate) fn state_files(name: &str, has_lines: bool) -> Vec<String> {
+    std::iter::once(format!("{name}.vtu")).chain(has_lines.then(|| lines_of(name))).collect()
+}
+
+fn lines_of(name: &str) -> String {
+    format!("{name}_lines.vtu")
+}
+
+/// Removes unfinished files that a killed program left: `.NAME.PROCESS.COUNT.part`, as [`write_atomically`] calls them.
+fn remove_parts(directory: &Path) {
+    let is_number = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit());
+    for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let mut parts = name.to_str().unwrap_or("").rsplit('.');
+        let is_part =
+            parts.next() == Some("part") && parts.by_ref().take(2).filter(|part| is_number(part)).count() == 2;
+        if is_part && name.to_string_lossy().starts_with('.') {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
+
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::warning::{
+    BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
+};
+use nastic_control::EnsemblePoint;
+use nastic_fem::{PointPeak, State, StateError};
+use nastic_language::number::{quantity, short};
+use nastic_language::quantity::Dimension;
+use nastic_mesh::spatial::{SelfIntersection, Shape};
+use nastic_numeric::vector::{norm, sub};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+/// Below this scaled Jacobian a cell is badly shaped.
+const POOR: f64 = 0.05;
+
+/// Displacements of so many times the body's diagonal stretch it as much.
+const FAR: f64 = 3.0;
+/// Below this J a material is compressed to a fifth of its volume.
+const COMPRESSED: f64 = 0.2;
+
+/// What was found in the state of one member.
+#[derive(Debug, Clone)]
+pub(crate) struct Inspection {
+    /// Negative pivots of the tangent, or why they were not counted.
+    pub inertia: Result<usize, Uncounted>,
+    /// Where the deformed body intersects itself.
+    pub intersection: SelfIntersection,
+    /// Deformed volume of the cells whose centres lie in other cells.
+    overlap: f64,
+    /// Cells that the deformation made badly shaped, and the lowest scaled Jacobian among them with its cell.
+    distorted: (usize, Option<(u32, f64)>),
+    /// What of the deformation is beyond any material.
+    extremes: Vec<String>,
+    /// True electric fields beyond the breakdown strength.
+    breakdowns: Vec<String>,
+}
+
+/// Why negative pivots were not counted.
+#[derive(Debug, Clone)]
+pub(crate) struct Uncounted {
+    /// Whether the tangent is singular; else nothing is known about it.
+    singular: bool,
+    /// Whether there is nothing to count: a state in motion is no equilibrium.
+    moving: bool,
+    why: String,
+}
+
+impl Uncounted {
+    /// `{ "singular": .., "why": .. }`
+    pub fn json(&self) -> Value {
+        json!({ "singular": self.singular, "why": self.why })
+    }
+}
+
+impl Inspection {
+    /// Of all members of an evaluated control.
+    pub fn of_point(problem: &CaseProblem, point: &EnsemblePoint) -> Vec<Self> {
+        let members: Vec<_> = problem.members().zip(&point.members).collect();
+        members.par_iter().with_max_len(1).map(|(member, at)| Self::of(*member, at.state())).collect()
+    }
+
+    /// Of one state.
+    pub fn of(member: CaseMember<'_>, state: &State) -> Self {
+        if member.reduced().timeline().is_some() {
+            let why = "a state in motion is no equilibrium".to_owned();
+            return Self::with_inertia(member, state, Err(Uncounted { singular: false, moving: true, why }));
+        }
+        let counted = member.solid().negative_pivots(state);
+        let uncounted =
+            |error: StateError| Uncounted { singular: error.is_singular(), moving: false, why: error.to_string() };
+        Self::with_inertia(member, state, counted.map_err(uncounted))
+    }
+
+    /// Of a state whose negative pivots may be known; else the reason is found anew.
+    pub fn of_counted(member: CaseMember<'_>, state: &State, negative: Option<usize>) -> Self {
+        match negative {
+            Some(negative) => Self::with_inertia(member, state, Ok(negative)),
+            None => Self::of(member, state),
+        }
+    }
+
+    fn with_inertia(member: CaseMember<'_>, state: &State, inertia: Result<usize, Uncounted>) -> Self {
+        let mesh = member.mesh();
+        let positions = positions(mesh.points(), &state.u, mesh.dim());
+        let shape = Shape::new(mesh, &positions, None);
+        let intersection = shape.map(|shape| shape.self_intersection()).unwrap_or_default();
+        let (before, now) = (mesh.quality(), mesh.quality_at(&positions));
+        let worse = before.cells.iter().zip(&now.cells);
+        let distorted: Vec<(u32, f64)> = worse
+            .filter(|(before, now)| before.scaled_jacobian >= POOR && now.scaled_jacobian < POOR)
+            .map(|(_, now)| (now.cell, now.scaled_jacobian))
+            .collect();
+        let lowest = distorted.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
+        Self {
+            inertia,
+            overlap: overlap(member, state, &intersection),
+            intersection,
+            distorted: (distorted.len(), lowest),
+            extremes: extremes(member, state),
+            breakdowns: breakdowns(member, state),
+        }
+    }
+
+    /// `{ "cells": .., "volume": .. }`
+    pub fn intersection_json(&self) -> Value {
+        json!({ "cells": self.intersection.cells().len(), "volume": self.overlap })
+    }
+
+    /// One value per cell: 1 where the body intersects itself; `None` if it does not.
+    pub fn intersecting(&self, cells: usize) -> Option<Vec<f64>> {
+        let found = self.intersection.cells();
+        let mut marks = vec![0.0; cells];
+        found.iter().for_each(|&cell| marks[cell as usize] = 1.0);
+        (!found.is_empty()).then_some(marks)
+    }
+
+    /// What deserves attention in the state; the place of the warnings is `what`, behind the member's name.
+    pub fn warnings(&self, member: CaseMember<'_>, what: &str) -> Vec<Warning> {
+        let mut out = Vec::new();
+        match &self.inertia {
+            Ok(0) | Err(Uncounted { moving: true, .. }) => {}
+            Ok(n) => {
+                let pivots = if *n == 1 { "1 negative pivot".to_owned() } else { format!("{n} negative pivots") };
+                out.push(Warning::new(&UNSTABLE, format!("{pivots} of the tangent stiffness")));
+            }
+            Err(Uncounted { singular, why, .. }) => {
+                let kind = if *singular { &NEARLY_SINGULAR } else { &NOT_COUNTED };
+                out.push(Warning::new(kind, format!("negative pivots not counted: {why}")));
+            }
+        }
+        if !self.intersection.is_empty() {
+            out.push(Warning::new(&SELF_INTERSECTION, self.describe_intersection(member)));
+        }
+        if let (count, Some((cell, lowest))) = self.distorted {
+            let message =
+                format!("{count} cells have a scaled Jacobian below {POOR}, the lowest is {lowest:.3} (cell {cell})");
+            out.push(Warning::new(&CELL_SHAPE, message));
+        }
+        if !self.extremes.is_empty() {
+            out.push(Warning::new(&EXTREME_DEFORMATION, self.extremes.join("; ")));
+        }
+        out.extend(self.breakdowns.iter().map(|found| Warning::new(&BREAKDOWN, found.clone())));
+        let name = member.name();
+        let place = if name.is_empty() { what.to_owned() } else { format!("{name}: {what}") };
+        out.into_iter().map(|warning| warning.of(place.clone())).collect()
+    }
+
+    fn describe_intersection(&self, member: CaseMember<'_>) -> String {
+        let SelfIntersection { overlapped, crossed } = &self.intersection;
+        let (cells, unit) = (member.mesh().cells(), member.problem().units().length().symbol);
+        let named = |cells: &[u32]| cells.iter().take(3).map(u32::to_string).collect::<Vec<_>>().join(", ");
+        match overlapped.len() {
+            0 => format!("the surfaces of {} cells cross (cells {} ..)", crossed.len(), named(crossed)),
+            n => format!(
+                "the centres of {n} of {cells} cells lie in other cells (cells {} ..), whose deformed size is {:.3e} {unit}^{}",
+                named(overlapped),
+                self.overlap,
+                member.mesh().dim()
+            ),
+        }
+    }
+}
+
+fn positions(points: &[[f64; 3]], u: &[f64], dim: usize) -> Vec<[f64; 3]> {
+    let moved = |(x, u): (&[f64; 3], &[f64])| std::array::from_fn(|k| x[k] + u.get(k).copied().unwrap_or(0.0));
+    points.iter().zip(u.chunks_exact(dim)).map(moved).collect()
+}
+
+/// Displacements and compressions that no law was measured for.
+fn extremes(member: CaseMember<'_>, state: &State) -> Vec<String> {
+    let (mesh, min_j) = (member.mesh(), state.report.min_j);
+    let u = member.solid().model().nodal(&state.u);
+    // a body that flies deforms no more for it
+    let carried = if state.velocity.is_some() { mean(u, mesh.dim()) } else { vec![0.0; mesh.dim()] };
+    let farthest = u.chunks_exact(mesh.dim()).map(|u| norm(&sub(u, &carried))).fold(0.0, f64::max);
+    let sizes = farthest / mesh.diagonal();
+    let mut out = Vec::new();
+    if sizes > FAR {
+        let (unit, farthest) = (member.problem().units().length().symbol, short(farthest));
+        out.push(format!(
+            "the largest displacement is {farthest} {unit}, {} times the size of the body",
+            short(sizes.round())
+        ));
+    }
+    if min_j > 0.0 && min_j < COMPRESSED {
+        out.push(format!("the smallest J is {min_j:.3}: the material is compressed to this share of its volume"));
+    }
+    out
+}
+
+/// The mean of nodal vectors.
+fn mean(u: &[f64], dim: usize) -> Vec<f64> {
+    let nodes = u.len() / dim;
+    (0..dim).map(|k| u.iter().skip(k).step_by(dim).sum::<f64>() / nodes as f64).collect()
+}
+
+/// Actuations beyond what their material bears at a point, in words.
+fn breakdowns(member: CaseMember<'_>, state: &State) -> Vec<String> {
+    let Ok(peaks) = member.solid().body().point_peaks(&state.u, &state.controls) else { return Vec::new() };
+    let units = member.problem().units();
+    let told = |peak: PointPeak| {
+        let (share, limit) = peak.share.filter(|_| peak.beyond > 0)?;
+        let limit = quantity(limit, Dimension::ELECTRIC_FIELD, units);
+        let (name, cells) = (peak.actuation, peak.beyond);
+        Some(format!(
+            "{name}: the true field reaches {} times the breakdown strength {limit}, in {cells} cells beyond it",
+            short(share)
+        ))
+    };
+    peaks.into_iter().filter_map(told).collect()
+}
+
+/// int J dX over the cells whose centres lie in others.
+fn overlap(member: CaseMember<'_>, state: &State, found: &SelfIntersection) -> f64 {
+    let disc = member.solid().discretization();
+    let (Ok(fields), points) = (member.solid().cell_fields(state), disc.points_of_cells()) else { return f64::NAN };
+    let volume = |&cell: &u32| {
+        let (first, count) = points[cell as usize];
+        fields.j[cell as usize] * disc.points().weights()[first..first + count].iter().sum::<f64>()
+    };
+    // Not `sum`, which is -0.0 of nothing.
+    found.overlapped.iter().map(volume).fold(0.0, |all, one| all + one)
+}

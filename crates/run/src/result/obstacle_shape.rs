@@ -1,0 +1,110 @@
+//! Obstacles as bodies to be drawn.
+
+use nastic_case::lower::{CaseMember, CaseProblem, mesh_again};
+use nastic_language::schema::{Constraint, Cost, Shape};
+use nastic_mesh::{CellKind, Mesh, Snapshot, box_mesh};
+use std::sync::Arc;
+
+/// Cells per direction; odd, so that a layer in the middle can be stretched.
+const CELLS: usize = 11;
+
+/// Thickness of the plate that stands for a half-space, and half of its width, as shares of the body's diagonal.
+const PLATE: [f64; 2] = [0.02, 0.75];
+
+/// The obstacles of a member's constraints and costs, each once; a half-space, which has no end, as a plate in front of the body.
+pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
+    let case = member.case();
+    let of_constraint = |block: &Constraint| block.obstacle.as_ref().map(|keep_out| keep_out.shape.clone());
+    let of_cost = |block: &Cost| match block {
+        Cost::Obstacle(block) => Some(block.shape.clone()),
+        _ => None,
+    };
+    let mut meshes: Vec<Arc<Mesh>> = Vec::new();
+    let shapes = case.constraints.iter().filter_map(of_constraint).chain(case.costs.iter().filter_map(of_cost));
+    for mesh in shapes.filter_map(|shape| match &shape {
+        Shape::Mesh(source) => mesh_again(source, member.problem()),
+        shape => mesh(shape, member.mesh()).map(Arc::new),
+    }) {
+        if !meshes.iter().any(|known| known.points() == mesh.points()) {
+            meshes.push(mesh);
+        }
+    }
+    if member.mesh().dim() == 3 { meshes.into_iter().map(Snapshot::new).collect() } else { vec![] }
+}
+
+/// `obstacle_1.vtu` and so on for all members together, and the names of each member's own.
+pub(crate) fn files(problem: &CaseProblem) -> (Vec<(String, Snapshot)>, Vec<Vec<String>>) {
+    let mut files: Vec<(String, Snapshot)> = Vec::new();
+    let mut name = |shape: Snapshot| {
+        if let Some((known, _)) = files.iter().find(|(_, known)| known.mesh.points() == shape.mesh.points()) {
+            return known.clone();
+        }
+        files.push((format!("obstacle_{}.vtu", files.len() + 1), shape));
+        format!("obstacle_{}.vtu", files.len())
+    };
+    let names = problem.members().map(|member| all(member).into_iter().map(&mut name).collect()).collect();
+    (files, names)
+}
+
+/// A box.
+fn brick(low: [f64; 3], high: [f64; 3]) -> Option<Mesh> {
+    let size = std::array::from_fn(|i| high[i] - low[i]);
+    let at = |x: [f64; 3]| std::array::from_fn(|i| low[i] + x[i]);
+    box_mesh(size, [CELLS; 3], CellKind::Hex8).ok()?.mapped(at).ok()
+}
+
+/// A ball or a capsule of bricks, a plate, a box.
+fn mesh(shape: &Shape, body: &Mesh) -> Option<Mesh> {
+    let (from, to, radius) = match shape {
+        Shape::Sphere(sphere) => (sphere.center.xyz(), sphere.center.xyz(), sphere.radius),
+        Shape::Capsule(capsule) => (capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
+        Shape::Box(block) => return brick(block.low.xyz(), block.high.xyz()),
+        Shape::Mesh(_) => return None,
+        Shape::HalfSpace(half) => return plate(half.point.xyz(), half.normal.xyz(), body),
+    };
+    let along: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
+    let length = norm(&along);
+    let axis = if length > 0.0 { along.map(|a| a / length) } else { [0.0, 0.0, 1.0] };
+    let frame = frame(axis);
+    let cube = box_mesh([2.0; 3], [CELLS; 3], CellKind::Hex8).ok()?;
+    let place = |x: [f64; 3]| {
+        // The cube to the unit ball: the same direction, the largest coordinate for a length.
+        let p = x.map(|x| x - 1.0);
+        let (size, largest) = (norm(&p), p.iter().fold(0.0, |most: f64, p| most.max(p.abs())));
+        let q = p.map(|p| if size > 0.0 { radius * p * largest / size } else { 0.0 });
+        let end = if p[2] > 0.0 { to } else { from };
+        std::array::from_fn(|i| end[i] + (0..3).map(|k| q[k] * frame[k][i]).sum::<f64>())
+    };
+    cube.mapped(place).ok()
+}
+
+/// Of the half-space behind a plane the part next to the body.
+fn plate(point: [f64; 3], normal: [f64; 3], body: &Mesh) -> Option<Mesh> {
+    let normal = normal.map(|n| n / norm(&normal));
+    let count = body.points().len() as f64;
+    let center: [f64; 3] = std::array::from_fn(|i| body.points().iter().map(|x| x[i]).sum::<f64>() / count);
+    let away: f64 = (0..3).map(|i| normal[i] * (center[i] - point[i])).sum();
+    let [thickness, reach] = PLATE.map(|share| share * body.diagonal());
+    let frame = frame(normal);
+    let slab = box_mesh([2.0 * reach, 2.0 * reach, thickness], [CELLS, CELLS, 1], CellKind::Hex8).ok()?;
+    let place = |x: [f64; 3]| {
+        let local = [x[0] - reach, x[1] - reach, x[2] - thickness - away];
+        std::array::from_fn(|i| center[i] + (0..3).map(|k| local[k] * frame[k][i]).sum::<f64>())
+    };
+    slab.mapped(place).ok()
+}
+
+fn norm(v: &[f64; 3]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// An orthonormal, right-handed frame with this third vector.
+fn frame(c: [f64; 3]) -> [[f64; 3]; 3] {
+    let helper = if c[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let b = cross(c, helper);
+    let size = norm(&b);
+    let b = b.map(|b| b / size);
+    [cross(b, c), b, c]
+}

@@ -1,0 +1,222 @@
+//! Pictures of start, target and result, for those who do not have ParaView open.
+
+use crate::result::files::Directory;
+use crate::result::{obstacle_shape, snapshot};
+use nastic_case::lower::{Admitted, CaseMember, ControlField, TargetShape};
+use nastic_control::{ControlBlock, Space};
+use nastic_io::WriteError;
+use nastic_mesh::{NamedArray, Polyline, Snapshot};
+use nastic_picture::{Appearance, Body, Colour, Face, Field, Picture, Sheet};
+use nastic_report::carried;
+use nastic_report::record::{StateRecord, number_of};
+
+/// What is drawn.
+pub(crate) struct Drawing<'a> {
+    pub title: String,
+    pub subtitle: String,
+    /// The state drawn solid, and its name in the legend.
+    pub body: (&'a str, &'a Snapshot),
+    /// States drawn as glass behind it.
+    pub ghosts: Vec<(&'a str, &'a Snapshot)>,
+    /// States of further scenarios, each with the title of its picture.
+    pub scenarios: Vec<(String, Snapshot)>,
+    /// The mean shape over all scenarios, with `deviation_norm`, and the title of all of them.
+    pub mean: Option<(String, Snapshot)>,
+}
+
+/// States with their names.
+pub(crate) fn named(shots: &[(String, Snapshot)]) -> Vec<(&str, &Snapshot)> {
+    shots.iter().map(|(name, shot)| (name.as_str(), shot)).collect()
+}
+
+/// Further scenarios that are drawn.
+pub(crate) const SCENARIOS: usize = 2;
+/// Load cases that are drawn side by side.
+pub(crate) const LOAD_CASES: usize = 4;
+/// Controlled fields that are drawn.
+const FIELDS: usize = 6;
+
+/// Writes `picture.png` and `picture.svg`; their names begin with the member's load case.
+pub(crate) fn write(member: CaseMember<'_>, pictures: Vec<Picture>, to: &Directory) -> Result<(), WriteError> {
+    write_sheet(pictures, |name| member.case_file(name), to)
+}
+
+/// The same of several members, under names without a beginning.
+pub(crate) fn write_together(pictures: Vec<Picture>, to: &Directory) -> Result<(), WriteError> {
+    write_sheet(pictures, str::to_owned, to)
+}
+
+fn write_sheet(pictures: Vec<Picture>, name: impl Fn(&str) -> String + Sync, to: &Directory) -> Result<(), WriteError> {
+    let sheet = Sheet::new(pictures);
+    let write = |file: &str| sheet.write(to.file(&name(file)));
+    let (png, svg) = rayon::join(|| write("picture.png"), || write("picture.svg"));
+    png.and(svg)
+}
+
+/// The pictures of a member: its state, once for every field that is controlled; further scenarios; their mean.
+pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Picture> {
+    let (label, body) = drawing.body;
+    let mut pictures: Vec<Picture> = appearances(member, body)
+        .into_iter()
+        .map(|appearance| {
+            let ground = ground(member, (&drawing.title, &drawing.subtitle), &drawing.ghosts);
+            ground.body(with_arrows(member, Body::of(label, body).appearance(appearance), body))
+        })
+        .collect();
+    for (title, state) in &drawing.scenarios {
+        let Some(appearance) = appearances(member, state).into_iter().next() else { continue };
+        let ground = ground(member, (title, ""), &[]);
+        pictures.push(ground.body(with_arrows(member, Body::of(label, state).appearance(appearance), state)));
+    }
+    if let Some((title, mean)) = &drawing.mean
+        && let Some(spread) = mean.point_array("deviation_norm")
+    {
+        let unit = member.problem().units().length().symbol;
+        let field = Field::at_nodes("standard deviation", unit, spread.values.clone());
+        let title = format!("{title}: mean of the scenarios");
+        let ground = ground(member, (&title, "coloured by the standard deviation of positions"), &[]);
+        pictures.push(ground.body(Body::of("mean", mean).appearance(Appearance::Field(field))));
+    }
+    pictures
+}
+
+/// The pictures of modes: a state moved on along each, under its title, and the state itself as glass.
+pub(crate) fn of_modes(
+    member: CaseMember<'_>,
+    title: &str,
+    (about, state): (&str, &Snapshot),
+    modes: &[(String, Snapshot)],
+) -> Vec<Picture> {
+    let unit = member.problem().units().length().symbol;
+    let picture = |(label, shape): &(String, Snapshot)| {
+        Picture::new(title)
+            .subtitle(label)
+            .length_unit(unit)
+            .body(Body::of(about, state).appearance(Appearance::Glass(Colour::GREY)))
+            .body(Body::of("mode", shape).appearance(Appearance::Solid(Colour::BLUE)))
+    };
+    modes.iter().map(picture).collect()
+}
+
+/// Title, ghosts and targets.
+fn ground(member: CaseMember<'_>, (title, subtitle): (&str, &str), ghosts: &[(&str, &Snapshot)]) -> Picture {
+    let mut picture = Picture::new(title).subtitle(subtitle).length_unit(member.problem().units().length().symbol);
+    for (label, ghost) in ghosts {
+        picture = picture.body(Body::of(label, ghost).appearance(Appearance::Glass(Colour::GREY)));
+    }
+    let grey = |shape: &Snapshot| Body::of("obstacle", shape).appearance(Appearance::Solid(Colour::GREY));
+    let picture = obstacle_shape::all(member).iter().map(grey).fold(picture, Picture::body);
+    member.targets().iter().filter_map(target).fold(picture, Picture::body)
+}
+
+/// A target: all of it, or the faces that are tracked; single points are not drawn.
+fn target(target: &TargetShape) -> Option<Body> {
+    let shape = snapshot::target(target).ok()?;
+    let body = Body::of("target", &shape).appearance(Appearance::Glass(Colour::RED));
+    if target.is_whole() {
+        return Some(body);
+    }
+    let marked: Vec<bool> = target.displacement.iter().map(|(_, matters)| *matters).collect();
+    let is_drawn = |face: &Face| face.nodes.iter().all(|node| marked[*node as usize]);
+    Face::all(&shape.mesh).iter().any(is_drawn).then(|| body.part(marked))
+}
+
+/// One for every controlled field, vectors by their lengths; J where none is controlled but vectors of one length.
+fn appearances(member: CaseMember<'_>, body: &Snapshot) -> Vec<Appearance> {
+    let fields = member.fields().filter_map(|(block, field)| controlled(block, field, body));
+    let mut out: Vec<Appearance> = fields.take(FIELDS).map(Appearance::Field).collect();
+    if out.is_empty() {
+        out.push(match body.cell_array("J") {
+            Some(array) => Appearance::Field(Field::at_cells("J", "", array.values.clone())),
+            None => Appearance::Solid(Colour::BLUE),
+        });
+    }
+    out
+}
+
+fn controlled(block: &ControlBlock, field: &ControlField, body: &Snapshot) -> Option<Field> {
+    // Vectors of one length have no colours to tell apart: their arrows say all.
+    if matches!(field.admitted, Admitted::Norm(_)) {
+        return None;
+    }
+    let values = |array: &NamedArray| match array.components {
+        1 => (array.name.clone(), array.values.clone()),
+        n => {
+            let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            (format!("|{}|", array.name), array.values.chunks_exact(n).map(length).collect())
+        }
+    };
+    if block.basis.space() == Space::Node {
+        let (name, values) = values(body.point_array(&field.array)?);
+        return Some(Field::at_nodes(&name, &field.unit, values));
+    }
+    let (name, values) = values(body.cell_array(&field.array)?);
+    Some(Field::at_cells(&name, &field.unit, values))
+}
+
+/// Magnetisation (black, as the body carries it) and applied field (orange), where there are any; tendons, orange where they pull; springs, green.
+fn with_arrows(member: CaseMember<'_>, mut drawn: Body, body: &Snapshot) -> Body {
+    let positions = body.positions();
+    for (name, colour) in [("B_r", Colour::INK), ("B_a", Colour::ORANGE)] {
+        let Some(array) = body.cell_array(name).filter(|array| array.values.iter().any(|x| *x != 0.0)) else {
+            continue;
+        };
+        let vectors = array.values.chunks_exact(3).enumerate().map(|(cell, v)| {
+            let v = [v[0], v[1], v[2]];
+            if name == "B_r" { carried(member.mesh(), &positions, cell as u32, v) } else { v }
+        });
+        drawn = drawn.arrows(colour, vectors.collect());
+    }
+    for line in &body.lines {
+        let colour = match tension(line) {
+            None => Colour::GREEN,
+            Some(tension) if tension > 0.0 => Colour::ORANGE,
+            Some(_) => Colour::GREY,
+        };
+        drawn = drawn.polyline(colour, line.points.clone());
+    }
+    drawn
+}
+
+/// The tension of a tendon; `None` of a spring.
+fn tension(line: &Polyline) -> Option<f64> {
+    line.quantities.iter().find(|(name, _)| *name == "tension").map(|(_, value)| *value)
+}
+
+/// What the arrows and lines of a picture are, for its subtitle; empty without any.
+pub(crate) fn legend(body: &Snapshot) -> String {
+    let tensions: Vec<f64> = body.lines.iter().filter_map(tension).collect();
+    let tendons = match (tensions.is_empty(), tensions.iter().all(|tension| *tension > 0.0)) {
+        (true, _) => "",
+        (false, true) => "; lines: tendons",
+        (false, false) => "; lines: tendons, grey where slack",
+    };
+    let springs = match (tensions.len() < body.lines.len(), tensions.is_empty()) {
+        (false, _) => "",
+        (true, true) => "; lines: springs",
+        (true, false) => "; springs green",
+    };
+    arrows(body).to_owned() + tendons + springs
+}
+
+fn arrows(body: &Snapshot) -> &'static str {
+    let has = |name: &str| body.cell_array(name).is_some_and(|array| array.values.iter().any(|x| *x != 0.0));
+    match (has("B_r"), has("B_a")) {
+        (true, true) => "; arrows: remanence black, field orange",
+        (true, false) => "; arrows: remanence",
+        (false, true) => "; arrows: field",
+        (false, false) => "",
+    }
+}
+
+/// Root mean square and true distances in a result or the entry of a member, for subtitles; empty without any.
+pub(crate) fn distance(state: &StateRecord, unit: &str) -> String {
+    let short = nastic_language::number::short;
+    if let Some(distance) = state.hausdorff.and_then(|distances| distances.exact) {
+        return format!("; true Hausdorff {} {unit}", short(distance));
+    }
+    match state.tracking.first().and_then(|(_, tracked)| number_of(tracked, "root_mean_square")) {
+        Some(distance) => format!("; distance {} {unit} (root mean square)", short(distance)),
+        None => String::new(),
+    }
+}

@@ -1,0 +1,112 @@
+//! States as snapshots, under the names the case gives its controls.
+
+use crate::result::inspection::Inspection;
+use crate::result::summary;
+use nastic_case::lower::result_array::TARGET_DISTANCE;
+use nastic_case::lower::{CaseMember, ControlField, TargetShape};
+use nastic_control::{ControlBlock, ControlError, StateFields};
+use nastic_fem::{Instant, State};
+use nastic_mesh::{Shape, Snapshot};
+use rayon::prelude::*;
+
+/// The snapshot of a state: [`nastic_control::Reduced::snapshot_of`] with the case's names.
+pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+    let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
+    member.reduced().snapshot_of(&StateFields { names: &names, ..*fields })
+}
+
+/// Whether its states have lines beside the body.
+pub(crate) fn has_lines(member: CaseMember<'_>) -> bool {
+    let rest = member.solid().rest();
+    let lines = member.solid().model().lines(&Instant::new(&rest.u, &rest.controls, 0.0));
+    lines.is_ok_and(|lines| !lines.is_empty())
+}
+
+/// Displacement and control fields alone, for the record of an optimisation's iterations.
+pub(crate) fn iterate(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+    let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
+    member.reduced().moved_controls(&StateFields { names: &names, ..*fields })
+}
+
+/// The displaced body with vectors of the control space as arrays `CONTROL_NAME`.
+pub(crate) fn control_fields(
+    member: CaseMember<'_>,
+    state: &State,
+    vectors: &[(&str, Vec<f64>)],
+) -> Result<Snapshot, ControlError> {
+    let named = |name: &str| member.fields().map(|(_, field)| format!("{}_{name}", field.array)).collect::<Vec<_>>();
+    let mut shot: Option<Snapshot> = None;
+    for (name, m) in vectors {
+        let own = named(name);
+        let names: Vec<&str> = own.iter().map(String::as_str).collect();
+        shot = Some(match shot {
+            Some(shot) => member.reduced().with_controls(shot, m, &names)?,
+            None => member.reduced().moved_controls(&StateFields { names: &names, ..StateFields::new(state, m) })?,
+        });
+    }
+    Ok(shot.unwrap_or_else(|| Snapshot::new(member.mesh().clone())))
+}
+
+/// Names of the control fields that are vectors of the material, and turn with it.
+pub(crate) fn material_vectors(member: CaseMember<'_>) -> Vec<String> {
+    let of = |(block, field): (&ControlBlock, &ControlField)| {
+        (summary::slot(member, block) == Some("remanence")).then(|| field.array.clone())
+    };
+    member.fields().filter_map(of).collect()
+}
+
+/// The same as [`snapshot`], with the cells marked where the body intersects itself: cell data `intersecting`, left out where it does not.
+pub(crate) fn inspected(
+    member: CaseMember<'_>,
+    fields: &StateFields<'_>,
+    found: Option<&Inspection>,
+) -> Result<Snapshot, ControlError> {
+    let shot = with_distances(member, snapshot(member, fields)?)?;
+    match found.and_then(|found| found.intersecting(member.mesh().cells())) {
+        Some(marks) => Ok(shot.with_cells("intersecting", 1, marks)?),
+        None => Ok(shot),
+    }
+}
+
+/// The snapshot of a state without the fields that look at it in another way: what iterations and pictures need.
+pub(crate) fn plain(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+    snapshot(member, &StateFields { detailed: false, ..*fields })
+}
+
+/// Adds how far every node is from the targets: point data `target_distance` of the first, `target_distance_COST` of further
+/// ones. Of a target shape the distance from its nearest point, 0 inside; of tracked nodes that from where they should be, 0 elsewhere.
+fn with_distances(member: CaseMember<'_>, mut shot: Snapshot) -> Result<Snapshot, ControlError> {
+    let positions = shot.positions();
+    for (k, target) in member.targets().iter().enumerate() {
+        let name = if k == 0 { TARGET_DISTANCE.to_owned() } else { format!("{TARGET_DISTANCE}_{}", target.cost) };
+        if let Some(distances) = distances(target, &positions) {
+            shot = shot.with_points(&name, 1, distances)?.in_single(&[&name]);
+        }
+    }
+    Ok(shot)
+}
+
+/// `None` of a shape that searches cannot use.
+fn distances(target: &TargetShape, positions: &[[f64; 3]]) -> Option<Vec<f64>> {
+    if target.displacement.is_empty() {
+        let shape = Shape::of(&target.mesh, target.mesh.points(), target.regions.as_ref()).ok()?;
+        return Some(positions.par_iter().map(|x| shape.distance(*x)).collect());
+    }
+    let distance = |(node, x): (usize, &[f64; 3])| {
+        let (wanted, (u, matters)) = (target.mesh.points()[node], target.displacement[node]);
+        let squared: f64 = (0..3).map(|c| (x[c] - wanted[c] - u[c]).powi(2)).sum();
+        if matters { squared.sqrt() } else { 0.0 }
+    };
+    Some(positions.iter().enumerate().map(distance).collect())
+}
+
+/// A target as it is shown: its mesh, or the body moved to where it is wanted.
+pub(crate) fn target(shape: &TargetShape) -> Result<Snapshot, ControlError> {
+    let out = Snapshot::new(shape.mesh.clone());
+    if shape.displacement.is_empty() {
+        return Ok(out);
+    }
+    let values = shape.displacement.iter().flat_map(|(u, _)| *u).collect();
+    let flags = shape.displacement.iter().map(|(_, matters)| f64::from(*matters)).collect();
+    Ok(out.with_points("displacement", 3, values)?.with_points("tracked", 1, flags)?)
+}

@@ -1,0 +1,58 @@
+//! The commands, as functions of a library: `check`, `solve`, `modes`, `gradient`, `gradcheck`, `optimize`, `resume`, `sweep`.
+//!
+//! ```no_run
+//! use nastic_run::console::Console;
+//! use nastic_run::run::{Options, run};
+//! use nastic_language::schema::Command;
+//!
+//! let outcome = run(Command::Solve, "case.json".as_ref(), &Options::default(), &Console::silent())?;
+//! println!("{}", outcome.result["probes"]["tip"]["displacement"]);
+//! # Ok::<(), nastic_run::run::RunError>(())
+//! ```
+
+mod analysis;
+mod case_record;
+mod check;
+mod check_gradient;
+mod commands;
+mod conclusion;
+mod describe;
+mod ensemble_progress;
+pub(crate) mod error;
+mod fit;
+mod gradcheck;
+mod gradient;
+mod modes;
+mod modes_request;
+mod motion;
+mod on_trial;
+mod optimize;
+mod options;
+mod outcome;
+mod output_directory;
+mod report;
+mod resumption;
+mod session;
+mod solve;
+mod spectrum_request;
+mod states;
+mod study;
+mod sweep;
+mod terminal;
+mod time_steps;
+
+pub use analysis::Analysis;
+pub use commands::{resume, run, run_document, run_with, thread_pool};
+pub use error::{Exit, RunError};
+pub use fit::{FitOutcome, fit};
+pub use gradcheck::{GradientTest, test_gradient};
+pub use modes_request::ModesRequest;
+pub use on_trial::OnTrial;
+pub use options::Options;
+pub use outcome::Outcome;
+pub use report::report;
+pub use spectrum_request::{SpectrumRefusal, SpectrumRequest};
+pub use states::{ShowError, States};
+pub use study::control_set::ControlSet;
+pub use study::{Optimum, Study, StudyError};
+pub use sweep::{Sweep, SweepOutcome, sweep};

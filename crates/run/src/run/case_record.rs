@@ -1,0 +1,166 @@
+//! [`CaseRecord`]: the case of an optimisation as a checkpoint remembers it.
+
+use crate::result::checkpoint_file::CheckpointError;
+use crate::result::fingerprint::Fingerprint;
+use crate::run::error::RunError;
+use nastic_case::lower::CaseProblem;
+use nastic_language::catalogue::Catalogue;
+use nastic_language::syntax::Document;
+use nastic_opt::SavedRunError;
+use nastic_opt::bytes::{Reader, Writer};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+const MAGIC: &str = "nastic-case-2";
+/// Differences between two cases that are told; further ones are counted.
+const TOLD: usize = 5;
+
+/// Where a case came from and what it said.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct CaseRecord {
+    /// Version of the program that ran it.
+    pub program: String,
+    /// The case file as it was named.
+    name: String,
+    /// Its absolute path.
+    path: String,
+    /// Overrides, in order.
+    pub settings: Vec<String>,
+    /// The case with its overrides.
+    canonical: String,
+    /// Absolute path and hash of every file it named.
+    files: Vec<(String, String)>,
+    /// Whether a program made the problem: there is no case file to read again.
+    of_program: bool,
+}
+
+impl CaseRecord {
+    pub fn of(problem: &CaseProblem, settings: &[String]) -> Self {
+        let name = problem.document.name().to_owned();
+        let files = problem.files.iter().map(|file| (absolute(file).display().to_string(), Fingerprint::of_file(file)));
+        Self {
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            path: absolute(Path::new(&name)).display().to_string(),
+            name,
+            settings: settings.to_vec(),
+            canonical: problem.document.canonical(),
+            files: files.collect(),
+            of_program: problem.case_file().is_none(),
+        }
+    }
+
+    /// Reads the case again, if neither it nor a file it names has changed; `directory` is that of the checkpoint.
+    pub fn reopen(&self, catalogue: &Catalogue, directory: &Path) -> Result<Document, RunError> {
+        if self.of_program {
+            return Err(CheckpointError::OfProgram { directory: directory.to_owned() }.into());
+        }
+        let mut document = Document::open(&self.file())?.with_catalogue(catalogue);
+        for setting in &self.settings {
+            document.set(setting)?;
+        }
+        let mut what = self.differences(&document);
+        for (file, hash) in &self.files {
+            match Path::new(file).is_file() {
+                false => what.push(format!("{file} is missing")),
+                true if Fingerprint::of_file(Path::new(file)) != *hash => {
+                    what.push(format!("{file} has other content"))
+                }
+                true => {}
+            }
+        }
+        if what.is_empty() {
+            return Ok(document);
+        }
+        Err(CheckpointError::Changed { directory: directory.to_owned(), what }.into())
+    }
+
+    /// Whether a program's problem is the one that this record is of, as far as it can be written down.
+    pub fn check(&self, problem: &CaseProblem, directory: &Path) -> Result<(), CheckpointError> {
+        let what = self.differences(&problem.document);
+        if what.is_empty() { Ok(()) } else { Err(CheckpointError::Changed { directory: directory.to_owned(), what }) }
+    }
+
+    /// The case file as it was named, where that name still means it, so that messages are the same; else its absolute
+    /// path.
+    fn file(&self) -> PathBuf {
+        let (name, path) = (Path::new(&self.name), Path::new(&self.path));
+        match (name.canonicalize(), path.canonicalize()) {
+            (Ok(a), Ok(b)) if a == b => name.to_owned(),
+            _ => path.to_owned(),
+        }
+    }
+
+    fn differences(&self, document: &Document) -> Vec<String> {
+        let canonical = document.canonical();
+        if canonical == self.canonical {
+            return vec![];
+        }
+        let mut out = Vec::new();
+        match (serde_json::from_str(&self.canonical), serde_json::from_str(&canonical)) {
+            (Ok(old), Ok(new)) => compare("", Some(&old), Some(&new), &mut out),
+            _ => out.push("its text".to_owned()),
+        }
+        if out.is_empty() {
+            out.push("the order of its keys".to_owned());
+        }
+        if out.len() > TOLD {
+            let more = out.len() - TOLD;
+            out.truncate(TOLD);
+            out.push(format!("{more} more"));
+        }
+        out
+    }
+
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Writer::new(MAGIC);
+        for text in [&self.program, &self.name, &self.path, &self.canonical] {
+            out.bytes(text.as_bytes());
+        }
+        out.count(self.settings.len());
+        self.settings.iter().for_each(|setting| out.bytes(setting.as_bytes()));
+        out.count(self.files.len());
+        for (file, hash) in &self.files {
+            out.bytes(file.as_bytes());
+            out.bytes(hash.as_bytes());
+        }
+        out.count(usize::from(self.of_program));
+        out.finish()
+    }
+
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SavedRunError> {
+        let mut input = Reader::new(bytes, MAGIC)?;
+        let (program, name, path, canonical) = (input.text()?, input.text()?, input.text()?, input.text()?);
+        let settings = (0..input.count(8)?).map(|_| input.text()).collect::<Result<_, _>>()?;
+        let files =
+            (0..input.count(16)?).map(|_| Ok((input.text()?, input.text()?))).collect::<Result<_, SavedRunError>>()?;
+        let of_program = input.flag()?;
+        input.finish()?;
+        Ok(Self { program, name, path, settings, canonical, files, of_program })
+    }
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// Notes every value in which two trees differ, by its path.
+fn compare(at: &str, old: Option<&Value>, new: Option<&Value>, out: &mut Vec<String>) {
+    let join = |key: &str| if at.is_empty() { key.to_owned() } else { format!("{at}/{key}") };
+    match (old, new) {
+        (Some(Value::Object(a)), Some(Value::Object(b))) => {
+            a.iter().for_each(|(key, value)| compare(&join(key), Some(value), b.get(key), out));
+            b.iter().filter(|(key, _)| !a.contains_key(*key)).for_each(|(key, value)| {
+                compare(&join(key), None, Some(value), out);
+            });
+        }
+        (Some(Value::Array(a)), Some(Value::Array(b))) if a.len() == b.len() => {
+            for (k, (a, b)) in a.iter().zip(b).enumerate() {
+                compare(&join(&k.to_string()), Some(a), Some(b), out);
+            }
+        }
+        (Some(old), Some(new)) if old != new => out.push(format!("{at} was {old}, is {new}")),
+        (Some(old), None) => out.push(format!("{at} was {old}, is left out")),
+        (None, Some(new)) => out.push(format!("{at} was left out, is {new}")),
+        _ => {}
+    }
+}

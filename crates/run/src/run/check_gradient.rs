@@ -1,0 +1,64 @@
+//! The short gradient check at every start of an optimisation, and of `nastic gradient`.
+
+use crate::console::Console;
+use crate::run::error::RunError;
+use crate::run::session::Session;
+use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use nastic_opt::{Base, Certificate, TaylorError, Verdict};
+use serde_json::{Value, json};
+
+/// Checks the derivative at an evaluated control; what it finds is said.
+pub(super) fn check(
+    session: &Session<'_>,
+    console: &Console,
+    at: &EnsemblePoint,
+    derivative: &[f64],
+    workspace: &mut EnsembleWorkspace,
+) -> Result<Certificate, RunError> {
+    console.pass("checking the gradient");
+    let problem = &session.problem;
+    let size = crate::run::gradcheck::size(problem);
+    let base = Base { m: &at.m, point: at, derivative, stage: 0 };
+    let found = Certificate::of(&problem.ensemble, &problem.set, &base, workspace, size, problem.case.optimizer.seed);
+    console.clear();
+    if session.is_cancelled() {
+        return Err(RunError::Cancelled);
+    }
+    let certificate = match found {
+        Ok(certificate) => certificate,
+        // The run itself will say what it needs a scale for.
+        Err(TaylorError::NoDirection) => Certificate::undecided(),
+        Err(error) => return Err(error.into()),
+    };
+    console.say(format!("gradient    {certificate}"));
+    if certificate.verdict == Verdict::Wrong {
+        if let Some(full) = &certificate.full {
+            console.say(full);
+        }
+        let how = match session.problem.case_file() {
+            Some(_) => "nastic gradcheck shows which term is at fault",
+            None => "test each cost alone with Taylor::test",
+        };
+        console.say(format!("The derivative does not belong to the cost here: {how}."));
+        console.say("A cost with a kink at the start (target and body on the same points) fails this check too.");
+    }
+    Ok(certificate)
+}
+
+/// As [`check`], at the start as written: noted in the result.
+pub(super) fn of_start(
+    session: &mut Session<'_>,
+    start: &EnsemblePoint,
+    derivative: &[f64],
+    workspace: &mut EnsembleWorkspace,
+) -> Result<Certificate, RunError> {
+    let certificate =
+        session.timed("gradient_check", |session| check(session, session.console, start, derivative, workspace))?;
+    session.put("gradient_check", json(&certificate));
+    Ok(certificate)
+}
+
+/// The entry of a result.
+pub(super) fn json(certificate: &Certificate) -> Value {
+    json!({ "verdict": certificate.verdict.to_string(), "mismatch": certificate.mismatch })
+}

@@ -1,0 +1,149 @@
+//! The actuations in words and as JSON.
+
+use crate::run::describe::line::{Line, line};
+use crate::run::describe::parameters::{catalogue_of, law, parameters, scalar, vector_field};
+use nastic_case::lower::CaseProblem;
+use nastic_fem::contributions::catalogue::{Key, KeyKind};
+use nastic_fem::{BodyEnergy, BodyPoint};
+use nastic_language::expression::dimension_of;
+use nastic_language::number::quantity;
+use nastic_language::quantity::Dimension;
+use nastic_language::schema::{Fixed, Means};
+use serde_json::{Value, json};
+
+pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
+    let mut out = Vec::new();
+    for actuation in &problem.case.actuation {
+        let units = problem.units();
+        let place = match &actuation.means {
+            Means::Law { row, region, parameters: given } => {
+                let values = parameters(given, &catalogue_of(row.forms), units);
+                if values.is_empty() { region.to_string() } else { format!("{region}; {values}") }
+            }
+            Means::Contribution { values, form, .. } => {
+                let told = |(key, names): (&&str, &Vec<String>)| format!("{key} {}", names.join(", "));
+                let names = values.names.iter().filter(|(_, names)| !names.is_empty()).map(told);
+                let through = |points: &Vec<BodyPoint>| points.iter().map(point).collect::<Vec<_>>().join(", ");
+                let points = values.points.iter().map(|(key, points)| format!("{key} {}", through(points)));
+                let units_of = |key: &str| form.keys.iter().find(|known| known.name == key).map(dimension);
+                let number = |(key, value): (&&str, &f64)| {
+                    format!("{key} {}", quantity(*value, units_of(key).unwrap_or(Dimension::NONE), units))
+                };
+                let numbers = values.numbers.iter().map(number);
+                let flags = values.flags.iter().map(ToString::to_string);
+                let place = |(key, place): (&&str, &[f64; 3])| format!("{key} {}", point(&BodyPoint::At(*place)));
+                let points = points.chain(values.places.iter().map(place));
+                names.chain(points).chain(numbers).chain(flags).collect::<Vec<_>>().join("; ")
+            }
+        };
+        out.push(line("actuation", format!("{}: {} on {place}", actuation.name, actuation.kind())));
+        out.push(line("actuation", format!("  {}", actuation.about())));
+        if let Some(volume) = at_rest(problem, &actuation.name, "volume") {
+            let dimension = if problem.mesh().dim() == 2 { AREA } else { VOLUME };
+            out.push(line("actuation", format!("  volume at rest {}", quantity(volume, dimension, units))));
+        }
+        if let Some(length) = at_rest(problem, &actuation.name, "length") {
+            out.push(line("actuation", format!("  length at rest {}", quantity(length, Dimension::LENGTH, units))));
+        }
+        if let Some(limit) = limit(problem, &actuation.name, BodyEnergy::fiber_limit) {
+            let limit = quantity(limit, Dimension::PRESSURE, units);
+            out.push(line("actuation", format!("  the law stays polyconvex up to a tension of {limit}")));
+        }
+        if let Some((beside, joint)) = together(problem, &actuation.name) {
+            let joint = quantity(joint, Dimension::PRESSURE, units);
+            let beside = beside.join(", ");
+            out.push(line("actuation", format!("  with that of {beside} on the same cells, all alike, up to {joint}")));
+        }
+        for (key, fixed) in &actuation.fixed {
+            let value = match fixed {
+                Fixed::Scalar(value) => scalar(value, Dimension::NONE, units),
+                Fixed::Vector(value) => vector_field(value),
+                Fixed::Table(table) => format!("{} of {} over the time", table.names().join(", "), table.file),
+            };
+            out.push(line("actuation", format!("  fixed {key} {value}")));
+        }
+    }
+    out
+}
+
+/// The actuations as `check --json` has them.
+pub(super) fn json(problem: &CaseProblem) -> Value {
+    let actuations = problem.case.actuation.iter().map(|a| {
+        let mut entry = match &a.means {
+            Means::Law { row, region, parameters } => law(problem, region, row.name, parameters, row.forms),
+            Means::Contribution { kind, values, .. } => {
+                let mut entry = json!({ "kind": kind });
+                values.names.iter().for_each(|(key, names)| entry[*key] = json!(names));
+                values.flags.iter().for_each(|key| entry[*key] = json!(true));
+                for (key, points) in &values.points {
+                    let point = |point: &BodyPoint| match point {
+                        BodyPoint::At(place) => json!(place),
+                        BodyPoint::Nodes(name) => json!(name),
+                    };
+                    entry[*key] = points.iter().map(point).collect();
+                }
+                values.places.iter().for_each(|(key, place)| entry[*key] = json!(place));
+                values.numbers.iter().for_each(|(key, number)| entry[*key] = json!(number));
+                for (key, quantity) in [("reference_volume", "volume"), ("reference_length", "length")] {
+                    if let Some(value) = at_rest(problem, &a.name, quantity) {
+                        entry[key] = json!(value);
+                    }
+                }
+                entry
+            }
+        };
+        entry["name"] = json!(a.name);
+        entry["fiber_limit"] = json!(limit(problem, &a.name, BodyEnergy::fiber_limit));
+        if let Some((beside, joint)) = together(problem, &a.name) {
+            entry["joint_fiber_limit"] = json!(joint);
+            entry["beside"] = json!(beside);
+        }
+        entry
+    });
+    actuations.collect()
+}
+
+/// The smallest bound on a tension of all members.
+fn limit(problem: &CaseProblem, actuation: &str, bound: impl Fn(&BodyEnergy, usize) -> Option<f64>) -> Option<f64> {
+    let of = |body: &BodyEnergy| bound(body, number(body, actuation)?);
+    problem.members().filter_map(|member| of(member.solid().body())).reduce(f64::min)
+}
+
+/// The families beside one on its cells, and what all of them may reach at once.
+fn together(problem: &CaseProblem, actuation: &str) -> Option<(Vec<String>, f64)> {
+    let body = problem.solid().body();
+    let joint = limit(problem, actuation, BodyEnergy::joint_fiber_limit)?;
+    let beside: Vec<String> = body.families_beside(number(body, actuation)?).into_iter().map(str::to_owned).collect();
+    (!beside.is_empty()).then_some((beside, joint))
+}
+
+fn number(body: &BodyEnergy, actuation: &str) -> Option<usize> {
+    body.actuations().iter().position(|attached| attached.name == actuation)
+}
+
+const VOLUME: Dimension = Dimension::of(3, 0, 0, 0);
+/// In plane strain.
+const AREA: Dimension = Dimension::of(2, 0, 0, 0);
+
+/// A number that a contribution of that name reports of itself at rest.
+pub(super) fn at_rest(problem: &CaseProblem, name: &str, quantity: &str) -> Option<f64> {
+    let solid = problem.solid();
+    let rest = solid.rest();
+    let at = nastic_fem::Instant::new(&rest.u, &rest.controls, 0.0);
+    let all = solid.model().quantities(&at).unwrap_or_default();
+    all.into_iter().find(|(of, what, _)| of == name && *what == quantity).map(|(.., value)| value)
+}
+
+pub(super) fn point(point: &BodyPoint) -> String {
+    match point {
+        BodyPoint::At([x, y, z]) => format!("({x}, {y}, {z})"),
+        BodyPoint::Nodes(name) => format!("\"{name}\""),
+    }
+}
+
+fn dimension(key: &Key) -> Dimension {
+    match key.kind {
+        KeyKind::Number { unit, .. } => dimension_of(unit).unwrap_or(Dimension::NONE),
+        _ => Dimension::NONE,
+    }
+}

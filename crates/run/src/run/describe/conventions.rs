@@ -1,0 +1,80 @@
+//! The signs and conventions that a case uses.
+
+use crate::result::summary::owner;
+use crate::run::describe::line::{Line, line};
+use nastic_case::lower::CaseProblem;
+use nastic_language::schema::{Input, Means};
+use nastic_numeric::format::scientific;
+
+pub(in crate::run) fn conventions(problem: &CaseProblem) -> Vec<Line> {
+    let mut out = vec![line(
+        "conventions",
+        "x = X + u, F = I + grad u, P = dW/dF; loads are dead: per reference area and volume",
+    )];
+    if problem.mesh().dim() == 2 {
+        out.push(line("conventions", "plane strain: F = diag(F_2x2, 1), forces per unit of depth"));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind() == "fiber_tension") {
+        out.push(line(
+            "conventions",
+            "fibre tension m adds -(m/2)|F a|^2 to the energy: m < 0 contracts the fibre, m > 0 lengthens it",
+        ));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind() == "muscle") {
+        out.push(line("conventions", "muscle contraction c adds (c/2)|F a|^2 to the energy: c > 0 pulls"));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind() == "turgor") {
+        out.push(line("conventions", "turgor m adds -m (J - 1) to the energy: m > 0 inflates"));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind() == "dielectric") {
+        let eps0 = scientific(problem.units().permittivity(), 8);
+        out.push(line(
+            "conventions",
+            format!("dielectric E adds -(eps/2) J |F^-T E e|^2 to the energy, E the voltage over the film's reference thickness; eps0 = {eps0} in these units unless given"),
+        ));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind() == "cavity") {
+        out.push(line("conventions", "cavity p adds -p V to the energy, V its volume: p > 0 inflates"));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind() == "tendon") {
+        out.push(line(
+            "conventions",
+            "tendon T adds T L to the energy, L its length; by its pull s it keeps L <= L0 - s, with a stiffness k the energy is (k/2) max(0, L - L0 + s)^2: both pull if positive",
+        ));
+    }
+    if problem.case.actuation.iter().any(|a| a.kind() == "magnet") {
+        let mu0 = problem.units().permeability();
+        for magnet in problem.case.actuation.iter().filter(|a| a.kind() == "magnet") {
+            let Means::Law { parameters, .. } = &magnet.means else { continue };
+            let carrier = match parameters.get("variant") {
+                Some(Input::Word("rotation")) => "R of F = R U",
+                Some(Input::Word("isochoric")) => "J^(-1/3) F",
+                _ => "F",
+            };
+            out.push(line(
+                "conventions",
+                format!("{} adds -(1/mu0)(C B_r).B_a to the energy, C = {carrier}", magnet.name),
+            ));
+        }
+        out.push(line(
+            "conventions",
+            format!("B_r is carried along by C; mu0 = {} in these units unless given", scientific(mu0, 8)),
+        ));
+    }
+    let mut spaces = problem.ensemble.blocks().iter().map(|block| owner(problem, block).basis.space());
+    if spaces.any(|space| space == nastic_control::Space::Node)
+        && problem.mesh().blocks().iter().any(|block| block.kind.order() > 1)
+    {
+        out.push(line(
+            "conventions",
+            "nodal controls live on corner nodes and are linear between them, so that bounds hold everywhere",
+        ));
+    }
+    if !problem.start.is_empty() {
+        out.push(line(
+            "conventions",
+            "derivative: dj/dm_i; gradient: its Riesz image in the metric; steps go along minus the gradient",
+        ));
+    }
+    out
+}

@@ -1,0 +1,116 @@
+//! Costs, constraints and targets in words.
+
+use crate::run::describe::line::{Line, line};
+use crate::run::describe::shape_cost::shape_cost;
+use crate::run::describe::time;
+use nastic_case::lower::{CaseProblem, TargetShape};
+use nastic_language::number::{count, short};
+use nastic_language::schema::{Constraint, Cost, HoldsWhen, Phi, Stage, Stages};
+use nastic_opt::Constrained;
+
+pub(crate) fn costs(problem: &CaseProblem) -> Vec<Line> {
+    let mut out: Vec<Line> = problem.case.costs.iter().map(|cost| cost_line("costs", cost)).collect();
+    let reduced = problem.member(0).reduced();
+    for (k, (block, group)) in problem.case.constraints.iter().zip(reduced.constraints()).enumerate() {
+        let instants = reduced.constraint_states(k).len().max(1);
+        let bound = match (&block.obstacle, block.at_most, block.equal) {
+            (Some(keep_out), ..) => format!(
+                "{} at least {} {} from a {}",
+                count(group.len / instants, "node"),
+                short(keep_out.clearance),
+                problem.units().length().symbol,
+                keep_out.shape.name().replace('_', "-")
+            ),
+            (None, Some(most), _) => format!("at most {}", short(most)),
+            (None, None, value) => format!("equal to {}", short(value.unwrap_or_default())),
+        };
+        let when = problem
+            .case
+            .time
+            .as_ref()
+            .map_or_else(String::new, |_| format!(", {}", instants_of(block, instants, problem.lacks_steps())));
+        out.push(line("constraints", format!("{}: {bound}{when}", block.name())));
+    }
+    for target in problem.member(0).targets() {
+        out.push(target_line(problem, target));
+    }
+    out
+}
+
+/// At which instants a constraint of a motion holds.
+pub(crate) fn instants_of(block: &Constraint, count_of: usize, lacks_steps: bool) -> String {
+    match &block.when {
+        // how many there are is not known yet
+        Some(HoldsWhen::Always) if lacks_steps => "at every instant".to_owned(),
+        None if lacks_steps && block.obstacle.is_some() => "at every instant".to_owned(),
+        _ => format!("at {}", count(count_of, "instant")),
+    }
+}
+
+/// A term of the cost.
+pub(crate) fn cost_line(head: &'static str, cost: &Cost) -> Line {
+    let text = match cost {
+        Cost::SmoothedHausdorff(block) => {
+            let stages = match &block.stages {
+                Stages::Auto => "automatic stages".to_owned(),
+                Stages::List(stages) => {
+                    let of = |s: &Stage| format!("({}, {}, {})", short(s.alpha), short(s.beta), short(s.gamma));
+                    format!("(alpha, beta, gamma) = {}", stages.iter().map(of).collect::<Vec<_>>().join(" then "))
+                }
+            };
+            format!("phi {}, {stages}", phi(&block.phi))
+        }
+        Cost::Tracking(block) => {
+            let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
+            format!("weight/2 int |x - x_target|^2 on {}", place.map(ToString::to_string).unwrap_or_default())
+        }
+        Cost::Position(_)
+        | Cost::Orientation(_)
+        | Cost::Curvature(_)
+        | Cost::LargestStretch(_)
+        | Cost::Compliance(_) => shape_cost(cost),
+        Cost::Obstacle(block) => {
+            let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
+            let place = place.map(ToString::to_string).unwrap_or_default();
+            format!("weight/2 int max(0, {} - d)^2 on {place}, d from a {}", short(block.clearance), block.shape.name())
+        }
+        Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
+        Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
+        Cost::ControlRate(block) => format!("weight/2 int int |d{}/dt|^2", block.of),
+        Cost::KineticEnergy(_) => "kinetic energy of the body".to_owned(),
+        Cost::ActuationWork(_) => "work that the actuations do".to_owned(),
+        Cost::Added(block) => block.row.about.to_owned(),
+    };
+    let (name, kind) = (cost.name(), cost.kind());
+    let name = if name == kind { name.to_owned() } else { format!("{name} ({kind})") };
+    line(head, format!("{name}: {text}, weight {}{}", short(cost.weight()), time::when(cost.when())))
+}
+
+/// A shape that a term aims at.
+pub(crate) fn target_line(problem: &CaseProblem, target: &TargetShape) -> Line {
+    let unit = problem.units().length().symbol;
+    if target.displacement.is_empty() {
+        let size: Vec<String> = target.mesh.size()[..target.mesh.dim()].iter().map(|s| short(*s)).collect();
+        let cells = count(target.mesh.cells(), "cell");
+        return line(
+            "targets",
+            format!("{}: {} ({cells}), size {} {unit}", target.cost, target.mesh.name(), size.join(" x ")),
+        );
+    }
+    let n = target.displacement.iter().filter(|(_, matters)| *matters).count();
+    let length = |u: &[f64; 3]| u.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let far = target.displacement.iter().map(|(u, _)| length(u)).fold(0.0, f64::max);
+    line("targets", format!("{}: {} to be moved by up to {} {unit}", target.cost, count(n, "node"), short(far)))
+}
+
+pub(crate) fn phi(phi: &Phi) -> String {
+    match phi {
+        Phi::Exponential(block) => match (block.length, block.fraction) {
+            (Some(length), _) => format!("exp(-r/{})", short(length)),
+            (None, Some(fraction)) => format!("exp(-r/l), l {} of the target's diagonal", short(fraction)),
+            (None, None) => "exp(-r/l)".to_owned(),
+        },
+        Phi::Inverse(block) => format!("1/(r + {})", short(block.eps)),
+        Phi::SmoothInverse(block) => format!("1/sqrt(r^2 + {}^2)", short(block.eps)),
+    }
+}

@@ -1,0 +1,92 @@
+//! How long a trial takes on this machine, from a factorisation and the costs at rest.
+
+use crate::run::describe::line::{Line, line};
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_control::{ControlError, Partials};
+use nastic_fem::{Solver, available_memory};
+use nastic_language::number::count;
+use nastic_report::duration as text;
+use std::time::Instant;
+
+/// Larger factors take too long for a look at a case, in bytes.
+const LARGEST: usize = 1 << 30;
+/// A trial's Newton iterations, most of which reuse a factor, and its count of negative pivots, in assemblies and
+/// factorisations in double precision: the mean over the shipped cases.
+const FACTORISATIONS: f64 = 2.5;
+
+pub(in crate::run) fn duration(problem: &CaseProblem) -> Vec<Line> {
+    let member = problem.member(0);
+    let tangent = match tangent(member) {
+        Ok(seconds) => seconds,
+        Err(why) => return vec![line("duration", format!("not estimated: {why}"))],
+    };
+    let mut out = vec![line("duration", format!("the tangent at rest, assembled and factorised: {}", text(tangent)))];
+    let mut trial = FACTORISATIONS * tangent;
+    if !member.reduced().costs().is_empty() {
+        let costs = match costs(problem, member) {
+            Ok(seconds) => seconds,
+            Err(why) => {
+                out.push(line("duration", format!("of the costs not estimated: {why}")));
+                return out;
+            }
+        };
+        let points: Vec<String> = member.reduced().costs().iter().filter_map(|cost| cost.size()).collect();
+        let points = if points.is_empty() { String::new() } else { format!(": {}", points.join("; ")) };
+        out.push(line("duration", format!("the costs and their derivatives at rest: {}{points}", text(costs))));
+        trial += costs;
+    }
+    if problem.lacks_steps() {
+        let each = stages(member) as f64 * trial;
+        let why = format!(
+            "estimated for some four Newton iterations a stage of a step: a step {}; how many there are is not known before they are found",
+            text(each)
+        );
+        out.push(line("duration", why));
+        return out;
+    }
+    let steps = member.reduced().timeline().map(|timeline| timeline.steps() * timeline.scheme().stages());
+    let members = problem.members().count();
+    let all = trial * members as f64 * steps.unwrap_or(1) as f64;
+    let each = if members > 1 { format!(" of {members} members") } else { String::new() };
+    let per = if steps.is_some() { "stage of a step" } else { "trial" };
+    let mut estimate = format!("estimated for some four Newton iterations a {per}: a trial{each} {}", text(all));
+    if problem.has_costs() && !problem.start.is_empty() {
+        let iterations = problem.case.optimizer.max_iterations;
+        estimate += &format!(", {} {}", count(iterations, "iteration"), text(all * iterations as f64));
+    }
+    out.push(line("duration", estimate + "; hard problems take several times that"));
+    out
+}
+
+/// Solves in each step of a motion.
+fn stages(member: CaseMember<'_>) -> usize {
+    member.reduced().timeline().map_or(1, |timeline| timeline.scheme().stages())
+}
+
+/// Seconds that the tangent at rest takes to be assembled and factorised, or why they are not known.
+fn tangent(member: CaseMember<'_>) -> Result<f64, String> {
+    let (solid, disc) = (member.solid(), member.solid().discretization());
+    if solid.model().solver() == Solver::MULTIGRID {
+        return Err("the linear solver is multigrid".to_owned());
+    }
+    let available = available_memory().map_err(|error| error.to_string())?.unwrap_or(usize::MAX);
+    if disc.factorisation_bytes() > available {
+        return Err("the memory does not suffice for a factor".to_owned());
+    }
+    if disc.factor_bytes() > LARGEST {
+        return Err("making a factor as large as this one takes long".to_owned());
+    }
+    let began = Instant::now();
+    solid.negative_pivots(&solid.rest()).map_err(|error| format!("the tangent at rest has no factor: {error}"))?;
+    Ok(began.elapsed().as_secs_f64())
+}
+
+/// Seconds that all costs take for their values and derivatives.
+fn costs(problem: &CaseProblem, member: CaseMember<'_>) -> Result<f64, ControlError> {
+    let (m, rest) = (member.local(&problem.start), member.solid().rest());
+    let began = Instant::now();
+    let points = member.reduced().costs_at(&rest, &m, 0)?;
+    let mut partials = Partials { u: vec![0.0; rest.u.len()], m: vec![0.0; m.len()] };
+    points.iter().try_for_each(|point| point.add_partials(&mut partials))?;
+    Ok(began.elapsed().as_secs_f64())
+}

@@ -1,0 +1,91 @@
+//! Load cases and scenarios in words.
+
+use crate::run::describe::costs::cost_line;
+use crate::run::describe::line::{Line, line};
+use nastic_case::lower::CaseProblem;
+use nastic_language::number::{count, short};
+use nastic_language::schema::{LoadCase, Rule, Scenarios};
+use serde_json::{Map, Value, json};
+
+/// Scenarios listed one by one; the result has them all.
+const LISTED: usize = 12;
+
+pub(in crate::run) fn load_cases(problem: &CaseProblem) -> Vec<Line> {
+    let mut out = Vec::new();
+    for member in problem.leads() {
+        let block = problem.case.load_cases.iter().find(|block| Some(block.name.as_str()) == member.load_case());
+        let Some(block) = block else { continue };
+        out.push(line("load cases", format!("{}: weight {}{}", block.name, short(block.weight), differs(block))));
+        let own = member.case().controls.iter().skip(problem.case.controls.len());
+        let own: Vec<String> = own.map(|control| format!("{}.{}", block.name, control.name())).collect();
+        if !own.is_empty() {
+            out.push(line("load cases", format!("  own controls: {}", own.join(", "))));
+        }
+        for cost in &block.costs {
+            let text = cost_line("load cases", cost).text;
+            out.push(line("load cases", format!("  {text}")));
+        }
+    }
+    out
+}
+
+/// What a load case has alone.
+fn differs(block: &LoadCase) -> String {
+    let settings = block.set.0.iter().map(|setting| format!("{} = {}", setting.path, setting.node.to_json()));
+    let counts = [(block.supports.len(), "support"), (block.loads.len(), "load")];
+    let counts = counts.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("own {}", count(n, what)));
+    settings.chain(counts).map(|text| format!(", {text}")).collect()
+}
+
+pub(in crate::run) fn scenarios(problem: &CaseProblem) -> Vec<Line> {
+    if !problem.has_scenarios() {
+        return vec![];
+    }
+    let (ensemble, head) = (&problem.ensemble, "scenarios");
+    let how = match &problem.case.scenarios {
+        Scenarios::List(_) => "listed".to_owned(),
+        Scenarios::Random(block) => match block.rule {
+            Rule::Gauss(n) => format!("Gauss rule, {} per parameter", count(n, "point")),
+            Rule::Sparse(n) => format!("sparse rule of level {n}"),
+            Rule::MonteCarlo(_) => format!("Monte Carlo, seed {}", block.seed),
+            Rule::QuasiMonteCarlo(_) => format!("quasi-Monte Carlo, seed {}", block.seed),
+        },
+    };
+    let total = ensemble.scenarios().len();
+    let mut out =
+        vec![line(head, format!("{} ({how}); risk measure {}", count(total, "scenario"), ensemble.risk().name()))];
+    for (k, (name, p)) in ensemble.scenarios().iter().zip(ensemble.probabilities()).enumerate().take(LISTED) {
+        let differs: String =
+            problem.differences(k).iter().map(|(path, value)| format!(", {path} = {value}")).collect();
+        out.push(line(head, format!("{name}: probability {}{differs}", short(*p))));
+    }
+    if total > LISTED {
+        out.push(line(head, format!("and {} more", total - LISTED)));
+    }
+    out
+}
+
+/// The same for programs.
+pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
+    let mut out = Map::new();
+    let ensemble = &problem.ensemble;
+    if problem.leads().any(|member| member.load_case().is_some()) {
+        let of = |member: nastic_case::lower::CaseMember<'_>| {
+            let own = member.fields().filter(|(_, field)| field.load_case.is_some()).map(|(_, field)| &field.name);
+            let own: Vec<&String> = own.collect();
+            let terms = member.reduced().term_names();
+            let entry = json!({ "weight": member.part().weight(), "own_controls": own, "terms": terms });
+            (member.load_case().unwrap_or_default().to_owned(), entry)
+        };
+        out.insert("load_cases".into(), Value::Object(problem.leads().map(of).collect()));
+    }
+    if problem.has_scenarios() {
+        let of = |(k, (name, p)): (usize, (&String, &f64))| {
+            (name.clone(), json!({ "probability": p, "set": problem.differences(k) }))
+        };
+        let all = ensemble.scenarios().iter().zip(ensemble.probabilities()).enumerate().map(of);
+        out.insert("scenarios".into(), Value::Object(all.collect()));
+        out.insert("risk".into(), json!({ "measure": ensemble.risk().name() }));
+    }
+    out
+}

@@ -1,0 +1,40 @@
+//! The memory that a solve takes, predicted.
+
+use crate::run::describe::line::{Line, line};
+use nastic_case::lower::CaseProblem;
+use nastic_fem::{Solver, available_memory};
+use serde_json::{Value, json};
+
+pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
+    let disc = problem.solid().discretization();
+    let mut out = Vec::new();
+    let megabytes = |bytes: usize| format!("{:.1} MB", bytes as f64 / 1e6);
+    let (factor, peak) = (megabytes(disc.factor_bytes()), megabytes(disc.factorisation_bytes()));
+    let members = problem.members().count();
+    let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
+    let text = match problem.solid().model().solver() == Solver::MULTIGRID {
+        true => format!("multigrid; a factor would have {factor}, {peak} while it is made on one thread"),
+        false => format!(
+            "a factor has {factor}{each}, {peak} while it is made on one thread (in single precision half of it)"
+        ),
+    };
+    out.push(line("memory", text));
+    let starts = problem.case.optimizer.starts;
+    if starts > 1 {
+        let text = format!(
+            "nastic optimize runs as many of the {starts} starts at once as threads and memory allow, each with that"
+        );
+        out.push(line("memory", text));
+    }
+    if let Ok(Some(available)) = available_memory() {
+        out.push(line("memory", format!("{} are available", megabytes(available))));
+    }
+    out
+}
+
+/// What does not depend on the machine.
+pub(super) fn json(problem: &CaseProblem) -> Value {
+    let disc = problem.solid().discretization();
+    let solver = problem.solid().model().solver().to_string();
+    json!({ "linear_solver": solver, "factor": disc.factor_bytes(), "factorisation": disc.factorisation_bytes() })
+}

@@ -1,0 +1,226 @@
+//! How commands end.
+
+use crate::result::checkpoint_file::CheckpointError;
+use crate::result::lock::DirectoryError;
+use crate::run::spectrum_request::SpectrumRefusal;
+use nastic_control::ControlError;
+use nastic_io::WriteError;
+use nastic_language::syntax::Diagnostics;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// How a command ended; the codes are those of the program.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Exit {
+    /// Done.
+    Done,
+    /// Bad input.
+    BadInput,
+    /// The forward solve failed.
+    ForwardFailed,
+    /// Stopped before converging.
+    NotConverged,
+    /// The gradient check failed.
+    GradientWrong,
+    /// An expectation of the case was missed.
+    ExpectMissed,
+    /// A file could not be written.
+    NotWritten,
+    /// There were warnings, and none were wanted.
+    Warned,
+}
+
+impl Exit {
+    /// The exit code.
+    #[must_use]
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::BadInput => 2,
+            Self::ForwardFailed => 3,
+            Self::NotConverged => 4,
+            Self::GradientWrong => 5,
+            Self::ExpectMissed => 6,
+            Self::NotWritten => 7,
+            Self::Warned => 8,
+        }
+    }
+
+    /// The worse one of two, as a sweep ends: done, warned, an expectation missed, not converged, a wrong gradient, no equilibrium, bad
+    /// input, not written.
+    #[must_use]
+    pub fn worst(self, other: Self) -> Self {
+        let rank = |exit: Self| match exit {
+            Self::Done => 0,
+            Self::Warned => 1,
+            Self::ExpectMissed => 2,
+            Self::NotConverged => 3,
+            Self::GradientWrong => 4,
+            Self::ForwardFailed => 5,
+            Self::BadInput => 6,
+            Self::NotWritten => 7,
+        };
+        if rank(other) > rank(self) { other } else { self }
+    }
+}
+
+/// Why a command has no result.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The case is wrong: all problems found.
+    #[error(transparent)]
+    Input(#[from] Diagnostics),
+    /// A number of threads that cannot be had.
+    #[error("threads: {0}")]
+    Threads(String),
+    /// The limit of memory in the environment is no size.
+    #[error(transparent)]
+    MemoryLimit(#[from] nastic_fem::MemoryLimitError),
+    /// There is no equilibrium, or no cost, where the command needs one.
+    #[error("{}{error}{}", prefix(.member), kept(.file))]
+    Forward {
+        /// Scenario and load case; empty where there is but one state.
+        member: String,
+        /// What failed.
+        error: Box<ControlError>,
+        /// Where the last good state was written.
+        file: Option<PathBuf>,
+    },
+    /// The same of a motion, or its end by a signal; what it found is kept.
+    #[error("{source}; {kept}")]
+    Motion {
+        /// What ended it.
+        source: Box<RunError>,
+        /// How far it came, and where that is.
+        kept: String,
+    },
+    /// The optimiser could not begin.
+    #[error("the optimisation cannot begin: {0}")]
+    Start(#[from] nastic_opt::RunError),
+    /// The gradient check could not be made.
+    #[error("{0}")]
+    Taylor(#[from] nastic_opt::TaylorError),
+    /// No law could be fitted to test data.
+    #[error(transparent)]
+    Fit(#[from] nastic_fit::FitError),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Another program writes to the output directory.
+    #[error(
+        "{} is in use by another program{}: wait until it has ended, or choose another directory with --out",
+        directory.display(),
+        number(.process)
+    )]
+    InUse {
+        /// The directory.
+        directory: PathBuf,
+        /// The other program, where its number is known.
+        process: Option<u32>,
+    },
+    /// What the command writes would replace what it reads.
+    #[error(
+        "results would replace {}, which is read: choose another directory with --out, or give that file another name",
+        file.display()
+    )]
+    ReplacesInput {
+        /// The file that is read.
+        file: PathBuf,
+    },
+    /// An optimisation would replace the checkpoint of one that was interrupted.
+    #[error(
+        "{} holds the checkpoint of an interrupted optimisation (iteration {iteration}): go on with it by nastic resume {}, begin anew \
+         with --restart, or choose another directory with --out",
+        directory.display(), directory.display()
+    )]
+    Interrupted {
+        /// The directory.
+        directory: PathBuf,
+        /// Iteration of the checkpoint.
+        iteration: usize,
+    },
+    /// A command would replace the checkpoint of a motion that was interrupted.
+    #[error(
+        "{} holds the checkpoint of an interrupted motion: go on with it by nastic resume {}, begin anew with --restart, or choose another \
+         directory with --out",
+        directory.display(), directory.display()
+    )]
+    InterruptedMotion {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// An optimisation would replace a checkpoint that cannot be read.
+    #[error("{0}; begin anew with --restart, which replaces it, or choose another directory with --out")]
+    UnreadableCheckpoint(#[source] CheckpointError),
+    /// There is no checkpoint to go on from.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// The spectrum that was asked for cannot be had.
+    #[error("no spectrum of the reduced Hessian: {0}")]
+    Spectrum(#[from] SpectrumRefusal),
+    /// A result folder gives no page.
+    #[error(transparent)]
+    Report(#[from] nastic_report::ReportError),
+    /// An array that does not fit its mesh.
+    #[error(transparent)]
+    Snapshot(#[from] ControlError),
+    /// A stop was requested before there was a result.
+    #[error("stopped before there was a result")]
+    Cancelled,
+}
+
+fn prefix(member: &str) -> String {
+    if member.is_empty() { String::new() } else { format!("{member}: ") }
+}
+
+fn number(process: &Option<u32>) -> String {
+    process.map_or_else(String::new, |process| format!(" (process {process})"))
+}
+
+fn kept(file: &Option<PathBuf>) -> String {
+    match file {
+        Some(file) => format!("; the last good state was written to {}", file.display()),
+        None => String::new(),
+    }
+}
+
+impl RunError {
+    /// The exit code that belongs to it.
+    #[must_use]
+    pub fn exit(&self) -> Exit {
+        match self {
+            Self::Input(_) | Self::Threads(_) | Self::MemoryLimit(_) | Self::Report(_) => Exit::BadInput,
+            Self::Checkpoint(_)
+            | Self::UnreadableCheckpoint(_)
+            | Self::Interrupted { .. }
+            | Self::InterruptedMotion { .. } => Exit::BadInput,
+            Self::Spectrum(_) | Self::Fit(_) => Exit::BadInput,
+            Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
+            Self::Start(_) | Self::ReplacesInput { .. } => Exit::BadInput,
+            Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,
+            Self::Taylor(_) => Exit::BadInput,
+            Self::Write(_) | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,
+            Self::Cancelled => Exit::NotConverged,
+            Self::Motion { source, .. } => source.exit(),
+        }
+    }
+
+    /// What ended a motion; every other error itself.
+    #[must_use]
+    pub fn cause(&self) -> &Self {
+        match self {
+            Self::Motion { source, .. } => source.cause(),
+            other => other,
+        }
+    }
+}
+
+impl From<DirectoryError> for RunError {
+    fn from(error: DirectoryError) -> Self {
+        match error {
+            DirectoryError::Write(error) => Self::Write(error),
+            DirectoryError::InUse { directory, process } => Self::InUse { directory, process },
+            DirectoryError::Input { file } => Self::ReplacesInput { file },
+        }
+    }
+}

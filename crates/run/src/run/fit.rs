@@ -1,0 +1,116 @@
+//! `nastic fit DATA.json`: parameters of laws from test data, and what they are worth.
+
+mod entry;
+mod plot;
+mod print;
+mod table;
+
+use crate::console::Console;
+use crate::result::files::Directory;
+use crate::result::output_names::FIT;
+use crate::run::error::{Exit, RunError};
+use crate::run::fit::entry::Fitted;
+use crate::run::output_directory::directory_of;
+use nastic_fit::{FitError, FitOptions, Law, Mode, Test, fit as fit_law};
+use nastic_language::schema::{FitData, FitKind, FitTest};
+use nastic_language::syntax::{Diagnostics, Document};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// The results.
+const FILE: &str = "fit.json";
+
+/// What a fit found.
+#[derive(Clone, PartialEq, Debug)]
+pub struct FitOutcome {
+    /// How it ended.
+    pub exit: Exit,
+    /// The content of `fit.json`.
+    pub result: Value,
+}
+
+/// Fits the laws of a data file to its tests, writes `fit.json` and `fit.svg` to `out` (else to `out/DATA` beside the file), and says what was found.
+///
+/// # Errors
+/// [`RunError::Input`]: a file that cannot be read, a row of a table that is none; [`RunError::Fit`]: no law could be fitted;
+/// [`RunError::Write`], [`RunError::InUse`].
+pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOutcome, RunError> {
+    let document = Document::open(data)?;
+    let asked = FitData::read_document(&document)?;
+    let (tests, doubtful) = read_tests(&document, &asked)?;
+    let out = Directory::claim(out.unwrap_or_else(|| directory_of(&document, None)), FIT, [data])?;
+    // They belong to an earlier fit, and would stand there as results of this one if it fails.
+    out.remove(FILE)?;
+    plot::files().try_for_each(|name| out.remove(&name))?;
+    let errors = asked.errors.errors();
+    let options = FitOptions { errors, starts: asked.starts, seed: asked.seed, ..FitOptions::default() };
+    let laws: Vec<Law> = asked.laws.iter().map(|law| law.0).collect();
+    let laws = if laws.is_empty() { asked.all_laws() } else { laws };
+    print::introduce(&asked, &tests, console);
+    doubtful.iter().for_each(|warning| console.say(format!("WARNING     {warning}")));
+    let (mut fitted, mut failed): (Vec<Fitted>, Vec<(Law, FitError)>) = (Vec::new(), Vec::new());
+    for law in laws {
+        console.pass(format!("fitting {}", law.label()));
+        let found = fit_law(law, &tests, &options).and_then(|found| Fitted::new(found, &asked, &tests));
+        match found {
+            Ok(found) => fitted.push(found),
+            Err(error) => failed.push((law, error)),
+        }
+    }
+    console.clear();
+    fitted.sort_by(|a, b| a.fit.criteria.compare(&b.fit.criteria));
+    let Some(best) = fitted.first() else {
+        return Err(RunError::Fit(failed.into_iter().next().map_or(FitError::NoStress, |(_, error)| error)));
+    };
+    print::found(&fitted, &tests, &failed, errors, console);
+    let charts = plot::charts(best, &tests, asked.title.as_deref());
+    for (name, chart) in &charts {
+        chart.write(out.file(name))?;
+    }
+    let files: Vec<&str> = std::iter::once(FILE).chain(charts.iter().map(|(name, _)| name.as_str())).collect();
+    let least = best.fit.criteria.aicc;
+    let failures: Vec<Value> =
+        failed.iter().map(|(law, why)| json!({ "law": law.label(), "why": why.to_string() })).collect();
+    let result = json!({
+        "command": "fit",
+        "version": env!("CARGO_PKG_VERSION"),
+        "title": asked.title,
+        "errors": asked.errors.name(),
+        "tests": tests.iter().map(entry::of_test).collect::<Vec<_>>(),
+        "best": best.fit.law.label(),
+        "laws": fitted.iter().map(|one| one.json(least, errors)).collect::<Vec<_>>(),
+        "failed": failures,
+        "files": files,
+        "exit": Exit::Done.code(),
+    });
+    out.write_json(FILE, &result)?;
+    console.say(format!("results     {}: {}", out.path().display(), files.join(", ")));
+    Ok(FitOutcome { exit: Exit::Done, result })
+}
+
+/// All tables with what deserves attention in them, and all that is wrong with any.
+fn read_tests(document: &Document, asked: &FitData) -> Result<(Vec<Test>, Vec<String>), Diagnostics> {
+    let (mut tests, mut doubtful, mut problems) = (Vec::new(), Vec::new(), Vec::new());
+    for test in &asked.tests {
+        match table::read(document, test, mode(test)) {
+            Ok((read, doubt)) => {
+                tests.push(read);
+                doubtful.extend(doubt);
+            }
+            Err(found) => problems.extend(found.list().iter().cloned()),
+        }
+    }
+    Diagnostics::new(problems).into_result().map(|()| (tests, doubtful))
+}
+
+fn mode(test: &FitTest) -> Mode {
+    match test.kind {
+        FitKind::Uniaxial => Mode::Uniaxial,
+        FitKind::Equibiaxial => Mode::Equibiaxial,
+        FitKind::Planar => Mode::Planar,
+        FitKind::SimpleShear => Mode::SimpleShear,
+        // the schema has seen to it that there is one
+        FitKind::Inflation => Mode::Inflation { thickness_to_radius: test.thickness_to_radius.unwrap_or(f64::NAN) },
+        FitKind::Volumetric => Mode::Volumetric,
+    }
+}

@@ -1,0 +1,238 @@
+//! [`Fitted`]: one law, and its entry in `fit.json`.
+
+use crate::run::describe::conditions;
+use nastic_energy::{Existence, Place};
+use nastic_fit::{
+    Bulk, End, Entry, Errors, Estimate, Fibers, Fit, FitError, Law, Mode, Range, Scenario, Test, bulk, scenarios,
+    stable_range,
+};
+use nastic_language::schema::FitData;
+use serde_json::{Map, Value, json};
+
+/// Modes in which stability is examined.
+const MODES: [Mode; 3] = [Mode::Uniaxial, Mode::Equibiaxial, Mode::Planar];
+
+/// The range of stability in one kind of test.
+pub(super) struct Stable {
+    pub mode: Mode,
+    /// How the specimen lies to the fibres of a law that has some.
+    pub fibers: Option<Fibers>,
+    pub range: Range,
+    /// Whether it ends, below and above, within the stretches measured in tests of this kind.
+    pub within: [bool; 2],
+}
+
+/// A law with its parameters, and all that follows from them.
+pub(super) struct Fitted {
+    pub fit: Fit,
+    pub bulk: Bulk,
+    /// Shear modulus at rest, Pa.
+    pub shear: f64,
+    pub stable: Vec<Stable>,
+    pub existence: Option<Existence>,
+    region: String,
+    scenarios: Vec<Scenario>,
+}
+
+impl Fitted {
+    pub fn new(fit: Fit, asked: &FitData, tests: &[Test]) -> Result<Self, FitError> {
+        let values = fit.values();
+        let bulk = match asked.bulk {
+            Some(value) => Bulk { value, deviation: None, half_width: None },
+            None => bulk(fit.law, &values, tests)?,
+        };
+        let law = fit.law.build(&values, bulk.value)?;
+        let incompressible = fit.law.incompressible(&values)?;
+        let shear = fit.law.shear(&values)?;
+        let reach = asked.stable_to.unwrap_or_else(|| 1.25 * largest_stretch(tests));
+        let lies: &[Option<Fibers>] =
+            if fit.law.has_fibers() { &[Some(Fibers::Along), Some(Fibers::Across)] } else { &[None] };
+        let looked = lies.iter().flat_map(|fibers| MODES.map(|mode| (mode, *fibers)));
+        let stable = looked.map(|(mode, fibers)| {
+            let range = stable_range(&*incompressible, mode, fibers.unwrap_or_default(), reach);
+            Stable::new(mode, fibers, range, tests)
+        });
+        let existence = law.existence(Place { cell: 0, point: 0 });
+        // those that this bulk modulus does not fit are no materials
+        let scenarios = scenarios(&fit);
+        let admissible = scenarios.iter().all(|one| fit.law.build(&one.parameters, bulk.value).is_ok());
+        let scenarios = if admissible { scenarios } else { vec![] };
+        Ok(Fitted { fit, bulk, shear, stable: stable.collect(), existence, region: asked.region.clone(), scenarios })
+    }
+
+    /// Poisson's ratio at rest, `(3 K - 2 G)/(2 (3 K + G))`, where there is one.
+    pub fn poisson(&self) -> Option<f64> {
+        let ratio = (3.0 * self.bulk.value - 2.0 * self.shear) / (2.0 * (3.0 * self.bulk.value + self.shear));
+        self.fit.law.is_isotropic_at_rest().then_some(ratio)
+    }
+
+    /// The block to paste.
+    pub fn materials(&self) -> Value {
+        let mut block = Map::new();
+        block.insert("region".into(), json!(self.region));
+        block.insert("law".into(), json!(self.fit.law.name()));
+        for (key, entry) in self.fit.law.block(&self.fit.values(), self.bulk.value).unwrap_or_default() {
+            let value =
+                if key == "d1" { json!(format!("2 / {}", pressure(self.bulk.value))) } else { text(key, entry) };
+            block.insert(key.into(), value);
+        }
+        json!([block])
+    }
+
+    fn scenario_block(&self) -> Value {
+        // of a law whose volumetric key depends on its parameters, the bulk modulus stays
+        let all = |one: &Scenario| match self.fit.law {
+            Law::TransverseMooneyRivlin => self.fit.law.block(&one.parameters, self.bulk.value),
+            law => law.entries(&one.parameters),
+        };
+        let of = |one: &Scenario| {
+            let entries = all(one).unwrap_or_default().into_iter();
+            let set: Map<String, Value> =
+                entries.map(|(name, entry)| (format!("materials/0/{name}"), text(name, entry))).collect();
+            json!({ "probability": one.probability, "set": set })
+        };
+        self.scenarios.iter().map(of).collect()
+    }
+
+    /// Its entry; `least` is the smallest AICc of all laws.
+    pub fn json(&self, least: f64, errors: Errors) -> Value {
+        let Fit { law, squares, points, scatter, criteria, starts, correlation, .. } = &self.fit;
+        let parameters: Map<String, Value> =
+            self.fit.parameters.iter().map(|one| (one.name.to_owned(), estimate(one))).collect();
+        let stable: Map<String, Value> = self.stable.iter().map(|one| (one.name(), one.json())).collect();
+        json!({
+            "law": law.label(),
+            "parameters": parameters,
+            "correlation": correlation,
+            "bulk": { "value": self.bulk.value, "unit": "Pa", "deviation": self.bulk.deviation, "half_width": self.bulk.half_width },
+            "squares": squares,
+            "points": points,
+            "scatter": scatter,
+            "scatter_unit": scatter_unit(errors),
+            "aicc": finite(criteria.aicc),
+            "bic": finite(criteria.bic),
+            "aicc_above_best": finite(criteria.aicc - least),
+            "starts": {
+                "tried": starts.tried, "converged": starts.converged, "exhausted": starts.exhausted, "alike": starts.alike,
+                "best_exhausted": starts.best_exhausted,
+            },
+            "poissons_ratio": self.poisson(),
+            "stable": stable,
+            "existence": self.existence.map(conditions),
+            "materials": self.materials(),
+            "scenarios": self.scenario_block(),
+        })
+    }
+}
+
+impl Stable {
+    fn new(mode: Mode, fibers: Option<Fibers>, range: Range, tests: &[Test]) -> Self {
+        let belongs = |test: &&Test| kind(test.mode) == Some(mode) && (fibers.is_none() || test.fibers == fibers);
+        let own = tests.iter().filter(belongs).flat_map(stretches);
+        let [low, high] = own.fold([1.0, 1.0], |[low, high], l| [f64::min(low, l), f64::max(high, l)]);
+        let [below, above] = range.ends.map(|end| end != End::Examined);
+        Stable { mode, fibers, range, within: [below && low < range.from, above && high > range.to] }
+    }
+
+    /// The key of its entry: the kind of test, and `_across` where it is one across fibres.
+    fn name(&self) -> String {
+        let across = if self.fibers == Some(Fibers::Across) { "_across" } else { "" };
+        format!("{}{across}", self.mode.name())
+    }
+
+    fn json(&self) -> Value {
+        let Range { from, to, ends } = self.range;
+        let [below, above] = ends.map(|end| end != End::Examined);
+        let [limit_below, limit_above] = ends.map(|end| end == End::Undefined);
+        json!({
+            "from": from, "to": to, "ends_below": below, "ends_above": above,
+            "limit_below": limit_below, "limit_above": limit_above, "within_data": self.within.contains(&true),
+        })
+    }
+}
+
+/// The mode in which stability is examined that has the deformations of a test.
+fn kind(mode: Mode) -> Option<Mode> {
+    match mode {
+        Mode::Uniaxial => Some(Mode::Uniaxial),
+        Mode::Equibiaxial | Mode::Inflation { .. } => Some(Mode::Equibiaxial),
+        Mode::Planar | Mode::SimpleShear => Some(Mode::Planar),
+        Mode::Volumetric => None,
+    }
+}
+
+/// Stretches of a test in the mode of its [`kind`]; simple shear is planar but for a rotation, with `l - 1/l = g`.
+fn stretches(test: &Test) -> Vec<f64> {
+    let of = |x: f64| match test.mode {
+        Mode::Volumetric => vec![],
+        Mode::SimpleShear => {
+            let l = x.abs() / 2.0 + (1.0 + x * x / 4.0).sqrt();
+            vec![l, 1.0 / l]
+        }
+        _ => vec![x],
+    };
+    test.points.iter().flat_map(|[x, _]| of(*x)).collect()
+}
+
+/// Of residuals, and so of their scatter.
+pub(super) fn scatter_unit(errors: Errors) -> &'static str {
+    match errors {
+        Errors::Absolute => "Pa",
+        Errors::Relative => "1",
+    }
+}
+
+/// A test as it was understood.
+pub(super) fn of_test(test: &Test) -> Value {
+    json!({
+        "name": test.name, "kind": test.mode.name(), "response": test.response.name().trim_start_matches("a "),
+        "fibers": test.fibers.map(fibers_name),
+        "points": test.points.len(), "at_rest": test.at_rest(), "weight": test.weight,
+    })
+}
+
+/// As data files say it.
+pub(super) fn fibers_name(fibers: Fibers) -> &'static str {
+    match fibers {
+        Fibers::Along => "along",
+        Fibers::Across => "across",
+    }
+}
+
+/// Largest stretch of all tests of shape, or the inverse of the smallest.
+fn largest_stretch(tests: &[Test]) -> f64 {
+    tests.iter().flat_map(stretches).fold(1.0, |most, l| most.max(l).max(1.0 / l))
+}
+
+fn estimate(one: &Estimate) -> Value {
+    let interval = one.half_width.map(|h| [one.value - h, one.value + h]);
+    json!({ "value": one.value, "unit": Law::unit(one.name), "deviation": one.deviation, "interval": interval })
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// A parameter as a case file takes it.
+fn text(name: &str, entry: Entry) -> Value {
+    match entry {
+        Entry::Direction(along) => json!(along.map(rounded)),
+        Entry::Number(value) if Law::unit(name) == "Pa" => json!(pressure(value)),
+        Entry::Number(value) => json!(rounded(value)),
+    }
+}
+
+/// Ten digits, which the borders of the laws bear.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.9e}").parse().unwrap_or(value)
+}
+
+fn pressure(value: f64) -> String {
+    let (factor, unit) = match value.abs() {
+        v if v >= 1e9 => (1e9, "GPa"),
+        v if v >= 1e6 => (1e6, "MPa"),
+        v if v >= 1e3 => (1e3, "kPa"),
+        _ => (1.0, "Pa"),
+    };
+    format!("{} {unit}", rounded(value / factor))
+}

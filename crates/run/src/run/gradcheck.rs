@@ -1,0 +1,261 @@
+//! `nastic gradcheck`: do the derivative and the second derivative belong to the cost? Per control field and per cost term.
+
+mod memo;
+
+use crate::run::error::{Exit, RunError};
+use crate::run::gradcheck::memo::{Column, Memo, Term};
+use crate::run::session::Session;
+use nastic_case::lower::{Admitted, CaseProblem};
+use nastic_control::EnsembleError;
+use nastic_numeric::format::scientific;
+use nastic_opt::{Admissible, Failed, Objective, SecondOrder, Taylor, TaylorDirection, TaylorError, Verdict};
+use serde_json::{Value, json};
+
+/// Random directions per control field.
+const DIRECTIONS: usize = 2;
+/// Accuracy asked of states: differences shall show the derivative, not the solver.
+const ACCURACY: f64 = 1e-12;
+
+/// The Taylor test of one control field and one part of the cost.
+#[derive(Clone, PartialEq, Debug)]
+pub struct GradientTest {
+    /// Name of the control field.
+    pub control: String,
+    /// Name of the term, or "total"; with its stage where there are several.
+    pub term: String,
+    /// What was found, direction by direction.
+    pub directions: Vec<TaylorDirection>,
+    /// Why there are no second derivatives, where there are none.
+    pub without_second: Option<String>,
+}
+
+impl GradientTest {
+    /// Wrong if any direction is; undecided if none can tell.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        let is = |verdict| self.directions.iter().any(|d| d.verdict == verdict);
+        [Verdict::Wrong, Verdict::Right, Verdict::Linear].into_iter().find(|v| is(*v)).unwrap_or(Verdict::Undecided)
+    }
+
+    /// The same of the second derivative; `None` where there is none.
+    #[must_use]
+    pub fn second_verdict(&self) -> Option<Verdict> {
+        let found: Vec<Verdict> = self.directions.iter().filter_map(|d| Some(d.second.as_ref()?.verdict)).collect();
+        let is = |verdict| found.contains(&verdict);
+        let first = [Verdict::Wrong, Verdict::Right, Verdict::Quadratic].into_iter().find(|v| is(*v));
+        (!found.is_empty()).then_some(first.unwrap_or(Verdict::Undecided))
+    }
+}
+
+pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
+    session.require(true, true)?;
+    session.find_steps()?;
+    let began = std::time::Instant::now();
+    session.console.pass("solving at the start control");
+    let memo = Memo::new(&session.problem.ensemble, &session.problem.start, ACCURACY);
+    let memo = memo.map_err(|error| session.evaluation_failed(&error))?;
+    let mut tests = Vec::new();
+    let blocks = session.problem.ensemble.blocks().iter().zip(&session.problem.controls);
+    for (block, field) in blocks {
+        session.console.pass(format!("varying {}", field.name));
+        let own = block.first..block.first + block.len;
+        let taylor = Taylor {
+            directions: DIRECTIONS,
+            seed: session.problem.case.optimizer.seed.wrapping_add(1),
+            size: size(&session.problem),
+            components: Some(own),
+            accuracy: ACCURACY,
+            ..Taylor::default()
+        };
+        let found = test_field(&session.problem, &memo, &taylor, &field.name)?;
+        session.console.clear();
+        if session.is_cancelled() {
+            return Err(RunError::Cancelled);
+        }
+        say(session, &field.name, &found);
+        tests.extend(found);
+    }
+    session.note_time("gradient_check", began.elapsed().as_secs_f64());
+    Ok(conclude(session, &tests))
+}
+
+fn test_field(
+    problem: &CaseProblem,
+    memo: &Memo<'_>,
+    taylor: &Taylor,
+    control: &str,
+) -> Result<Vec<GradientTest>, TaylorError> {
+    let test = |term: Term| -> Result<GradientTest, TaylorError> {
+        let (label, column) = (term.label.clone(), Column { memo, term });
+        let with = |taylor: &Taylor| test_gradient(&column, &problem.set, &problem.start, taylor, control, &label);
+        match with(&Taylor { second: true, ..taylor.clone() }) {
+            // No state was solved before this was known.
+            Err(TaylorError::Base(failed)) if lacks_second_derivatives(&failed) => {
+                Ok(GradientTest { without_second: Some(failed.to_string()), ..with(taylor)? })
+            }
+            tested => tested,
+        }
+    };
+    memo.terms().into_iter().map(test).collect()
+}
+
+fn lacks_second_derivatives(failed: &Failed) -> bool {
+    failed.downcast_ref::<EnsembleError>().is_some_and(EnsembleError::lacks_second_derivatives)
+}
+
+/// The Taylor test of an objective at a control, under the names of a control field and a term.
+///
+/// # Errors
+/// As [`Taylor::test`].
+pub fn test_gradient<O: Objective>(
+    objective: &O,
+    set: &dyn Admissible,
+    m: &[f64],
+    taylor: &Taylor,
+    control: &str,
+    term: &str,
+) -> Result<GradientTest, TaylorError> {
+    let report = taylor.test(objective, set, m)?;
+    let (control, term) = (control.to_owned(), term.to_owned());
+    Ok(GradientTest { control, term, directions: report.directions, without_second: None })
+}
+
+/// Size of a control where neither its set nor its values tell: the law's bound on it, or the one bound it has.
+pub(super) fn size(problem: &CaseProblem) -> Option<f64> {
+    problem.controls.iter().find_map(|field| match field.admitted {
+        Admitted::Between { lower, upper } => {
+            let bounds = [field.limit.unwrap_or(0.0), lower, upper];
+            bounds.into_iter().map(f64::abs).find(|bound| *bound > 0.0 && bound.is_finite())
+        }
+        Admitted::Norm(norm) | Admitted::MaxNorm(norm) => Some(norm),
+        Admitted::Any => None,
+    })
+}
+
+fn say(session: &Session<'_>, control: &str, tests: &[GradientTest]) {
+    let Some(first) = tests.first() else { return };
+    let width = tests.iter().map(|test| test.term.chars().count()).max().unwrap_or(0).max(10);
+    for k in 0..first.directions.len() {
+        session.console.say("");
+        session.console.say(format!(
+            "control {control}, direction {} of {}: remainder |j(m + t d) - j(m) - t dj.d| by step t",
+            k + 1,
+            first.directions.len()
+        ));
+        let heads: Vec<String> = tests.iter().map(|test| format!("{:>width$}  ", test.term)).collect();
+        session.console.say(format!("{:>8}  {}", "t", heads.concat()));
+        for row in 0..first.directions[k].rows.len() {
+            let t = first.directions[k].rows[row].t;
+            let cells: Vec<String> = tests.iter().map(|test| cell(&test.directions[k], row, width)).collect();
+            session.console.say(format!("{:>8}  {}", scientific(t, 1), cells.concat()));
+        }
+        let line = |name: &str, of: &dyn Fn(&TaylorDirection) -> String| {
+            let cells: Vec<String> =
+                tests.iter().map(|test| format!("{:>width$}  ", of(&test.directions[k]))).collect();
+            session.console.say(format!("{name:>8}  {}", cells.concat()));
+        };
+        line("dj.d", &|d| scientific(d.slope, 3));
+        line("order", &|d| order(d.order1));
+        line("verdict", &|d| word(d.verdict).to_owned());
+        if tests.iter().any(|test| test.directions[k].second.is_some()) {
+            let of = |d: &TaylorDirection, of: &dyn Fn(&SecondOrder) -> String| {
+                d.second.as_ref().map_or_else(|| "-".to_owned(), of)
+            };
+            line("d.Hd", &|d| of(d, &|second| scientific(second.curvature, 3)));
+            line("order", &|d| of(d, &|second| order(second.order)));
+            line("second", &|d| of(d, &|second| word(second.verdict).to_owned()));
+        }
+    }
+}
+
+fn order(order: f64) -> String {
+    if order.is_finite() { format!("{order:.3}") } else { "-".to_owned() }
+}
+
+/// A remainder; a star marks those the order is fitted to.
+fn cell(direction: &TaylorDirection, row: usize, width: usize) -> String {
+    let row = &direction.rows[row];
+    let mark = if row.used { '*' } else { ' ' };
+    match row.cost {
+        Some(_) => format!("{:>width$}{mark} ", scientific(row.r1, 3)),
+        None => format!("{:>width$}  ", "failed"),
+    }
+}
+
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Right => "right",
+        Verdict::Wrong => "WRONG",
+        Verdict::Linear => "linear",
+        Verdict::Quadratic => "quadratic",
+        Verdict::Undecided => "undecided",
+    }
+}
+
+fn conclude(session: &mut Session<'_>, tests: &[GradientTest]) -> Exit {
+    session.console.say("");
+    session
+        .console
+        .say("Order 2 shows that the derivative belongs to the cost; * marks the remainders it is fitted to, those");
+    session
+        .console
+        .say("at round-off are not judged. Order 3 of what the second derivative d.Hd leaves shows the same of that.");
+    let first: Vec<_> = tests.iter().map(|test| (test, test.verdict())).collect();
+    let second: Vec<_> = tests.iter().filter_map(|test| Some((test, test.second_verdict()?))).collect();
+    let (verdict, second_verdict) = (summary(&first, 2), summary(&second, 3));
+    session.console.say(format!("verdict     {verdict}"));
+    let missing = tests.iter().find_map(|test| test.without_second.as_ref());
+    let second_verdict = match (missing, second.is_empty()) {
+        (Some(why), true) => format!("not tested: {why}"),
+        (Some(why), false) => format!("{second_verdict}; not of every term: {why}"),
+        (None, _) => second_verdict,
+    };
+    session.console.say(format!("second      {second_verdict}"));
+    let lowest = |orders: &mut dyn Iterator<Item = f64>| {
+        let lowest = orders.filter(|order| order.is_finite()).fold(f64::INFINITY, f64::min);
+        lowest.is_finite().then_some(lowest)
+    };
+    let directions = || tests.iter().flat_map(|test| &test.directions);
+    let lowest_first = lowest(&mut directions().map(|d| d.order1));
+    let lowest_second = lowest(&mut directions().filter_map(|d| Some(d.second.as_ref()?.order)));
+    let right = |found: &[(&GradientTest, Verdict)]| found.iter().all(|(_, verdict)| *verdict != Verdict::Wrong);
+    let (passed, second_passed) = (right(&first), right(&second));
+    let entries: Vec<Value> = tests.iter().map(entry).collect();
+    let second = json!({ "passed": second_passed, "verdict": second_verdict, "lowest_order": lowest_second });
+    session.put(
+        "gradcheck",
+        json!({ "passed": passed, "verdict": verdict, "lowest_order": lowest_first, "second": second, "tests": entries }),
+    );
+    if passed && second_passed { Exit::Done } else { Exit::GradientWrong }
+}
+
+/// In words, of tests that should have this order.
+fn summary(tests: &[(&GradientTest, Verdict)], order: usize) -> String {
+    let of = |wanted| tests.iter().filter(move |(_, verdict)| *verdict == wanted);
+    let wrong: Vec<String> = of(Verdict::Wrong).map(|(t, _)| format!("{} by {}", t.term, t.control)).collect();
+    match (wrong.is_empty(), of(Verdict::Undecided).count()) {
+        (false, _) => format!("WRONG: {}", wrong.join(", ")),
+        (true, 0) => format!("right: every order is {order}"),
+        (true, n) if n == tests.len() => "undecided: no remainder stands clear of round-off".to_owned(),
+        (true, n) => format!("right where it can be judged; {n} of {} undecided", tests.len()),
+    }
+}
+
+fn entry(test: &GradientTest) -> Value {
+    let direction = |d: &TaylorDirection| {
+        let rows: Vec<Value> =
+            d.rows.iter().map(|row| json!({ "t": row.t, "r0": row.r0, "r1": row.r1, "used": row.used })).collect();
+        json!({
+            "slope": d.slope, "observed": d.observed, "noise": d.noise, "order0": d.order0, "order1": d.order1,
+            "verdict": word(d.verdict), "rows": rows, "second": d.second.as_ref().map(second_entry),
+        })
+    };
+    let directions: Vec<Value> = test.directions.iter().map(direction).collect();
+    let (verdict, second) = (word(test.verdict()), test.second_verdict().map(word));
+    json!({ "control": test.control, "term": test.term, "verdict": verdict, "second": second, "directions": directions })
+}
+
+fn second_entry(second: &SecondOrder) -> Value {
+    let SecondOrder { curvature, remainders, used, order, verdict } = second;
+    json!({ "curvature": curvature, "r2": remainders, "used": used, "order": order, "verdict": word(*verdict) })
+}

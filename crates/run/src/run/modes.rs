@@ -1,0 +1,310 @@
+//! `nastic modes`: frequencies and shapes of small vibrations about an equilibrium or the undeformed body.
+
+use crate::result::collections::write_collections;
+use crate::result::inspection::Inspection;
+use crate::result::target_files::write_targets;
+use crate::result::title::title;
+use crate::result::{picture, snapshot};
+use crate::run::error::{Exit, RunError};
+use crate::run::modes_request::ModesRequest;
+use crate::run::report::{remove_earlier, say_files};
+use crate::run::session::{START_ACCURACY, Session};
+use crate::run::solve::equilibrium::report;
+use crate::run::solve::modes::with_fields;
+use nastic_case::lower::CaseMember;
+use nastic_control::{ControlError, EnsembleWorkspace, StateFields};
+use nastic_fem::{ModalDamping, ModeKind, SolveOptions, State, VibrationMode};
+use nastic_language::number::{quantity, short};
+use nastic_language::quantity::{Dimension, Units};
+use nastic_language::schema::Beginning;
+use nastic_mesh::Snapshot;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+/// Modes that are drawn.
+const DRAWN: usize = 4;
+/// The largest displacement of a mode that is drawn, as a share of the body's size.
+const AMPLITUDE: f64 = 0.1;
+/// `w^2`, and `phi . M phi` in space and of a unit of thickness.
+const SQUARE: Dimension = Dimension::of(0, 0, -2, 0);
+const MASS_PER_LENGTH: Dimension = Dimension::of(-2, 1, 2, 0);
+
+/// A member's state, control vector and modes.
+struct Found {
+    state: State,
+    m: Vec<f64>,
+    modes: Vec<VibrationMode>,
+    seen: Option<Seen>,
+}
+
+/// The modes as the steps of a case's motion move them.
+struct Seen {
+    scheme: &'static str,
+    step: f64,
+    /// None of modes that do not vibrate.
+    modes: Vec<Option<ModalDamping>>,
+}
+
+pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit, RunError> {
+    check(session, asked.count).map_err(|error| session.refuse(error))?;
+    remove_earlier(session)?;
+    let time = session.problem.case.time.as_ref();
+    // a motion from rest has no equilibrium to begin at
+    let undeformed = asked.undeformed || time.is_some_and(|time| time.start == Beginning::Rest);
+    let in_time = time.is_some();
+    let mut inspections = Vec::new();
+    let states: Vec<(State, Vec<f64>)> = if undeformed {
+        let of = |member: CaseMember<'_>| (member.solid().rest(), vec![0.0; member.layout().len()]);
+        session.problem.members().map(of).collect()
+    } else if in_time {
+        session.timed("solve", |session| beginnings(session))?
+    } else {
+        let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
+        inspections = session.inspect("equilibrium", &point);
+        report(session, &point, &inspections)?;
+        point.members.iter().map(|at| (at.state().clone(), at.m.clone())).collect()
+    };
+    let found = session.timed("modes", |session| find(session, states, asked.count))?;
+    let about = match (undeformed, in_time) {
+        (true, _) => "undeformed body",
+        (false, true) => "equilibrium at t = 0",
+        (false, false) => "equilibrium",
+    };
+    tell(session, about, &found);
+    session.timed("write", |session| write(session, about, &found, &inspections))?;
+    Ok(Exit::Done)
+}
+
+/// The equilibria that the motions begin at.
+fn beginnings(session: &Session<'_>) -> Result<Vec<(State, Vec<f64>)>, RunError> {
+    let of = |member: CaseMember<'_>| {
+        let m = member.local(&session.problem.start);
+        let state = member.reduced().initial_state(&m, START_ACCURACY);
+        let state = state.map_err(|error| session.member_failed((member.index(), error)))?;
+        Ok((state.unwrap_or_else(|| member.solid().rest()), m))
+    };
+    session.problem.members().map(of).collect()
+}
+
+fn check(session: &Session<'_>, count: usize) -> Result<(), RunError> {
+    for member in session.problem.members() {
+        let model = member.solid().model();
+        // what is wrong with a mass is told where modes are sought
+        if model.mass().is_ok_and(|mass| mass.diagonal().iter().all(|mass| *mass == 0.0)) {
+            let what = "\"modes\" needs masses: give every material a \"density\", as in \"1000 kg/m^3\"".to_owned();
+            return Err(session.problem.complain("materials", what).into());
+        }
+        let free = member.solid().supports().fixed().iter().filter(|&&fixed| !fixed).count();
+        if count == 0 || count > free {
+            let what = format!("--count {count}: the body has {free} free unknowns; ask for 1 to {free} modes");
+            return Err(session.problem.complain("mesh", what).into());
+        }
+    }
+    Ok(())
+}
+
+fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> Result<Vec<Found>, RunError> {
+    let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+    let of = |(member, (state, m)): (CaseMember<'_>, (State, Vec<f64>))| {
+        let modes = member.solid().model().vibration_modes(&state, count, &how);
+        let modes = modes.map_err(|error| session.member_failed((member.index(), ControlError::from(error))))?;
+        let seen = seen(member, &modes);
+        Ok(Found { state, m, modes, seen })
+    };
+    session.problem.members().zip(states).map(of).collect()
+}
+
+/// What the scheme and the Rayleigh damping of a motion make of the modes.
+fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<Seen> {
+    let (time, timeline) = (member.case().time.as_ref()?, member.reduced().timeline()?);
+    if timeline.scheme().is_quasi_static() || member.problem().lacks_steps() {
+        return None; // nothing vibrates in its steps, or they are not known
+    }
+    let step = time.step.unwrap_or_else(|| timeline.longest_step());
+    let rayleigh = time.rayleigh.as_ref().map_or((0.0, 0.0), |damping| (damping.mass, damping.stiffness));
+    let of = |(k, mode): (usize, &VibrationMode)| {
+        let ModeKind::Vibration { angular_frequency: w } = mode.kind() else { return None };
+        let seen = timeline.scheme().modal_damping(step, w, rayleigh).ok()?;
+        let exact = ModalDamping { effective: seen.physical, frequency: seen.frequency.map(|_| 1.0), ..seen };
+        Some(if k < timeline.scheme().exact_modes() { exact } else { seen })
+    };
+    Some(Seen { scheme: timeline.scheme().name(), step, modes: modes.iter().enumerate().map(of).collect() })
+}
+
+/// Lowest modes of a motion that are told.
+const TOLD: usize = 3;
+
+/// The lowest vibrations about the state that a motion begins at (undeformed and without controls, if it begins at rest), as its steps move them: said, and as the result has them.
+pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &State) -> Option<Value> {
+    if member.reduced().timeline()?.scheme().is_quasi_static() {
+        return None;
+    }
+    let (solid, how) = (member.solid(), SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() });
+    let free = solid.supports().fixed().iter().filter(|&&fixed| !fixed).count();
+    let rigid = if member.mesh().dim() == 3 { 6 } else { 3 };
+    let wanted = if solid.check().is_ok() { TOLD } else { TOLD + rigid };
+    // stresses of actuations in a body at rest are no equilibrium
+    let from_rest = member.case().time.as_ref().is_some_and(|time| time.start == Beginning::Rest);
+    let rest = from_rest.then(|| solid.rest());
+    let about = rest.as_ref().unwrap_or(begin);
+    let modes = match solid.model().vibration_modes(about, wanted.min(free), &how) {
+        Ok(modes) => modes,
+        Err(error) => {
+            session.console.say(format!("damping     of the lowest modes not known: {error}"));
+            return None;
+        }
+    };
+    let (seen, units) = (seen(member, &modes)?, session.problem.units());
+    let mut head = "damping";
+    for (k, (mode, seen)) in modes.iter().zip(&seen.modes).enumerate() {
+        let Some(seen) = seen else { continue };
+        let frequency = per_second(mode, units) / TAU;
+        let ratio =
+            seen.frequency.map_or_else(|| "none".to_owned(), |ratio| format!("{} Hz", short(frequency * ratio)));
+        session.console.say(format!(
+            "{head:<12}mode {}: {} Hz, seen as {ratio}; d/w of Rayleigh damping {}, with that of the steps {}",
+            k + 1,
+            short(frequency),
+            short(seen.physical),
+            short(seen.effective)
+        ));
+        head = "";
+    }
+    if member.case().materials.iter().any(|material| !material.maxwell.is_empty() || material.kelvin_voigt.is_some()) {
+        session.console.say("            without what viscous laws add: these are the relaxed body's");
+    }
+    let mut entry = in_steps(&seen);
+    entry["frequencies"] = modes.iter().map(|mode| json!(per_second(mode, units) / TAU)).collect();
+    Some(entry)
+}
+
+/// Puts frequencies into the result and says them.
+fn tell(session: &mut Session<'_>, about: &str, found: &[Found]) {
+    let (units, dim) = (*session.problem.units(), session.problem.mesh().dim());
+    for (index, own) in found.iter().enumerate() {
+        let mut entry = entry(&own.modes, about, &units, dim);
+        if let Some(seen) = &own.seen {
+            entry["in_steps"] = in_steps(seen);
+        }
+        session.put_of_member(index, "modes", entry);
+        let name = session.problem.member(index).name();
+        let inside = if name.is_empty() { name } else { format!(" in {name}") };
+        session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}"));
+        session.console.say(format!("  {:>9} {:>16} {:>14} {:>22}", "mode", "frequency", "period", "along x, y, z"));
+        for (k, mode) in own.modes.iter().enumerate() {
+            session.console.say(row(k + 1, mode, &units, dim));
+        }
+        if let Some(seen) = &own.seen {
+            say_in_steps(session, seen);
+        }
+    }
+}
+
+fn in_steps(seen: &Seen) -> Value {
+    let of = |value: fn(&ModalDamping) -> Option<f64>| {
+        seen.modes.iter().map(|mode| mode.as_ref().and_then(value)).collect::<Vec<_>>()
+    };
+    json!({
+        "scheme": seen.scheme,
+        "step": seen.step,
+        "damping": of(|mode| Some(mode.physical)),
+        "damping_seen": of(|mode| Some(mode.effective)),
+        "frequency_ratio": of(|mode| mode.frequency),
+    })
+}
+
+fn say_in_steps(session: &Session<'_>, Seen { scheme, step, modes }: &Seen) {
+    let units = session.problem.units();
+    let step = quantity(*step, Dimension::TIME, units);
+    session
+        .console
+        .say(format!("in steps    {scheme}, {step}: d/w of q'' + d q' + w^2 q = 0, twice the damping ratio"));
+    session.console.say(format!("  {:>9} {:>16} {:>16} {:>20}", "mode", "d/w", "d/w in steps", "share of frequency"));
+    for (k, mode) in modes.iter().enumerate() {
+        let Some(mode) = mode else { continue };
+        let ratio = mode.frequency.map_or_else(|| "-".to_owned(), short);
+        let (physical, effective) = (short(mode.physical), short(mode.effective));
+        session.console.say(format!("  {:>9} {physical:>16} {effective:>16} {ratio:>20}", k + 1));
+    }
+}
+
+/// Hz of an angular frequency in the case's units, or 1/s of a rate.
+fn per_second(mode: &VibrationMode, units: &Units) -> f64 {
+    units.in_si(mode.square, SQUARE).abs().sqrt()
+}
+
+fn entry(modes: &[VibrationMode], about: &str, units: &Units, dim: usize) -> Value {
+    let mass = if dim == 3 { Dimension::MASS } else { MASS_PER_LENGTH };
+    let of = |value: &dyn Fn(&VibrationMode) -> Value| modes.iter().map(value).collect::<Vec<_>>();
+    let count = |is: fn(ModeKind) -> bool| modes.iter().filter(|mode| is(mode.kind())).count();
+    json!({
+        "about": about,
+        "frequencies": of(&|mode| match mode.kind() {
+            ModeKind::Vibration { .. } => json!(per_second(mode, units) / TAU),
+            ModeKind::Neutral => json!(0.0),
+            ModeKind::Unstable { .. } => Value::Null,
+        }),
+        "growth_rates": of(&|mode| match mode.kind() {
+            ModeKind::Unstable { .. } => json!(per_second(mode, units)),
+            _ => Value::Null,
+        }),
+        "modal_masses": of(&|mode| json!(units.in_si(mode.modal_mass, mass))),
+        "directions": of(&|mode| json!(&mode.directions[..dim])),
+        "neutral": count(|kind| kind == ModeKind::Neutral),
+        "unstable": count(|kind| matches!(kind, ModeKind::Unstable { .. })),
+        "units": { "frequency": "Hz", "growth_rate": "1/s", "modal_mass": if dim == 3 { "kg" } else { "kg/m" } },
+    })
+}
+
+fn row(number: usize, mode: &VibrationMode, units: &Units, dim: usize) -> String {
+    let percent = |share: &f64| format!("{:.0} %", 100.0 * share);
+    let along = mode.directions[..dim].iter().map(percent).collect::<Vec<_>>().join(", ");
+    let rate = per_second(mode, units);
+    let (frequency, period) = match mode.kind() {
+        ModeKind::Vibration { .. } => (format!("{} Hz", short(rate / TAU)), format!("{} s", short(TAU / rate))),
+        ModeKind::Neutral => ("0 Hz".to_owned(), "-".to_owned()),
+        ModeKind::Unstable { .. } => ("UNSTABLE".to_owned(), format!("by e in {} s", short(1.0 / rate))),
+    };
+    format!("  {number:>9} {frequency:>16} {period:>14} {along:>22}")
+}
+
+fn write(session: &mut Session<'_>, about: &str, found: &[Found], inspections: &[Inspection]) -> Result<(), RunError> {
+    let Some(out) = session.out.clone() else { return Ok(()) };
+    let problem = &session.problem;
+    let mut files = Vec::new();
+    for (member, own) in problem.members().zip(found) {
+        let fields = StateFields::new(&own.state, &own.m);
+        let shot = snapshot::inspected(member, &fields, inspections.get(member.index()))?;
+        let shot = with_fields(shot, own.modes.iter().map(|mode| mode.shape.as_slice()))?;
+        files.extend(out.write_state(&member.file("start"), &shot)?);
+        if member.part().scenario() == 0 {
+            let drawn = own.modes.iter().take(DRAWN).enumerate();
+            let drawn = drawn.map(|(k, mode)| Ok((label(k + 1, mode, problem.units()), moved(&shot, k + 1)?)));
+            let drawn = drawn.collect::<Result<Vec<_>, ControlError>>()?;
+            picture::write(member, picture::of_modes(member, &title(member), (about, &shot), &drawn), &out)?;
+            files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
+        }
+    }
+    files.extend(write_targets(problem, &out)?);
+    files.extend(write_collections(problem, "start", &out)?);
+    say_files(session, files);
+    Ok(())
+}
+
+fn label(number: usize, mode: &VibrationMode, units: &Units) -> String {
+    let rate = per_second(mode, units);
+    match mode.kind() {
+        ModeKind::Vibration { .. } => format!("mode {number}: {} Hz", short(rate / TAU)),
+        ModeKind::Neutral => format!("mode {number}: 0 Hz"),
+        ModeKind::Unstable { .. } => format!("mode {number}: unstable"),
+    }
+}
+
+/// The state moved on along a mode.
+fn moved(shot: &Snapshot, number: usize) -> Result<Snapshot, ControlError> {
+    let array = |name: &str| shot.point_array(name).map(|array| array.values.as_slice()).unwrap_or_default();
+    let scale = AMPLITUDE * shot.mesh.diagonal();
+    let (u, mode) = (array("displacement"), array(&format!("mode_{number}")).to_vec());
+    let values = u.iter().zip(mode).map(|(u, phi)| u + scale * phi).collect();
+    Ok(Snapshot::new(shot.mesh.clone()).with_points("displacement", 3, values)?)
+}

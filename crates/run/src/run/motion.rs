@@ -1,0 +1,223 @@
+//! Motions as results: `motion_0000.vtu` .. with `motion.pvd`, `motion.csv` and charts of every step, the entry `time`.
+
+mod checkpoint;
+mod record;
+mod recorder;
+mod solved;
+mod table;
+
+pub(super) use crate::run::motion::checkpoint::{MotionCheckpoint, NAME as CHECKPOINT};
+pub(super) use crate::run::motion::solved::solve;
+
+use crate::result::files::Directory;
+use crate::result::inspection::Inspection;
+use crate::result::snapshot;
+use crate::run::error::RunError;
+pub(crate) use crate::run::motion::record::Record;
+use crate::run::motion::table::{ENERGY, energies};
+use crate::run::session::Session;
+use crate::run::{modes, time_steps};
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::warning::Warning;
+use nastic_control::{EnsemblePoint, Evaluated, StateFields, Timeline};
+use nastic_io::write_atomically;
+use nastic_language::number::{count, quantity, short};
+use nastic_language::quantity::Dimension;
+use nastic_language::schema::{Command, Time};
+use nastic_mesh::Snapshot;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+/// Instants drawn as glass behind the end of a motion.
+const GHOSTS: usize = 4;
+
+/// What a state is called in messages.
+pub(super) fn state_name(problem: &CaseProblem) -> &'static str {
+    if problem.is_motion() { "end of the motion" } else { "equilibrium" }
+}
+
+impl Session<'_> {
+    /// The motions of a problem in time, with what deserves attention in them.
+    pub fn motions(&mut self, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
+        let records = records(self, point)?;
+        self.warn_of_motions(&records);
+        Ok(records)
+    }
+
+    /// Says what deserves attention in motions.
+    pub fn warn_of_motions(&mut self, records: &[Record]) {
+        warnings(&self.problem, records).into_iter().for_each(|warning| self.warn(warning));
+    }
+
+    /// Says how the motions went, and puts that into the result.
+    pub fn report_motions(&mut self, records: &[Record], point: &EnsemblePoint) {
+        for (index, entry) in report(self, records, point).into_iter().enumerate() {
+            self.put_of_member(index, "time", entry);
+        }
+    }
+}
+
+/// The motions of all members. One that keeps few states in memory runs once more.
+fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
+    if !session.problem.is_motion() {
+        return Ok(vec![]);
+    }
+    let record = |(member, at): (CaseMember<'_>, &Evaluated)| {
+        let mut record = Record::new(member, at.m.clone());
+        let all = member.reduced().for_each_state(at, &mut |n, state| record.add(member, n, state));
+        all.map_err(|error| session.member_failed((member.index(), error)))?;
+        Ok(record)
+    };
+    session.problem.members().zip(&point.members).map(record).collect()
+}
+
+/// Looks into the states that are written, beside the last one, which is looked into with all others; what deserves attention is told
+/// once for each kind, with the first instant that has it.
+fn warnings(problem: &CaseProblem, records: &[Record]) -> Vec<Warning> {
+    records.iter().flat_map(|record| warnings_of(problem.member(record.member), record)).collect()
+}
+
+fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
+    let unit = member.problem().units().time().symbol;
+    let before = &record.shown[..record.shown.len().saturating_sub(1)];
+    let found: Vec<Inspection> = before.par_iter().map(|state| Inspection::of(member, state)).collect();
+    let mut told: Vec<(Warning, usize)> = Vec::new();
+    for (state, found) in before.iter().zip(&found) {
+        let place = format!("motion at t = {} {unit}", short(state.time));
+        for warning in found.warnings(member, &place) {
+            match told.iter_mut().find(|(known, _)| known.kind == warning.kind) {
+                Some((_, count)) => *count += 1,
+                None => told.push((warning, 1)),
+            }
+        }
+    }
+    let tell = |(mut warning, count): (Warning, usize)| {
+        warning.message += &format!(" (the first of {count} such states among {})", before.len());
+        warning
+    };
+    told.into_iter().map(tell).collect()
+}
+
+/// The entry `time` of the result, and lines about the motions.
+fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> Vec<Value> {
+    let Some(time) = &session.problem.case.time else { return vec![] };
+    let units = session.problem.units();
+    let of = |value: f64| quantity(value, Dimension::TIME, units);
+    let steps = session.problem.members().filter_map(|member| member.reduced().timeline()).map(Timeline::steps).max();
+    let each = match time.step {
+        Some(step) => format!("of {}", of(step)),
+        None => format!("of at most {}", of(longest(session))),
+    };
+    session.console.say(format!(
+        "motion      {} {each} to {} by {}, {} cut",
+        count(steps.unwrap_or(0), "step"),
+        of(time.end),
+        time.scheme.name(),
+        count(point.members.iter().map(|at| at.work.cuts).sum::<usize>(), "step")
+    ));
+    if let Some(error) = point.members.iter().filter_map(|at| at.solved.error).map(|error| error.error).reduce(f64::max)
+    {
+        let error = quantity(error, Dimension::LENGTH, units);
+        session
+            .console
+            .say(format!("            a step adds at most {error} to the error of displacements, by its estimate"));
+    }
+    let member = |record: &Record| entry(session, time, record, &point.members[record.member]);
+    records.iter().map(member).collect()
+}
+
+/// The longest step of any member.
+fn longest(session: &Session<'_>) -> f64 {
+    let timelines = session.problem.members().filter_map(|member| member.reduced().timeline());
+    timelines.map(Timeline::longest_step).fold(0.0, f64::max)
+}
+
+fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) -> Value {
+    let (member, unit) = (session.problem.member(record.member), session.problem.units().label(ENERGY));
+    let ends = [record.shown.first(), record.shown.last()].map(|state| state.map(|state| energies(member, state)));
+    let [start, end] = ends.map(Option::unwrap_or_default);
+    let name = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    let pair = |[kinetic, potential]: [f64; 2]| format!("kinetic {}, potential {}", short(kinetic), short(potential));
+    let console = session.console;
+    console.say(format!("energy      at t = 0: {}; at the end: {} ({unit}){name}", pair(start), pair(end)));
+    let both = |[kinetic, potential]: [f64; 2]| json!({ "kinetic": kinetic, "potential": potential });
+    let mut entry = json!({
+        "end": time.end, "steps": record.states().saturating_sub(1), "scheme": time.scheme.name(),
+        "mass": time.mass.name(), "written": record.shown.len(),
+        "energies": { "start": both(start), "end": both(end) },
+    });
+    for (key, value) in time_steps::entries(session, member, time, at) {
+        entry[key] = value;
+    }
+    // scenarios differ little in this
+    let lead = member.part().scenario() == 0;
+    if let Some(damping) =
+        record.shown.first().filter(|_| lead).and_then(|state| modes::damping(session, member, state))
+    {
+        entry["damping"] = damping;
+    }
+    entry
+}
+
+/// Writes the files of all members; their names.
+pub(super) fn write(problem: &CaseProblem, records: &[Record], out: &Directory) -> Result<Vec<String>, RunError> {
+    let mut files = Vec::new();
+    for record in records {
+        let (member, Some(table)) = (problem.member(record.member), &record.table) else { continue };
+        let (csv, pvd) = (member.file("motion.csv"), member.file("motion.pvd"));
+        let text = table.csv();
+        write_atomically(out.file(&csv), |out| out.write_all(text.as_bytes()))?;
+        files.push(csv);
+        files.extend(table.charts(member, out)?);
+        let stem = member.file("motion_");
+        out.remove_numbered(&stem);
+        let mut shots = Vec::new();
+        for (k, state) in record.shown.iter().enumerate() {
+            let name = format!("{stem}{k:04}");
+            out.write_state(&name, &snapshot::snapshot(member, &StateFields::new(state, &record.m))?)?;
+            shots.push((state.time, format!("{name}.vtu")));
+        }
+        nastic_io::write_pvd(out.file(&pvd), &shots)?;
+        files.push(pvd);
+        files.extend(shots.into_iter().map(|(_, name)| name));
+    }
+    Ok(files)
+}
+
+/// A few states before the end, with what they are called, for a picture.
+pub(super) fn ghosts(
+    records: &[Record],
+    member: CaseMember<'_>,
+    at: &Evaluated,
+) -> Result<Vec<(String, Snapshot)>, RunError> {
+    let Some(record) = records.iter().find(|record| record.member == member.index()) else { return Ok(vec![]) };
+    let (unit, last) = (member.problem().units().time().symbol, record.shown.len() - 1);
+    let of = |k: usize| {
+        let state = &record.shown[k * last / GHOSTS];
+        let shot = snapshot::plain(member, &StateFields::new(state, &at.m))?;
+        Ok((format!("t = {} {unit}", short(state.time)), shot))
+    };
+    (0..GHOSTS.min(last)).map(of).collect()
+}
+
+/// Removes the checkpoint of a motion that has come to its end, after all results are written.
+pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
+    match &session.out {
+        Some(out) if session.command == Command::Solve => Ok(out.remove(CHECKPOINT)?),
+        _ => Ok(()),
+    }
+}
+
+/// Whether the checkpoint of a motion in the session's directory, if any, may be replaced; if not, nothing is written.
+pub(super) fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<(), RunError> {
+    match session.out.take_if(|out| !restart && out.file(CHECKPOINT).is_file()) {
+        None => Ok(()),
+        Some(out) => Err(RunError::InterruptedMotion { directory: out.path().to_owned() }),
+    }
+}
+
+/// The options of `solve` that look at one equilibrium.
+pub(super) fn refused(problem: &CaseProblem, what: &str) -> RunError {
+    let message = format!("{what} looks at equilibria, and this case moves: take \"time\" out of it");
+    problem.complain("time", message).into()
+}

@@ -1,0 +1,46 @@
+//! What is told of the motion of one member.
+
+use crate::run::motion::table::Table;
+use nastic_case::lower::CaseMember;
+use nastic_control::ControlError;
+use nastic_fem::State;
+
+/// What is told of the motion of one member: the table of all steps, and the states that are written.
+pub(crate) struct Record {
+    /// Index of the member.
+    pub member: usize,
+    /// Its control vector.
+    pub m: Vec<f64>,
+    is_shown: Vec<bool>,
+    pub table: Option<Table>,
+    pub shown: Vec<State>,
+}
+
+impl Record {
+    /// Of a motion without a state.
+    pub fn new(member: CaseMember<'_>, m: Vec<f64>) -> Self {
+        let (time, timeline) = (member.case().time.as_ref(), member.reduced().timeline());
+        let is_shown = time.zip(timeline).map_or_else(Vec::new, |(time, timeline)| time.shown(timeline.instants()));
+        Self { member: member.index(), m, is_shown, table: None, shown: Vec::new() }
+    }
+
+    /// The n-th state was reached.
+    pub fn add(&mut self, member: CaseMember<'_>, n: usize, state: &State) -> Result<(), ControlError> {
+        self.table.get_or_insert_with(|| Table::head(member, state)).add(member, &self.m, state)?;
+        if self.is_shown.get(n) == Some(&true) {
+            self.shown.push(state.clone());
+        }
+        Ok(())
+    }
+
+    /// The number of the last state, and its instant.
+    pub fn reached(&self) -> Option<(usize, f64)> {
+        let rows = &self.table.as_ref()?.rows;
+        Some((rows.len() - 1, *rows.last()?.first()?))
+    }
+
+    /// The states so far.
+    pub fn states(&self) -> usize {
+        self.table.as_ref().map_or(0, |table| table.rows.len())
+    }
+}

@@ -1,0 +1,211 @@
+//! [`Recorder`]: what is told of the motions of a `solve` while they run, and the checkpoints they leave.
+
+use crate::console::Console;
+use crate::result::files::Directory;
+use crate::run::case_record::CaseRecord;
+use crate::run::error::RunError;
+use crate::run::motion::checkpoint;
+use crate::run::motion::checkpoint::{MotionCheckpoint, SavedMember};
+use crate::run::motion::record::Record;
+use crate::run::session::Session;
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_control::{AdaptiveSteps, ControlError, MotionObserver, read_whole_state, write_whole_state};
+use nastic_fem::State;
+use nastic_opt::bytes::{Reader, Writer};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Checkpoints are at least this far apart, and this many times as far as writing one takes. When they are written changes no result.
+const APART: Duration = Duration::from_secs(10);
+const TIMES: u32 = 20;
+
+/// The motions of all members.
+pub(super) struct Recorder<'a> {
+    problem: &'a CaseProblem,
+    console: &'a Console,
+    out: Option<&'a Directory>,
+    case: CaseRecord,
+    steps: &'a [AdaptiveSteps],
+    members: Vec<Mutex<Recorded>>,
+    pace: Mutex<Pace>,
+}
+
+/// The motion of a member.
+struct Recorded {
+    record: Record,
+    /// The last state that was reached.
+    last: Option<State>,
+    /// From where the motion is to go on.
+    from: Option<Vec<u8>>,
+    /// The last place from which it can.
+    place: Option<Place>,
+}
+
+/// A place from which a motion can go on.
+struct Place {
+    n: usize,
+    motion: Vec<u8>,
+    /// Rows and states that there were.
+    rows: usize,
+    shown: usize,
+}
+
+struct Pace {
+    /// When the last checkpoint was written, and how long that took.
+    last: Option<(Instant, Duration)>,
+    /// Whether it was said that one could not be.
+    failed: bool,
+}
+
+/// The observer of one member.
+pub(super) struct MemberObserver<'a> {
+    all: &'a Recorder<'a>,
+    index: usize,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl<'a> Recorder<'a> {
+    /// Of motions at the start controls that begin, or go on from a checkpoint.
+    ///
+    /// # Errors
+    /// A checkpoint that does not fit.
+    pub fn new(session: &'a Session<'_>, from: Option<MotionCheckpoint>) -> Result<Self, RunError> {
+        let problem = &session.problem;
+        let mut saved = from.map(|checkpoint| checkpoint.members.into_iter());
+        let mut members = Vec::new();
+        for member in problem.members() {
+            let mut recorded = Recorded {
+                record: Record::new(member, member.local(&problem.start)),
+                last: None,
+                from: None,
+                place: None,
+            };
+            if let Some(saved) = &mut saved {
+                let unfit = |what: &str| checkpoint::unfit(session.out.as_ref(), what);
+                let saved = saved.next().ok_or_else(|| unfit("another number of members"))?;
+                recorded.take(member, saved).map_err(|what| unfit(&what))?;
+            }
+            members.push(Mutex::new(recorded));
+        }
+        Ok(Self {
+            problem,
+            console: session.console,
+            out: session.out.as_ref(),
+            case: CaseRecord::of(problem, &session.settings),
+            steps: &session.steps,
+            members,
+            pace: Mutex::new(Pace { last: None, failed: false }),
+        })
+    }
+
+    pub fn observers(&'a self) -> Vec<MemberObserver<'a>> {
+        (0..self.members.len()).map(|index| MemberObserver { all: self, index }).collect()
+    }
+
+    /// What was found, with the last state of every motion among those to write.
+    pub fn finish(self) -> Vec<Record> {
+        let own = |recorded: Mutex<Recorded>| {
+            let Recorded { mut record, last, .. } = recorded.into_inner().unwrap_or_else(PoisonError::into_inner);
+            record.shown.extend(last.filter(|last| record.shown.last().is_none_or(|shown| shown.time < last.time)));
+            record
+        };
+        self.members.into_iter().map(own).collect()
+    }
+
+    /// Writes a checkpoint of the last places, if every member has one; whether it is there.
+    pub fn save(&self) -> bool {
+        let Some(out) = self.out else { return false };
+        let Some(members) = self.members.iter().map(|recorded| lock(recorded).saved()).collect() else { return false };
+        let steps = self.steps.to_vec();
+        let checkpoint = MotionCheckpoint { case: self.case.clone(), steps, members };
+        let written = checkpoint.write(out);
+        if let Err(error) = &written
+            && !std::mem::replace(&mut lock(&self.pace).failed, true)
+        {
+            self.console.say(format!("WARNING     {error}; the motion goes on without this checkpoint"));
+        }
+        written.is_ok()
+    }
+
+    fn save_if_due(&self) {
+        let due = |pace: &Pace| pace.last.is_none_or(|(last, took)| last.elapsed() >= APART.max(TIMES * took));
+        if !due(&lock(&self.pace)) {
+            return;
+        }
+        let began = Instant::now();
+        // without one of each member there is nothing to go on from, and the next place is asked again
+        if self.save() || lock(&self.pace).failed {
+            lock(&self.pace).last = Some((Instant::now(), began.elapsed()));
+        }
+    }
+}
+
+impl Recorded {
+    /// Goes on from what was saved.
+    fn take(&mut self, member: CaseMember<'_>, saved: SavedMember) -> Result<(), String> {
+        let SavedMember { n, motion, rows, shown } = saved;
+        let like = member.solid().rest();
+        let read = |bytes: &Vec<u8>| {
+            let mut input = Reader::new(bytes, "")?;
+            let state = read_whole_state(&mut input, &like)?;
+            input.finish().map(|()| state)
+        };
+        let shown = shown.iter().map(read).collect::<Result<Vec<State>, _>>().map_err(|error| error.to_string())?;
+        let first = shown.first().ok_or("no state of the motion")?;
+        let mut table = crate::run::motion::table::Table::head(member, first);
+        if n.checked_add(1) != Some(rows.len()) || rows.iter().any(|row| row.len() != table.columns()) {
+            return Err("another table of the motion".to_owned());
+        }
+        table.rows = rows;
+        (self.record.table, self.record.shown, self.from) = (Some(table), shown, Some(motion));
+        Ok(())
+    }
+
+    /// The last place, as it is saved.
+    fn saved(&self) -> Option<SavedMember> {
+        let (place, table) = (self.place.as_ref()?, self.record.table.as_ref()?);
+        let bytes = |state: &State| {
+            let mut out = Writer::new("");
+            write_whole_state(state, &mut out);
+            out.finish()
+        };
+        Some(SavedMember {
+            n: place.n,
+            motion: place.motion.clone(),
+            rows: table.rows[..place.rows].to_vec(),
+            shown: self.record.shown[..place.shown].iter().map(bytes).collect(),
+        })
+    }
+}
+
+impl MotionObserver for MemberObserver<'_> {
+    fn resume(&self) -> Option<Vec<u8>> {
+        let mut recorded = lock(&self.all.members[self.index]);
+        let from = recorded.from.take()?;
+        let n = recorded.record.states().saturating_sub(1);
+        let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
+        recorded.place = Some(Place { n, motion: from.clone(), rows, shown });
+        Some(from)
+    }
+
+    fn reached(&self, n: usize, state: &State) -> Result<(), ControlError> {
+        let mut recorded = lock(&self.all.members[self.index]);
+        recorded.last = Some(state.clone());
+        recorded.record.add(self.all.problem.member(self.index), n, state)
+    }
+
+    fn resumable(&self, n: usize, bytes: &dyn Fn() -> Vec<u8>) {
+        if self.all.out.is_none() {
+            return;
+        }
+        {
+            let mut recorded = lock(&self.all.members[self.index]);
+            let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
+            recorded.place = Some(Place { n, motion: bytes(), rows, shown });
+        }
+        self.all.save_if_due();
+    }
+}

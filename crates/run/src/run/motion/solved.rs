@@ -1,0 +1,75 @@
+//! The motions of `solve`: they leave what they found where they fail or are stopped, and go on from a checkpoint.
+
+use crate::run::error::RunError;
+use crate::run::motion::checkpoint::MotionCheckpoint;
+use crate::run::motion::record::Record;
+use crate::run::motion::recorder::{MemberObserver, Recorder};
+use crate::run::motion::{checkpoint, write};
+use crate::run::session::{START_ACCURACY, Session};
+use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, MotionObserver};
+use nastic_fem::StateError;
+use nastic_language::number::quantity;
+use nastic_language::quantity::Dimension;
+use nastic_opt::Request;
+use serde_json::json;
+use std::time::Instant;
+
+/// The motions at the start controls, and what is told of them.
+pub(in crate::run) fn solve(
+    session: &mut Session<'_>,
+    from: Option<MotionCheckpoint>,
+) -> Result<(EnsemblePoint, Vec<Record>), RunError> {
+    if let (Some(out), None) = (&session.out, &from)
+        && out.file(checkpoint::NAME).exists()
+    {
+        let file = checkpoint::NAME;
+        session
+            .console
+            .say(format!("note        {file} of a motion that was stopped will be replaced: this one begins anew"));
+    }
+    let began = Instant::now();
+    let recorder = Recorder::new(session, from)?;
+    let how = Request { accuracy: START_ACCURACY, ..Request::default() };
+    let observers = recorder.observers();
+    let observers: Vec<&dyn MotionObserver> = observers.iter().map(|one: &MemberObserver<'_>| one as _).collect();
+    let problem = &session.problem;
+    let found = problem.ensemble.observe(&problem.start, &how, &observers, &mut EnsembleWorkspace::default());
+    session.console.clear();
+    let saved = found.as_ref().is_err_and(may_go_on) && recorder.save();
+    let records = recorder.finish();
+    session.note_time("solve", began.elapsed().as_secs_f64());
+    match found {
+        Ok(point) => Ok((point, records)),
+        Err(error) => Err(unfinished(session, (&records, saved), error)),
+    }
+}
+
+/// Whether the motion did not fail by itself.
+fn may_go_on(error: &EnsembleError) -> bool {
+    let EnsembleError::Member { source, .. } = error else { return false };
+    source.is_lack_of_memory() || matches!(source.as_ref(), ControlError::State(StateError::Cancelled))
+}
+
+/// The error of motions that ended early, which says where they are.
+fn unfinished(session: &mut Session<'_>, (records, saved): (&[Record], bool), error: EnsembleError) -> RunError {
+    let source = Box::new(session.forward_failed(error));
+    // of several members the one that came least far
+    let reached = records.iter().filter_map(Record::reached).min_by(|a, b| a.1.total_cmp(&b.1));
+    let (Some(out), Some((steps, t))) = (session.out.clone(), reached) else { return *source };
+    let files = match write(&session.problem, records, &out) {
+        Ok(files) => files,
+        Err(error) => return error,
+    };
+    session.list_files(files.clone());
+    session.put("reached", json!({ "t": t, "steps": steps }));
+    if !saved && let Err(error) = out.remove(checkpoint::NAME) {
+        return error.into();
+    }
+    let until = quantity(t, Dimension::TIME, session.problem.units());
+    let csv = out.file(files.first().map_or("", String::as_str));
+    let mut kept = format!("the motion until t = {until} is in {} and motion.pvd", csv.display());
+    if saved {
+        kept += &format!("; nastic resume {} goes on with it", out.path().display());
+    }
+    RunError::Motion { source, kept }
+}

@@ -1,0 +1,131 @@
+//! [`Table`]: the numbers of every step of a motion, as CSV and as charts.
+
+use crate::result::csv::quoted;
+use crate::result::files::Directory;
+use crate::result::summary;
+use crate::result::title::title;
+use crate::run::error::RunError;
+use nastic_case::lower::CaseMember;
+use nastic_control::{ControlBlock, ControlError};
+use nastic_fem::{Instant, State};
+use nastic_language::quantity::Dimension;
+use nastic_picture::{Chart, Curve};
+
+/// Curves of a chart.
+const CURVES: usize = 6;
+const AXES: [&str; 3] = ["x", "y", "z"];
+pub(super) const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
+
+/// Columns of a table of a motion, one row for every step.
+pub(crate) struct Table {
+    names: Vec<String>,
+    units: Vec<String>,
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    /// How many columns it has.
+    pub fn columns(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Without rows.
+    pub fn head(member: CaseMember<'_>, state: &State) -> Self {
+        let (units, energy) = (member.problem().units(), member.problem().units().label(ENERGY));
+        let first = [
+            ("t", units.time().symbol),
+            ("kinetic_energy", &energy),
+            ("potential", &energy),
+            ("min_J", ""),
+            ("newton_iterations", ""),
+        ];
+        let mut columns: Vec<(String, String)> = first.map(|(name, unit)| (name.to_owned(), unit.to_owned())).into();
+        for probe in &member.problem().probes {
+            let axes = AXES.iter().take(member.mesh().dim());
+            columns.extend(axes.map(|axis| (format!("{}.{axis}", probe.name), units.length().symbol.to_owned())));
+        }
+        for (block, field) in member.fields().filter(|(block, _)| is_uniform(block)) {
+            let name = |c: usize| match block.components {
+                1 => field.array.clone(),
+                _ => format!("{}.{}", field.array, AXES[c]),
+            };
+            columns.extend((0..block.components).map(|c| (name(c), field.unit.clone())));
+        }
+        for (name, what, _) in quantities(member, state) {
+            let name = format!("{name}.{what}");
+            let known = columns.iter().any(|(known, _)| *known == name);
+            columns.push((if known { format!("contributions.{name}") } else { name }, String::new()));
+        }
+        let (names, units) = columns.into_iter().unzip();
+        Self { names, units, rows: vec![] }
+    }
+
+    /// The row of a state, under the control vector m of the motion.
+    pub fn add(&mut self, member: CaseMember<'_>, m: &[f64], state: &State) -> Result<(), ControlError> {
+        let (report, [kinetic, potential]) = (&state.report, energies(member, state));
+        let mut row = vec![state.time, kinetic, potential, report.min_j, report.newton as f64];
+        let dim = member.mesh().dim();
+        for probe in &member.problem().probes {
+            row.extend_from_slice(&probe.displacement(&state.u, dim)[..dim]);
+        }
+        let m = member.layout().at(m, state.time)?;
+        for block in member.reduced().layout_of_instant().blocks().iter().filter(|block| is_uniform(block)) {
+            row.extend_from_slice(block.of(&m));
+        }
+        row.extend(quantities(member, state).into_iter().map(|(.., value)| value));
+        self.rows.push(row);
+        Ok(())
+    }
+
+    pub fn csv(&self) -> String {
+        let mut text = self.names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(",") + "\n";
+        for row in &self.rows {
+            text += &(row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(",") + "\n");
+        }
+        text
+    }
+
+    /// Charts over the time: displacements of probes, energies, controls.
+    pub fn charts(&self, member: CaseMember<'_>, out: &Directory) -> Result<Vec<String>, RunError> {
+        let probes = member.problem().probes.len() * member.mesh().dim();
+        let controls = member.fields().filter(|(block, _)| is_uniform(block));
+        let controls: usize = controls.map(|(block, _)| block.components).sum();
+        let first = 5; // behind the columns that every motion has
+        let parts = [
+            ("motion.svg", "displacement", first..first + probes),
+            ("energies.svg", "energy", 1..3),
+            ("controls.svg", "control", first + probes..first + probes + controls),
+        ];
+        let mut files = Vec::new();
+        for (file, what, columns) in parts.into_iter().filter(|(.., columns)| !columns.is_empty()) {
+            let unit = &self.units[columns.start];
+            let same = columns.clone().all(|c| self.units[c] == *unit);
+            let upwards = if same { format!("{what} ({unit})") } else { what.to_owned() };
+            let mut chart = Chart::new(&title(member), &format!("t ({})", self.units[0]), &upwards);
+            for c in columns.take(CURVES) {
+                let label = if same { self.names[c].clone() } else { format!("{} ({})", self.names[c], self.units[c]) };
+                chart = chart.curve(Curve::new(&label, self.rows.iter().map(|row| (row[0], row[c], true))));
+            }
+            let name = member.file(file);
+            chart.write(out.file(&name))?;
+            files.push(name);
+        }
+        Ok(files)
+    }
+}
+
+/// One value in space, or one vector.
+fn is_uniform(block: &ControlBlock) -> bool {
+    block.size() == block.components
+}
+
+/// What contributions report.
+fn quantities(member: CaseMember<'_>, state: &State) -> Vec<(String, &'static str, f64)> {
+    let at = Instant::of(state);
+    member.solid().model().quantities(&at).unwrap_or_default()
+}
+
+/// Kinetic energy, and the potential of stresses, actuations and loads.
+pub(crate) fn energies(member: CaseMember<'_>, state: &State) -> [f64; 2] {
+    [member.solid().model().kinetic_energy(state).unwrap_or(f64::NAN), summary::potential(member, state)]
+}

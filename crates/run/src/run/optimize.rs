@@ -1,0 +1,187 @@
+//! `nastic optimize`: the main job; `nastic resume` goes on with it.
+
+mod advice;
+mod branch_changes;
+mod checkpoint;
+mod constraints;
+mod early_stopping;
+mod finished_run;
+mod journal;
+mod minima;
+mod minimization;
+mod ordered_output;
+mod outcome;
+mod recorder;
+mod round;
+mod run_trials;
+mod run_warnings;
+mod same_program;
+mod spectrum;
+mod start_place;
+mod start_run;
+mod starts;
+mod table_of_starts;
+
+pub(super) use crate::run::optimize::checkpoint::{Checkpoint, Position};
+
+use crate::result::files::Directory;
+use crate::run::check_gradient;
+use crate::run::error::{Exit, RunError};
+use crate::run::optimize::journal::{Journal, SharedJournal, Written};
+use crate::run::optimize::minimization::evaluate;
+use crate::run::optimize::start_run::Begun;
+use crate::run::optimize::starts::Starts;
+use crate::run::session::Session;
+use nastic_case::warning::{INPUT, Warning};
+use nastic_control::EnsembleWorkspace;
+use nastic_opt::{Objective, Optimizer, Verdict};
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
+pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restart: bool) -> Result<Exit, RunError> {
+    session.require(true, true).and_then(|()| spectrum::check(session)).map_err(|error| session.refuse(error))?;
+    if let (Some(out), false) = (&session.out, restart)
+        && let Err(error) = may_replace(out)
+    {
+        // What lies there stays as it is: nothing is written.
+        session.out = None;
+        return Err(error);
+    }
+    crate::run::motion::may_replace(session, restart)?;
+    run(session, optimizer)
+}
+
+/// Whether the checkpoint in a directory, if any, may be replaced unasked.
+fn may_replace(out: &Directory) -> Result<(), RunError> {
+    match checkpoint::interrupted(out).map_err(RunError::UnreadableCheckpoint)? {
+        None => Ok(()),
+        Some(Written { iteration, .. }) => Err(RunError::Interrupted { directory: out.path().to_owned(), iteration }),
+    }
+}
+
+fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, RunError> {
+    session.require(true, true)?;
+    crate::run::report::remove_earlier(session)?;
+    session.find_steps()?;
+    if let Some(out) = &session.out {
+        out.remove_old_iterations();
+        // It belongs to an earlier command, and would stand beside the files of this one.
+        out.remove("result.json")?;
+        out.remove(crate::run::motion::CHECKPOINT)?;
+    }
+    warn_of_own_files(session);
+    let journal = SharedJournal::new(Journal::begin(session)?);
+    let mut workspace = EnsembleWorkspace::default();
+    let start = session.timed("solve", |session| evaluate(session, &session.problem.start, &mut workspace));
+    let mut point = start.map_err(|failed| session.evaluation_failed(&failed))?;
+    let derivative =
+        session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
+    let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
+    let place = start_place::place(session, 0);
+    let (found, warnings) = session.timed("inspect", |session| session.look_into(session.console, &place, &point));
+    let checked = outcome::write_start(session, &point, &derivative, &found)
+        .and_then(|()| check_gradient::of_start(session, &point, &derivative, &mut workspace));
+    let right = checked.as_ref().is_ok_and(|certificate| certificate.verdict != Verdict::Wrong);
+    if !right {
+        session.warnings.extend(warnings);
+        return checked.map(|_| Exit::GradientWrong);
+    }
+    let check = check_gradient::json(&checked?);
+    spectrum::check_products(session, &point, &mut workspace)?;
+    let begun = Begun { point, derivative, workspace, warnings };
+    let began = Instant::now();
+    let mut starts = Starts::default();
+    let ran = starts.run(session, optimizer, begun, check, &journal);
+    conclude(session, (starts, ran), journal, began)
+}
+
+/// A file of the output directory that the case reads is another one once the optimisation has written it.
+fn warn_of_own_files(session: &mut Session<'_>) {
+    let Some(Ok(out)) = session.out.as_ref().map(|out| out.path().canonicalize()) else { return };
+    let is_own = |file: &PathBuf| file.canonicalize().is_ok_and(|file| file.parent() == Some(&out));
+    let own: Vec<PathBuf> = session.problem.files.iter().filter(|file| is_own(file)).cloned().collect();
+    for file in own {
+        let file = file.display();
+        let message = format!(
+            "the case reads {file} of its own output directory: once it is written again nastic resume will refuse the \
+             case; choose another directory with --out"
+        );
+        session.warn(Warning::new(&INPUT, message));
+    }
+}
+
+/// Goes on from a checkpoint.
+pub(super) fn resume(
+    session: &mut Session<'_>,
+    optimizer: &dyn Optimizer,
+    position: Option<Position>,
+) -> Result<Exit, RunError> {
+    spectrum::check(session)?;
+    let from = position.as_ref().map_or(Written { start: 0, iteration: 0 }, Position::place);
+    session.put("resumed", json!({ "start": from.start, "iteration": from.iteration }));
+    // Nothing was evaluated yet.
+    let Some(position) = position else { return run(session, optimizer) };
+    session.find_steps()?;
+    warn_of_own_files(session);
+    session.put("gradient_check", position.gradient_check.clone());
+    let journal = SharedJournal::new(Journal::resume(session, from)?);
+    let began = Instant::now();
+    let mut starts = Starts::default();
+    let ran = starts.resume(session, optimizer, position, &journal);
+    conclude(session, (starts, ran), journal, began)
+}
+
+/// Reports what was found, then what could not be written on the way.
+fn conclude(
+    session: &mut Session<'_>,
+    (mut starts, ran): (Starts, Result<(), RunError>),
+    journal: SharedJournal,
+    began: Instant,
+) -> Result<Exit, RunError> {
+    session.note_time("optimize", began.elapsed().as_secs_f64());
+    // They were said: the result has them, however the runs ended.
+    session.warnings.append(&mut starts.warnings);
+    ran?;
+    let written = journal.lock().written();
+    let unwritten = journal.lock().finish();
+    let resumable = written.filter(|_| starts.interrupted);
+    let minima = minima::tell(session, &mut starts);
+    let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
+    if starts.entries.len() > 1 {
+        session.put("minima", json!(minima));
+    }
+    let constraints = session.look_at_constraints(&ended.constraints, &ended.best.point)?;
+    run_warnings::warn(session, &ended, &constraints, starts.interrupted);
+    let diagnosis = if starts.interrupted { None } else { spectrum::find(session, &ended.best)? };
+    let found = (index, &ended, constraints.as_slice(), diagnosis.as_ref());
+    let reported = outcome::report(session, found, &starts.entries, resumable);
+    let reported = reported.and_then(|found| unwritten.map(|()| found));
+    if let (Err(error), Some(written)) = (&reported, written)
+        && error.exit() == Exit::NotWritten
+        && !starts.interrupted
+    {
+        outcome::say_how_to_resume(session, written);
+    }
+    let found = reported?;
+    let converged = ended.best.stop.is_converged();
+    outcome::show(session, ended, found)?;
+    if let Some(why) = starts.aborted {
+        session.console.say(format!("failed      {why}"));
+        session.put("error", json!(why));
+        return Ok(Exit::ForwardFailed);
+    }
+    session.ended = !starts.interrupted;
+    let done = converged && !starts.interrupted;
+    Ok(if done { Exit::Done } else { Exit::NotConverged })
+}
+
+/// Records in the checkpoint that the optimisation has ended, if so. That comes last: a program that is killed before all results
+/// are written was interrupted.
+pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
+    match &session.out {
+        Some(out) if session.ended => checkpoint::record_end(out, true),
+        _ => Ok(()),
+    }
+}

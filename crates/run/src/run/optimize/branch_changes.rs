@@ -1,0 +1,158 @@
+//! [`BranchChanges`]: iterations that led to another branch of equilibria.
+
+use crate::run::optimize::start_place::place;
+use crate::run::session::Session;
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::warning::{BRANCH_CHANGE, BRANCH_UNKNOWN, Warning, WarningKind};
+use nastic_control::{EnsemblePoint, Evaluated};
+use nastic_fem::{Connection, SolveOptions, State, StateError};
+use nastic_language::number::short;
+use nastic_opt::SavedRunError;
+use nastic_opt::bytes::{Reader, Writer};
+use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
+
+/// Members that one sentence names.
+const NAMED: usize = 3;
+
+/// An accepted point: its control vector and the states of the members.
+#[derive(Debug, Clone)]
+pub(super) struct Before {
+    m: Vec<f64>,
+    states: Vec<State>,
+}
+
+impl Before {
+    pub fn new(point: &EnsemblePoint) -> Self {
+        Self { m: point.m.clone(), states: point.members.iter().map(|at| at.state().clone()).collect() }
+    }
+}
+
+/// What was found in the accepted trials of one start.
+#[derive(Debug, Clone, Default)]
+pub(super) struct BranchChanges {
+    changed: Told,
+    unknown: Told,
+}
+
+/// How many iterations, and what happened in the first of them.
+#[derive(Debug, Clone, Default)]
+struct Told {
+    count: usize,
+    first: String,
+}
+
+impl BranchChanges {
+    /// Whether an accepted trial left the branch of the point before; `None` where that is not known.
+    ///
+    /// # Errors
+    /// The search was cancelled.
+    pub fn add(
+        &mut self,
+        (problem, cancel): (&CaseProblem, &AtomicBool),
+        before: &Before,
+        point: &EnsemblePoint,
+        iteration: usize,
+    ) -> Result<Option<bool>, StateError> {
+        let all: Vec<_> = problem.members().zip(&before.states).zip(&point.members).collect();
+        let how = SolveOptions { parallel: all.len() == 1, cancel: Some(cancel), ..SolveOptions::default() };
+        let connection = |((member, before), at): &((CaseMember<'_>, &State), &Evaluated)| match member
+            .solid()
+            .model()
+            .connection(before, at.state(), &how)
+        {
+            Err(StateError::Cancelled) => Err(StateError::Cancelled),
+            found => Ok(found.unwrap_or(Connection::Unknown(0.0))),
+        };
+        let found: Result<Vec<Connection>, StateError> = all.par_iter().with_max_len(1).map(connection).collect();
+        let at = |share: f64| control_value(problem, (&before.m, &point.m), share);
+        let (mut changed, mut unknown) = (Vec::new(), Vec::new());
+        for (((member, _), _), connection) in all.iter().zip(found?) {
+            let told = match connection {
+                Connection::Connected => continue,
+                Connection::Unknown(_) => &mut unknown,
+                Connection::LimitPoint(_) | Connection::Elsewhere(_) => &mut changed,
+            };
+            told.push(format!("{}{}", named(*member), describe(connection, at)));
+        }
+        self.changed.add(iteration, &changed);
+        self.unknown.add(iteration, &unknown);
+        Ok(if unknown.is_empty() || !changed.is_empty() { Some(!changed.is_empty()) } else { None })
+    }
+
+    /// What there is to tell of a start.
+    pub fn warnings(&self, session: &Session<'_>, index: usize) -> Vec<Warning> {
+        let of = |kind: &'static WarningKind, told: &Told| {
+            let more =
+                if told.count > 1 { format!(" (the first of {} iterations)", told.count) } else { String::new() };
+            (told.count > 0).then(|| Warning::new(kind, format!("{}{more}", told.first)).of(run_place(session, index)))
+        };
+        [of(&BRANCH_CHANGE, &self.changed), of(&BRANCH_UNKNOWN, &self.unknown)].into_iter().flatten().collect()
+    }
+
+    pub fn write(&self, out: &mut Writer) {
+        for told in [&self.changed, &self.unknown] {
+            out.count(told.count);
+            out.bytes(told.first.as_bytes());
+        }
+    }
+
+    pub fn read(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
+        let mut told = || Ok(Told { count: input.number()?, first: input.text()? });
+        Ok(Self { changed: told()?, unknown: told()? })
+    }
+}
+
+impl Told {
+    fn add(&mut self, iteration: usize, members: &[String]) {
+        if members.is_empty() {
+            return;
+        }
+        self.count += 1;
+        if self.count == 1 {
+            let rest = members.len().saturating_sub(NAMED);
+            let more = if rest > 0 { format!("; and {rest} more") } else { String::new() };
+            let named: Vec<&str> = members.iter().take(NAMED).map(String::as_str).collect();
+            self.first = format!("iteration {iteration}: {}{more}", named.join("; "));
+        }
+    }
+}
+
+/// `start 2 of 4` where there are several.
+fn run_place(session: &Session<'_>, index: usize) -> String {
+    if session.problem.case.optimizer.starts > 1 { place(session, index) } else { String::new() }
+}
+
+/// `MEMBER: ` where there are several.
+fn named(member: CaseMember<'_>) -> String {
+    let name = member.name();
+    if name.is_empty() { name } else { format!("{name}: ") }
+}
+
+/// ` (0.2 T)`, the value of the only control at this share of the way; nothing where there are more.
+fn control_value(problem: &CaseProblem, (before, here): (&[f64], &[f64]), share: f64) -> String {
+    match (before, here, problem.controls.as_slice()) {
+        ([from], [to], [field]) => {
+            format!(" ({} = {} {})", field.name, short(from + share * (to - from)), field.unit)
+        }
+        _ => String::new(),
+    }
+}
+
+/// Why two states do not lie on one branch.
+fn describe(connection: Connection, at: impl Fn(f64) -> String) -> String {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    match connection {
+        Connection::Connected => String::new(),
+        Connection::LimitPoint(s) => {
+            format!("the branch of the state before turns back at a limit point, {} of the way{}", percent(s), at(s))
+        }
+        Connection::Elsewhere(apart) => format!(
+            "the branch of the state before leads to another state, whose displacement differs by {} of the change",
+            percent(apart)
+        ),
+        Connection::Unknown(s) => {
+            format!("the branch of the state before could not be followed beyond {} of the way{}", percent(s), at(s))
+        }
+    }
+}

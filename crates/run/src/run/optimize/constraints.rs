@@ -1,0 +1,233 @@
+//! Constraints in results.
+
+use crate::run::error::RunError;
+use crate::run::session::Session;
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::warning::{BETWEEN_NODES, VIOLATED, Warning};
+use nastic_control::{BetweenNodes, ControlError, EnsemblePoint, Evaluated};
+use nastic_fem::State;
+use nastic_language::number::short;
+use nastic_opt::{AugmentedLagrangian, Constrained, ConstraintReport, ConstraintsReport, Sense};
+use serde_json::{Map, Value, json};
+
+/// Groups of more values than this list their active ones alone.
+const FEW: usize = 20;
+
+/// What the problem knows of a group beside its values.
+#[derive(Default)]
+pub(super) struct Known {
+    /// The unit of its values, where they have one: lengths so far.
+    unit: Option<&'static str>,
+    /// The largest value, or the one farthest from zero of an equality.
+    worst: Option<Worst>,
+    /// The nodes that the values of one instant belong to, where they do.
+    nodes: Vec<u32>,
+    /// The instants of a motion at which it holds; none of an equilibrium.
+    times: Vec<f64>,
+    /// The smallest distance between nodes, with the instant of a motion.
+    between: Option<(BetweenNodes, Option<f64>)>,
+}
+
+/// The value that violates its constraint most, or comes closest to that.
+struct Worst {
+    index: usize,
+    value: f64,
+    /// The number of its state.
+    state: usize,
+    /// Where its node is in the deformed body.
+    position: Option<[f64; 3]>,
+}
+
+impl Known {
+    /// Behind a value.
+    fn unit(&self) -> String {
+        self.unit.map_or_else(String::new, |unit| format!(" {unit}"))
+    }
+
+    /// The node that a value belongs to, of a group with nodes.
+    fn node(&self, index: usize) -> Option<u32> {
+        self.nodes.get(index % self.nodes.len().max(1)).copied()
+    }
+
+    /// The instant of a value among so many, of a motion.
+    fn time(&self, index: usize, values: usize) -> Option<f64> {
+        self.times.get(index * self.times.len() / values.max(1)).copied()
+    }
+}
+
+impl Session<'_> {
+    /// Looks where constraints are violated most, group by group. A motion that keeps few states in memory runs once more.
+    pub(super) fn look_at_constraints(
+        &self,
+        all: &ConstraintsReport,
+        point: &EnsemblePoint,
+    ) -> Result<Vec<Known>, RunError> {
+        let (mut groups, mut found) = (all.groups.iter(), Vec::new());
+        if all.groups.is_empty() {
+            return Ok(found);
+        }
+        for (member, at) in self.problem.members().zip(&point.members) {
+            let own: Vec<&ConstraintReport> = groups.by_ref().take(member.reduced().constraints().len()).collect();
+            found.extend(look(member, at, &own).map_err(|error| self.member_failed((member.index(), error)))?);
+        }
+        Ok(found)
+    }
+}
+
+fn look(member: CaseMember<'_>, at: &Evaluated, groups: &[&ConstraintReport]) -> Result<Vec<Known>, ControlError> {
+    let (reduced, length) = (member.reduced(), member.problem().units().length().symbol);
+    let terms = reduced.constraint_terms();
+    let instants = reduced.timeline().map(|timeline| timeline.instants());
+    // behind the constraints on states stand the limited rates, which belong to no state
+    let of_no_state = |group: &&ConstraintReport| {
+        let worst = worst(group).map(|(index, value)| Worst { index, value, state: usize::MAX, position: None });
+        Known { worst, ..Known::default() }
+    };
+    let mut found: Vec<Known> = groups.iter().map(of_no_state).collect();
+    for (k, ((term, group), known)) in terms.iter().zip(groups).zip(&mut found).enumerate() {
+        let states = reduced.constraint_states(k);
+        known.unit = (term.unit() == "m").then_some(length);
+        known.nodes = term.nodes().unwrap_or_default().to_vec();
+        known.times = instants.map_or_else(Vec::new, |instants| states.iter().map(|n| instants[*n]).collect());
+        if let Some(worst) = &mut known.worst {
+            worst.state = states.get(worst.index * states.len() / group.values.len()).copied().unwrap_or(0);
+        }
+    }
+    if terms.iter().all(|term| term.nodes().is_none()) {
+        return Ok(found);
+    }
+    reduced.for_each_state(at, &mut |n, state| {
+        let between = reduced.between_nodes(&at.m, (n, state))?;
+        let time = instants.map(|_| state.time);
+        for (between, known) in between.into_iter().zip(&mut found) {
+            let node = known.worst.as_ref().filter(|worst| worst.state == n).and_then(|worst| known.node(worst.index));
+            if let (Some(worst), Some(node)) = (&mut known.worst, node) {
+                worst.position = position(member, node, state);
+            }
+            let least = known.between.as_ref().map_or(f64::INFINITY, |(known, _)| known.distance);
+            if let Some(between) = between.filter(|between| between.distance < least) {
+                known.between = Some((between, time));
+            }
+        }
+        Ok(())
+    })?;
+    Ok(found)
+}
+
+/// Where a node is in the deformed body.
+fn position(member: CaseMember<'_>, node: u32, state: &State) -> Option<[f64; 3]> {
+    let dim = member.solid().discretization().dim();
+    let mut x = *member.mesh().points().get(node as usize)?;
+    x.iter_mut().zip(state.u.iter().skip(node as usize * dim).take(dim)).for_each(|(x, u)| *x += u);
+    Some(x)
+}
+
+/// The index of the worst value, and the value.
+fn worst(one: &ConstraintReport) -> Option<(usize, f64)> {
+    let size = |c: f64| if one.group.sense == Sense::Equal { c.abs() } else { c };
+    let values = one.values.iter().copied().enumerate();
+    values.max_by(|a, b| size(a.1).total_cmp(&size(b.1)).then(b.0.cmp(&a.0)))
+}
+
+/// `{ "violation", "penalty", "updates", "groups": { NAME: { "sense", "values", "active", "violation", "scale", "unit", .. } } }`; nothing without
+/// constraints.
+pub(super) fn json(all: &ConstraintsReport, known: &[Known]) -> Option<Value> {
+    let of = |(one, known): (&ConstraintReport, &Known)| (one.group.name.clone(), group(one, known));
+    let groups: Map<String, Value> = all.groups.iter().zip(known).map(of).collect();
+    let out = json!({ "violation": all.violation, "penalty": all.penalty, "updates": all.updates, "groups": groups });
+    (!all.groups.is_empty()).then_some(out)
+}
+
+fn group(one: &ConstraintReport, known: &Known) -> Value {
+    let sense = if one.group.sense == Sense::Equal { "equal" } else { "at_most" };
+    let largest = one.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut out = json!({
+        "sense": sense, "count": one.values.len(), "active": one.active(), "violation": one.violation(),
+        "largest": largest, "scale": one.group.scale, "unit": known.unit,
+    });
+    let with_time = |mut entry: Value, time: Option<f64>| {
+        time.into_iter().for_each(|time| entry["t"] = json!(time));
+        entry
+    };
+    let time = |index: usize| known.time(index, one.values.len());
+    if let Some(Worst { index, value, position, .. }) = known.worst {
+        let entry = json!({ "index": index, "value": value, "node": known.node(index), "position": position });
+        out["worst"] = with_time(entry, time(index));
+    }
+    if let Some((BetweenNodes { distance, position }, time)) = known.between {
+        out["between_nodes"] = with_time(json!({ "distance": distance, "position": position }), time);
+    }
+    if one.values.len() <= FEW {
+        (out["values"], out["multipliers"]) = (json!(one.values), json!(one.multipliers));
+        if !known.times.is_empty() {
+            out["t"] = json!(known.times);
+        }
+    } else {
+        let touching = one.multipliers.iter().enumerate().filter(|(_, y)| **y != 0.0);
+        let entry = |(k, y): (usize, &f64)| {
+            let entry = json!({ "index": k, "node": known.node(k), "value": one.values[k], "multiplier": y });
+            with_time(entry, time(k))
+        };
+        out["touching"] = touching.map(entry).collect();
+    }
+    out
+}
+
+fn at_time(problem: &CaseProblem, time: Option<f64>) -> String {
+    time.map_or_else(String::new, |t| format!(" at t = {} {}", short(t), problem.units().time().symbol))
+}
+
+/// Where constraints are not met, or every node keeps its distance and the body between nodes is inside of the obstacle.
+pub(super) fn warnings(problem: &CaseProblem, all: &ConstraintsReport, known: &[Known]) -> Vec<Warning> {
+    let feasibility = AugmentedLagrangian::default().feasibility;
+    let violated: Vec<String> = all
+        .groups
+        .iter()
+        .zip(known)
+        .filter(|(one, _)| one.violation() > feasibility * one.group.scale)
+        .map(|(one, known)| format!("{} by {}{}", one.group.name, short(one.violation()), known.unit()))
+        .collect();
+    let violated = (!violated.is_empty())
+        .then(|| Warning::new(&VIOLATED, format!("the constraints are not met: {}", violated.join(", "))));
+    let of = |(one, known): (&ConstraintReport, &Known)| {
+        let (tolerance, (between, time)) = (feasibility * one.group.scale, known.between?);
+        let nearest = known.worst.as_ref().map_or(0.0, |worst| -worst.value);
+        let message = format!(
+            "{}: between nodes the body is up to {}{} inside of the obstacle, at ({}){}{}",
+            one.group.name,
+            short(-between.distance),
+            known.unit(),
+            between.position.map(short).join(", "),
+            at_time(problem, time),
+            if nearest > -between.distance { ", which slips between the nodes" } else { "" }
+        );
+        let entered = between.distance < -tolerance && one.violation() <= tolerance;
+        entered.then(|| Warning::new(&BETWEEN_NODES, message))
+    };
+    violated.into_iter().chain(all.groups.iter().zip(known).filter_map(of)).collect()
+}
+
+/// A line for every group.
+pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, known: &[Known]) {
+    for (k, (one, known)) in all.groups.iter().zip(known).enumerate() {
+        let head = if k == 0 { "constraints" } else { "" };
+        let unit = known.unit();
+        let most = one.multipliers.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+        let worst = known.worst.as_ref().filter(|_| known.unit.is_some() || one.violation() > 0.0);
+        let kept = worst.filter(|_| one.violation() == 0.0 && one.group.sense == Sense::AtMost);
+        let kept = kept.map_or_else(String::new, |worst| format!(", kept by {}{unit}", short(-worst.value)));
+        let place = worst.and_then(|worst| known.node(worst.index).zip(worst.position));
+        let place =
+            place.map_or_else(String::new, |(node, x)| format!(" at node {node} ({})", x.map(short).join(", ")));
+        let time = at_time(&session.problem, worst.and_then(|worst| known.time(worst.index, one.values.len())));
+        session.console.say(format!(
+            "{head:<12}{}: largest violation {}{unit}{kept}{place}{time} ({} of its scale), {} of {} active, largest multiplier {}",
+            one.group.name,
+            short(one.violation()),
+            short(one.violation() / one.group.scale),
+            one.active(),
+            one.values.len(),
+            short(most)
+        ));
+    }
+}

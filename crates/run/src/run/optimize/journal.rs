@@ -1,0 +1,193 @@
+//! [`Journal`]: what an optimisation writes while it runs, and what of that could not be written.
+
+use crate::console::Console;
+use crate::history::History;
+use crate::result::checkpoint_file;
+use crate::result::files::Directory;
+use crate::run::case_record::CaseRecord;
+use crate::run::error::RunError;
+use crate::run::optimize::checkpoint;
+use crate::run::optimize::start_run::StartRun;
+use crate::run::session::Session;
+use serde_json::Value;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// `history.jsonl` and `checkpoint.bin`. An optimisation does not end for a file that cannot be written: that is said at
+/// once, and once more by the error at its end.
+pub(super) struct Journal {
+    out: Option<Directory>,
+    console: Console,
+    case: CaseRecord,
+    history: Option<History>,
+    record: checkpoint::Record,
+    /// The last checkpoint that was written.
+    written: Option<Written>,
+    /// Why the last checkpoint could not be written.
+    unsaved: Option<RunError>,
+    /// The first other file that could not be written.
+    failed: Option<RunError>,
+}
+
+/// A journal to which starts that run side by side write.
+#[derive(Clone)]
+pub(super) struct SharedJournal(Arc<Mutex<Journal>>);
+
+/// A checkpoint on disk.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Written {
+    /// Number of the first start that had not ended.
+    pub start: usize,
+    /// Its iteration.
+    pub iteration: usize,
+}
+
+impl SharedJournal {
+    pub fn new(journal: Journal) -> Self {
+        Self(Arc::new(Mutex::new(journal)))
+    }
+
+    pub fn lock(&self) -> MutexGuard<'_, Journal> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Journal {
+    /// Writes the checkpoint before the start, in place of that of an earlier optimisation.
+    ///
+    /// # Errors
+    /// It cannot be written: that is told before hours of work.
+    pub fn begin(session: &Session<'_>) -> Result<Self, RunError> {
+        let journal = Self::of(session, None);
+        if let Some(out) = &journal.out {
+            match session.problem.case.output.checkpoint {
+                // What lies there belongs to results that are about to be replaced.
+                0 => out.remove(checkpoint_file::NAME)?,
+                _ => checkpoint_file::write(out, checkpoint_file::NAME, &checkpoint::before_the_start(&journal.case))?,
+            }
+        }
+        Ok(journal)
+    }
+
+    /// Goes on from a checkpoint. That of an optimisation that had ended is one of an interrupted optimisation until it ends once more.
+    ///
+    /// # Errors
+    /// That cannot be written.
+    pub fn resume(session: &Session<'_>, from: Written) -> Result<Self, RunError> {
+        let journal = Self::of(session, Some(from));
+        if let Some(out) = &journal.out {
+            checkpoint::record_end(out, false)?;
+        }
+        Ok(journal)
+    }
+
+    fn of(session: &Session<'_>, written: Option<Written>) -> Self {
+        Self {
+            out: session.out.clone(),
+            console: session.console.clone(),
+            case: CaseRecord::of(&session.problem, &session.settings),
+            history: None,
+            record: checkpoint::Record::default(),
+            written,
+            unsaved: None,
+            failed: None,
+        }
+    }
+
+    /// Begins `history.jsonl` with lines of an earlier program, if any.
+    pub fn open_history(&mut self, text: Vec<u8>) -> Result<(), RunError> {
+        self.history = match &self.out {
+            Some(out) => Some(History::create(&out.file("history.jsonl"), text)?),
+            None => None,
+        };
+        Ok(())
+    }
+
+    /// Adds a line to `history.jsonl`.
+    pub fn add_line(&mut self, line: &Value) {
+        self.add_recorded(format!("{line}\n").as_bytes());
+    }
+
+    /// Adds lines that an earlier program made.
+    pub fn add_recorded(&mut self, lines: &[u8]) {
+        if let Some(Err(error)) = self.history.as_mut().map(|history| history.add(lines)) {
+            // The file is written once more at the end, which then has the last word.
+            self.say(&error.into());
+        }
+    }
+
+    /// A round of starts begins: from here on checkpoints hold these.
+    pub fn begin_round(&mut self, gradient_check: &Value, round: usize, best: Option<Vec<u8>>, starts: &[StartRun]) {
+        let history = self.history.as_ref().map_or(0, |history| history.text().len());
+        self.record = checkpoint::Record {
+            gradient_check: gradient_check.clone(),
+            round,
+            history,
+            best,
+            starts: starts.iter().map(checkpoint::SavedStart::of).collect(),
+        };
+    }
+
+    /// A start of the round has ended; `best`: it is the best so far, as bytes. It goes into the next checkpoint.
+    pub fn end_start(&mut self, start: &StartRun, best: Option<Vec<u8>>) {
+        self.record.starts[start.index] = checkpoint::SavedStart::of(start);
+        if best.is_some() {
+            self.record.best = best;
+        }
+    }
+
+    /// Writes a scheduled checkpoint of a start under way.
+    pub fn save_start(&mut self, index: usize, bytes: Vec<u8>, iteration: usize) {
+        self.record.starts[index] = checkpoint::SavedStart { bytes, iteration, ended: false };
+        self.save();
+    }
+
+    /// Writes a scheduled checkpoint; if that fails the last good one stays.
+    pub fn save(&mut self) {
+        let Some(out) = &self.out else { return };
+        let history = self.history.as_ref().map_or(&[] as &[u8], History::text);
+        let content = self.record.to_bytes(&self.case, history);
+        match checkpoint_file::write(out, checkpoint_file::NAME, &content) {
+            Ok(()) => {
+                self.written = Some(self.record.place());
+                self.unsaved = None;
+            }
+            Err(error) => {
+                let (error, first) = (RunError::from(error), self.unsaved.is_none());
+                if first {
+                    self.say(&error);
+                }
+                self.unsaved = Some(error);
+            }
+        }
+    }
+
+    /// Notes another file that could not be written.
+    pub fn note(&mut self, error: RunError) {
+        if self.failed.is_none() {
+            self.say(&error);
+            self.failed = Some(error);
+        }
+    }
+
+    /// The last checkpoint that was written.
+    pub fn written(&self) -> Option<Written> {
+        self.written
+    }
+
+    /// Ends `history.jsonl`.
+    ///
+    /// # Errors
+    /// What could not be written, if anything.
+    pub fn finish(&mut self) -> Result<(), RunError> {
+        self.history.take().map_or(Ok(()), History::finish)?;
+        self.failed.take().or(self.unsaved.take()).map_or(Ok(()), Err)
+    }
+
+    fn say(&self, error: &RunError) {
+        let kept = match self.written {
+            Some(Written { iteration, .. }) => format!("; the checkpoint of iteration {iteration} is kept"),
+            None => String::new(),
+        };
+        self.console.say(format!("WARNING     {error}; the optimisation goes on and will end with exit code 7{kept}"));
+    }
+}

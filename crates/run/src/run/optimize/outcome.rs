@@ -1,0 +1,341 @@
+//! What an optimisation leaves behind, and what it says at the end.
+
+use crate::result::collections::write_collections;
+use crate::result::files::state_files;
+use crate::result::inspection::Inspection;
+use crate::result::member_report::Detail;
+use crate::result::picture::Drawing;
+use crate::result::target_files::write_targets;
+use crate::result::title::{title, title_of_scenarios};
+use crate::result::{convergence, member_report, picture, snapshot, summary};
+use crate::run::error::RunError;
+use crate::run::gradient::write_states;
+use crate::run::motion;
+use crate::run::optimize::constraints::Known;
+use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::journal::Written;
+use crate::run::optimize::spectrum::Diagnosis;
+use crate::run::optimize::{advice, constraints, table_of_starts};
+use crate::run::report::say_files;
+use crate::run::session::Session;
+use crate::run::spectrum_request::SpectrumRequest;
+use crate::run::states::Shown;
+use crate::run::terminal::{known as known_number, say_members, say_probes, say_stability, say_tracked};
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_control::{EnsemblePoint, StateFields};
+use nastic_fem::SolveReport;
+use nastic_language::number::{count, short};
+use nastic_mesh::Snapshot;
+use nastic_numeric::format::scientific;
+use nastic_opt::{Best, Objective, Stop};
+use nastic_picture::Picture;
+use nastic_report::record::{Number, number_of};
+use serde_json::{Value, json};
+
+/// Writes the states at the start and the targets.
+pub(super) fn write_start(
+    session: &Session<'_>,
+    start: &EnsemblePoint,
+    derivative: &[f64],
+    found: &[Inspection],
+) -> Result<(), RunError> {
+    let Some(out) = &session.out else { return Ok(()) };
+    write_targets(&session.problem, out)?;
+    write_states(&session.problem, "start", (start, derivative, found), out).map(|_| ())
+}
+
+/// Fills the result, writes files, says how it went.
+pub(super) fn report(
+    session: &mut Session<'_>,
+    (index, ended, known, diagnosis): (usize, &FinishedRun, &[Known], Option<&Diagnosis>),
+    entries_of_starts: &[Value],
+    resumable: Option<Written>,
+) -> Result<Vec<Inspection>, RunError> {
+    let FinishedRun { start, best, work, .. } = ended;
+    let found = session.inspect("optimum", &best.point);
+    let records = session.motions(&best.point)?;
+    session.report_motions(&records, &best.point);
+    let problem = &session.problem;
+    let reports = member_report::of_inspected(problem, &best.point, &found);
+    let mut reports = reports.map_err(|error| session.member_failed(error))?;
+    reports.iter_mut().zip(work).for_each(|(one, work)| one.work = *work);
+    let entries = member_report::entries(problem, &reports, Detail::Full);
+    let entries = entries.map_err(|error| session.member_failed(error))?;
+    drop(reports);
+    let begin = revalued(problem, start)
+        .map(|start| member_report::entries(problem, &member_report::of_point(problem, &start)?, Detail::Costs));
+    let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
+    let norm = summary::derivative_norm(problem, &best.derivative);
+    let controls = summary::controls(problem, &best.m);
+    let constraints = constraints::json(&ended.constraints, known);
+    session.put_all(entries);
+    if let Some(begin) = begin {
+        session.put("start", Value::Object(begin));
+    }
+    if let Some(constraints) = constraints {
+        session.put("constraints", constraints);
+    }
+    session.put("controls", controls);
+    session.put("derivative_norm", norm);
+    session.put("gradient_norm", json!(best.gradient_norm));
+    session.put("stop", json!(best.stop.to_string()));
+    session.put("converged", json!(best.stop.is_converged()));
+    session.put("iterations", json!(best.counts.iterations));
+    session.put("trials", json!(best.counts.trials));
+    session.put("failed_solves", json!(best.counts.failed));
+    if best.counts.products > 0 {
+        session.put("hessian_products", json!(best.counts.products));
+    }
+    let stages: Vec<Value> = best
+        .stages
+        .iter()
+        .map(|s| json!({ "stage": s.stage, "iterations": s.iterations, "converged": s.converged, "why": s.why }))
+        .collect();
+    session.put("stages", json!(stages));
+    if entries_of_starts.len() > 1 {
+        session.put("starts", json!(entries_of_starts));
+        session.put("best_start", json!(index));
+    }
+    let mut total = SolveReport::default();
+    work.iter().for_each(|work| total.add_work(work));
+    session.put_all(summary::work(&total));
+    session.console.say("");
+    table_of_starts::say(session, entries_of_starts, index)?;
+    say(session, (ended, known, diagnosis), resumable)?;
+    session.timed("write", |session| {
+        write(session, (ended, diagnosis), (&found, &records), (index, entries_of_starts.len()))
+    })?;
+    Ok(found)
+}
+
+/// The line below the title of a picture.
+fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Result<String, RunError> {
+    let distance = picture::distance(&session.record()?.state, session.problem.units().length().symbol);
+    let (why, iterations) = (why(&best.stop), count(best.counts.iterations, "iteration"));
+    // A limit of iterations names them itself.
+    let end = if why.contains("iteration") { why } else { format!("{iterations}: {why}") };
+    Ok(format!("{end}; cost {}{distance}{}", short(best.cost), session.warned()))
+}
+
+/// Keeps the best states for whoever runs the command.
+pub(super) fn show(
+    session: &mut Session<'_>,
+    ended: FinishedRun,
+    inspections: Vec<Inspection>,
+) -> Result<(), RunError> {
+    let FinishedRun { start, best, .. } = ended;
+    let subtitle = subtitle(session, &best)?;
+    let (derivative, start) = (Some(best.derivative), Some(start));
+    session.shown = Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
+    Ok(())
+}
+
+fn say(
+    session: &Session<'_>,
+    (ended, known, diagnosis): (&FinishedRun, &[Known], Option<&Diagnosis>),
+    resumable: Option<Written>,
+) -> Result<(), RunError> {
+    let best = &ended.best;
+    let (console, result) = (session.console, session.record()?);
+    console.say(format!("end         {}", why(&best.stop)));
+    for stage in best.stages.iter().filter(|_| best.stages.len() > 1) {
+        console.say(format!(
+            "            stage {}: {}: {}",
+            stage.stage + 1,
+            count(stage.iterations, "iteration"),
+            stage.why
+        ));
+    }
+    let (from, now) = (&result.start.cost, &result.cost);
+    console.say(format!("cost        {}", fall(from.total, now.total)));
+    for (name, value) in now.terms.iter().filter(|_| now.terms.len() > 1) {
+        console.say(format!("            {name} {}", fall(number_of(&from.terms, name), *value)));
+    }
+    constraints::say(session, &ended.constraints, known);
+    if let Some(now) = result.hausdorff {
+        let unit = session.problem.units().length().symbol;
+        let from = result.start.hausdorff.and_then(|distances| distances.exact);
+        let [smoothed, floor] = [now.smoothed, now.floor].map(|x| short(known_number(x)));
+        console.say(format!("distance    true Hausdorff [{unit}] {}", fall(from, now.exact)));
+        console.say(format!("            smoothed {smoothed} {unit}, target to itself {floor} {unit}"));
+    }
+    say_tracked(session, &result);
+    console.say(format!(
+        "work        {}, {} ({} failed){}, {} Newton iterations, {} factorisations ({} reused)",
+        count(best.counts.iterations, "iteration"),
+        count(best.counts.trials, "trial"),
+        best.counts.failed,
+        match best.counts.products {
+            0 => String::new(),
+            products => format!(", {}", count(products, "Hessian product")),
+        },
+        result.newton_iterations.unwrap_or_default(),
+        result.factorisations.unwrap_or_default(),
+        result.reused_factorisations.unwrap_or_default()
+    ));
+    say_stability(session, &result);
+    say_members(session, &result);
+    for (name, control) in &result.controls {
+        let unit = control.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"));
+        let area = format!("{}^{}", session.problem.units().length().symbol, session.problem.mesh().dim() - 1);
+        let variation = control.total_variation.filter(|_| control.space.as_deref() != Some("uniform"));
+        let variation =
+            variation.map(|v| format!(", total variation {}{unit} {}", short(v), area.trim_end_matches("^1")));
+        console.say(format!(
+            "control     {name} from {} to {}{unit}, {} of {} on their bounds{}",
+            short(known_number(control.min)),
+            short(known_number(control.max)),
+            control.active.unwrap_or_default(),
+            control.unknowns.unwrap_or_default(),
+            variation.unwrap_or_default()
+        ));
+    }
+    if let Some(diagnosis) = diagnosis {
+        diagnosis.say(session);
+    }
+    say_probes(session, &result);
+    match resumable {
+        Some(checkpoint) => say_how_to_resume(session, checkpoint),
+        None => advice::say(session, best),
+    }
+    Ok(())
+}
+
+/// A run that was interrupted goes on from its last checkpoint.
+pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteration }: Written) {
+    let Some(out) = &session.out else { return };
+    let of = if session.problem.case.optimizer.starts > 1 { format!(" of start {}", start + 1) } else { String::new() };
+    match session.problem.case_file() {
+        Some(_) => {
+            session.console.say(format!("to go on    nastic resume {}{}", out.path().display(), spectrum(session)))
+        }
+        None => session.console.say(format!("to go on    Study::resume, with the results in {}", out.path().display())),
+    }
+    session
+        .console
+        .say(format!("            from iteration {iteration}{of}, with the result of a run without interruption"));
+}
+
+fn write(
+    session: &mut Session<'_>,
+    (ended, diagnosis): (&FinishedRun, Option<&Diagnosis>),
+    (found, records): (&[Inspection], &[motion::Record]),
+    (best_start, starts): (usize, usize),
+) -> Result<(), RunError> {
+    let Some(out) = session.out.clone() else { return Ok(()) };
+    let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
+    let mut files = vec!["history.jsonl".to_owned()];
+    let lead = problem.leads().next().map_or_else(String::new, title);
+    let several = problem.case.optimizer.starts > 1;
+    files.extend(convergence::write(&out, &lead, several.then_some(best_start))?);
+    out.write_json("controls.json", &summary::control_values(problem, &best.m))?;
+    files.push("controls.json".to_owned());
+    if let Some(diagnosis) = diagnosis {
+        files.extend(diagnosis.write(problem, &out)?);
+    }
+    files.extend(write_states(problem, "optimum", (&best.point, &best.derivative, found), &out)?);
+    let mut together: Vec<Picture> = Vec::new();
+    for member in problem.leads() {
+        let shot = |point: &EnsemblePoint, member: CaseMember<'_>| {
+            let at = &point.members[member.index()];
+            snapshot::plain(member, &StateFields::new(at.state(), &at.m))
+        };
+        let (begin, end) = (shot(start, member)?, shot(&best.point, member)?);
+        let others = problem.members().filter(|other| other.load_case() == member.load_case()).skip(1);
+        let others = others.take(picture::SCENARIOS).map(|other| Ok((title(other), shot(&best.point, other)?)));
+        let mean = problem.has_scenarios().then(|| mean(session, member.load_case().unwrap_or(""), &best.point));
+        let moving = motion::ghosts(records, member, &best.point.members[member.index()])?;
+        let drawing = Drawing {
+            title: title(member),
+            subtitle: subtitle(session, best)?
+                + &distance(session, member)?
+                + &left_out(session)
+                + &picture::legend(&end),
+            body: ("optimum", &end),
+            ghosts: if moving.is_empty() { vec![("start", &begin)] } else { picture::named(&moving) },
+            scenarios: others.collect::<Result<_, RunError>>()?,
+            mean: mean.transpose()?.map(|mean| (title_of_scenarios(member), mean)),
+        };
+        let pictures = picture::compose(member, &drawing);
+        together.extend(pictures.first().cloned());
+        picture::write(member, pictures, &out)?;
+        files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
+        if let Some((_, mean)) = &drawing.mean {
+            let name = member.case_file("mean_optimum.vtu");
+            out.write_vtu(&name, mean)?;
+            files.push(name);
+        }
+    }
+    if together.len() > 1 {
+        together.truncate(picture::LOAD_CASES);
+        picture::write_together(together, &out)?;
+        files.extend(["picture.png", "picture.svg"].map(str::to_owned));
+    }
+    files.extend(write_collections(problem, "optimum", &out)?);
+    files.extend(motion::write(problem, records, &out)?);
+    files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::has_lines(member))));
+    files.extend(crate::result::target_files::target_files(problem));
+    let number = if several { format!("start_{best_start}_") } else { String::new() };
+    files.extend(problem.leads().map(|lead| lead.case_file(&format!("{number}iterates.bin"))));
+    if problem.case.output.every > 0 && starts == 1 {
+        files.extend(problem.leads().map(|lead| lead.case_file("iterations.pvd")));
+    }
+    say_files(session, files);
+    Ok(())
+}
+
+/// The distance of one of several members from its target, for a subtitle; that of all stands there anyway.
+fn distance(session: &Session<'_>, member: CaseMember<'_>) -> Result<String, RunError> {
+    let result = session.record()?;
+    let own = result.members().into_iter().find(|(name, _)| *name == member.name());
+    let unit = session.problem.units().length().symbol;
+    Ok(own.map_or_else(String::new, |(_, state)| picture::distance(state, unit)))
+}
+
+/// Members that pictures leave out, for a subtitle.
+fn left_out(session: &Session<'_>) -> String {
+    let of = |all: usize, drawn: usize, what: &str| {
+        if all > drawn { format!("; the first {drawn} of {all} {what} are drawn") } else { String::new() }
+    };
+    let problem = &session.problem;
+    let (scenarios, cases) = (problem.ensemble.scenarios().len(), problem.leads().count());
+    of(scenarios, picture::SCENARIOS + 1, "scenarios") + &of(cases, picture::LOAD_CASES, "load cases")
+}
+
+/// The mean shape over the scenarios, and how far they lie from it.
+fn mean(session: &Session<'_>, load_case: &str, point: &EnsemblePoint) -> Result<Snapshot, RunError> {
+    let mean = session.problem.ensemble.mean_shape(point, load_case);
+    mean.map_err(|error| session.forward_failed(error))
+}
+
+/// What the command line must say once more for the same results.
+fn spectrum(session: &Session<'_>) -> String {
+    let Some(SpectrumRequest { count, cost_rise }) = session.spectrum else { return String::new() };
+    format!(" --spectrum {count}") + &cost_rise.map_or_else(String::new, |rise| format!(" --cost-rise {rise}"))
+}
+
+/// Why it ended, for people.
+pub(crate) fn why(stop: &Stop) -> String {
+    match stop {
+        stop if stop.is_interrupted() => format!("{stop}: what was found so far is kept"),
+        other => other.to_string(),
+    }
+}
+
+/// The start as the last stage values it: what the end can be compared with.
+fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
+    problem.ensemble.restage(problem.stages() - 1, start).ok()
+}
+
+/// "1.2e-03 -> 4.5e-06, a factor of 267"
+fn fall(from: Number, to: Number) -> String {
+    let (from, to) = (known_number(from), known_number(to));
+    let factor =
+        if to > 0.0 && from > to { format!(", a factor of {}", short(round(from / to))) } else { String::new() };
+    format!("{} -> {}{factor}", scientific(from, 6), scientific(to, 6))
+}
+
+/// Three digits.
+fn round(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}

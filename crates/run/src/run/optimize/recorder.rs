@@ -1,0 +1,252 @@
+//! Trial by trial: the table, `history.jsonl`, snapshots of iterations, `iterates.bin`.
+
+use crate::history;
+use crate::pace::Pace;
+use crate::result::files::Directory;
+use crate::result::snapshot;
+use crate::run::error::RunError;
+use crate::run::optimize::branch_changes::Before;
+use crate::run::optimize::journal::SharedJournal;
+use crate::run::optimize::ordered_output::StartOutput;
+use crate::run::optimize::run_trials::RunTrials;
+use crate::run::optimize::start_run::StartRecord;
+use crate::run::session::Session;
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_control::{EnsemblePoint, Evaluated, StateFields};
+use nastic_fem::SolveOptions;
+use nastic_io::write_atomically;
+use nastic_opt::{AugmentedState, Constrained, Objective, Reason, Summary, Trial, TrialTable};
+use nastic_report::Iterates;
+use rayon::prelude::*;
+use serde_json::json;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Told of every trial.
+pub(super) struct Recorder<'s> {
+    problem: &'s CaseProblem,
+    record: &'s StartRecord,
+    output: &'s StartOutput,
+    cancel: Arc<AtomicBool>,
+    out: Option<Directory>,
+    journal: SharedJournal,
+    /// Which start of how many.
+    start: (usize, usize),
+    /// The columns, from the first trial on; whether they are explained.
+    table: Option<TrialTable>,
+    explain: bool,
+    trials: RunTrials,
+    /// The last accepted point.
+    before: Option<Before>,
+    /// Whether what belongs to the last accepted trial was not found because the run is cancelled.
+    broken_off: bool,
+    last: Instant,
+    pace: Pace,
+}
+
+impl<'s> Recorder<'s> {
+    /// For the start of this number.
+    pub fn new(
+        session: &'s Session<'_>,
+        (index, record): (usize, &'s StartRecord),
+        (journal, output): (&SharedJournal, &'s StartOutput),
+    ) -> Self {
+        let problem = &session.problem;
+        Self {
+            problem,
+            record,
+            output,
+            cancel: session.cancel.clone(),
+            out: session.out.clone(),
+            journal: journal.clone(),
+            start: (index, problem.case.optimizer.starts),
+            table: None,
+            explain: session.explain,
+            trials: RunTrials::new(problem.members().count(), problem.leads().count()),
+            before: None,
+            broken_off: false,
+            last: Instant::now(),
+            pace: Pace::new(problem.case.optimizer.max_iterations),
+        }
+    }
+
+    /// Takes up what an earlier program told of the same start, up to this point.
+    pub fn restore(&mut self, trials: RunTrials, point: &EnsemblePoint) {
+        (self.trials, self.before) = (trials, Some(Before::new(point)));
+        self.begin_table(&self.problem.ensemble.figures(point));
+    }
+
+    /// Says the names of the columns, which follow from what is known of a point.
+    fn begin_table(&mut self, figures: &Summary) -> TrialTable {
+        let table = TrialTable::new(self.problem.stages(), figures)
+            .with_violation(!self.problem.ensemble.constraints().is_empty());
+        if self.explain {
+            table.explain().into_iter().for_each(|line| self.output.console.say(line));
+            self.output.console.say("");
+        }
+        self.output.console.say(table.header());
+        *self.table.insert(table)
+    }
+
+    /// Writes a scheduled checkpoint, unless something that belongs into it was broken off.
+    pub fn save(&mut self, run: &AugmentedState) {
+        if self.broken_off {
+            return;
+        }
+        let bytes = self.record.under_way(&self.trials, run);
+        self.journal.lock().save_start(self.start.0, bytes, run.run.progress.counts.iterations);
+    }
+
+    pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {
+        if trial.cost.is_none() && self.cancel.load(Ordering::Relaxed) {
+            // Broken off, not failed: a run that goes on makes this trial again.
+            return;
+        }
+        let point = trial.point.filter(|_| trial.accepted);
+        let figures = point.map_or_else(Summary::default, |point| self.problem.ensemble.figures(point));
+        let seconds = self.last.elapsed().as_secs_f64();
+        self.last = Instant::now();
+        if let Some(point) = trial.point.filter(|_| !trial.reason.is_revaluation()) {
+            self.trials.work.iter_mut().zip(&point.members).for_each(|(work, at)| work.add_work(&at.total_work()));
+        } else if let (None, Some(newton), Some(first)) =
+            (trial.cost, trial.summary.get("newton"), self.trials.work.first_mut())
+        {
+            first.newton += newton as usize;
+        }
+        if trial.reason == Reason::Stage {
+            self.output.console.say(format!("stage {} of {}", trial.stage + 1, self.problem.stages()));
+        }
+        let table = self.table.unwrap_or_else(|| self.begin_table(&figures));
+        self.output.console.say(table.row(trial, &figures, seconds));
+        self.pace.done(trial.trial, trial.iteration);
+        if self.output.is_one_of_several() {
+            self.output.show(trial.iteration);
+        } else {
+            self.output.console.set_pace(Some(self.pace));
+        }
+        let mut line = history::line(trial, seconds);
+        if let Some(line) = line.as_object_mut() {
+            line.extend(figures.0.into_iter().map(|(name, value)| (name, json!(value))));
+            if let Some(point) = point {
+                line.insert("inertia".into(), json!(self.inertia(point)));
+                let changed = self.changes_branch(point, trial);
+                if changed != Some(false) {
+                    line.insert("branch_changed".into(), json!(changed));
+                }
+            }
+            if let (Some(point), true) = (trial.point, self.problem.has_scenarios()) {
+                line.insert("scenarios".into(), json!(point.costs));
+            }
+            for name in ["objective", "violation", "penalty"] {
+                if let Some(value) = trial.summary.get(name) {
+                    line.insert(name.into(), json!(value));
+                }
+            }
+            if self.start.1 > 1 {
+                line.insert("start".into(), json!(self.start.0));
+            }
+        }
+        self.trials.lines.extend(format!("{line}\n").as_bytes());
+        self.output.add_line(line);
+        self.snapshot(trial);
+        self.keep(trial);
+    }
+
+    /// Whether an accepted point lies on another branch than the one before; `None` where that is not known.
+    fn changes_branch(&mut self, point: &EnsemblePoint, trial: &Trial<'_, EnsemblePoint>) -> Option<bool> {
+        // The start, which a resumed run tells of once more, and the point of a new stage have none before them.
+        let fresh = trial.iteration == 0 || trial.reason.is_revaluation();
+        if self.problem.is_motion() {
+            return Some(false); // a motion from a given state is unique where equilibria are not
+        }
+        let before = self.before.replace(Before::new(point)).filter(|_| !fresh);
+        let Some(before) = before else { return Some(false) };
+        let changed = self.trials.changes.add((self.problem, &self.cancel), &before, point, trial.iteration);
+        self.last = Instant::now();
+        self.broken_off |= changed.is_err();
+        changed.ok().flatten()
+    }
+
+    /// Negative pivots of the tangent, the most of all members; `None` where those of one were not counted, and in motion.
+    fn inertia(&self, point: &EnsemblePoint) -> Option<usize> {
+        if self.problem.is_motion() {
+            return None;
+        }
+        let members: Vec<_> = self.problem.members().zip(&point.members).collect();
+        let parallel = members.len() == 1;
+        let how = SolveOptions { parallel, ..SolveOptions::default() };
+        let of = |(member, at): &(CaseMember<'_>, &Evaluated)| member.solid().negative_pivots_by(at.state(), &how).ok();
+        let all: Option<Vec<usize>> = members.par_iter().with_max_len(1).map(of).collect();
+        all.and_then(|all| all.into_iter().max())
+    }
+
+    /// Every so many iterations, the start among them.
+    fn snapshot(&mut self, trial: &Trial<'_, EnsemblePoint>) {
+        let every = self.problem.case.output.every;
+        let due =
+            trial.accepted && every > 0 && trial.iteration.is_multiple_of(every) && !trial.reason.is_revaluation();
+        let (Some(point), true) = (trial.point, due) else { return };
+        if let Err(error) = self.write(trial.iteration, point, trial.derivative) {
+            self.trials.snapshots.retain(|iteration| *iteration != trial.iteration);
+            self.journal.lock().note(error);
+        }
+    }
+
+    /// Keeps shape and controls of an accepted iteration, load case by load case.
+    fn keep(&mut self, trial: &Trial<'_, EnsemblePoint>) {
+        let due = self.out.is_some() && trial.accepted && !trial.reason.is_revaluation();
+        let (Some(point), true) = (trial.point, due && Iterates::wants(trial.iteration)) else { return };
+        for ((member, at), kept) in self.problem.leads().zip(&point.members).zip(&mut self.trials.iterates) {
+            match snapshot::iterate(member, &StateFields::new(at.state(), &at.m)) {
+                Ok(shot) => kept.add(trial.iteration, &shot, &snapshot::material_vectors(member)),
+                Err(error) => self.journal.lock().note(error.into()),
+            }
+        }
+    }
+
+    /// The states of the first scenario, load case by load case.
+    fn write(&mut self, iteration: usize, point: &EnsemblePoint, derivative: Option<&[f64]>) -> Result<(), RunError> {
+        let Some(out) = &self.out else { return Ok(()) };
+        let stem = stem(self.problem, self.start.0);
+        let file = |iteration: usize| format!("{stem}iteration_{iteration:04}.vtu");
+        let gradient =
+            derivative.zip(self.problem.inner_product()).map(|(derivative, product)| product.riesz(derivative));
+        self.trials.snapshots.push(iteration);
+        for (member, at) in self.problem.leads().zip(&point.members) {
+            let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
+            let fields = StateFields {
+                adjoint: at.adjoint(),
+                gradient: gradient.as_deref(),
+                ..StateFields::new(at.state(), &at.m)
+            };
+            out.write_vtu(&member.case_file(&file(iteration)), &snapshot::plain(member, &fields)?)?;
+            let steps: Vec<(f64, String)> =
+                self.trials.snapshots.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
+            nastic_io::write_pvd(out.file(&member.case_file(&format!("{stem}iterations.pvd"))), &steps)?;
+        }
+        Ok(())
+    }
+
+    /// What was kept of all trials.
+    pub fn finish(self) -> RunTrials {
+        self.output.console.set_pace(None);
+        self.trials
+    }
+}
+
+/// What the names of the files of one start begin with, behind the load case.
+fn stem(problem: &CaseProblem, index: usize) -> String {
+    if problem.case.optimizer.starts > 1 { format!("start_{index}_") } else { String::new() }
+}
+
+/// Writes `iterates.bin` of a start that has ended.
+pub(super) fn write_iterates(session: &Session<'_>, index: usize, trials: &RunTrials, journal: &SharedJournal) {
+    let (Some(out), problem) = (&session.out, &session.problem) else { return };
+    for (member, kept) in problem.leads().zip(&trials.iterates) {
+        let file = out.file(&member.case_file(&format!("{}iterates.bin", stem(problem, index))));
+        if let Err(error) = write_atomically(file, |out| out.write_all(&kept.to_bytes())) {
+            journal.lock().note(error.into());
+        }
+    }
+}

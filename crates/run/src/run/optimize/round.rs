@@ -1,0 +1,376 @@
+//! [`Round`]: starts side by side, to a limit of iterations.
+
+use crate::run::check_gradient;
+use crate::run::error::RunError;
+use crate::run::optimize::early_stopping::Standing;
+use crate::run::optimize::finished_run::{FinishedRun, read_start, write_start};
+use crate::run::optimize::journal::SharedJournal;
+use crate::run::optimize::minimization::{Minimized, begin_run, evaluate, minimize, resume_run};
+use crate::run::optimize::ordered_output::{OrderedOutput, StartOutput};
+use crate::run::optimize::recorder::{Recorder, write_iterates};
+use crate::run::optimize::run_trials::RunTrials;
+use crate::run::optimize::start_place::{place, seed};
+use crate::run::optimize::start_run::{Begun, Ended, Phase, StartRecord, StartRun, UnderWay};
+use crate::run::optimize::table_of_starts::entry;
+use crate::run::session::{Session, say_warning};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use nastic_fem::{Solver, available_memory};
+use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::{Failed, Objective, Optimizer, Stop, TaylorError, Verdict};
+use serde_json::{Value, json};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Runs every start that has not ended until it ends or has done so many iterations, several at once.
+pub(super) struct Round<'s> {
+    pub session: &'s Session<'s>,
+    pub optimizer: &'s dyn Optimizer,
+    pub journal: &'s SharedJournal,
+    /// Iterations at which starts pause.
+    pub limit: usize,
+    /// Whether the runs come from a checkpoint on disk.
+    pub resumed: bool,
+    /// Stops all starts.
+    pub halt: AtomicBool,
+    pub found: Mutex<Found>,
+}
+
+/// What the starts of a round have found together with those before.
+#[derive(Default)]
+pub(super) struct Found {
+    /// The run that came down deepest, and its number.
+    pub best: Option<(usize, FinishedRun)>,
+    /// A stop was requested, or the machine had too little memory, before all had ended.
+    pub interrupted: bool,
+    /// What the machine had too little of: the start and the reason.
+    pub aborted: Option<(usize, String)>,
+    /// Why a start could not begin or go on.
+    pub error: Option<(usize, RunError)>,
+}
+
+impl Found {
+    /// Keeps the better one; of equal ones the first.
+    pub fn add(&mut self, index: usize, run: FinishedRun) -> bool {
+        let better = self
+            .best
+            .as_ref()
+            .is_none_or(|(other, best)| run.is_better_than(best) || !best.is_better_than(&run) && index < *other);
+        if better {
+            self.best = Some((index, run));
+        }
+        better
+    }
+
+    fn abort(&mut self, index: usize, why: &Failed) {
+        self.interrupted = true;
+        if self.aborted.as_ref().is_none_or(|(other, _)| index < *other) {
+            self.aborted = Some((index, why.to_string()));
+        }
+    }
+}
+
+impl Round<'_> {
+    /// The starts behind the round, in their order, and what was found.
+    ///
+    /// # Errors
+    /// A run cannot begin or go on; the starts are given back all the same.
+    pub fn run(self, starts: &mut Vec<StartRun>) -> Result<Found, RunError> {
+        // Those that ended in this round before an interruption have lines to tell.
+        let active = starts.iter().filter(|start| !start.has_ended() || !start.lines().is_empty());
+        let active: Vec<usize> = active.map(|start| start.index).collect();
+        let under_way = starts.iter().filter(|start| !start.has_ended()).count();
+        let threads = rayon::current_num_threads();
+        let at_once = under_way.min(threads).min(self.most_at_once()).max(1);
+        let (console, on_trial) = (self.session.console, &self.session.on_trial);
+        let output = OrderedOutput::new(console, on_trial, self.journal, &active, at_once);
+        let places: Vec<Mutex<Option<StartRun>>> =
+            std::mem::take(starts).into_iter().map(|start| Mutex::new(Some(start))).collect();
+        let next = AtomicUsize::new(0);
+        let work = || {
+            while let Some((part, index)) = {
+                let part = next.fetch_add(1, Ordering::Relaxed);
+                active.get(part).map(|index| (part, *index))
+            } {
+                let output = output.part(part);
+                let mut place = places[index].lock().unwrap_or_else(PoisonError::into_inner);
+                *place = place.take().map(|start| self.advance(start, &output));
+                output.end();
+            }
+        };
+        console.show_solves(at_once == 1);
+        let mut ran = Ok(());
+        if at_once > 1 {
+            ran = side_by_side(threads, at_once, &work);
+        } else {
+            work();
+        }
+        console.show_solves(true);
+        starts
+            .extend(places.into_iter().filter_map(|place| place.into_inner().unwrap_or_else(PoisonError::into_inner)));
+        ran?;
+        let mut found = self.found.into_inner().unwrap_or_else(PoisonError::into_inner);
+        match found.error.take() {
+            Some((_, error)) => Err(error),
+            None => Ok(found),
+        }
+    }
+
+    /// How many runs the memory at hand can hold, if each makes the factors of its members at once; how many there are changes no result.
+    fn most_at_once(&self) -> usize {
+        let problem = &self.session.problem;
+        if problem.solid().model().solver() == Solver::MULTIGRID {
+            return usize::MAX;
+        }
+        let each = problem.members().count() * problem.solid().discretization().factorisation_bytes();
+        match available_memory() {
+            Ok(Some(available)) if each > 0 => available / each,
+            // What cannot be asked is told where a factor is made.
+            _ => usize::MAX,
+        }
+    }
+
+    /// One start, until it ends or pauses.
+    fn advance(&self, start: StartRun, output: &StartOutput) -> StartRun {
+        let index = start.index;
+        output.add_recorded(start.lines());
+        if start.has_ended() {
+            return start;
+        }
+        if self.is_stopped() {
+            // The result has what was kept of a run; a checkpoint has this one as it is.
+            self.with_found(|found| found.interrupted = true);
+            return match start.phase {
+                Phase::UnderWay(_) => self.go_on(start, output),
+                _ => start,
+            };
+        }
+        self.announce(index, output);
+        match start.phase {
+            Phase::UnderWay(_) => self.go_on(start, output),
+            Phase::Evaluated(begun) => self.begin(index, (*begun, Value::Null), output),
+            Phase::Waiting => match self.evaluate(index, output) {
+                Evaluation::Right(begun, certificate) => self.begin(index, (*begun, certificate), output),
+                Evaluation::Failed(warnings, entry) => self.end(failed(index, warnings, entry), None),
+                Evaluation::BrokenOff => StartRun::waiting(index),
+            },
+            Phase::Ended(_) => start,
+        }
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.halt.load(Ordering::Relaxed) || self.session.is_cancelled()
+    }
+
+    fn with_found<T>(&self, change: impl FnOnce(&mut Found) -> T) -> T {
+        change(&mut self.found.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn announce(&self, index: usize, output: &StartOutput) {
+        let count = self.session.problem.case.optimizer.starts;
+        output.console.say("");
+        if count > 1 {
+            let from = seed(self.session, index)
+                .map_or_else(|| "as written".to_owned(), |seed| format!("random, seed {seed}"));
+            output.console.say(format!("start {} of {count}: {from}", index + 1));
+        }
+    }
+
+    /// Evaluates a start, looks into it and, where it is a random one, checks its gradient.
+    fn evaluate(&self, index: usize, output: &StartOutput) -> Evaluation {
+        let (session, seed) = (self.session, seed(self.session, index));
+        let evaluated = evaluated_start(session, index, output).map(|mut begun| {
+            let Begun { point, derivative, workspace, .. } = &mut begun;
+            // That of the start as written was checked before all runs.
+            let mut check = || check_gradient::check(session, &output.console, point, derivative, workspace);
+            let checked = seed.map(|_| check()).transpose();
+            (checked, begun)
+        });
+        let refused = |why: &dyn std::fmt::Display| {
+            output.console.say(format!("failed      {why}"));
+            json!({ "seed": seed, "failed": why.to_string() })
+        };
+        match evaluated {
+            // Broken off, not failed: what other starts found is kept.
+            _ if self.is_stopped() => {
+                self.with_found(|found| found.interrupted = true);
+                Evaluation::BrokenOff
+            }
+            Ok((Err(RunError::Taylor(TaylorError::Base(why))), _)) | Err(why) if why.is_fatal() => {
+                self.with_found(|found| found.abort(index, &why));
+                self.halt.store(true, Ordering::Relaxed);
+                Evaluation::BrokenOff
+            }
+            Ok((Err(error), begun)) => Evaluation::Failed(begun.warnings, refused(&error)),
+            Err(why) => Evaluation::Failed(vec![], refused(&why)),
+            Ok((Ok(None), begun)) => Evaluation::Right(Box::new(begun), Value::Null),
+            Ok((Ok(Some(certificate)), begun)) => {
+                let check = check_gradient::json(&certificate);
+                if certificate.verdict == Verdict::Wrong {
+                    let entry = json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check });
+                    return Evaluation::Failed(begun.warnings, entry);
+                }
+                Evaluation::Right(Box::new(begun), check)
+            }
+        }
+    }
+
+    /// A run from an evaluated start.
+    fn begin(&self, index: usize, (mut begun, certificate): (Begun, Value), output: &StartOutput) -> StartRun {
+        let start = begun.point.clone();
+        let mut bytes = Writer::new("");
+        write_start(&start, &self.session.problem.ensemble, &mut bytes);
+        let warnings = std::mem::take(&mut begun.warnings);
+        let record = StartRecord { warnings, start: bytes.finish(), certificate };
+        match begin_run(self.session, self.optimizer, begun) {
+            Ok(run) => {
+                let recorder = Recorder::new(self.session, (index, &record), (self.journal, output));
+                let (limit, halt) = (self.limit, &self.halt);
+                let ended = minimize(self.session, (run, start), recorder, None, (limit, halt));
+                self.settle(index, (record, ended), output)
+            }
+            Err(error) => self.give_up(index, record.warnings, error),
+        }
+    }
+
+    /// A run goes on from a checkpoint.
+    fn go_on(&self, start: StartRun, output: &StartOutput) -> StartRun {
+        let (index, iteration) = (start.index, start.iteration());
+        let Phase::UnderWay(at) = start.phase else { return start };
+        let UnderWay { record, trials, run } = *at;
+        let begun = read_record(self.session, &record)
+            .and_then(|start| Ok((resume_run(self.session, self.optimizer, &run)?, start)));
+        let (run, start) = match begun {
+            Ok(begun) => begun,
+            Err(error) => return self.give_up(index, record.warnings, error),
+        };
+        let how = if self.resumed { "resumed" } else { "goes on" };
+        output.console.say(format!("{how:<12}at iteration {iteration}"));
+        let mut recorder = Recorder::new(self.session, (index, &record), (self.journal, output));
+        recorder.restore(trials, run.point());
+        let (limit, halt) = (self.limit, &self.halt);
+        let ended = minimize(self.session, (run, start), recorder, Some(iteration), (limit, halt));
+        self.settle(index, (record, ended), output)
+    }
+
+    /// Keeps what became of a run.
+    fn settle(&self, index: usize, (record, ran): (StartRecord, Minimized), output: &StartOutput) -> StartRun {
+        match ran {
+            Minimized::Paused(run, trials) => {
+                let under_way = UnderWay { record, trials, run: *run };
+                StartRun { index, phase: Phase::UnderWay(Box::new(under_way)) }
+            }
+            Minimized::Ended(run, trials) => {
+                let found = trials.changes.warnings(self.session, index);
+                found.iter().for_each(|warning| say_warning(&output.console, warning));
+                write_iterates(self.session, index, &trials, self.journal);
+                let ended = ended(self.session, (index, &run), (record, trials), found);
+                self.end(ended, Some(*run))
+            }
+        }
+    }
+
+    /// A start has ended: the next checkpoint says so, unless it was broken off.
+    fn end(&self, start: StartRun, run: Option<FinishedRun>) -> StartRun {
+        let index = start.index;
+        let stop = run.as_ref().map(|run| run.best.stop.clone());
+        let interrupted = stop.as_ref().is_some_and(Stop::is_interrupted);
+        self.with_found(|found| {
+            if let Some(Stop::Aborted(why)) = &stop {
+                found.abort(index, why);
+                self.halt.store(true, Ordering::Relaxed);
+            }
+            found.interrupted |= interrupted;
+            let best = run.is_some_and(|run| found.add(index, run));
+            if !interrupted {
+                let best = if best { found.best.as_ref().map(|best| best_bytes(self.session, best)) } else { None };
+                self.journal.lock().end_start(&start, best);
+            }
+        });
+        start
+    }
+
+    fn give_up(&self, index: usize, warnings: Vec<nastic_case::warning::Warning>, error: RunError) -> StartRun {
+        self.halt.store(true, Ordering::Relaxed);
+        let entry = json!({ "seed": seed(self.session, index), "failed": error.to_string() });
+        self.with_found(|found| {
+            if found.error.as_ref().is_none_or(|(other, _)| index < *other) {
+                found.error = Some((index, error));
+            }
+        });
+        failed(index, warnings, entry)
+    }
+}
+
+/// What became of the evaluation of a start.
+enum Evaluation {
+    /// It can begin; with the entry of its gradient check.
+    Right(Box<Begun>, Value),
+    /// It cannot; with its entry in the result.
+    Failed(Vec<nastic_case::warning::Warning>, Value),
+    BrokenOff,
+}
+
+/// Calls `work` on so many threads at once, each with its share of the threads at hand for what runs in parallel within.
+fn side_by_side(threads: usize, at_once: usize, work: &(dyn Fn() + Sync)) -> Result<(), RunError> {
+    let share = |k: usize| threads / at_once + usize::from(k < threads % at_once);
+    let pool = |k: usize| rayon::ThreadPoolBuilder::new().num_threads(share(k)).build();
+    let pools: Result<Vec<_>, _> = (0..at_once).map(pool).collect();
+    let pools = pools.map_err(|error| RunError::Threads(error.to_string()))?;
+    std::thread::scope(|scope| pools.iter().for_each(|pool| drop(scope.spawn(|| pool.install(work)))));
+    Ok(())
+}
+
+/// The start as written, or a random one, evaluated and looked into.
+fn evaluated_start(session: &Session<'_>, index: usize, output: &StartOutput) -> Result<Begun, Failed> {
+    let mut workspace = EnsembleWorkspace::default();
+    let m = match seed(session, index) {
+        Some(seed) => session.problem.random_start(seed),
+        None => session.problem.start.clone(),
+    };
+    let mut point = evaluate(session, &m, &mut workspace)?;
+    let derivative = session.problem.ensemble.derivative(&mut point, &mut workspace)?;
+    let (_, warnings) = session.look_into(&output.console, &place(session, index), &point);
+    Ok(Begun { point, derivative, workspace, warnings })
+}
+
+/// The start of a run under way.
+pub(super) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result<EnsemblePoint, RunError> {
+    let start = Reader::new(&record.start, "").map_err(Failed::new);
+    let start = start.and_then(|mut input| read_start(&mut input, &session.problem.ensemble));
+    start.map_err(|failed| session.unfit_checkpoint(&failed.to_string()))
+}
+
+fn failed(index: usize, warnings: Vec<nastic_case::warning::Warning>, entry: Value) -> StartRun {
+    let ended = Ended { entry, m: vec![], standing: None, warnings, lines: vec![] };
+    StartRun { index, phase: Phase::Ended(Box::new(ended)) }
+}
+
+/// A start that has ended, with what deserves attention in its run.
+pub(super) fn ended(
+    session: &Session<'_>,
+    (index, run): (usize, &FinishedRun),
+    (record, trials): (StartRecord, RunTrials),
+    found: Vec<nastic_case::warning::Warning>,
+) -> StartRun {
+    let StartRecord { mut warnings, certificate, .. } = record;
+    warnings.extend(found);
+    let best = &run.best;
+    let stopped_early = matches!(best.stop, Stop::Outperformed { .. });
+    let in_last_stage = best.stage + 1 == session.problem.stages();
+    let ended = Ended {
+        entry: entry(seed(session, index), run, certificate),
+        m: if stopped_early { vec![] } else { best.m.clone() },
+        standing: (in_last_stage && !stopped_early).then(|| Standing::ended(best.cost)),
+        warnings,
+        lines: trials.lines,
+    };
+    StartRun { index, phase: Phase::Ended(Box::new(ended)) }
+}
+
+/// The best of the starts that have ended, for a checkpoint.
+pub(super) fn best_bytes(session: &Session<'_>, (index, run): &(usize, FinishedRun)) -> Vec<u8> {
+    let mut out = Writer::new("");
+    out.count(*index);
+    out.bytes(&run.to_bytes(&session.problem.ensemble));
+    out.finish()
+}

@@ -1,0 +1,150 @@
+//! Warnings about an optimisation that ended: nothing moved, bounds decide, terms that do not count, branches left.
+
+use crate::result::summary;
+use crate::run::optimize::constraints::Known;
+use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::session::Session;
+use nastic_case::lower::{CONTRACTION, ControlField};
+use nastic_case::warning::{ALL_ON_BOUNDS, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
+use nastic_control::{EnsembleBlock, EnsembleWorkspace, Evaluated};
+use nastic_language::number::{count, short};
+use nastic_numeric::format::scientific;
+use nastic_numeric::vector::{norm, sub};
+use nastic_opt::DEFAULT_ACCURACY;
+
+/// A change of the control, relative to its size, that counts as none.
+const STILL: f64 = 1e-12;
+/// A cost that falls by a smaller part of itself has not changed.
+const UNCHANGED: f64 = 1e-3;
+/// Displacements of two solves of one equilibrium differ by less, relative to their norm.
+const SAME: f64 = 1e-5;
+/// A term this many times smaller than the largest does not count.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// Of a run that was interrupted only what does not hang on its end.
+pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, constraints: &[Known], interrupted: bool) {
+    let mut found = Vec::new();
+    let problem = &session.problem;
+    for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls).filter(|_| !interrupted) {
+        found.extend(bounds(run, block, field, session));
+    }
+    if !interrupted && found.iter().all(|warning| warning.kind != &OTHER_SIGN) {
+        found.extend(movement(run));
+    }
+    found.extend(terms(session, run));
+    found.extend(crate::run::optimize::constraints::warnings(problem, &run.constraints, constraints));
+    if problem.case.optimizer.verify && !interrupted {
+        found.extend(cold(session, run));
+    }
+    found.into_iter().for_each(|warning| session.warn(warning));
+    session.check_step_errors(&run.best.point);
+}
+
+fn movement(run: &FinishedRun) -> Option<Warning> {
+    let (start, best) = (&run.start, &run.best);
+    let moved = norm(&sub(&best.m, &start.m));
+    if moved > STILL * norm(&best.m) {
+        let fell = start.risk - best.cost;
+        let same = best.stage == 0 && fell >= 0.0 && fell < UNCHANGED * start.risk.abs() && !best.stop.is_converged();
+        let message = || {
+            let cost = scientific(best.cost, 6);
+            format!(
+                "the cost has fallen by {:.1e} of itself alone, to {cost}: it began at an optimum, or the controls hardly act on what is wanted",
+                fell / start.risk.abs()
+            )
+        };
+        return same.then(|| Warning::new(&NO_MOVEMENT, message()));
+    }
+    let slope = match best.gradient_norm {
+        _ if best.derivative.iter().all(|d| *d == 0.0) => "the derivative of the cost is exactly zero there".to_owned(),
+        0.0 => "the bounds forbid every direction in which the cost falls".to_owned(),
+        slope => format!("projected gradient {slope:.3e}"),
+    };
+    let trials = count(best.counts.trials, "trial");
+    Some(Warning::new(&NO_MOVEMENT, format!("the control is that of the start after {trials}; {slope}")))
+}
+
+/// A control all of whose values lie on bounds.
+fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session: &Session<'_>) -> Option<Warning> {
+    let m = block.of(&run.best.m);
+    let components = summary::owner(&session.problem, block).components;
+    let on_bounds = summary::active(m, components, field);
+    if m.is_empty() || on_bounds * components < m.len() {
+        return None;
+    }
+    if let Some(limits) = &field.bounds {
+        let derivative = block.of(&run.best.derivative);
+        let (low, high) = m.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let (falls_below, falls_above) = (derivative.iter().all(|d| *d > 0.0), derivative.iter().all(|d| *d < 0.0));
+        let at_zero = (0..m.len()).all(|i| m[i] == 0.0 && (limits.at(i).0 == 0.0 || limits.at(i).1 == 0.0));
+        if at_zero && (falls_below || falls_above) {
+            let (bound, side) = if falls_below { ("lower", "below") } else { ("upper", "above") };
+            let mut message =
+                format!("{}: all values are 0, the {bound} bound, and the cost falls {side} it", field.name);
+            let owner = session.problem.member(block.owner);
+            let block = &owner.layout().blocks()[block.field];
+            if summary::only_pulls(owner, block) {
+                let is_muscle = summary::slot(owner, block) == Some(CONTRACTION);
+                if !is_muscle && run.best.m.iter().any(|value| *value != 0.0) {
+                    return None; // the antagonist of one that pulls
+                }
+                message += &format!(": this {} would have to push", if is_muscle { "muscle" } else { "tendon" });
+            }
+            return Some(Warning::new(&OTHER_SIGN, message));
+        }
+        let outward = |i: usize| {
+            let (lower, upper) = limits.at(i);
+            (m[i] <= lower && derivative[i] > 0.0) || (m[i] >= upper && derivative[i] < 0.0)
+        };
+        if !(0..m.len()).all(outward) {
+            return None; // the cost has its minimum there
+        }
+        let range = format!("from {} to {} {}", short(low), short(high), field.unit);
+        let message = format!("{}: all {} values lie on a bound ({range})", field.name, m.len());
+        return Some(Warning::new(&ALL_ON_BOUNDS, message));
+    }
+    let message = format!("{}: all {} vectors have the largest length allowed", field.name, on_bounds);
+    Some(Warning::new(&ALL_ON_BOUNDS, message))
+}
+
+/// Terms that are small at the start and at the end.
+fn terms(session: &Session<'_>, run: &FinishedRun) -> Vec<Warning> {
+    let ensemble = &session.problem.ensemble;
+    let of = |point: &nastic_control::EnsemblePoint| {
+        ensemble.expected_terms(point.members.iter().map(|at| at.terms.as_slice()))
+    };
+    let (start, end) = (of(&run.start), of(&run.best.point));
+    let size = |(name, value): &(String, f64)| {
+        let before = start.iter().find(|(other, _)| other == name).map_or(0.0, |(_, value)| value.abs());
+        (name.clone(), before.max(value.abs()))
+    };
+    let sizes: Vec<(String, f64)> = end.iter().map(size).collect();
+    let Some((largest, most)) = sizes.iter().max_by(|a, b| a.1.total_cmp(&b.1)).cloned() else { return vec![] };
+    let small = sizes.into_iter().filter(|(_, size)| *size > 0.0 && *size < NEGLIGIBLE * most);
+    let tell = |(name, size): (String, f64)| {
+        let (size, most) = (scientific(size, 2), scientific(most, 2));
+        Warning::new(&NEGLIGIBLE_TERM, format!("{name} is at most {size}, {largest} {most}"))
+    };
+    small.map(tell).collect()
+}
+
+/// The optimum solved again from rest, in states as exact as those of the run.
+fn cold(session: &Session<'_>, run: &FinishedRun) -> Option<Warning> {
+    let best = &run.best;
+    let again = match session.evaluate(&best.m, DEFAULT_ACCURACY, &mut EnsembleWorkspace::default()) {
+        Ok(again) => again,
+        Err(failed) => return Some(Warning::new(&NOT_VERIFIED, format!("from rest it could not be solved: {failed}"))),
+    };
+    let apart = |(k, (a, b)): (usize, (&Evaluated, &Evaluated))| {
+        let model = session.problem.member(k).solid().model();
+        let (a, b) = (model.nodal(&a.state().u), model.nodal(&b.state().u));
+        norm(&sub(a, b)) / norm(a).max(f64::MIN_POSITIVE)
+    };
+    let most = best.point.members.iter().zip(&again.members).enumerate().map(apart).fold(0.0, f64::max);
+    (most > SAME).then(|| {
+        let (cost, other) = (scientific(best.point.risk, 6), scientific(again.risk, 6));
+        let message =
+            format!("displacements differ by {most:.1e} of their norm, the cost is {other} instead of {cost}");
+        Warning::new(&NOT_VERIFIED, message)
+    })
+}

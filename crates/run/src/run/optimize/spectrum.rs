@@ -1,0 +1,202 @@
+//! The spectrum of the reduced Hessian at the optimum: asked for by `--spectrum`, in results, in files and in words.
+
+use crate::result::files::Directory;
+use crate::result::{snapshot, summary};
+use crate::run::error::RunError;
+use crate::run::optimize::minimization::domain;
+use crate::run::session::Session;
+use crate::run::spectrum_request::{SpectrumRefusal, SpectrumRequest};
+use nastic_case::lower::CaseProblem;
+use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use nastic_language::number::{count, short};
+use nastic_numeric::vector::dot;
+use nastic_opt::{Best, Constrained, Hessian, Objective, Spectrum, SpectrumOptions};
+use serde_json::{Map, Value, json};
+
+/// Rise of the cost, as a share of it, where nothing else is asked for.
+const RISE: f64 = 0.01;
+/// An eigenvalue above this share of the largest counts as a direction that matters.
+const MATTERS: f64 = 1e-3;
+/// Share of the curvature that the first directions are counted up to.
+const MOST: f64 = 0.99;
+
+/// What was found at an optimum.
+pub(super) struct Diagnosis {
+    spectrum: Spectrum,
+    rise: f64,
+    point: EnsemblePoint,
+}
+
+/// Refuses what is known to be impossible before anything is solved.
+pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
+    let Some(SpectrumRequest { count, cost_rise }) = session.spectrum else { return Ok(()) };
+    if count == 0 {
+        return Err(SpectrumRefusal::Count.into());
+    }
+    if let Some(rise) = cost_rise.filter(|rise| !(*rise > 0.0 && rise.is_finite())) {
+        return Err(SpectrumRefusal::Rise(rise).into());
+    }
+    if !session.problem.ensemble.constraints().is_empty() {
+        return Err(SpectrumRefusal::Constraints.into());
+    }
+    Ok(())
+}
+
+/// Refuses a problem without second derivatives, by one product at the start.
+pub(super) fn check_products(
+    session: &Session<'_>,
+    start: &EnsemblePoint,
+    workspace: &mut EnsembleWorkspace,
+) -> Result<(), RunError> {
+    if session.spectrum.is_none() {
+        return Ok(());
+    }
+    let along = vec![1.0; start.m.len()];
+    let product = Objective::hessian_vector(&session.problem.ensemble, start, &along, Hessian::Exact, workspace);
+    product.map_err(SpectrumRefusal::SecondDerivatives)?;
+    Ok(())
+}
+
+/// The spectrum at an optimum, if it was asked for. What fails then is said and noted: the optimum is not lost for it.
+pub(super) fn find(session: &mut Session<'_>, best: &Best<EnsemblePoint>) -> Result<Option<Diagnosis>, RunError> {
+    let Some(request) = session.spectrum else { return Ok(None) };
+    let domain = domain(session)?;
+    session.console.pass("eigenpairs of the reduced Hessian");
+    let (mut point, mut workspace) = (best.point.clone(), EnsembleWorkspace::default());
+    let options = SpectrumOptions::leading(request.count);
+    let found = session.timed("spectrum", |session| {
+        Spectrum::at(&session.problem.ensemble, (&best.m, &mut point), &domain, &options, &mut workspace)
+    });
+    session.console.clear();
+    match found {
+        Ok(spectrum) => {
+            let rise = request.cost_rise.unwrap_or(RISE * best.cost.abs());
+            let found = Diagnosis { spectrum, rise, point };
+            session.put("spectrum", found.json(&session.problem));
+            Ok(Some(found))
+        }
+        Err(error) => {
+            session.console.say(format!("spectrum    failed: {error}"));
+            session.put("spectrum", json!({ "failed": error.to_string() }));
+            Ok(None)
+        }
+    }
+}
+
+impl Diagnosis {
+    fn json(&self, problem: &CaseProblem) -> Value {
+        let Spectrum { values, residuals, free, lowest, negative, products, .. } = &self.spectrum;
+        let widths: Vec<Option<f64>> = (0..values.len()).map(|k| self.spectrum.half_width(k, self.rise)).collect();
+        json!({
+            "eigenvalues": values, "residuals": residuals, "products": products, "free": free, "negative": negative,
+            "lowest": lowest, "shares": self.shares(problem), "above": self.spectrum.above(MATTERS),
+            "most": self.holds_most(), "cost_rise": self.rise, "half_widths": widths, "half_width": self.ranges(problem),
+        })
+    }
+
+    /// `{ CONTROL: [..] }`: the share of a control in the squared norm of every eigenvector.
+    fn shares(&self, problem: &CaseProblem) -> Value {
+        let Some(product) = problem.inner_product() else { return Value::Null };
+        let images: Vec<Vec<f64>> = self.spectrum.vectors.iter().map(|v| product.apply(v)).collect();
+        let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
+        let of = |v: (&Vec<f64>, &Vec<f64>), block: &nastic_control::EnsembleBlock| dot(block.of(v.0), block.of(v.1));
+        let own = |block| self.spectrum.vectors.iter().zip(&images).map(|v| of(v, block)).collect::<Vec<f64>>();
+        fields.map(|(block, field)| (field.name.clone(), json!(own(block)))).collect::<Map<_, _>>().into()
+    }
+
+    /// `{ CONTROL: { "min", "max" } }`: least and largest half-width over its values.
+    fn ranges(&self, problem: &CaseProblem) -> Value {
+        let width = self.spectrum.pointwise_half_width(self.rise);
+        if width.is_empty() {
+            return Value::Null;
+        }
+        let range = |own: &[f64]| own.iter().fold((f64::INFINITY, 0.0f64), |(l, h), x| (l.min(*x), h.max(*x)));
+        let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
+        let of = |own: &[f64]| {
+            let (min, max) = range(own);
+            json!({ "min": min, "max": max })
+        };
+        fields.map(|(block, field)| (field.name.clone(), of(block.of(&width)))).collect::<Map<_, _>>().into()
+    }
+
+    /// How many of the first directions hold [`MOST`] of the sum of the positive eigenvalues found.
+    fn holds_most(&self) -> usize {
+        let values = self.spectrum.values.iter().map(|value| value.max(0.0));
+        let most = MOST * values.clone().sum::<f64>();
+        let sums = values.scan(0.0, |sum, value| Some(std::mem::replace(sum, *sum + value)));
+        sums.take_while(|before| *before < most).count()
+    }
+
+    /// A few lines for people.
+    pub fn say(&self, session: &Session<'_>) {
+        let Spectrum { values, residuals, free, lowest, negative, products, .. } = &self.spectrum;
+        let console = session.console;
+        console.say(format!(
+            "spectrum    {} of {free} free: the first {} hold {:.0} % of their curvature, {} are above {MATTERS} of the largest eigenvalue",
+            count(values.len(), "direction"),
+            self.holds_most(),
+            100.0 * MOST,
+            self.spectrum.above(MATTERS)
+        ));
+        if let Some((largest, last)) = values.first().zip(values.last()) {
+            let residual = residuals.iter().fold(0.0, |most: f64, residual| most.max(*residual));
+            console.say(format!(
+                "            eigenvalues from {} to {}, residuals up to {}, {}",
+                short(*largest),
+                short(*last),
+                short(residual),
+                count(*products, "Hessian product")
+            ));
+        }
+        if let Some(asked) = session.spectrum.map(|asked| asked.count).filter(|asked| values.len() < *asked.min(free)) {
+            console.say(format!("            {} of {asked} eigenpairs met the tolerance", values.len()));
+        }
+        if *negative > 0 {
+            let (negative, lowest) = (count(*negative, "negative eigenvalue"), *lowest);
+            let share = -lowest / values.first().map_or(f64::NAN, |largest| largest.abs());
+            console.say(match share < MATTERS {
+                true => format!(
+                    "            at least {negative}, to -{} of the largest: directions that the target hardly determines; a control_norm or a smaller tolerance settles them",
+                    short(share)
+                ),
+                false => format!(
+                    "            SADDLE: at least {negative} of the second derivative, the lowest {} or less: the cost falls further along it",
+                    short(lowest)
+                ),
+            });
+        }
+        let left_out = if *negative > 0 { " (not counting directions of negative curvature)" } else { "" };
+        for (field, range) in self.ranges(&session.problem).as_object().into_iter().flatten() {
+            let of = |key: &str| short(range[key].as_f64().unwrap_or(f64::NAN));
+            let unit = session.problem.controls.iter().find(|own| own.name == *field).map(|own| own.unit.as_str());
+            let unit = unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" {unit}"));
+            console.say(format!(
+                "            {field} may differ by {} to {}{unit} at least until the cost rises by {}{left_out}",
+                of("min"),
+                of("max"),
+                short(self.rise)
+            ));
+        }
+    }
+
+    /// `spectrum.json`: eigenvectors and half-width as control vectors; `spectrum.vtu`: the same as fields on the optimum. Names of the files.
+    pub fn write(&self, problem: &CaseProblem, out: &Directory) -> Result<Vec<String>, RunError> {
+        let width = self.spectrum.pointwise_half_width(self.rise);
+        let vectors: Vec<Value> = self.spectrum.vectors.iter().map(|v| summary::control_values(problem, v)).collect();
+        if vectors.is_empty() {
+            return Ok(vec![]);
+        }
+        let half_width = summary::control_values(problem, &width);
+        out.write_json("spectrum.json", &json!({ "eigenvectors": vectors, "half_width": half_width }))?;
+        let mut files = vec!["spectrum.json".to_owned()];
+        let numbered = self.spectrum.vectors.iter().enumerate().map(|(k, v)| (format!("eigenvector_{}", k + 1), v));
+        let fields: Vec<(String, &Vec<f64>)> = numbered.chain([("half_width".to_owned(), &width)]).collect();
+        for (member, at) in problem.leads().zip(&self.point.members) {
+            let own: Vec<(&str, Vec<f64>)> = fields.iter().map(|(name, m)| (name.as_str(), member.local(m))).collect();
+            let name = member.case_file("spectrum.vtu");
+            out.write_vtu(&name, &snapshot::control_fields(member, at.state(), &own)?)?;
+            files.push(name);
+        }
+        Ok(files)
+    }
+}

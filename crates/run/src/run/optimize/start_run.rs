@@ -1,0 +1,196 @@
+//! [`StartRun`]: one of several starts and what became of it, as a value and as bytes.
+
+use crate::run::optimize::checkpoint::read_json;
+use crate::run::optimize::early_stopping::Standing;
+use crate::run::optimize::run_trials::RunTrials;
+use nastic_case::warning::Warning;
+use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::{AugmentedState, SavedRunError};
+use serde_json::Value;
+
+const MAGIC: &str = "nastic-start-1";
+
+/// One of several starts.
+pub(super) struct StartRun {
+    /// Its number.
+    pub index: usize,
+    pub phase: Phase,
+}
+
+/// How far it is.
+pub(super) enum Phase {
+    /// To be evaluated.
+    Waiting,
+    /// Evaluated. A checkpoint holds it as waiting: an evaluation from rest gives the same bits again.
+    Evaluated(Box<Begun>),
+    /// At a scheduled checkpoint.
+    UnderWay(Box<UnderWay>),
+    Ended(Box<Ended>),
+}
+
+/// A run at a scheduled checkpoint.
+pub(super) struct UnderWay {
+    pub record: StartRecord,
+    pub trials: RunTrials,
+    pub run: AugmentedState,
+}
+
+/// What stays the same as long as a run goes on.
+pub(super) struct StartRecord {
+    /// What deserves attention in its states; said already.
+    pub warnings: Vec<Warning>,
+    /// The start as bytes.
+    pub start: Vec<u8>,
+    /// Its gradient check, where it is a random one.
+    pub certificate: Value,
+}
+
+/// A start that has ended or failed.
+pub(super) struct Ended {
+    /// Its entry in the result.
+    pub entry: Value,
+    /// The control at which it ended; empty of one that failed or was stopped early: it has found no minimum.
+    pub m: Vec<f64>,
+    /// Absent of one that failed.
+    pub standing: Option<Standing>,
+    pub warnings: Vec<Warning>,
+    /// Its lines of `history.jsonl` since the round began.
+    pub lines: Vec<u8>,
+}
+
+impl StartRun {
+    pub fn waiting(index: usize) -> Self {
+        Self { index, phase: Phase::Waiting }
+    }
+
+    pub fn has_ended(&self) -> bool {
+        matches!(self.phase, Phase::Ended(_))
+    }
+
+    /// Iterations done by a run under way.
+    pub fn iteration(&self) -> usize {
+        match &self.phase {
+            Phase::UnderWay(at) => at.run.run.progress.counts.iterations,
+            _ => 0,
+        }
+    }
+
+    pub fn warnings(&self) -> &[Warning] {
+        match &self.phase {
+            Phase::Waiting => &[],
+            Phase::Evaluated(begun) => &begun.warnings,
+            Phase::UnderWay(at) => &at.record.warnings,
+            Phase::Ended(ended) => &ended.warnings,
+        }
+    }
+
+    /// Its lines of `history.jsonl` since the round began.
+    pub fn lines(&self) -> &[u8] {
+        match &self.phase {
+            Phase::Waiting | Phase::Evaluated(_) => &[],
+            Phase::UnderWay(at) => &at.trials.lines,
+            Phase::Ended(ended) => &ended.lines,
+        }
+    }
+
+    /// A new round begins: the lines of the history so far are those of rounds before.
+    pub fn forget_lines(&mut self) {
+        match &mut self.phase {
+            Phase::Waiting | Phase::Evaluated(_) => {}
+            Phase::UnderWay(at) => at.trials.lines.clear(),
+            Phase::Ended(ended) => ended.lines.clear(),
+        }
+    }
+
+    pub fn to_bytes(&self) -> Vec<u8> {
+        match &self.phase {
+            Phase::Waiting | Phase::Evaluated(_) => {
+                let mut out = Writer::new(MAGIC);
+                out.count(0);
+                out.finish()
+            }
+            Phase::UnderWay(at) => at.record.under_way(&at.trials, &at.run),
+            Phase::Ended(ended) => ended.to_bytes(),
+        }
+    }
+
+    pub fn from_bytes(index: usize, bytes: &[u8]) -> Result<Self, SavedRunError> {
+        let mut input = Reader::new(bytes, MAGIC)?;
+        let phase = match input.number()? {
+            0 => Phase::Waiting,
+            1 => {
+                let record = StartRecord {
+                    warnings: read_warnings(&mut input)?,
+                    start: input.list()?,
+                    certificate: read_json(&mut input)?,
+                };
+                let trials = RunTrials::read(&mut input)?;
+                let run = AugmentedState::from_bytes(&input.list()?)?;
+                Phase::UnderWay(Box::new(UnderWay { record, trials, run }))
+            }
+            2 => Phase::Ended(Box::new(Ended {
+                entry: read_json(&mut input)?,
+                m: input.floats()?,
+                standing: if input.flag()? { Some(Standing::ended(input.float()?)) } else { None },
+                warnings: read_warnings(&mut input)?,
+                lines: input.list()?,
+            })),
+            _ => return Err(input.damaged("a start in an unknown phase")),
+        };
+        input.finish()?;
+        Ok(Self { index, phase })
+    }
+}
+
+impl StartRecord {
+    /// A run at a checkpoint, as [`StartRun::to_bytes`] writes it.
+    pub fn under_way(&self, trials: &RunTrials, run: &AugmentedState) -> Vec<u8> {
+        let mut out = Writer::new(MAGIC);
+        out.count(1);
+        write_warnings(&self.warnings, &mut out);
+        out.bytes(&self.start);
+        out.bytes(self.certificate.to_string().as_bytes());
+        trials.write(&mut out);
+        out.bytes(&run.to_bytes());
+        out.finish()
+    }
+}
+
+impl Ended {
+    fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Writer::new(MAGIC);
+        out.count(2);
+        out.bytes(self.entry.to_string().as_bytes());
+        out.floats(&self.m);
+        out.count(usize::from(self.standing.is_some()));
+        if let Some(standing) = self.standing {
+            out.float(standing.cost);
+        }
+        write_warnings(&self.warnings, &mut out);
+        out.bytes(&self.lines);
+        out.finish()
+    }
+}
+
+fn write_warnings(warnings: &[Warning], out: &mut Writer) {
+    out.count(warnings.len());
+    warnings.iter().for_each(|warning| out.bytes(warning.json().to_string().as_bytes()));
+}
+
+fn read_warnings(input: &mut Reader<'_>) -> Result<Vec<Warning>, SavedRunError> {
+    (0..input.count(8)?).map(|_| read_warning(input)).collect()
+}
+
+fn read_warning(input: &mut Reader<'_>) -> Result<Warning, SavedRunError> {
+    Warning::from_json(&read_json(input)?).ok_or_else(|| input.damaged("a warning of no known kind"))
+}
+
+/// An evaluated start.
+pub struct Begun {
+    pub point: EnsemblePoint,
+    pub derivative: Vec<f64>,
+    pub workspace: EnsembleWorkspace,
+    /// What deserves attention in its states; said already.
+    pub warnings: Vec<Warning>,
+}

@@ -1,0 +1,243 @@
+//! Several starts, of which the best is kept.
+
+use crate::run::error::RunError;
+use crate::run::optimize::checkpoint::Position;
+use crate::run::optimize::early_stopping;
+use crate::run::optimize::early_stopping::{Outperformed, Standing};
+use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::journal::SharedJournal;
+use crate::run::optimize::minimization::resume_run;
+use crate::run::optimize::recorder::write_iterates;
+use crate::run::optimize::round::{Found, Round, best_bytes, ended, read_record};
+use crate::run::optimize::same_program::same_program;
+use crate::run::optimize::start_place::seed;
+use crate::run::optimize::start_run::{Begun, Phase, StartRun, UnderWay};
+use crate::run::session::{Session, say_warning};
+use nastic_case::warning::Warning;
+use nastic_language::number::short;
+use nastic_opt::bytes::Reader;
+use nastic_opt::{AugmentedBest, Constrained, Failed, Optimizer, Stop};
+use serde_json::Value;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+
+/// What became of the starts.
+#[derive(Default)]
+pub(super) struct Starts {
+    /// The run that came down deepest, and its number.
+    pub best: Option<(usize, FinishedRun)>,
+    /// An entry for each that has begun, for the result.
+    pub entries: Vec<Value>,
+    /// The control at which each ended; empty of one that failed or was stopped early.
+    pub optima: Vec<Vec<f64>>,
+    /// What deserves attention in the states at the starts; said already.
+    pub warnings: Vec<Warning>,
+    /// A stop was requested, or the machine had too little memory, before all had ended.
+    pub interrupted: bool,
+    /// What the machine had too little of.
+    pub aborted: Option<String>,
+}
+
+/// Rounds of starts.
+struct Rounds<'s> {
+    session: &'s Session<'s>,
+    optimizer: &'s dyn Optimizer,
+    journal: &'s SharedJournal,
+    gradient_check: Value,
+    round: usize,
+    starts: Vec<StartRun>,
+    best: Option<(usize, FinishedRun)>,
+}
+
+impl Starts {
+    /// Runs from the start as written, which is evaluated already, and from random ones.
+    ///
+    /// # Errors
+    /// As [`Self::resume`]: what was said stays in `warnings`.
+    pub fn run(
+        &mut self,
+        session: &Session<'_>,
+        optimizer: &dyn Optimizer,
+        first: Begun,
+        gradient_check: Value,
+        journal: &SharedJournal,
+    ) -> Result<(), RunError> {
+        say_optimizer(session, optimizer);
+        let mut starts = vec![StartRun { index: 0, phase: Phase::Evaluated(Box::new(first)) }];
+        starts.extend((1..session.problem.case.optimizer.starts).map(StartRun::waiting));
+        let rounds = Rounds { session, optimizer, journal, gradient_check, round: 0, starts, best: None };
+        self.finish(rounds, vec![], false)
+    }
+
+    /// Goes on from a checkpoint.
+    ///
+    /// # Errors
+    /// A run cannot begin, `history.jsonl` cannot be written, or the checkpoint is not of this case.
+    pub fn resume(
+        &mut self,
+        session: &Session<'_>,
+        optimizer: &dyn Optimizer,
+        position: Position,
+        journal: &SharedJournal,
+    ) -> Result<(), RunError> {
+        let Position { gradient_check, round, history, best, starts } = position;
+        let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
+        let best = best.map(|bytes| read_best(session, &bytes)).transpose().map_err(unfit)?;
+        let rounds = Rounds { session, optimizer, journal, gradient_check, round, starts, best };
+        rounds.starts.iter().flat_map(StartRun::warnings).for_each(|warning| say_warning(session.console, warning));
+        if session.problem.case_file().is_none() {
+            rounds.check_program()?;
+        }
+        say_optimizer(session, optimizer);
+        self.finish(rounds, history, true)
+    }
+
+    /// All rounds; what they have found.
+    fn finish(&mut self, mut rounds: Rounds<'_>, history: Vec<u8>, resumed: bool) -> Result<(), RunError> {
+        let opened = rounds.journal.lock().open_history(history);
+        let ran = opened.and_then(|()| rounds.run(resumed));
+        let begun = rounds.starts.iter().rposition(StartRun::has_ended).map_or(0, |last| last + 1);
+        for start in rounds.starts {
+            self.warnings.extend(start.warnings().iter().cloned());
+            if start.index >= begun {
+                continue;
+            }
+            let (entry, m) = match start.phase {
+                Phase::Ended(ended) => (ended.entry, ended.m),
+                _ => (not_begun(rounds.session, start.index), vec![]),
+            };
+            self.entries.push(entry);
+            self.optima.push(m);
+        }
+        let Found { best, interrupted, aborted, .. } = ran?;
+        (self.best, self.interrupted, self.aborted) = (best, interrupted, aborted.map(|(_, why)| why));
+        Ok(())
+    }
+}
+
+impl Rounds<'_> {
+    fn run(&mut self, mut resumed: bool) -> Result<Found, RunError> {
+        loop {
+            let best = self.best.as_ref().map(|best| best_bytes(self.session, best));
+            self.journal.lock().begin_round(&self.gradient_check, self.round, best, &self.starts);
+            if self.round > 0 && !resumed && self.session.problem.case.output.checkpoint > 0 {
+                self.journal.lock().save();
+            }
+            let found = Mutex::new(Found { best: self.best.take(), ..Found::default() });
+            let (session, optimizer, journal) = (self.session, self.optimizer, self.journal);
+            let limit = self.limit();
+            let round = Round { session, optimizer, journal, limit, resumed, halt: AtomicBool::new(false), found };
+            let mut found = round.run(&mut self.starts)?;
+            if found.interrupted {
+                self.end_paused(&mut found)?;
+            }
+            if found.interrupted || self.starts.iter().all(StartRun::has_ended) {
+                return Ok(found);
+            }
+            self.best = found.best.take();
+            self.stop_outperformed()?;
+            self.starts.iter_mut().for_each(StartRun::forget_lines);
+            (self.round, resumed) = (self.round + 1, false);
+        }
+    }
+
+    /// Iterations at which this round ends.
+    fn limit(&self) -> usize {
+        let problem = &self.session.problem;
+        let optimizer = &problem.case.optimizer;
+        // Costs of runs that violate constraints do not compare.
+        let compares = optimizer.early_stopping && optimizer.starts > 1 && problem.ensemble.constraints().is_empty();
+        let limit = early_stopping::limit(self.round);
+        if compares && limit < self.optimizer.options().max_iterations { limit } else { usize::MAX }
+    }
+
+    /// Ends those starts that cannot reach the best one any more.
+    fn stop_outperformed(&mut self) -> Result<(), RunError> {
+        let last_stage = self.session.problem.stages() - 1;
+        let (mut under_way, mut others) = (Vec::new(), Vec::new());
+        for start in &self.starts {
+            match &start.phase {
+                Phase::UnderWay(at) => under_way.push((start.index, Standing::of(&at.run.run.progress, last_stage))),
+                Phase::Ended(ended) => others.extend(ended.standing),
+                Phase::Waiting | Phase::Evaluated(_) => {}
+            }
+        }
+        let mut stopped = early_stopping::outperformed(&under_way, &others);
+        stopped.sort_by_key(|one| one.start);
+        stopped.into_iter().try_for_each(|one| self.stop(one))
+    }
+
+    fn stop(&mut self, Outperformed { start, standing, best }: Outperformed) -> Result<(), RunError> {
+        let Standing { cost, within_reach } = standing;
+        let stop = Stop::Outperformed { cost, within_reach, best };
+        self.session.console.say("");
+        self.session.console.say(format!("start {} {stop}", start + 1));
+        self.end_here(start, stop).map(drop)
+    }
+
+    /// An interruption finds some starts at the end of their round: what they have found counts too.
+    fn end_paused(&mut self, found: &mut Found) -> Result<(), RunError> {
+        for index in 0..self.starts.len() {
+            if let Some(run) = self.end_here(index, Stop::Cancelled)? {
+                found.add(index, run);
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends a run under way where it stands.
+    fn end_here(&mut self, index: usize, stop: Stop) -> Result<Option<FinishedRun>, RunError> {
+        let start = std::mem::replace(&mut self.starts[index], StartRun::waiting(index));
+        let Phase::UnderWay(at) = start.phase else {
+            self.starts[index] = start;
+            return Ok(None);
+        };
+        let UnderWay { record, trials, run } = *at;
+        let start = read_record(self.session, &record)?;
+        let AugmentedBest { best, constraints } = resume_run(self.session, self.optimizer, &run)?.finish(stop);
+        let finished = FinishedRun { start, best, constraints, work: trials.work.clone() };
+        let found = trials.changes.warnings(self.session, index);
+        found.iter().for_each(|warning| say_warning(self.session.console, warning));
+        write_iterates(self.session, index, &trials, self.journal);
+        self.starts[index] = ended(self.session, (index, &finished), (record, trials), found);
+        Ok(Some(finished))
+    }
+
+    /// Laws and costs, which no record holds, are those of the program before.
+    fn check_program(&self) -> Result<(), RunError> {
+        for start in &self.starts {
+            let Phase::UnderWay(at) = &start.phase else { continue };
+            let run = resume_run(self.session, self.optimizer, &at.run)?;
+            let same = same_program(&self.session.problem.ensemble, run.point());
+            same.map_err(|what| self.session.unfit_checkpoint(&what))?;
+        }
+        Ok(())
+    }
+}
+
+fn read_best(session: &Session<'_>, bytes: &[u8]) -> Result<(usize, FinishedRun), Failed> {
+    let mut input = Reader::new(bytes, "").map_err(Failed::new)?;
+    let index = input.number().map_err(Failed::new)?;
+    let run = FinishedRun::from_bytes(&input.list().map_err(Failed::new)?, &session.problem.ensemble)?;
+    input.finish().map_err(Failed::new)?;
+    Ok((index, run))
+}
+
+/// The entry of a start that an interruption found before its first trial.
+fn not_begun(session: &Session<'_>, index: usize) -> Value {
+    serde_json::json!({ "seed": seed(session, index), "failed": "interrupted before it had begun" })
+}
+
+fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {
+    let options = optimizer.options();
+    let absolute = match options.absolute_tolerance {
+        norm if norm > 0.0 => format!(", or {}", short(norm)),
+        _ => String::new(),
+    };
+    session.console.say(format!(
+        "optimizer   {}, at most {} iterations, until the projected gradient is {} of the first{absolute}",
+        optimizer.name(),
+        options.max_iterations,
+        short(options.tolerance)
+    ));
+}

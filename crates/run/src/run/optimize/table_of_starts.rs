@@ -1,0 +1,61 @@
+//! The starts in the result and on the terminal.
+
+use crate::run::error::RunError;
+use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::session::Session;
+use nastic_case::lower::Admitted;
+use nastic_numeric::format::scientific;
+use nastic_opt::Stop;
+use nastic_report::record::StartRecord;
+use serde_json::{Value, json};
+
+/// The entry of a start that ended.
+pub(super) fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Value) -> Value {
+    let best = &ended.best;
+    let mut out = json!({
+        "seed": seed, "start_cost": ended.start.risk, "cost": best.cost, "gradient_norm": best.gradient_norm,
+        "iterations": best.counts.iterations, "trials": best.counts.trials, "converged": best.stop.is_converged(),
+        "stop": best.stop.to_string(), "stopped_early": matches!(best.stop, Stop::Outperformed { .. }),
+    });
+    if !ended.constraints.groups.is_empty() {
+        out["violation"] = json!(ended.constraints.violation);
+    }
+    // That of the start as written is the result's own.
+    if seed.is_some() {
+        out["gradient_check"] = certificate;
+    }
+    out
+}
+
+/// One line per start.
+pub(super) fn say(session: &Session<'_>, entries: &[Value], best: usize) -> Result<(), RunError> {
+    let directions = session.problem.controls.iter().any(|field| matches!(field.admitted, Admitted::Norm(_)));
+    if entries.len() == 1 && session.problem.case.optimizer.starts == 1 && directions {
+        let hint = "one; vectors of given length often have several minima: --set optimizer/starts=4 tries three more";
+        session.console.say(format!("starts      {hint}"));
+    }
+    for (k, entry) in entries.iter().enumerate().filter(|_| entries.len() > 1) {
+        let head = if k == 0 { "starts" } else { "" };
+        let start = StartRecord::of(entry)?;
+        let seed = start.seed.map_or_else(|| "as written".to_owned(), |seed| format!("seed {seed}"));
+        let what = match start.cost {
+            Some(cost) => {
+                let iterations = start.iterations.unwrap_or_default();
+                format!("cost {} after {iterations} iterations", scientific(cost, 6))
+            }
+            None => format!("failed: {}", start.failed.unwrap_or_default()),
+        };
+        let mark = match (start.minimum, k == best) {
+            (_, true) => ", the best".to_owned(),
+            (Some(0), _) => ", the same minimum".to_owned(),
+            (Some(minimum), _) => {
+                let percent = 100.0 * start.distance.unwrap_or(f64::NAN);
+                format!(", minimum {}, its control {percent:.0} % away", minimum + 1)
+            }
+            (None, _) if start.stopped_early => ", stopped early".to_owned(),
+            (None, _) => String::new(),
+        };
+        session.console.say(format!("{head:<12}{} ({seed}): {what}{mark}", k + 1));
+    }
+    Ok(())
+}

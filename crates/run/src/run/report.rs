@@ -1,0 +1,133 @@
+//! `result.json`, and the page that shows it with the other files of a run: `nastic report DIR`, and the end of every run.
+
+use crate::result::files::Directory;
+use crate::result::inspection::Inspection;
+use crate::result::member_report::{self, Detail};
+use crate::result::obstacle_shape;
+use crate::result::target_files::target_names;
+use crate::run::error::RunError;
+use crate::run::session::Session;
+use nastic_case::lower::CaseProblem;
+use nastic_control::EnsemblePoint;
+use nastic_io::write_atomically;
+use nastic_language::schema::Command;
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// The case with its overrides.
+const CASE: &str = "case.json";
+
+/// Writes the page of a result folder, to `report.html` in it unless another file is named; where it went.
+///
+/// # Errors
+/// [`RunError::Report`]: the directory holds no results, or damaged ones; [`RunError::Write`].
+pub fn report(directory: &Path, file: Option<&Path>) -> Result<PathBuf, RunError> {
+    let page = nastic_report::html(directory)?;
+    let file = file.map_or_else(|| directory.join(nastic_report::FILE), Path::to_owned);
+    write_atomically(&file, |out| out.write_all(page.as_bytes()))?;
+    Ok(file)
+}
+
+/// Writes `case.json` and `result.json`, and the page if there is one to be.
+pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
+    let Some(out) = session.out.clone() else { return Ok(()) };
+    let is_shown = matches!(session.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
+    let with_page = session.report && is_shown && session.command != Command::Gradient;
+    if is_shown {
+        session.put("members", members(&session.problem));
+        let case = session.problem.case_file().is_some();
+        let page = with_page.then_some(nastic_report::FILE);
+        session.list_files(case.then_some(CASE).into_iter().chain(page).map(str::to_owned).collect());
+        if case {
+            out.write_json(CASE, &session.problem.document.json())?;
+        } else {
+            out.remove(CASE)?;
+        }
+    }
+    out.write_json("result.json", &session.result_value())?;
+    if with_page { report(out.path(), None).map(|_| ()) } else { remove_old(&out) }
+}
+
+impl Session<'_> {
+    /// Adds names to the list of files of the result.
+    pub(super) fn list_files(&mut self, names: Vec<String>) {
+        for name in names {
+            if !self.files.contains(&name) {
+                self.files.push(name);
+            }
+        }
+        self.put("files", json!(self.files));
+    }
+
+    /// What is told of the states of an evaluated control.
+    pub(super) fn entries(&self, point: &EnsemblePoint, found: &[Inspection]) -> Result<Map<String, Value>, RunError> {
+        let reports = member_report::of_inspected(&self.problem, point, found);
+        let entries = reports.and_then(|reports| member_report::entries(&self.problem, &reports, Detail::Full));
+        entries.map_err(|error| self.member_failed(error))
+    }
+
+    /// A run that cannot begin leaves its directory as it is.
+    pub(super) fn refuse(&mut self, error: RunError) -> RunError {
+        self.out = None;
+        error
+    }
+}
+
+/// Removes what an earlier run of the same command wrote, as its `result.json` lists it: beside that of a run that fails it would
+/// be taken for what that one found. Files that the case reads stay, and those of other commands.
+pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {
+    const RESULT: &str = "result.json";
+    let Some(out) = &session.out else { return Ok(()) };
+    let text = std::fs::read_to_string(out.file(RESULT)).unwrap_or_default();
+    let earlier: Value = serde_json::from_str(&text).unwrap_or_default();
+    if earlier["command"] != session.command.name() {
+        return Ok(());
+    }
+    let problem = &session.problem;
+    let read = problem.files.iter().map(PathBuf::as_path).chain(problem.case_file().map(Path::new));
+    let read: Vec<PathBuf> = read.filter_map(|file| file.canonicalize().ok()).collect();
+    let is_read = |name: &str| out.file(name).canonicalize().is_ok_and(|file| read.contains(&file));
+    let files = earlier["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    // the case is written whatever happens, and checkpoints have rules of their own, by which no list names them
+    for name in files.filter(|name| is_of_runs(name) && *name != CASE && !is_read(name)) {
+        out.remove(name)?;
+    }
+    // the list goes last: one of a run that was killed here is still there for the next
+    Ok(out.remove(RESULT)?)
+}
+
+/// Whether a name may be one of those that runs write into their directory; the list may be of another program, or edited.
+fn is_of_runs(name: &str) -> bool {
+    const ENDINGS: [&str; 9] = ["bin", "csv", "html", "json", "jsonl", "png", "pvd", "svg", "vtu"];
+    let path = Path::new(name);
+    let is_plain = path.file_name().is_some_and(|file| file == name) && !name.starts_with('.');
+    is_plain && path.extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
+}
+
+/// A page of an earlier run would show other results than those beside it.
+fn remove_old(out: &Directory) -> Result<(), RunError> {
+    Ok(out.remove(nastic_report::FILE)?)
+}
+
+/// Scenario and load case of every state, and what the names of its files begin with: `{ "name", "scenario", "load_case",
+/// "stem", "case_stem", "targets", "obstacles" }`.
+fn members(problem: &CaseProblem) -> Value {
+    let (targets, obstacles) = (target_names(problem), obstacle_shape::files(problem).1);
+    let of = |member: nastic_case::lower::CaseMember<'_>| {
+        json!({
+            "name": member.name(), "scenario": member.scenario(), "load_case": member.load_case(),
+            "stem": member.file(""), "case_stem": member.case_file(""), "targets": targets[member.index()],
+            "obstacles": obstacles[member.index()],
+        })
+    };
+    problem.members().map(of).collect()
+}
+
+/// Puts the names of files into the result and says them, the first of many.
+pub(crate) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
+    const NAMED: usize = 9;
+    let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
+    let said: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
+    session.console.say(format!("files       result.json, {}{more}", said.join(", ")));
+    session.list_files(files);
+}

@@ -1,0 +1,68 @@
+//! `nastic resume`: an optimisation, or the motion of a `solve`, that was interrupted goes on from its last checkpoint.
+
+use crate::console::Console;
+use crate::result::checkpoint_file;
+use crate::result::checkpoint_file::CheckpointError;
+use crate::result::files::Directory;
+use crate::run::case_record::CaseRecord;
+use crate::run::error::RunError;
+use crate::run::motion;
+use crate::run::motion::MotionCheckpoint;
+use crate::run::optimize::{Checkpoint, Position};
+use crate::run::session::Session;
+use nastic_language::catalogue::Catalogue;
+use nastic_language::schema::Command;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Where a run goes on.
+pub(super) enum Place {
+    /// An optimisation; `None` before its start was evaluated.
+    Optimization(Option<Position>),
+    /// A motion.
+    Motion(MotionCheckpoint),
+}
+
+/// Reads the checkpoint of an output directory and the case it belongs to. A motion that was stopped comes before an optimisation: it was begun
+/// later, or the optimisation would have removed its checkpoint.
+pub(super) fn open<'c>(
+    catalogue: &Catalogue,
+    directory: &Path,
+    cancel: Arc<AtomicBool>,
+    console: &'c Console,
+) -> Result<(Session<'c>, Place), RunError> {
+    let (out, case, command, place) = if directory.join(motion::CHECKPOINT).is_file() {
+        let out = Directory::claim(directory.to_owned(), &[], [])?;
+        let checkpoint = MotionCheckpoint::read(directory)?;
+        check_program(&checkpoint.case, directory.join(motion::CHECKPOINT))?;
+        (out, checkpoint.case.clone(), Command::Solve, Place::Motion(checkpoint))
+    } else {
+        let (out, Checkpoint { case, position, .. }) = read(directory)?;
+        (out, case, Command::Optimize, Place::Optimization(position))
+    };
+    let document = case.reopen(catalogue, directory)?;
+    let session = Session::resume((command, document), case.settings, out, cancel, console)?;
+    Ok((session, place))
+}
+
+/// Claims an output directory and reads its checkpoint.
+pub(super) fn read(directory: &Path) -> Result<(Directory, Checkpoint), RunError> {
+    let file = directory.join(checkpoint_file::NAME);
+    if !file.is_file() {
+        // A name that was mistyped is not made a directory.
+        return Err(CheckpointError::Missing { directory: directory.to_owned() }.into());
+    }
+    let out = Directory::claim(directory.to_owned(), &[], [])?;
+    let checkpoint = Checkpoint::read(directory)?;
+    check_program(&checkpoint.case, file)?;
+    Ok((out, checkpoint))
+}
+
+/// Another version may give other bits.
+fn check_program(case: &CaseRecord, file: PathBuf) -> Result<(), CheckpointError> {
+    if case.program == env!("CARGO_PKG_VERSION") {
+        return Ok(());
+    }
+    Err(CheckpointError::Program { file, found: case.program.clone() })
+}

@@ -1,0 +1,475 @@
+//! What the commands share: the case at hand, the clock, the place for results.
+
+use crate::console::Console;
+use crate::result::checkpoint_file::CheckpointError;
+use crate::result::files::Directory;
+use crate::result::fingerprint::Fingerprint;
+use crate::result::inspection::Inspection;
+use crate::result::output_names::written_by;
+use crate::result::{checkpoint_file, failure, smoothing};
+use crate::run::ensemble_progress::EnsembleProgress;
+use crate::run::error::{Exit, RunError};
+use crate::run::on_trial::OnTrial;
+use crate::run::options::Options;
+use crate::run::output_directory::{directory, listed, usual_directory};
+use crate::run::spectrum_request::SpectrumRequest;
+use crate::run::states::Shown;
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::warning::Warning;
+use nastic_control::{AdaptiveSteps, ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
+use nastic_fem::{Progress, StateError, peak_memory};
+use nastic_language::catalogue::Catalogue;
+use nastic_language::number;
+use nastic_language::quantity::Dimension;
+use nastic_language::schema::Command;
+use nastic_language::syntax::{Diagnostics, Document};
+use nastic_opt::{Failed, Objective, Request};
+use nastic_report::record::RunRecord;
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Relative accuracy of the state at the start; its residual is a hundredth of that.
+pub(super) const START_ACCURACY: f64 = 1e-10;
+
+/// A command under way.
+pub(super) struct Session<'c> {
+    pub command: Command,
+    pub problem: CaseProblem,
+    pub console: &'c Console,
+    pub cancel: Arc<AtomicBool>,
+    /// Whether warnings make the command fail.
+    pub strict: bool,
+    /// Where results go; `None` for commands that leave nothing behind unless told where.
+    pub out: Option<Directory>,
+    /// What deserves attention, as far as it is known.
+    pub warnings: Vec<Warning>,
+    /// Overrides of the case, in order.
+    pub settings: Vec<String>,
+    /// Whether the page of results is written at the end.
+    pub report: bool,
+    /// Whether the columns of the table of trials are explained.
+    pub explain: bool,
+    /// What is to be found of the second derivative at an optimum.
+    pub spectrum: Option<SpectrumRequest>,
+    /// Whether the result is held to what the case expects.
+    pub expect: bool,
+    /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
+    pub ended: bool,
+    /// Told of every trial of an optimisation.
+    pub on_trial: OnTrial,
+    /// The states that were found.
+    pub shown: Option<Shown>,
+    /// Of a case with a tolerance of time steps those of every member, once they were found.
+    pub steps: Vec<AdaptiveSteps>,
+    /// Names of the files that were written.
+    pub files: Vec<String>,
+    result: Map<String, Value>,
+    phases: Vec<(&'static str, f64)>,
+    began: Instant,
+}
+
+impl<'c> Session<'c> {
+    /// Reads and lowers the case.
+    pub fn open(
+        catalogue: &Catalogue,
+        command: Command,
+        path: &Path,
+        options: &Options,
+        console: &'c Console,
+    ) -> Result<Self, RunError> {
+        let began = Instant::now();
+        let document = Document::open(path)?.with_catalogue(catalogue);
+        Self::open_document(command, document, options, console, began)
+    }
+
+    /// Lowers a case that was read; `began` is when that began.
+    pub fn open_document(
+        command: Command,
+        mut document: Document,
+        options: &Options,
+        console: &'c Console,
+        began: Instant,
+    ) -> Result<Self, RunError> {
+        apply(&options.set, &mut document)?;
+        let mut session = Self::of(command, document, options.set.clone(), options.cancel.clone(), console, began)?;
+        session.strict = options.strict;
+        session.report = !options.no_report;
+        session.explain = options.explain;
+        session.spectrum = options.spectrum;
+        session.expect = !options.without_expect;
+        session.on_trial = options.on_trial.clone();
+        session.out =
+            directory(&session.command, &session.problem, options).map(|path| session.claim(path)).transpose()?;
+        Ok(session)
+    }
+
+    /// The directory of the results, in which they replace nothing that the case reads, but for starts that an earlier run there has written
+    /// (`optimize` warns of these).
+    pub fn claim(&self, directory: PathBuf) -> Result<Directory, RunError> {
+        let (problem, json) = (&self.problem, self.problem.document.json());
+        let mesh = json["mesh"].as_str().or(json["mesh"]["file"].as_str()).map(|mesh| problem.document.resolve(mesh));
+        let results = listed(&directory);
+        let is_result = |file: &Path| {
+            let name = file.file_name().and_then(|name| name.to_str());
+            mesh.as_deref() != Some(file) && results.iter().any(|result| name == Some(result))
+        };
+        let read = problem.files.iter().map(PathBuf::as_path).filter(|file| !is_result(file));
+        let inputs = read.chain(problem.case_file().map(Path::new));
+        Ok(Directory::claim(directory, &written_by(&self.command), inputs)?)
+    }
+
+    /// Goes on with a command whose case was read and whose directory is claimed.
+    pub fn resume(
+        (command, document): (Command, Document),
+        settings: Vec<String>,
+        out: Directory,
+        cancel: Arc<AtomicBool>,
+        console: &'c Console,
+    ) -> Result<Self, RunError> {
+        let mut session = Self::of(command, document, settings, cancel, console, Instant::now())?;
+        session.out = Some(out);
+        Ok(session)
+    }
+
+    /// Lowers the case.
+    fn of(
+        command: Command,
+        document: Document,
+        settings: Vec<String>,
+        cancel: Arc<AtomicBool>,
+        console: &'c Console,
+        began: Instant,
+    ) -> Result<Self, RunError> {
+        let problem = CaseProblem::lower(document, cancel.clone())?;
+        let mut session = Self::on(command, problem, cancel, console, began);
+        session.settings = settings;
+        Ok(session)
+    }
+
+    /// A command on a problem that is ready.
+    pub fn on(
+        command: Command,
+        mut problem: CaseProblem,
+        cancel: Arc<AtomicBool>,
+        console: &'c Console,
+        began: Instant,
+    ) -> Self {
+        if command == Command::Optimize {
+            problem.refuse_unstable_if_asked();
+        }
+        watch(&mut problem, console);
+        let ordering = problem.ordering.as_secs_f64();
+        let mut session = Self {
+            command,
+            problem,
+            console,
+            cancel,
+            strict: false,
+            out: None,
+            warnings: Vec::new(),
+            settings: Vec::new(),
+            report: true,
+            explain: false,
+            spectrum: None,
+            expect: true,
+            ended: false,
+            on_trial: OnTrial::default(),
+            shown: None,
+            steps: Vec::new(),
+            files: Vec::new(),
+            result: Map::new(),
+            phases: vec![("read", began.elapsed().as_secs_f64() - ordering), ("ordering", ordering)],
+            began,
+        };
+        session.introduce();
+        session
+    }
+
+    /// The head of every result, and of what is said.
+    fn introduce(&mut self) {
+        let problem = &self.problem;
+        let path = problem.document.name().to_owned();
+        let case = &problem.case;
+        let hash = Fingerprint::of(&problem.document.canonical(), &problem.files);
+        let title = case.title.clone();
+        let units = problem.units();
+        let versions = json!({ "nastic": env!("CARGO_PKG_VERSION"), "case": case.nastic });
+        let labels = json!({
+            "length": units.length().symbol,
+            "force": units.force().symbol,
+            "time": units.time().symbol,
+            "field": units.field().symbol,
+            "pressure": units.label(Dimension::PRESSURE),
+        });
+        let notes = problem.notes.clone();
+        let command = self.command.name();
+        self.console.say(match &title {
+            Some(title) => format!("case        {path}: {title}"),
+            None => format!("case        {path}"),
+        });
+        let (mesh, dofs) = (problem.mesh(), problem.solid().discretization().dofs());
+        let body = format!("{}, {} unknowns", number::count(mesh.cells(), "cell"), number::grouped(dofs));
+        self.console.say(format!(
+            "body        {}: {body}, {} control values",
+            mesh.name(),
+            number::grouped(problem.start.len())
+        ));
+        for note in &notes {
+            self.console.say(format!("note        {note}"));
+        }
+        for line in smoothing::automatic(&self.problem) {
+            self.console.say(format!("stages      {line}"));
+        }
+        let smoothing = smoothing::json(&self.problem);
+        if !smoothing.is_empty() {
+            self.put("smoothing", Value::Object(smoothing));
+        }
+        self.put("command", json!(command));
+        self.put("case", json!(path));
+        self.put("title", json!(title));
+        self.put("case_hash", json!(hash));
+        self.put("versions", versions);
+        self.put("units", labels);
+        self.put("threads", json!(rayon::current_num_threads()));
+        self.put("notes", json!(notes));
+        for warning in self.problem.warnings.clone() {
+            self.warn(warning);
+        }
+    }
+
+    /// Says a warning, and keeps it for the result.
+    pub fn warn(&mut self, warning: Warning) {
+        say_warning(self.console, &warning);
+        self.warnings.push(warning);
+    }
+
+    /// Looks into the states of an evaluated control, says what deserves attention there and keeps it for the result;
+    /// `what` names the states.
+    pub fn inspect(&mut self, what: &str, point: &EnsemblePoint) -> Vec<Inspection> {
+        let (found, warnings) = self.timed("inspect", |session| session.look_into(session.console, what, point));
+        self.warnings.extend(warnings);
+        found
+    }
+
+    /// Looks into the states and says what deserves attention there; whoever asks keeps the warnings.
+    pub fn look_into(&self, console: &Console, what: &str, point: &EnsemblePoint) -> (Vec<Inspection>, Vec<Warning>) {
+        let found = Inspection::of_point(&self.problem, point);
+        let members = self.problem.members().zip(&found);
+        let warnings: Vec<Warning> = members.flat_map(|(member, found)| found.warnings(member, what)).collect();
+        warnings.iter().for_each(|warning| say_warning(console, warning));
+        (found, warnings)
+    }
+
+    /// Codes of the warnings so far, for a picture: empty without any.
+    pub fn warned(&self) -> String {
+        let mut codes: Vec<&str> = self.warnings.iter().map(|warning| warning.kind.code).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        if codes.is_empty() { String::new() } else { format!("; WARNING: {}", codes.join(", ")) }
+    }
+
+    /// Adds an entry to the result.
+    pub fn put(&mut self, key: &str, value: Value) {
+        self.result.insert(key.to_owned(), value);
+    }
+
+    /// Adds an entry to those of a member; of a plain case to the result itself.
+    pub fn put_of_member(&mut self, index: usize, key: &str, value: Value) {
+        let member = self.problem.member(index);
+        let groups = [("scenarios", member.scenario()), ("load_cases", member.load_case())];
+        let mut entries = &mut self.result;
+        for (group, name) in groups.into_iter().filter_map(|(group, name)| Some((group, name?))) {
+            for key in [group, name] {
+                let Value::Object(next) = entries.entry(key).or_insert_with(|| json!({})) else { return };
+                entries = next;
+            }
+        }
+        entries.insert(key.to_owned(), value);
+    }
+
+    /// Adds entries to the result.
+    pub fn put_all(&mut self, entries: Map<String, Value>) {
+        self.result.extend(entries);
+    }
+
+    /// The result as it stands.
+    pub fn result_value(&self) -> Value {
+        Value::Object(self.result.clone())
+    }
+
+    /// The result as its printers read it.
+    pub fn record(&self) -> Result<RunRecord, RunError> {
+        Ok(RunRecord::of(&self.result_value())?)
+    }
+
+    /// Does something, and notes how long it took.
+    pub fn timed<T>(&mut self, phase: &'static str, work: impl FnOnce(&mut Self) -> T) -> T {
+        let began = Instant::now();
+        let out = work(self);
+        self.note_time(phase, began.elapsed().as_secs_f64());
+        out
+    }
+
+    /// Adds to the time of a phase.
+    pub fn note_time(&mut self, phase: &'static str, seconds: f64) {
+        match self.phases.iter_mut().find(|(known, _)| *known == phase) {
+            Some((_, total)) => *total += seconds,
+            None => self.phases.push((phase, seconds)),
+        }
+    }
+
+    /// Puts the times into the result.
+    pub fn finish_clock(&mut self) {
+        let mut times: Map<String, Value> =
+            self.phases.iter().map(|(phase, seconds)| ((*phase).to_owned(), json!(seconds))).collect();
+        times.insert("total".into(), json!(self.began.elapsed().as_secs_f64()));
+        self.put("seconds", Value::Object(times));
+        self.put("peak_memory", json!(peak_memory()));
+    }
+
+    /// The ensemble at a control vector: the one way every command comes by its states.
+    pub fn evaluate(
+        &self,
+        m: &[f64],
+        accuracy: f64,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<EnsemblePoint, Failed> {
+        let how = Request { accuracy, ..Request::default() };
+        let point = self.problem.ensemble.evaluate(m, &how, workspace);
+        self.console.clear();
+        point
+    }
+
+    /// The start controls, as exactly as costs no more than another iteration.
+    pub fn evaluate_start(&mut self, workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, RunError> {
+        let point = self.timed("solve", |session| session.evaluate(&session.problem.start, START_ACCURACY, workspace));
+        point.map_err(|failed| self.evaluation_failed(&failed))
+    }
+
+    /// Whether a stop was requested.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// What this command needs and the case lacks.
+    pub fn require(&self, controls: bool, costs: bool) -> Result<(), RunError> {
+        let command = self.command.name();
+        if controls && self.problem.start.is_empty() {
+            let message = format!("\"{command}\" needs controls, and the case has none");
+            return Err(self.problem.complain("controls", message).into());
+        }
+        if costs && !self.problem.has_costs() {
+            let message = format!("\"{command}\" needs costs, and the case has none");
+            return Err(self.problem.complain("costs", message).into());
+        }
+        if controls && costs { Ok(self.problem.check_adjoint()?) } else { Ok(()) }
+    }
+
+    /// The error of an evaluation that failed; the last good state of the member at fault is kept on disk.
+    pub fn forward_failed(&self, error: EnsembleError) -> RunError {
+        match error {
+            EnsembleError::Member { who, source } => {
+                let at = self.problem.ensemble.members().iter().position(|part| part.name() == who);
+                self.member_failed((at.unwrap_or(0), *source))
+            }
+            other => {
+                let error = Box::new(ControlError::Cost { what: other.to_string() });
+                RunError::Forward { member: String::new(), error, file: None }
+            }
+        }
+    }
+
+    /// Where results go unless `--out` says otherwise.
+    pub fn usual_directory(&self) -> PathBuf {
+        usual_directory(&self.problem)
+    }
+
+    /// The error of a checkpoint that is whole but not of this case.
+    pub fn unfit_checkpoint(&self, what: &str) -> RunError {
+        let file = self.out.as_ref().map(|out| out.file(checkpoint_file::NAME)).unwrap_or_default();
+        CheckpointError::Content { file, what: what.to_owned() }.into()
+    }
+
+    /// The same, of an evaluation.
+    pub fn evaluation_failed(&self, failed: &Failed) -> RunError {
+        match failed.downcast_ref::<EnsembleError>() {
+            Some(error) => self.forward_failed(error.clone()),
+            None => {
+                let error = Box::new(ControlError::Cost { what: failed.to_string() });
+                RunError::Forward { member: String::new(), error, file: None }
+            }
+        }
+    }
+
+    /// The same, of a member.
+    pub fn member_failed(&self, (index, error): (usize, ControlError)) -> RunError {
+        if let ControlError::State(StateError::Cancelled) = error {
+            return RunError::Cancelled;
+        }
+        let member = self.problem.member(index);
+        let file = match &error {
+            // The start control is what was asked for; the state shows how far the body came.
+            ControlError::State(state) => {
+                self.write_failure(member, ("failure.vtu", &member.local(&self.problem.start)), state)
+            }
+            _ => Ok(None),
+        };
+        let file = match file {
+            Ok(file) => file,
+            Err(error) => return error,
+        };
+        RunError::Forward { member: member.name(), error: Box::new(error), file }
+    }
+
+    /// Writes the last good state of a solve that failed, if there is one; the file it is in.
+    pub fn write_failure(
+        &self,
+        member: CaseMember<'_>,
+        (name, m): (&str, &[f64]),
+        error: &StateError,
+    ) -> Result<Option<PathBuf>, RunError> {
+        let (Some(out), Some(last)) = (&self.out, failure::last_state(error)) else { return Ok(None) };
+        out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
+        Ok(Some(out.file(name)))
+    }
+}
+
+/// Lets the terminal show how solves go.
+pub(super) fn watch(problem: &mut CaseProblem, console: &Console) {
+    if problem.members().nth(1).is_some() {
+        problem.ensemble.watch(EnsembleProgress::new(problem, console).watcher());
+    } else {
+        let terminal = console.clone();
+        problem.ensemble.watch_solves(move |_, Progress { load, newton, residual, .. }| {
+            let line = format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}");
+            terminal.progress(*newton, line);
+        });
+    }
+}
+
+/// Says a warning; whoever asks keeps it.
+pub(super) fn say_warning(console: &Console, warning: &Warning) {
+    console.say(format!("WARNING     {warning}"));
+}
+
+/// Applies overrides; those that fail are told with what is wrong with the case besides.
+fn apply(settings: &[String], document: &mut Document) -> Result<(), Diagnostics> {
+    let mut problems = Vec::new();
+    for option in settings {
+        problems.extend(document.set(option).err().iter().flat_map(Diagnostics::list).cloned());
+    }
+    if !problems.is_empty() {
+        let others = CaseProblem::lower(document.clone(), Arc::default());
+        problems.extend(others.err().iter().flat_map(Diagnostics::list).cloned());
+    }
+    Diagnostics::new(problems).into_result()
+}
+
+impl From<Exit> for u8 {
+    fn from(exit: Exit) -> Self {
+        exit.code()
+    }
+}

@@ -1,0 +1,47 @@
+//! `nastic solve`: the equilibrium at the start controls.
+
+mod equilibria;
+pub(crate) mod equilibrium;
+mod minimum;
+pub(super) mod modes;
+mod moving;
+mod path;
+mod ramp;
+mod ramp_failure;
+mod ramp_jumps;
+mod series;
+
+pub(super) use crate::run::solve::moving::resume;
+
+use crate::run::analysis::Analysis;
+use crate::run::error::{Exit, RunError};
+use crate::run::motion;
+use crate::run::report::remove_earlier;
+use crate::run::session::Session;
+use crate::run::solve::equilibrium::equilibrium;
+
+pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
+    if let Some(option) = analysis.option().filter(|_| session.problem.is_motion()) {
+        let refused = motion::refused(&session.problem, option);
+        return Err(session.refuse(refused));
+    }
+    // a ramp is read first
+    if !matches!(analysis, Analysis::Ramp(_)) {
+        remove_earlier(session)?;
+    }
+    if let Some(out) = &session.out {
+        // It belongs to an earlier command, and would stand beside the files of this one.
+        out.remove("failure.vtu")?;
+    }
+    if session.problem.is_motion() {
+        return moving::run(session, None);
+    }
+    match analysis {
+        Analysis::Equilibrium | Analysis::Minimum | Analysis::Modes(_) | Analysis::Equilibria(_) => {
+            equilibrium(session, analysis)
+        }
+        Analysis::Ramp(text) => ramp::run(session, text),
+        Analysis::Path => path::run(session, false),
+        Analysis::PathToLimit => path::run(session, true),
+    }
+}

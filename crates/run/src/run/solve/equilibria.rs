@@ -1,0 +1,80 @@
+//! `nastic solve --equilibria N`: several equilibria under the start controls, by deflation.
+
+use crate::run::error::{Exit, RunError};
+use crate::run::report::say_files;
+use crate::run::session::Session;
+use crate::run::solve::series::{Row, Series};
+use nastic_control::{ControlError, EnsemblePoint};
+use nastic_fem::{Equilibrium, Progress, SolveOptions, StateError, Workspace};
+use serde_json::json;
+
+/// Finds, says and writes the equilibria of every member, beginning with that of the point.
+pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint, count: usize) -> Result<Exit, RunError> {
+    let mut files = Vec::new();
+    for index in 0..point.members.len() {
+        if session.is_cancelled() {
+            break;
+        }
+        files.extend(session.timed("deflation", |session| of_member(session, point, index, count))?);
+    }
+    if session.out.is_some() {
+        say_files(session, files);
+    }
+    Ok(if session.is_cancelled() { Exit::NotConverged } else { Exit::Done })
+}
+
+fn of_member(
+    session: &mut Session<'_>,
+    point: &EnsemblePoint,
+    index: usize,
+    count: usize,
+) -> Result<Vec<String>, RunError> {
+    let at = &point.members[index];
+    let member = session.problem.member(index);
+    let mut series = Series::new(member, "equilibrium", ("equilibrium".to_owned(), String::new()));
+    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    session.console.say(format!("equilibria  up to {count} under the same controls and loads{inside}"));
+    session.console.say(series.header());
+    let progress = |now: &Progress| {
+        let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);
+        session.console.progress(now.newton, line);
+    };
+    let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+    let mut found = |one: &Equilibrium| {
+        let (parameter, state) = ((series.rows.len() + 1) as f64, one.state.clone());
+        let row = Row { parameter, m: at.m.clone(), newton: state.report.newton, state, negative: one.negative };
+        session.console.say(series.line(&row));
+        series.rows.push(row);
+    };
+    let model = member.solid().model();
+    let all = model.equilibria(at.state(), count, &how, &mut Workspace::default(), &mut found);
+    let (starts, newton) = match all {
+        Ok(all) => (Some(all.starts), Some(all.newton)),
+        // What was found before Ctrl-C is kept.
+        Err(StateError::Cancelled) => (None, None),
+        Err(error) => return Err(session.member_failed((index, ControlError::from(error)))),
+    };
+    let many = series.rows.len();
+    if many < count {
+        let from = starts.map_or_else(|| "before it was stopped".to_owned(), |starts| format!("from {starts} starts"));
+        session.console.say(format!("            {many} of {count} were found, {from}; others may exist"));
+    }
+    let warnings = series.inspect();
+    let mut files = Vec::new();
+    if let Some(out) = &session.out {
+        let stem = member.file("equilibrium_");
+        out.remove_numbered(&stem);
+        for k in 0..series.rows.len() {
+            let shot = series.snapshot(k)?;
+            let name = format!("{stem}{:03}.vtu", k + 1);
+            out.write_vtu(&name, &shot)?;
+            files.push(name);
+        }
+    }
+    let entry = json!({
+        "asked": count, "found": series.points(), "starts": starts, "newton_iterations": newton,
+    });
+    session.put_of_member(index, "equilibria", entry);
+    warnings.into_iter().for_each(|warning| session.warn(warning));
+    Ok(files)
+}

@@ -1,0 +1,147 @@
+//! The equilibrium at the start controls, with its modes or others beside it.
+
+use crate::result::collections::write_collections;
+use crate::result::inspection::Inspection;
+use crate::result::picture::Drawing;
+use crate::result::target_files::write_targets;
+use crate::result::title::title;
+use crate::result::{picture, snapshot, summary};
+use crate::run::analysis::Analysis;
+use crate::run::error::{Exit, RunError};
+use crate::run::motion;
+use crate::run::report::say_files;
+use crate::run::session::Session;
+use crate::run::solve::{equilibria, minimum, modes};
+use crate::run::states::Shown;
+use crate::run::terminal::{say_cost, say_members, say_probes, say_reactions, say_stability, say_tracked};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
+use nastic_fem::{Modes, SolveReport};
+use nastic_language::number::short;
+use nastic_numeric::format::scientific;
+use serde_json::json;
+
+/// The equilibrium at the start controls, with its modes or others beside it.
+pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
+    let mut point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
+    if *analysis == Analysis::Minimum {
+        point = session.timed("descent", |session| minimum::descend(session, point))?;
+    }
+    let found = session.inspect(motion::state_name(&session.problem), &point);
+    report(session, &point, &found)?;
+    let modes = match analysis {
+        Analysis::Modes(count) => session.timed("modes", |session| modes::find(session, &point, *count))?,
+        _ => Vec::new(),
+    };
+    modes::report(session, &modes);
+    session.timed("write", |session| write(session, &point, (&found, &[]), &modes))?;
+    let exit = match analysis {
+        Analysis::Equilibria(count) => equilibria::run(session, &point, *count)?,
+        _ => Exit::Done,
+    };
+    show(session, point, None, found)?;
+    Ok(exit)
+}
+
+/// Keeps the equilibria at the start controls for whoever runs the command.
+pub(crate) fn show(
+    session: &mut Session<'_>,
+    point: EnsemblePoint,
+    derivative: Option<Vec<f64>>,
+    inspections: Vec<Inspection>,
+) -> Result<(), RunError> {
+    let subtitle = subtitle(session, point.members.iter().map(|at| at.min_j()).fold(f64::INFINITY, f64::min))?;
+    let what = motion::state_name(&session.problem);
+    session.shown = Some(Shown { what, subtitle, point, derivative, start: None, inspections });
+    Ok(())
+}
+
+/// The line below the title of a picture.
+fn subtitle(session: &Session<'_>, min_j: f64) -> Result<String, RunError> {
+    let distance = picture::distance(&session.record()?.state, session.problem.units().length().symbol);
+    let what = motion::state_name(&session.problem);
+    Ok(format!("{what} at the start control, min J {}{distance}{}", short(min_j), session.warned()))
+}
+
+/// Puts what the equilibria are into the result and says it.
+pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
+    let entries = session.entries(point, found)?;
+    let controls = summary::controls(&session.problem, &point.m);
+    session.put_all(entries);
+    session.put("controls", controls);
+    session.put("load_steps", json!(point.members.iter().map(|at| at.state().report.load_steps).max()));
+    say(session, point)
+}
+
+fn say(session: &Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
+    let states = || point.members.iter().map(|at| at.state());
+    let (console, result) = (session.console, session.record()?);
+    let mut work = SolveReport::default();
+    point.members.iter().for_each(|at| work.add_work(&at.work));
+    if work.newton == 0 && states().all(|state| state.u.iter().all(|u| *u == 0.0)) {
+        console.say("equilibrium the state of rest: nothing deforms the body at the start controls");
+    }
+    let of_steps =
+        format!(" in {} load steps ({} cut)", states().map(|state| state.report.load_steps).sum::<usize>(), work.cuts);
+    let moves = session.problem.is_motion();
+    console.say(format!(
+        "{:<12}{} Newton iterations{}, {} factorisations ({} reused), residual {}",
+        if moves { "work" } else { "equilibrium" },
+        work.newton,
+        if moves { "" } else { of_steps.as_str() },
+        work.factorisations,
+        work.reused,
+        scientific(states().map(|state| state.report.residual).fold(0.0, f64::max), 1)
+    ));
+    if work.cycles > 0 {
+        console.say(format!("linear      multigrid: {} cycles on {} sets of levels", work.cycles, work.hierarchies));
+    }
+    say_stability(session, &result);
+    say_cost(session, &result);
+    say_members(session, &result);
+    say_tracked(session, &result);
+    say_probes(session, &result);
+    say_reactions(session, &result);
+    Ok(())
+}
+
+pub(crate) fn write(
+    session: &mut Session<'_>,
+    point: &EnsemblePoint,
+    (found, records): (&[Inspection], &[motion::Record]),
+    modes: &[Modes],
+) -> Result<(), RunError> {
+    let Some(out) = session.out.clone() else { return Ok(()) };
+    let problem = &session.problem;
+    let mut files = Vec::new();
+    for (member, at) in problem.members().zip(&point.members) {
+        let found = found.get(member.index());
+        let mut shot = snapshot::inspected(member, &StateFields::new(at.state(), &at.m), found)?;
+        if let Some(modes) = modes.get(member.index()) {
+            shot = modes::with_fields(shot, modes.shapes.iter().map(Vec::as_slice))?;
+        }
+        let write = || out.write_state(&member.file("start"), &shot);
+        if member.part().scenario() > 0 {
+            files.extend(write()?);
+            continue;
+        }
+        let ghosts = motion::ghosts(records, member, at)?;
+        let drawing = Drawing {
+            title: title(member),
+            subtitle: subtitle(session, at.min_j())? + &picture::legend(&shot),
+            body: (motion::state_name(problem), &shot),
+            ghosts: picture::named(&ghosts),
+            scenarios: Vec::new(),
+            mean: None,
+        };
+        let draw = || picture::write(member, picture::compose(member, &drawing), &out);
+        let (written, drawn) = rayon::join(write, draw);
+        files.extend(written?);
+        drawn?;
+        files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
+    }
+    files.extend(write_targets(problem, &out)?);
+    files.extend(write_collections(problem, "start", &out)?);
+    files.extend(motion::write(problem, records, &out)?);
+    say_files(session, files);
+    Ok(())
+}

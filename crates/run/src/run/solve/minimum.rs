@@ -1,0 +1,45 @@
+//! `nastic solve --minimum`: on from an unstable equilibrium to a stable one.
+
+use crate::run::error::RunError;
+use crate::run::session::Session;
+use nastic_control::{ControlError, EnsemblePoint, SolvedStates};
+use nastic_fem::{SolveOptions, Workspace};
+use nastic_language::number::short;
+use nastic_numeric::format::scientific;
+use nastic_opt::Objective;
+
+/// The point with every member's state taken down to a minimum of its potential, costs valued there.
+pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Result<EnsemblePoint, RunError> {
+    let mut work = Vec::new();
+    for index in 0..point.members.len() {
+        let (member, at) = (session.problem.member(index), &point.members[index]);
+        let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+        let found = member.solid().model().descend(at.state(), &how, &mut Workspace::default());
+        let found = found.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
+        if found.saddles > 0 {
+            let (from, to) = (at.state().report.energy, found.state.report.energy);
+            let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+            let fall = scientific(from - to, 3);
+            session.console.say(format!(
+                "descent     potential from {} to {}, by {fall}{inside}",
+                short(from),
+                short(to)
+            ));
+        }
+        let mut report = found.state.report;
+        // A state that was a minimum already brings its own work.
+        if found.saddles > 0 {
+            report.add_work(&at.work);
+        } else {
+            session.console.say("descent     the equilibrium is stable already");
+        }
+        work.push(report);
+        let solved = &mut point.members[index].solved;
+        *solved = SolvedStates::one(found.state, solved.accuracy);
+    }
+    let restaged = session.problem.ensemble.restage(0, &point);
+    let mut point = restaged.map_err(|failed| session.evaluation_failed(&failed))?;
+    // Valuing again is no work of a solve.
+    point.members.iter_mut().zip(work).for_each(|(at, work)| at.work = work);
+    Ok(point)
+}

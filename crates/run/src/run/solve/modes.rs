@@ -1,0 +1,65 @@
+//! `nastic solve --modes N`: eigenvalues and modes of the tangent at the equilibrium.
+
+use crate::run::error::RunError;
+use crate::run::session::Session;
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_control::{ControlError, EnsemblePoint};
+use nastic_fem::{Modes, SolveOptions};
+use nastic_language::quantity::Dimension;
+use nastic_mesh::Snapshot;
+use nastic_numeric::format::scientific;
+use serde_json::json;
+
+/// Unit of eigenvalues: a stiffness per volume.
+const STIFFNESS: Dimension = Dimension::of(-4, 1, 0, 0);
+
+/// The modes of every member, in their order.
+pub(super) fn find(session: &Session<'_>, point: &EnsemblePoint, count: usize) -> Result<Vec<Modes>, RunError> {
+    let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+    for member in session.problem.members() {
+        let free = member.solid().supports().fixed().iter().filter(|&&fixed| !fixed).count();
+        if count > free {
+            let what = format!("--modes {count}: the body has {free} free unknowns; ask for 1 to {free} modes");
+            return Err(session.problem.complain("mesh", what).into());
+        }
+    }
+    let of = |(member, at): (CaseMember<'_>, &nastic_control::Evaluated)| {
+        let modes = member.solid().modes(at.state(), count, &how);
+        modes.map_err(|error| session.member_failed((member.index(), ControlError::from(error))))
+    };
+    session.problem.members().zip(&point.members).map(of).collect()
+}
+
+/// Puts eigenvalues into the result and says them.
+pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
+    let unit = unit(&session.problem);
+    for (index, own) in modes.iter().enumerate() {
+        let value = json!({ "eigenvalues": own.eigenvalues, "negative": own.negative, "unit": unit });
+        session.put_of_member(index, "modes", value);
+        let name = session.problem.member(index).name();
+        let inside = if name.is_empty() { name } else { format!(" in {name}") };
+        session.console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}"));
+        for (k, lambda) in own.eigenvalues.iter().enumerate() {
+            let remark = if *lambda < 0.0 { "  unstable" } else { "" };
+            session.console.say(format!("  {:>9} {:>16} {unit}{remark}", k + 1, scientific(*lambda, 6)));
+        }
+    }
+}
+
+fn unit(problem: &CaseProblem) -> String {
+    problem.units().label(STIFFNESS)
+}
+
+/// The modes as fields `mode_1` .. at the nodes.
+pub(in crate::run) fn with_fields<'s>(
+    mut shot: Snapshot,
+    shapes: impl Iterator<Item = &'s [f64]>,
+) -> Result<Snapshot, ControlError> {
+    let dim = shot.mesh.dim();
+    for (k, shape) in shapes.enumerate() {
+        let entry = |u: &[f64]| [u[0], u[1], u.get(2).copied().unwrap_or(0.0)];
+        let values = shape.chunks_exact(dim).flat_map(entry).collect();
+        shot = shot.with_points(&format!("mode_{}", k + 1), 3, values)?;
+    }
+    Ok(shot)
+}

@@ -1,0 +1,36 @@
+//! `nastic solve` of a case that moves, and `nastic resume` of one that was stopped.
+
+use crate::run::error::{Exit, RunError};
+use crate::run::motion;
+use crate::run::motion::MotionCheckpoint;
+use crate::run::session::Session;
+use crate::run::solve::equilibrium::{report, show, write};
+use serde_json::json;
+use std::mem::take;
+
+/// The motion at the start controls, from the beginning or from a checkpoint.
+pub(super) fn run(session: &mut Session<'_>, from: Option<MotionCheckpoint>) -> Result<Exit, RunError> {
+    session.find_steps()?;
+    let (point, records) = motion::solve(session, from)?;
+    let found = session.inspect(motion::state_name(&session.problem), &point);
+    session.warn_of_motions(&records);
+    report(session, &point, &found)?;
+    session.report_motions(&records, &point);
+    session.timed("write", |session| write(session, &point, (&found, &records), &[]))?;
+    show(session, point, None, found)?;
+    Ok(Exit::Done)
+}
+
+/// Goes on with a motion that was stopped.
+pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCheckpoint) -> Result<Exit, RunError> {
+    if session.spectrum.is_some() {
+        let message = "--spectrum looks at optima, and this resumes the motion of nastic solve: leave it out";
+        return Err(session.problem.complain("time", message).into());
+    }
+    session.restore_steps(take(&mut checkpoint.steps))?;
+    let places = checkpoint.places();
+    let told = places.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+    session.console.say(format!("resumed     the motion goes on behind step {told}"));
+    session.put("resumed", json!({ "steps": places }));
+    run(session, Some(checkpoint))
+}

@@ -1,0 +1,144 @@
+//! `nastic solve --path`: the equilibrium path from rest to the start controls and full loads, through limit points.
+
+use crate::result::summary;
+use crate::run::error::{Exit, RunError};
+use crate::run::report::say_files;
+use crate::run::session::Session;
+use crate::run::solve::series::{Row, Series};
+use nastic_case::lower::CaseMember;
+use nastic_case::warning::Warning;
+use nastic_control::ControlError;
+use nastic_fem::{
+    EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint, Progress, SolveOptions, Workspace,
+};
+use nastic_language::number::short;
+use nastic_picture::Chart;
+use serde_json::{Map, Value, json};
+
+/// `to_limit`: to the first limit point, if there is one.
+pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, RunError> {
+    let mut files = Vec::new();
+    let mut exit = Exit::Done;
+    for index in 0..session.problem.members().count() {
+        let told = session.timed("solve", |session| of_member(session, index, to_limit))?;
+        let Told { entry, files: own, stopped, warnings } = told;
+        warnings.into_iter().for_each(|warning| session.warn(warning));
+        session.put_of_member(index, "path", entry);
+        files.extend(own);
+        if let Some((how, why)) = stopped {
+            session.console.say(format!("STOPPED     {why}"));
+            session.put("error", json!(why));
+            exit = if exit == Exit::ForwardFailed { exit } else { how };
+            if session.is_cancelled() {
+                break;
+            }
+        }
+    }
+    if session.out.is_some() {
+        say_files(session, files);
+    }
+    Ok(exit)
+}
+
+/// What became of a member.
+struct Told {
+    entry: Value,
+    files: Vec<String>,
+    /// Why its path stopped short of the end.
+    stopped: Option<(Exit, String)>,
+    warnings: Vec<Warning>,
+}
+
+fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told, RunError> {
+    let member = session.problem.member(index);
+    let start = member.local(&session.problem.start);
+    let failed = |error: ControlError| session.member_failed((index, error));
+    let controls = member.layout().to_points(&start).map_err(failed)?;
+
+    let mut series = Series::new(member, "path", ("s".to_owned(), String::new()));
+    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    session.console.say(format!("path        from rest (s = 0) to the start controls and full loads (s = 1){inside}"));
+    session.console.say(series.header());
+    let progress = |now: &Progress| {
+        let line = format!("s {:.4}, Newton iteration {}, residual {:.1e}", now.load, now.newton, now.residual);
+        session.console.progress(now.newton, line);
+    };
+    let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+    let mut found = |point: &PathPoint| {
+        let (m, state) = (start.iter().map(|m| point.s * m).collect(), point.state.clone());
+        let row = Row { parameter: point.s, m, newton: state.report.newton, state, negative: point.negative };
+        session.console.say(series.line(&row));
+        series.rows.push(row);
+    };
+    let model = member.solid().model();
+    let (rest, options) = (model.rest_under(&controls), PathOptions { to_limit, ..PathOptions::default() });
+    let path = model.path(&rest, (&controls, 1.0), &options, &how, &mut Workspace::default(), &mut found);
+    let path = path.map_err(|error| failed(error.into()))?;
+    path.events.iter().for_each(|event| session.console.say(line(event)));
+    let warnings = series.inspect();
+
+    let files = match &session.out {
+        Some(out) => series.write(&chart(&series, &path), out)?,
+        None => Vec::new(),
+    };
+    let stopped = stopped(&path, &member.name());
+    let entry = json!({
+        "points": series.points(),
+        "events": path.events.iter().map(|event| event_entry(member, event)).collect::<Vec<_>>(),
+        "stopped": stopped.as_ref().map(|(_, why)| why),
+    });
+    Ok(Told { entry, files, stopped, warnings })
+}
+
+fn name(kind: EventKind) -> &'static str {
+    match kind {
+        EventKind::LimitPoint => "limit point",
+        EventKind::Bifurcation => "bifurcation",
+    }
+}
+
+fn line(event: &PathEvent) -> String {
+    let count = |n: Option<usize>| n.map_or_else(|| "-".to_owned(), |n| n.to_string());
+    let (before, after) = (count(event.before), count(event.after));
+    format!("critical    {} at s = {:.6}: from {before} to {after} negative pivots", name(event.kind), event.s)
+}
+
+fn event_entry(member: CaseMember<'_>, event: &PathEvent) -> Value {
+    let mut entry = Map::new();
+    entry.insert("kind".into(), json!(name(event.kind)));
+    entry.insert("value".into(), json!(event.s));
+    entry.insert("before".into(), json!(event.before));
+    entry.insert("after".into(), json!(event.after));
+    entry.extend(summary::shape(member, &event.state));
+    Value::Object(entry)
+}
+
+/// The load-displacement curve with its limit points.
+fn chart(series: &Series<'_>, path: &EquilibriumPath) -> Chart {
+    path.events.iter().fold(series.chart(true), |chart, event| {
+        let label = match event.kind {
+            EventKind::LimitPoint => format!("limit point {}", short(event.s)),
+            EventKind::Bifurcation => String::new(),
+        };
+        chart.dot(series.first_value(&event.state), event.s, &label)
+    })
+}
+
+/// Why a path does not reach s = 1.
+fn stopped(path: &EquilibriumPath, member: &str) -> Option<(Exit, String)> {
+    let s = short(path.points.last().map_or(0.0, |point| point.s));
+    let member = if member.is_empty() { String::new() } else { format!("{member}: ") };
+    match &path.end {
+        PathEnd::Left if path.points.last().is_some_and(|point| point.s > 0.0) => None,
+        PathEnd::Left => {
+            Some((Exit::NotConverged, format!("{member}the path turns back to s = {s} and is not followed further")))
+        }
+        PathEnd::LimitPoint => None,
+        PathEnd::Points => {
+            let many = path.points.len();
+            Some((Exit::NotConverged, format!("{member}the path has {many} points and has come to s = {s}")))
+        }
+        PathEnd::Stuck(why) => Some((Exit::ForwardFailed, format!("{member}the path ends at s = {s}: {why}"))),
+        PathEnd::Cancelled => Some((Exit::NotConverged, format!("{member}stopped at s = {s}"))),
+    }
+}

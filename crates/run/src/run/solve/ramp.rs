@@ -1,0 +1,191 @@
+//! `nastic solve --ramp CONTROL=FROM:TO:N`: equilibria with one control going from one value to another.
+
+use crate::run::error::{Exit, RunError};
+use crate::run::report::{remove_earlier, say_files};
+use crate::run::session::Session;
+use crate::run::solve::ramp_failure::RampFailure;
+use crate::run::solve::ramp_jumps::jumps;
+use crate::run::solve::series::{Row, Series};
+use nastic_case::lower::{CaseMember, ControlField};
+use nastic_case::warning::Warning;
+use nastic_control::{ControlBlock, ControlError};
+use nastic_fem::{Progress, Ramp, RampPoint, SolveOptions, StateError, Workspace};
+use nastic_language::expression::{Formula, dimension_of};
+use nastic_language::number::short;
+use nastic_language::quantity::{Dimension, Units};
+use serde_json::{Value, json};
+
+/// Most equilibria of one ramp.
+const MOST: usize = 10_000;
+
+/// What is asked for.
+struct Asked {
+    control: String,
+    from: Formula,
+    to: Formula,
+    count: usize,
+}
+
+pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunError> {
+    let complain =
+        |session: &Session<'_>, what: String| session.problem.complain("controls", format!("--ramp: {what}"));
+    let asked = Asked::parse(text, session.problem.units()).map_err(|what| {
+        let error = complain(session, what).into();
+        session.refuse(error)
+    })?;
+    let members = 0..session.problem.members().count();
+    let owners: Vec<usize> = members.filter(|&k| asked.field(session.problem.member(k)).is_some()).collect();
+    if owners.is_empty() {
+        let known: Vec<&str> = session.problem.controls.iter().map(|field| field.name.as_str()).collect();
+        let what = match known.is_empty() {
+            true => "the case has no controls to ramp; --path raises loads and displacements".to_owned(),
+            false => format!("control \"{}\" not found; there are: {}", asked.control, known.join(", ")),
+        };
+        let error = complain(session, what).into();
+        return Err(session.refuse(error));
+    }
+    remove_earlier(session)?;
+    let mut files = Vec::new();
+    let mut exit = Exit::Done;
+    for index in owners {
+        let (entry, own, failure, warnings) = session.timed("solve", |session| asked.of_member(session, index))?;
+        warnings.into_iter().for_each(|warning| session.warn(warning));
+        session.put_of_member(index, "ramp", entry);
+        files.extend(own);
+        if let Some((why, error)) = failure {
+            let member = session.problem.member(index).name();
+            let member = if member.is_empty() { member } else { format!("{member}: ") };
+            let what = format!("{member}the ramp stops at {why}");
+            session.console.say(format!("STOPPED     {what}"));
+            session.put("error", json!(what));
+            if matches!(error, StateError::Cancelled) {
+                exit = if exit == Exit::Done { Exit::NotConverged } else { exit };
+                break;
+            }
+            exit = Exit::ForwardFailed;
+        }
+    }
+    if session.out.is_some() {
+        say_files(session, files);
+    }
+    Ok(exit)
+}
+
+impl Asked {
+    fn parse(text: &str, units: &Units) -> Result<Self, String> {
+        let form = || format!("\"{text}\" is not CONTROL=FROM:TO:N, as in \"air=0 Pa:60 kPa:12\"");
+        let (control, values) = text.split_once('=').ok_or_else(form)?;
+        let [from, to, count] = values.split(':').collect::<Vec<_>>()[..] else { return Err(form()) };
+        let count = count.trim().parse().ok().filter(|n| (2..=MOST).contains(n));
+        let count = count.ok_or_else(|| format!("N must be a whole number from 2 to {MOST} in \"{text}\""))?;
+        let value = |text: &str| {
+            let formula = Formula::parse(text.trim(), units).map_err(|error| error.to_string())?;
+            match formula.constant() {
+                Some(_) => Ok(formula),
+                None => Err(format!("\"{text}\" varies over the body; a ramp goes between two values")),
+            }
+        };
+        Ok(Self { control: control.trim().to_owned(), from: value(from)?, to: value(to)?, count })
+    }
+
+    /// The field of that name.
+    fn field<'p>(&self, member: CaseMember<'p>) -> Option<(&'p ControlBlock, &'p ControlField)> {
+        member.fields().find(|(block, field)| [&field.name, &field.array, &block.name].contains(&&self.control))
+    }
+
+    /// Both ends, in the case's units.
+    fn ends(&self, block: &ControlBlock) -> Result<[f64; 2], String> {
+        if block.components != 1 {
+            let name = &self.control;
+            return Err(format!("control \"{name}\" is a vector; give it a \"direction\", then its amplitude can go"));
+        }
+        let dimension = dimension_of(block.unit).unwrap_or(Dimension::NONE);
+        self.from.check(dimension)?;
+        self.to.check(dimension)?;
+        Ok([&self.from, &self.to].map(|end| end.constant().unwrap_or(f64::NAN)))
+    }
+
+    /// The result's entry, the files, where it failed, and what deserves attention.
+    fn of_member(&self, session: &Session<'_>, index: usize) -> Result<Told, RunError> {
+        let problem = &session.problem;
+        let member = problem.member(index);
+        let complain = |what: String| RunError::from(problem.complain("controls", format!("--ramp: {what}")));
+        let Some((block, field)) = self.field(member) else { return Err(complain(self.control.clone())) };
+        let [from, to] = self.ends(block).map_err(complain)?;
+        let start = member.local(&problem.start);
+        let at = |value: f64| {
+            let mut m = start.clone();
+            m[block.first..block.first + block.len()].fill(value);
+            m
+        };
+        let points = |value: f64| member.layout().to_points(&at(value));
+        let failed = |error: ControlError| session.member_failed((index, error));
+        let (first, last) = (points(from).map_err(failed)?, points(to).map_err(failed)?);
+
+        let mut series = Series::new(member, "ramp", (field.array.clone(), field.unit.clone()));
+        let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+        let ends = format!("{} to {} {}", short(from), short(to), field.unit);
+        session.console.say(format!("ramp        {} from {ends} in {} equilibria{inside}", field.array, self.count));
+        session.console.say(series.header());
+        let progress = |now: &Progress| {
+            let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);
+            session.console.progress(now.newton, line);
+        };
+        let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+        let value = |s: f64| if s == 1.0 { to } else { from + s * (to - from) };
+        let mut found = |point: &RampPoint| {
+            let (parameter, state) = (value(point.s), point.state.clone());
+            let row = Row { parameter, m: at(parameter), newton: state.report.newton, state, negative: point.negative };
+            session.console.say(series.line(&row));
+            series.rows.push(row);
+        };
+        let model = member.solid().model();
+        let ramp = model.ramp((&first, &last), self.count, &how, &mut Workspace::default(), &mut found);
+        let ramp = ramp.map_err(|error| failed(error.into()))?;
+        let critical = critical(session, &ramp, from, to, &field.unit);
+        let mut warnings = series.inspect();
+        let (jumps, told_of_jumps) = jumps(&series, &how);
+        warnings.extend(told_of_jumps);
+
+        let mut chart = series.chart(false);
+        for point in &ramp.critical {
+            chart = chart.mark(value(point.s), &format!("{} > {}", point.before, point.after));
+        }
+        let mut files = match &session.out {
+            Some(out) if !series.rows.is_empty() => series.write(&chart, out)?,
+            _ => Vec::new(),
+        };
+        let (mut told, mut failure) = (None, None);
+        if let Some((s, error)) = ramp.failure {
+            let before = ramp.points.last().map(|point| value(point.s));
+            let stopped = RampFailure { error: &error, before, target: value(s), unit: &field.unit };
+            told = Some(stopped.entry(member));
+            let (name, m) = (member.file("failure.vtu"), at(stopped.reached()));
+            files.extend(session.write_failure(member, (&name, &m), &error)?.map(|_| name));
+            failure = Some((format!("{}: {}", stopped.at(), stopped.why()), error));
+        }
+        let entry = json!({
+            "control": field.name, "unit": field.unit, "from": from, "to": to, "points": series.points(),
+            "critical": critical, "jumps": jumps, "failed": told,
+        });
+        Ok((entry, files, failure, warnings))
+    }
+}
+
+type Told = (Value, Vec<String>, Option<(String, StateError)>, Vec<Warning>);
+
+/// Critical values, said and as a list.
+fn critical(session: &Session<'_>, ramp: &Ramp, from: f64, to: f64, unit: &str) -> Value {
+    let of = |point: &nastic_fem::CriticalPoint| {
+        let (value, error) = (from + point.s * (to - from), 0.5 * point.width * (to - from).abs());
+        session.console.say(format!(
+            "critical    {} {unit} (within {}): from {} to {} negative pivots",
+            short(value),
+            short(error),
+            point.before,
+            point.after
+        ));
+        json!({ "value": value, "error": error, "before": point.before, "after": point.after })
+    };
+    ramp.critical.iter().map(of).collect()
+}

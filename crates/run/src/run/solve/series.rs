@@ -1,0 +1,246 @@
+//! [`Series`]: equilibria of one member along a parameter, as a table, CSV, a chart and snapshots.
+
+use crate::result::csv::quoted;
+use crate::result::files::Directory;
+use crate::result::inspection::Inspection;
+use crate::result::title::title;
+use crate::result::{snapshot, summary};
+use crate::run::error::RunError;
+use nastic_case::lower::CaseMember;
+use nastic_case::warning::Warning;
+use nastic_control::{ControlError, StateFields};
+use nastic_fem::{Instant, State};
+use nastic_io::write_atomically;
+use nastic_language::number::short;
+use nastic_mesh::Snapshot;
+use nastic_picture::{Chart, Curve};
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+
+/// Equilibria one after the other.
+pub(super) struct Series<'p> {
+    pub member: CaseMember<'p>,
+    /// What the names of its files begin with: `ramp`, `path`.
+    pub name: &'static str,
+    /// Name of the parameter, and its unit (empty where it has none).
+    pub parameter: (String, String),
+    pub rows: Vec<Row>,
+    /// What was found in each row, once they were inspected.
+    found: Vec<Inspection>,
+}
+
+/// One equilibrium.
+pub(super) struct Row {
+    pub parameter: f64,
+    /// The member's controls.
+    pub m: Vec<f64>,
+    pub state: State,
+    /// Negative pivots of the tangent, where it has an inertia.
+    pub negative: Option<usize>,
+    /// Newton iterations that led to it.
+    pub newton: usize,
+}
+
+/// A number of every state that is drawn.
+struct Drawn {
+    name: String,
+    /// Its column; the largest displacement if none.
+    column: Option<usize>,
+}
+
+/// Columns of values that the terminal shows.
+const SHOWN: usize = 6;
+/// A component that moves less than this share of the one that moves most is not drawn.
+const MOVES: f64 = 0.02;
+
+impl<'p> Series<'p> {
+    pub fn new(member: CaseMember<'p>, name: &'static str, parameter: (String, String)) -> Self {
+        Self { member, name, parameter, rows: Vec::new(), found: Vec::new() }
+    }
+
+    /// Looks into the rows. What deserves attention is told once for each kind, with the first row that has it.
+    pub fn inspect(&mut self) -> Vec<Warning> {
+        let member = self.member;
+        let look = |row: &Row| Inspection::of_counted(member, &row.state, row.negative);
+        self.found = self.rows.par_iter().with_max_len(1).map(look).collect();
+        let mut told: Vec<(Warning, usize)> = Vec::new();
+        for (row, found) in self.rows.iter().zip(&self.found) {
+            let at = format!("{} at {}", self.name, short(row.parameter));
+            for warning in found.warnings(member, &at) {
+                match told.iter_mut().find(|(known, _)| known.kind == warning.kind) {
+                    Some((_, count)) => *count += 1,
+                    None => told.push((warning, 1)),
+                }
+            }
+        }
+        let rows = self.rows.len();
+        let tell = |(mut warning, count): (Warning, usize)| {
+            warning.message += &format!(" (the first of {count} such states among {rows})");
+            warning
+        };
+        told.into_iter().map(tell).collect()
+    }
+
+    /// A row as it is written, with the cells marked where the body intersects itself.
+    pub fn snapshot(&self, index: usize) -> Result<Snapshot, ControlError> {
+        let row = &self.rows[index];
+        snapshot::inspected(self.member, &StateFields::new(&row.state, &row.m), self.found.get(index))
+    }
+
+    /// Names of what every equilibrium has: components of probes, then what contributions report.
+    fn columns(&self) -> Vec<String> {
+        let problem = self.member.problem();
+        let axes = ["x", "y", "z"].into_iter().take(self.member.mesh().dim());
+        let of =
+            |probe: &nastic_case::lower::LocatedProbe| axes.clone().map(|c| format!("{}.{c}", probe.name)).collect();
+        let mut names: Vec<String> = problem.probes.iter().flat_map(|probe| -> Vec<String> { of(probe) }).collect();
+        let rest = self.member.solid().rest();
+        // The parameter may be the added volume, `air.volume`.
+        let column = |name: String| if name == self.parameter.0 { format!("contributions.{name}") } else { name };
+        names.extend(self.quantities(&rest).into_iter().map(|(name, what, _)| column(format!("{name}.{what}"))));
+        names
+    }
+
+    fn values(&self, state: &State) -> Vec<f64> {
+        let dim = self.member.mesh().dim();
+        let probes = self.member.problem().probes.iter();
+        let mut values: Vec<f64> = probes.flat_map(|probe| probe.displacement(&state.u, dim)[..dim].to_vec()).collect();
+        values.extend(self.quantities(state).into_iter().map(|(.., value)| value));
+        values
+    }
+
+    fn quantities(&self, state: &State) -> Vec<(String, &'static str, f64)> {
+        let at = Instant::of(state);
+        self.member.solid().model().quantities(&at).unwrap_or_default()
+    }
+
+    /// The head of the table.
+    pub fn header(&self) -> String {
+        let values = self.columns().iter().take(SHOWN).map(|name| format!(" {name:>13}")).collect::<String>();
+        format!("{:>14}{values} {:>13} {:>8} {:>8} {:>6}", self.parameter.0, "potential", "min J", "negative", "newton")
+    }
+
+    /// One line of the table.
+    pub fn line(&self, row: &Row) -> String {
+        let columns = self.values(&row.state).into_iter().zip(self.columns()).take(SHOWN);
+        let value = |(x, name): (f64, String)| format!(" {:>1$}", short(x), name.chars().count().max(13));
+        let values = columns.map(value).collect::<String>();
+        let negative = row.negative.map_or_else(|| "-".to_owned(), |n| n.to_string());
+        let (potential, min_j) = (short(row.state.report.energy), format!("{:.4}", row.state.report.min_j));
+        let rest = format!("{potential:>13} {min_j:>8} {negative:>8} {:>6}", row.newton);
+        format!("{:>14}{values} {rest}", short(row.parameter))
+    }
+
+    /// Every row with all its numbers.
+    pub fn points(&self) -> Value {
+        let of = |row: &Row| {
+            let mut entry = Map::new();
+            entry.insert("value".into(), json!(row.parameter));
+            entry.insert("inertia".into(), json!(row.negative));
+            entry.insert("newton_iterations".into(), json!(row.newton));
+            entry.insert("restarts".into(), json!(row.state.report.restarts));
+            entry.extend(summary::shape(self.member, &row.state));
+            Value::Object(entry)
+        };
+        self.rows.iter().map(of).collect()
+    }
+
+    /// Writes `NAME.csv`, `NAME.svg`, `NAME.pvd` and a snapshot of every row; the names of the files.
+    pub fn write(&self, chart: &Chart, out: &Directory) -> Result<Vec<String>, RunError> {
+        let file = |ending: &str| self.member.file(&format!("{}{ending}", self.name));
+        let stem = file("_");
+        out.remove_numbered(&stem);
+        let mut shots = Vec::new();
+        for (k, row) in self.rows.iter().enumerate() {
+            let shot = self.snapshot(k)?;
+            let name = format!("{stem}{k:04}.vtu");
+            out.write_vtu(&name, &shot)?;
+            shots.push((row.parameter, name));
+        }
+        let (csv, svg, pvd) = (file(".csv"), file(".svg"), file(".pvd"));
+        let text = self.csv();
+        write_atomically(out.file(&csv), |out| out.write_all(text.as_bytes()))?;
+        // ParaView wants times that ascend; a path turns back.
+        let ascends = shots.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        if !ascends {
+            shots.iter_mut().enumerate().for_each(|(k, shot)| shot.0 = k as f64);
+        }
+        nastic_io::write_pvd(out.file(&pvd), &shots)?;
+        chart.write(out.file(&svg))?;
+        let mut files = vec![csv, svg, pvd];
+        files.extend(shots.into_iter().map(|(_, name)| name));
+        Ok(files)
+    }
+
+    fn csv(&self) -> String {
+        let head = [quoted(&self.parameter.0)].into_iter().chain(self.columns().into_iter().map(|name| quoted(&name)));
+        let head = head.chain(["min_J", "negative_pivots", "potential", "newton_iterations"].map(str::to_owned));
+        let mut text = head.collect::<Vec<_>>().join(",") + "\n";
+        for row in &self.rows {
+            let numbers = [row.parameter].into_iter().chain(self.values(&row.state)).map(|x| format!("{x:?}"));
+            let report = &row.state.report;
+            let negative = row.negative.map_or_else(String::new, |n| n.to_string());
+            let rest =
+                [format!("{:?}", report.min_j), negative, format!("{:?}", report.energy), row.newton.to_string()];
+            text += &(numbers.chain(rest).collect::<Vec<_>>().join(",") + "\n");
+        }
+        text
+    }
+
+    /// What is drawn of every row: the columns of components of probes that move; none of them: the largest
+    /// displacement.
+    fn drawn(&self) -> Vec<Drawn> {
+        let probes = self.member.problem().probes.len() * self.member.mesh().dim();
+        let columns = self.columns().into_iter().take(probes).enumerate();
+        let columns: Vec<Drawn> = columns.map(|(column, name)| Drawn { name, column: Some(column) }).collect();
+        let range = |drawn: &Drawn| {
+            let values = self.rows.iter().map(|row| self.value(&row.state, drawn));
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            high - low
+        };
+        let ranges: Vec<f64> = columns.iter().map(range).collect();
+        let most = ranges.iter().fold(0.0, |most: f64, range| most.max(*range));
+        if most > 0.0 {
+            return columns
+                .into_iter()
+                .zip(ranges)
+                .filter(|(_, r)| *r > MOVES * most)
+                .map(|(drawn, _)| drawn)
+                .collect();
+        }
+        vec![Drawn { name: "largest |u|".to_owned(), column: None }]
+    }
+
+    fn value(&self, state: &State, drawn: &Drawn) -> f64 {
+        match drawn.column {
+            Some(column) => self.values(state)[column],
+            None => self.member.solid().model().nodal(&state.u).iter().fold(0.0, |most: f64, u| most.max(u.abs())),
+        }
+    }
+
+    /// The first value that is drawn, of another state.
+    pub fn first_value(&self, state: &State) -> f64 {
+        self.drawn().first().map_or(f64::NAN, |drawn| self.value(state, drawn))
+    }
+
+    /// The chart of displacements: over the parameter, or the parameter over them. Unstable equilibria are dashed.
+    pub fn chart(&self, parameter_upwards: bool) -> Chart {
+        let length = self.member.problem().units().length().symbol;
+        let (name, unit) = &self.parameter;
+        let parameter = if unit.is_empty() { name.clone() } else { format!("{name} ({unit})") };
+        let displacement = format!("displacement ({length})");
+        let heading = format!("{}: {}", title(self.member), self.name);
+        let mut chart = match parameter_upwards {
+            true => Chart::new(&heading, &displacement, &parameter),
+            false => Chart::new(&heading, &parameter, &displacement),
+        };
+        for drawn in self.drawn() {
+            let point = |row: &Row| match (self.value(&row.state, &drawn), row.negative == Some(0)) {
+                (u, stable) if parameter_upwards => (u, row.parameter, stable),
+                (u, stable) => (row.parameter, u, stable),
+            };
+            chart = chart.curve(Curve::new(&drawn.name, self.rows.iter().map(point)));
+        }
+        chart
+    }
+}

@@ -1,0 +1,154 @@
+//! [`Row`]: one run of a sweep as a row of its table.
+
+use crate::run::error::{Exit, RunError};
+use crate::run::outcome::Outcome;
+use nastic_report::record::{MemberRecord, RunRecord};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+
+/// What one run of a sweep found.
+pub(super) struct Row {
+    /// Its directory, in that of the sweep.
+    pub directory: String,
+    /// The swept paths with their values as they were typed.
+    pub values: Vec<(String, String)>,
+    /// Directory of the run whose optimum it started from.
+    pub warm_from: Option<String>,
+    pub exit: Exit,
+    pub error: Option<String>,
+    /// Codes of its warnings, each once, in alphabetical order.
+    pub warnings: Vec<String>,
+    /// Numbers of its result by their paths there, as in `expect`.
+    pub figures: Map<String, Value>,
+    /// What the names of its files begin with: of every load case's first scenario, and without the scenario.
+    pub stems: Vec<(String, String)>,
+}
+
+/// Entries of a result that a table shows, of a plain case or of all members together.
+const SHOWN: [&str; 16] = [
+    "cost",
+    "hausdorff",
+    "tracking",
+    "risk",
+    "stop",
+    "converged",
+    "iterations",
+    "trials",
+    "failed_solves",
+    "newton_iterations",
+    "min_J",
+    "inertia",
+    "controls",
+    "probes",
+    "contributions",
+    "reactions",
+];
+/// Those of each load case.
+const OF_CASES: [&str; 5] = ["cost", "hausdorff", "tracking", "probes", "contributions"];
+/// What is left out of them: descriptions, and what follows from the rest.
+const LEFT_OUT: [&str; 10] =
+    ["array", "slot", "space", "grid", "unit", "unknowns", "lower", "upper", "point", "position"];
+
+impl Row {
+    pub fn of(directory: &str, values: Vec<(String, String)>, ran: Result<Outcome, RunError>, out: &Path) -> Self {
+        let (exit, error, result) = match ran {
+            Ok(outcome) => (outcome.exit, None, outcome.result),
+            // What a failed solve found out before is in its directory; nothing is written of a case that is wrong.
+            Err(error @ (RunError::Forward { .. } | RunError::Motion { .. })) => {
+                let text = std::fs::read_to_string(out.join(directory).join("result.json")).ok();
+                let known = text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
+                (error.exit(), Some(error.to_string()), known)
+            }
+            Err(error) => (error.exit(), Some(error.to_string()), Value::Null),
+        };
+        let record = RunRecord::of(&result).unwrap_or_default();
+        let mut warnings: Vec<String> = record.warnings.into_iter().map(|warning| warning.code).collect();
+        warnings.sort_unstable();
+        warnings.dedup();
+        Self {
+            directory: directory.to_owned(),
+            values,
+            warm_from: None,
+            exit,
+            error: error.or(record.error),
+            warnings,
+            figures: figures(&result),
+            stems: stems(&record.members),
+        }
+    }
+
+    pub fn number(&self, figure: &str) -> Option<f64> {
+        self.figures.get(figure)?.as_f64()
+    }
+
+    /// Whether it found what it looked for.
+    pub fn is_done(&self) -> bool {
+        matches!(self.exit, Exit::Done | Exit::Warned)
+    }
+
+    pub fn json(&self) -> Value {
+        let values: Map<String, Value> = self
+            .values
+            .iter()
+            .map(|(path, text)| (path.clone(), serde_json::from_str(text).unwrap_or_else(|_| json!(text))))
+            .collect();
+        json!({
+            "run": self.directory, "values": values, "warm_from": self.warm_from, "exit": self.exit.code(), "warnings": self.warnings,
+            "error": self.error, "figures": self.figures,
+        })
+    }
+
+    /// The same without depth, for the table.
+    pub fn cells(&self) -> Value {
+        let mut out = Map::new();
+        out.insert("run".into(), json!(self.directory));
+        out.extend(self.values.iter().map(|(path, text)| (path.clone(), json!(text))));
+        out.insert("exit".into(), json!(self.exit.code()));
+        out.insert("warnings".into(), json!(self.warnings.join(" ")));
+        out.insert("error".into(), json!(self.error));
+        out.extend(self.figures.clone());
+        Value::Object(out)
+    }
+}
+
+/// What the names of the files begin with, of the first scenario of every load case.
+fn stems(members: &[MemberRecord]) -> Vec<(String, String)> {
+    let mut out: Vec<(String, String)> = Vec::new();
+    for member in members {
+        if out.iter().all(|(_, known)| *known != member.case_stem) {
+            out.push((member.stem.clone(), member.case_stem.clone()));
+        }
+    }
+    out
+}
+
+fn figures(result: &Value) -> Map<String, Value> {
+    let mut out = Map::new();
+    for key in SHOWN {
+        flatten(key, &result[key], &mut out);
+    }
+    for (name, case) in result["load_cases"].as_object().into_iter().flatten() {
+        for key in OF_CASES {
+            flatten(&format!("load_cases/{name}/{key}"), &case[key], &mut out);
+        }
+    }
+    out
+}
+
+/// Every number, text and truth value below a path, under its own.
+fn flatten(path: &str, value: &Value, out: &mut Map<String, Value>) {
+    match value {
+        Value::Null => {}
+        Value::Object(entries) => {
+            for (key, value) in entries.iter().filter(|(key, _)| !LEFT_OUT.contains(&key.as_str())) {
+                flatten(&format!("{path}/{key}"), value, out);
+            }
+        }
+        Value::Array(entries) => {
+            entries.iter().enumerate().for_each(|(k, value)| flatten(&format!("{path}/{k}"), value, out));
+        }
+        leaf => {
+            out.insert(path.to_owned(), leaf.clone());
+        }
+    }
+}

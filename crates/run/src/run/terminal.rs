@@ -1,0 +1,191 @@
+//! Results in lines for the terminal.
+
+use crate::run::session::Session;
+use nastic_language::number::{quantity, short, vector};
+use nastic_language::quantity::Dimension;
+use nastic_numeric::format::scientific;
+use nastic_report::record::{
+    HausdorffRecord, MeasureRecord, Number, ProbeRecord, ProbesRecord, RunRecord, StateRecord, number_of,
+};
+
+/// Smallest J and inertia, of the worst member.
+pub(crate) fn say_stability(session: &Session<'_>, state: &StateRecord) {
+    let min_j = short(known(state.min_j));
+    if session.problem.is_motion() {
+        session.console.say(format!("deformation min J {min_j} over the motion"));
+        return;
+    }
+    session.console.say(format!("stability   min J {min_j}, {}", inertia(state)));
+}
+
+/// Members whose numbers are said; the result has them all.
+pub(crate) const SAID: usize = 12;
+
+/// One line per member, and one about their risk.
+pub(crate) fn say_members(session: &Session<'_>, result: &StateRecord) {
+    let members = result.members();
+    let width = members.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    for (k, (name, state)) in members.iter().enumerate().take(SAID) {
+        let head = if k == 0 { "members" } else { "" };
+        let cost = state.cost.total.map_or_else(String::new, |cost| format!("cost {}, ", scientific(cost, 6)));
+        let weight = match (state.probability, state.weight) {
+            (Some(p), _) => format!("probability {}, ", short(p)),
+            (None, Some(weight)) => format!("weight {}, ", short(weight)),
+            (None, None) => String::new(),
+        };
+        let (min_j, stable) = (short(known(state.min_j)), inertia(state));
+        session.console.say(format!("{head:<12}{name:<width$}  {weight}{cost}min J {min_j}, {stable}"));
+    }
+    if members.len() > SAID {
+        session.console.say(format!("            and {} more, in result.json", members.len() - SAID));
+    }
+    if let Some(measures) = &result.risk.measures {
+        let of = |(name, measure): (&String, &MeasureRecord)| {
+            let level = measure.level.map_or_else(String::new, |level| format!(" (level {})", short(level)));
+            format!("{name}{level} {}", digits(measure.value, 4))
+        };
+        let all: Vec<String> = measures.iter().map(of).collect();
+        let deviation = scientific(known(result.risk.deviation), 4);
+        session.console.say(format!("risk        {}; standard deviation {deviation}", all.join(", ")));
+    }
+}
+
+/// What the inertia means.
+pub(crate) fn inertia(state: &StateRecord) -> String {
+    match (state.inertia.flatten(), &state.inertia_missing) {
+        (Some(0), _) => "stable (no negative pivot of the tangent)".to_owned(),
+        (Some(1), _) => "UNSTABLE: 1 negative pivot of the tangent".to_owned(),
+        (Some(n), _) => format!("UNSTABLE: {n} negative pivots of the tangent"),
+        (None, Some(missing)) if missing.singular => "the tangent is singular: a bifurcation".to_owned(),
+        (None, missing) => {
+            let why = missing.as_ref().and_then(|missing| missing.why.as_deref()).unwrap_or("no reason is known");
+            format!("negative pivots not counted: {why}")
+        }
+    }
+}
+
+/// Cost and distance, where there are any.
+pub(crate) fn say_cost(session: &Session<'_>, state: &StateRecord) {
+    let terms = &state.cost.terms;
+    if !terms.is_empty() {
+        session.console.say(format!("cost        {}", digits(state.cost.total, 9)));
+        for (name, value) in terms.iter().filter(|_| terms.len() > 1) {
+            session.console.say(format!("            {name} {}", digits(*value, 9)));
+        }
+    }
+    if let Some(HausdorffRecord { exact, smoothed, floor }) = state.hausdorff {
+        let [exact, smoothed, floor] = [exact, smoothed, floor].map(|x| x.map_or_else(|| "-".to_owned(), short));
+        let unit = session.problem.units().length().symbol;
+        session.console.say(format!(
+            "distance    true Hausdorff {exact} {unit}, smoothed {smoothed} {unit}, target to itself {floor} {unit}"
+        ));
+    }
+}
+
+/// Means and standard deviations of the probes' displacements over the scenarios.
+fn say_spread(session: &Session<'_>, state: &StateRecord) {
+    let unit = session.problem.units().length().symbol;
+    let say = |place: &str, probe: &ProbeRecord| {
+        let Some(deviation) = &probe.deviation else { return };
+        let [mean, deviation] = [&probe.displacement, deviation].map(|values| vector(&numbers(values)));
+        session.console.say(format!(
+            "probe       {place} moves by {mean} {unit} in the mean, standard deviation {deviation} {unit}"
+        ));
+    };
+    for (name, probes) in &state.probes {
+        match probes {
+            ProbesRecord::One(probe) => say(name, probe),
+            ProbesRecord::OfLoadCase(probes) => {
+                probes.iter().for_each(|(own, probe)| say(&format!("{name}/{own}"), probe));
+            }
+        }
+    }
+}
+
+/// The probes' displacements and the volumes of cavities, of every member.
+pub(crate) fn say_probes(session: &Session<'_>, result: &StateRecord) {
+    say_spread(session, result);
+    let units = session.problem.units();
+    let unit = units.length().symbol;
+    for (member, state) in with_plain(result) {
+        for (name, cavity) in &state.contributions {
+            if let (Some(volume), Some(rest)) = (number_of(cavity, "volume"), number_of(cavity, "reference_volume")) {
+                let size = format!("{} {unit}^{}", short(volume), session.problem.mesh().dim());
+                let times = short(volume / rest);
+                let pressure = quantity(known(number_of(cavity, "pressure")), Dimension::PRESSURE, units);
+                session.console.say(format!(
+                    "volume      {name} {size}, {times} times that at rest, at {pressure}{}",
+                    inside(&member)
+                ));
+            }
+        }
+        for (name, probe) in &state.probes {
+            let ProbesRecord::One(probe) = probe else { continue };
+            let u = numbers(&probe.displacement);
+            let digits = u.iter().map(|x| format!("{x:.9}")).collect::<Vec<_>>().join(", ");
+            session.console.say(format!("probe       {name} moves by ({digits}) {unit}{}", inside(&member)));
+        }
+    }
+}
+
+/// The forces of supports, of every member.
+pub(crate) fn say_reactions(session: &Session<'_>, result: &StateRecord) {
+    let unit = session.problem.units().force().symbol;
+    for (member, state) in with_plain(result) {
+        for (name, force) in state.reactions.iter().flatten() {
+            let force = vector(&numbers(force));
+            session.console.say(format!("reaction    {name} holds with {force} {unit}{}", inside(&member)));
+        }
+    }
+}
+
+/// The members that are said; of a plain case the result itself.
+fn with_plain(result: &StateRecord) -> Vec<(String, &StateRecord)> {
+    let mut members = result.members();
+    if members.is_empty() {
+        return vec![(String::new(), result)];
+    }
+    members.truncate(SAID);
+    members
+}
+
+fn inside(member: &str) -> String {
+    if member.is_empty() { String::new() } else { format!(" in {member}") }
+}
+
+fn numbers(values: &[Number]) -> Vec<f64> {
+    values.iter().copied().flatten().collect()
+}
+
+/// A number, or NaN where there is none.
+pub(crate) fn known(number: Number) -> f64 {
+    number.unwrap_or(f64::NAN)
+}
+
+/// A number to so many digits, or a dash.
+pub(crate) fn digits(number: Number, digits: usize) -> String {
+    number.map_or_else(|| "-".to_owned(), |x| scientific(x, digits))
+}
+
+/// How far tracked points are from their targets, and were at the start of an optimisation; what other costs report.
+pub(crate) fn say_tracked(session: &Session<'_>, result: &RunRecord) {
+    let unit = session.problem.units().length().symbol;
+    let change = |before: Number, now: f64, number: &dyn Fn(f64) -> String| {
+        let before = before.map_or_else(String::new, |before| format!("{} -> ", number(before)));
+        format!("{before}{}", number(now))
+    };
+    for (name, now) in &result.tracking {
+        let before = |key: &str| result.start.tracking.get(name).and_then(|before| number_of(before, key));
+        let of = |key: &str| change(before(key), known(number_of(now, key)), &|x| scientific(x, 3));
+        let (mean, most) = (of("root_mean_square"), of("largest"));
+        session.console.say(format!("distance    {name}: root mean square {mean} {unit}, largest {most} {unit}"));
+    }
+    for (name, now) in &result.figures {
+        let before = |key: &str| result.start.figures.get(name).and_then(|before| number_of(before, key));
+        let of = |(key, value): (&String, &Number)| {
+            format!("{} {}", key.replace('_', " "), change(before(key), known(*value), &short))
+        };
+        let told: Vec<String> = now.iter().map(of).collect();
+        session.console.say(format!("reached     {name}: {}", told.join(", ")));
+    }
+}

@@ -1,0 +1,139 @@
+//! Small cases for tests of whole commands.
+
+#![allow(dead_code, clippy::unwrap_used, clippy::panic)] // helpers of several tests
+
+use nastic_case::lower::CaseProblem;
+use nastic_language::schema::Command;
+use nastic_language::syntax::{Diagnostics, Document};
+use nastic_run::console::Console;
+use nastic_run::run::{Options, Outcome, RunError, run};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+/// A bar of four hexahedra with a fibre along it, tracked at its end.
+pub const BAR: &str = include_str!("../../../language/tests/cases/bar.json");
+
+/// Point arrays of the optimum of [`BAR`].
+pub const OPTIMUM_POINTS: [&str; 8] = [
+    "displacement",
+    "adjoint",
+    "tension",
+    "gradient_tension",
+    "reaction",
+    "nodal_cauchy_stress",
+    "nodal_mises",
+    "target_distance",
+];
+
+/// A case beside a directory for its results.
+pub struct Place {
+    pub directory: tempfile::TempDir,
+}
+
+impl Place {
+    pub fn new() -> Self {
+        Self { directory: tempfile::tempdir().unwrap() }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.directory.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, text: &str) -> PathBuf {
+        std::fs::write(self.path(name), text).unwrap();
+        self.path(name)
+    }
+
+    /// Runs a command on a case text; results go to "out".
+    pub fn run(&self, command: Command, case: &str, set: &[&str]) -> Result<Outcome, RunError> {
+        self.run_with(command, case, &Console::silent(), &self.options(set))
+    }
+
+    pub fn options(&self, set: &[&str]) -> Options {
+        let set = set.iter().map(ToString::to_string).collect();
+        Options { out: Some(self.path("out")), threads: Some(2), set, ..Options::default() }
+    }
+
+    pub fn run_with(
+        &self,
+        command: Command,
+        case: &str,
+        console: &Console,
+        options: &Options,
+    ) -> Result<Outcome, RunError> {
+        let file = self.write("case.json", case);
+        run(command, &file, options, console)
+    }
+
+    /// What a command says.
+    pub fn text(&self, command: Command, case: &str, set: &[&str]) -> String {
+        let heard = Heard::default();
+        self.run_with(command, case, &Console::new(heard.clone()), &self.options(set)).unwrap();
+        heard.text()
+    }
+
+    /// Names of the result files, in order; hidden ones are left out.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.path("out")).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = names.filter(|name| !name.starts_with('.')).collect();
+        names.sort();
+        names
+    }
+
+    /// A result file as JSON.
+    pub fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(self.path("out").join(name)).unwrap()).unwrap()
+    }
+}
+
+/// Keeps what is said.
+#[derive(Clone, Default)]
+pub struct Heard(Arc<Mutex<Vec<u8>>>);
+
+impl Heard {
+    pub fn text(&self) -> String {
+        String::from_utf8(self.0.lock().unwrap().clone()).unwrap()
+    }
+}
+
+impl Write for Heard {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A text with something replaced, which must occur.
+pub fn with(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "nothing to replace: {from}");
+    text.replacen(from, to, 1)
+}
+
+/// The problem of a case text whose file lies in this crate's tests/cases.
+pub fn lower(text: &str) -> Result<CaseProblem, Diagnostics> {
+    let name = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/case.json");
+    CaseProblem::lower(Document::parse(&name.display().to_string(), text)?, Arc::default())
+}
+
+/// What is wrong with a case text, without the path of its file.
+pub fn problems(text: &str) -> String {
+    strip(&lower(text).err().map(|problems| problems.to_string()).unwrap_or_default())
+}
+
+/// What is odd about it.
+pub fn warnings(text: &str) -> String {
+    let problem = lower(text).unwrap_or_else(|problems| panic!("{problems}"));
+    let lines: Vec<String> = problem.warnings.iter().map(ToString::to_string).collect();
+    strip(&lines.join("\n"))
+}
+
+fn strip(text: &str) -> String {
+    let directory = format!("{}/tests/cases/", env!("CARGO_MANIFEST_DIR"));
+    text.replace(&directory, "")
+}
