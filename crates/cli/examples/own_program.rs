@@ -8,11 +8,11 @@
 //!
 //! `cargo run --release -p nastic-cli --example own_program -- solve CASE`
 
-use nastic_language::catalogue::Catalogue;
 use nastic_energy::catalogue::{ActuationRow, Example, Made, MaterialRow, Parameter};
 use nastic_energy::{Block, Conjugates, ConvexDensity, Curvature, FiberTension, Field, Place};
 use nastic_fem::contributions::catalogue::{Entry, Form, Key, KeyKind};
 use nastic_fem::{FemError, Solid, Spring};
+use nastic_language::catalogue::Catalogue;
 use nastic_tensor::{Mat3, Vec3};
 use std::sync::Arc;
 
