@@ -25,8 +25,20 @@ const GRAVITY: f64 = 9.81;
 const KL: f64 = 0.0585;
 
 fn main() -> Result<(), Failure> {
-    let known =
-        ["mesh", "what", "modulus", "height", "step", "closed", "finger", "until", "threads", "thickness", "slip"];
+    let known = [
+        "mesh",
+        "what",
+        "modulus",
+        "height",
+        "step",
+        "closed",
+        "finger",
+        "until",
+        "threads",
+        "thickness",
+        "slip",
+        "mu",
+    ];
     let arguments = Arguments::read(&known)?;
     arguments.use_threads()?;
     let mesh = nastic::io::read_vtk(arguments.text("mesh", ""), 0.65)?;
@@ -142,7 +154,8 @@ fn drop(mesh: &Mesh, arguments: &Arguments) -> Result<(), Failure> {
     let (modulus, height, h): (f64, f64, f64) =
         (real(arguments, "modulus", 5000.0)?, real(arguments, "height", 0.28)?, real(arguments, "step", 1e-2)?);
     let tube = mesh.points().iter().map(|x| -x[2]).fold(0.0, f64::max);
-    let contact = layer(floor().friction(1.15, real(arguments, "slip", 1e-3)?), arguments)?;
+    let (mu, slip) = (real(arguments, "mu", 1.15)?, real(arguments, "slip", 1e-3)?);
+    let contact = layer(if mu > 0.0 { floor().friction(mu, slip) } else { floor() }, arguments)?;
     let solid = torus(lifted(mesh, height - tube)?, modulus)?.contact(contact)?;
     let steps = vec![StepTo { dt: h, controls: solid.controls() }; (0.6 / h).round() as usize];
     let found = run(&solid, &steps, solid.controls())?;

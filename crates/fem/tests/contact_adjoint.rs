@@ -166,7 +166,6 @@ fn check(solid: &Solid, scheme: &Scheme, friction: bool) -> Outcome {
         let remainder = |t: f64| -> Outcome<f64> { Ok((at(t)? - value - t * slope).abs()) };
         let far = remainder(0.02)?;
         let order = (remainder(0.2)? / far).log10().max((far / remainder(0.002)?).log10());
-        println!("{what}, {name} {slots:?}: {error:.1e}, order {order:.3}");
         assert!(error < 1e-7, "{what}, {name} {slots:?}: {slope:e}, error {error:e}");
         assert!(order > 1.95, "{what}, {name} {slots:?}: order {order}");
     }

@@ -30,6 +30,8 @@ pub(crate) struct BoundContact {
     pub(super) law: ContactLaw,
     /// delta
     pub(super) thickness: f64,
+    /// How deep a sample of the cubic law may come in an iteration: no obstacle is crossed.
+    pub(super) depth: f64,
     /// e, with friction.
     pub(super) slip_speed: Option<f64>,
     pub(super) samples: Samples,
@@ -72,6 +74,7 @@ impl BoundContact {
             |s| samples.parts(s).iter().map(|&(node, shape)| shape * Vec3::from(mesh.points()[node as usize])).sum();
         let reference: Vec<Vec3> = (0..samples.len()).map(place).collect();
         let normals = normals(&samples, &reference, &obstacle, dim);
+        let depth = 0.5 * defaults::half_width(&obstacle, dim);
         let slip_speed = of.friction.map(|friction| friction.slip_speed);
         Ok(BoundContact {
             name,
@@ -80,6 +83,7 @@ impl BoundContact {
             centre,
             law: of.law,
             thickness,
+            depth,
             slip_speed,
             samples,
             reference,

@@ -62,13 +62,13 @@ fn young(body: &BodyEnergy, (cell, first): (usize, usize)) -> Option<f64> {
     (mean > 0.0 && mean.is_finite()).then_some(1.0 / mean)
 }
 
-/// Pieces of a facet's edge that are no longer than half of the obstacle's least width.
-pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facets: &[Facet]) -> usize {
+/// Half of an obstacle's least width; infinite of a half-space.
+pub(super) fn half_width(obstacle: &Obstacle, dim: usize) -> f64 {
     let half = |low: &[f64; 3], high: &[f64; 3]| {
-        let sides = (0..mesh.dim()).map(|i| high[i] - low[i]);
+        let sides = (0..dim).map(|i| high[i] - low[i]);
         0.5 * sides.fold(f64::INFINITY, f64::min)
     };
-    let width = match obstacle {
+    match obstacle {
         Obstacle::Sphere { radius, .. } | Obstacle::Capsule { radius, .. } => *radius,
         Obstacle::HalfSpace { .. } => f64::INFINITY,
         Obstacle::Box { low, high, .. } => half(low, high),
@@ -76,7 +76,12 @@ pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facets: &[Facet]) -> usiz
             let (low, high) = of.bounds();
             half(&low, &high)
         }
-    };
+    }
+}
+
+/// Pieces of a facet's edge that are no longer than half of the obstacle's least width.
+pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facets: &[Facet]) -> usize {
+    let width = half_width(obstacle, mesh.dim());
     let edge = |facet: &Facet| -> f64 {
         let (kind, nodes) = mesh.facet_nodes(*facet);
         let corners: Vec<Vec3> =

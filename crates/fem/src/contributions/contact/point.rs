@@ -211,7 +211,10 @@ impl ContributionPoint for TouchPoint<'_> {
             if dx.norm() <= (1.0 - REST_OF_GAP) * d {
                 return 1.0;
             }
-            let floor = floor(self.of.law, d, self.of.thickness);
+            if self.of.law == ContactLaw::Cubic && self.of.depth.is_infinite() {
+                return 1.0;
+            }
+            let floor = floor(self.of.law, d, self.of.depth);
             advance((d, floor), dx.norm(), |share| gaps.pose.distance(&self.of.obstacle, &(x + share * dx)))
         });
         Ok(shares.fold(1.0, f64::min))
