@@ -177,6 +177,11 @@ impl Model {
         self.others.iter().any(|c| c.path_dependence().is_some())
     }
 
+    /// Whether all contributions have a potential, those that depend on the path without their friction.
+    pub(crate) fn has_potential_without_friction(&self) -> bool {
+        self.others.iter().all(|c| c.has_potential() || c.path_dependence().is_some())
+    }
+
     /// Whether all contributions have a potential.
     pub fn has_potential(&self) -> bool {
         self.others.iter().all(|c| c.has_potential())

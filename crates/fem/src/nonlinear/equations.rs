@@ -60,6 +60,16 @@ impl<'a> Equations<'a> {
         }
     }
 
+    /// Whether the residual is the derivative of a potential: of the model, or where friction is smoothed away.
+    pub fn has_potential(&self) -> bool {
+        match self.drive {
+            Drive::Held { time_step: Some(step), .. } if step.smoothing.is_infinite() => {
+                self.model.has_potential_without_friction()
+            }
+            _ => self.model.has_potential(),
+        }
+    }
+
     /// Displacement with multipliers, and where on the way they are.
     pub fn split<'x>(&self, x: &'x [f64]) -> (&'x [f64], f64) {
         match self.drive {

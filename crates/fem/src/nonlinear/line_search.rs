@@ -109,7 +109,7 @@ impl<'a> LineSearch<'a> {
         if constrained && let Some(taken) = self.residual_falls(here, &step.dx, FALLS)? {
             return Ok(taken);
         }
-        if !model.has_potential() {
+        if !self.equations.has_potential() {
             if let Some(taken) = self.residual_falls(here, &step.dx, DESCENT)? {
                 return Ok(taken);
             }

@@ -8,10 +8,11 @@ use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
 
-/// Multiples of the slip speed, one after the other: what slides at a speed is nearly viscous friction at a hundred times that.
-const SMOOTHING: [f64; 9] = [100.0, 30.0, 10.0, 5.0, 3.0, 2.0, 1.5, 1.2, 1.0];
-/// Newton iterations for a step at once, and for each of those.
-const ITERATIONS: usize = 30;
+/// Multiples of the slip speed, one after the other: without friction, whose potential is searched; then friction that is nearly viscous, to
+/// that asked for.
+const SMOOTHING: [f64; 10] = [f64::INFINITY, 100.0, 30.0, 10.0, 5.0, 3.0, 2.0, 1.5, 1.2, 1.0];
+/// Newton iterations for a step at once.
+const ITERATIONS: usize = 20;
 
 impl Model {
     /// The end of a step with friction: from its beginning at once, else by continuation in the slip speed; `None` without friction, and
@@ -27,12 +28,13 @@ impl Model {
         if !self.depends_on_path() {
             return Ok(None);
         }
-        let brief = SolveOptions { max_newton: how.max_newton.min(ITERATIONS), ..how.clone() };
         let ways: [&[f64]; 2] = [&[1.0], &SMOOTHING];
         for (way, factors) in ways.into_iter().enumerate() {
             let mut u = near.u.to_vec();
             let mut reached = true;
             for &smoothing in factors {
+                let most = if smoothing == 1.0 && way == 0 { ITERATIONS } else { how.max_newton };
+                let brief = SolveOptions { max_newton: how.max_newton.min(most), ..how.clone() };
                 let smoothed = TimeStep { smoothing, ..step.clone() };
                 let newton = self.equations(controls, 1.0, Some(&smoothed), 1.0, &brief);
                 if let Err(stop) = newton.solve(&mut u, self.linear_solver(how, workspace), report) {
