@@ -70,13 +70,13 @@ fn a_mesh_without_its_cells_names_the_cause_and_the_cure() {
 fn files_of_other_programs_are_answered_with_how_to_convert_them() {
     for (file, parts) in [
         ("parts/arm.inp", ["`meshio convert", "arm.vtu`. That keeps nodes and cells, but not the names of sets"]),
-        ("arm.vtk", ["`meshio convert", "arm.vtu`"]),
+        ("arm.med", ["`meshio convert", "arm.vtu`"]),
         ("arm.XDMF", ["`meshio convert", "physical groups of those names"]),
         ("arm.stl", ["this is a surface", "Physical Volume(\"body\") = {1};"]),
         ("arm.obj", ["this is a surface", "Surface Loop(1) = {1};"]),
         ("arm.step", ["this is a geometry", "SetFactory(\"OpenCASCADE\"); Merge \""]),
         ("arm.geo", ["a script of Gmsh", "`gmsh -3 "]),
-        ("arm.txt", ["must end in .msh", "or .vtu"]),
+        ("arm.txt", ["must end in .msh", "or .vtk"]),
     ] {
         let found = problems(&with(BAR, MESH, &format!(r#""mesh": "{file}""#)));
         assert!(found.contains(": mesh: ") && parts.iter().all(|part| found.contains(part)), "{file}:\n{found}");
