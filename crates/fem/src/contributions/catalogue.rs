@@ -186,7 +186,7 @@ pub const CATALOGUE: &[Entry] = &[
         name: "contact with friction",
         form: None,
         example: || {
-            let contact = Contact::of("contact with friction", "x+", pad()).friction(0.4, 9.0);
+            let contact = Contact::of("contact with friction", "x+", pad()).friction(0.4, 9.0).refine(1);
             block()?.contact(contact.thickness(3.0).stiffness(2e3).about([7.0, -6.0, 5.0]))
         },
     },
