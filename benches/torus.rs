@@ -2,7 +2,8 @@
 //!
 //! `cargo bench --bench torus -- mesh=torus.vtk what=reference|drop|grip threads=1`: the mesh is Drake's, legacy VTK, scaled by 0.65;
 //! `reference` is the gripped torus of 24 steps with its gradient, against another program's numbers (docs/development/verification.md).
-//! `drop`: modulus=5000 height=0.28 step=1e-2. `grip`: modulus=5000 closed=0.4 finger=capsule|box step=1e-2 until=5.5.
+//! `drop`: modulus=5000 height=0.28 step=1e-2 mu=1.15. `grip`: modulus=5000 closed=0.4 finger=capsule|box step=1e-2 until=5.5. Both:
+//! thickness in m (0 for the default) and slip=1e-3 m/s.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
@@ -11,7 +12,7 @@ mod common;
 use common::Arguments;
 use nastic::energy::NeoHooke;
 use nastic::fem::{Contact, Controls, Inertia, Instant, Scheme, Solid, SolveOptions, State, StatePartials, StepTo};
-use nastic::fem::{Trajectory, Workspace};
+use nastic::fem::{TimeStep, Trajectory, Workspace};
 use nastic::mesh::spatial::Obstacle;
 use nastic::mesh::{Mesh, RawMesh};
 use nastic::tensor::Vec3;
@@ -213,7 +214,10 @@ fn grip(mesh: &Mesh, arguments: &Arguments) -> Result<(), Failure> {
     let steps: Vec<StepTo> =
         (1..=(until / h).round() as usize).map(|n| StepTo { dt: h, controls: at(n as f64 * h) }).collect();
     let found = run(&solid, &steps, at(0.0))?;
-    let all = solid.model().quantities(&Instant::of(found.trajectory.end()))?;
+    // friction depends on the velocities of the last step
+    let states = found.trajectory.states();
+    let step = TimeStep::between(&states[states.len().saturating_sub(2)], found.trajectory.end());
+    let all = solid.model().quantities(&Instant::of(found.trajectory.end()).in_step(&step))?;
     let force = |of: &str, name: &str| all.iter().find(|(c, n, _)| c == of && *n == name).map_or(0.0, |(.., f)| *f);
     let weight: f64 =
         solid.model().quantities(&Instant::of(&solid.rest()))?.iter().find(|q| q.1 == "mass").map_or(0.0, |q| q.2);

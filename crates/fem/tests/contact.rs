@@ -126,3 +126,28 @@ fn the_layer_yields_with_the_root_of_the_stiffness() -> Outcome {
     assert!((slope + 0.5).abs() < 0.01, "{slope}");
     Ok(())
 }
+
+/// A cube on rollers that stands above a floor by many layers; pulled down or up by a body force.
+fn above_a_floor(force: f64) -> Outcome<Solid> {
+    let floor = Obstacle::half_space([0.0, 0.0, -0.4], [0.0, 0.0, 1.0]);
+    Ok(Solid::new(regular(CellKind::Hex8, [1.0, 1.0, 1.0], [2, 2, 2])?)?
+        .material("body", law())?
+        .displace("x-", [Some(0.0), None, None])?
+        .displace("y-", [None, Some(0.0), None])?
+        .body_force("body", Vec3::new(0.0, 0.0, force))?
+        .contact(Contact::of("floor", "z-", floor).thickness(DELTA))?)
+}
+
+/// What nothing but a floor holds falls to it and stands there; what is pulled away from it ends with a typed error.
+#[test]
+fn a_body_finds_the_floor_that_holds_it() -> Outcome {
+    let solid = above_a_floor(-300.0)?;
+    let state = solid.solve(&solid.controls(), &STRICT)?;
+    let force = quantity(&solid, &state, "force_z");
+    assert!((force / 300.0 - 1.0).abs() < 1e-8, "{force}");
+    assert!(quantity(&solid, &state, "smallest_gap") > 0.0);
+    let away = above_a_floor(300.0)?;
+    let refused = away.solve(&away.controls(), &STRICT);
+    assert!(matches!(refused, Err(StateError::NoConvergence { .. } | StateError::Linear(_))), "{refused:?}");
+    Ok(())
+}

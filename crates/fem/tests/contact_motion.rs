@@ -8,7 +8,7 @@ use common::block::STRICT;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::time::catalogue::SCHEMES;
-use nastic_fem::{Contact, Controls, Inertia, Instant, Scheme, Solid, State, StepTo, Trajectory, Workspace};
+use nastic_fem::{Contact, Controls, Inertia, Instant, Scheme, Solid, State, StepTo, TimeStep, Trajectory, Workspace};
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 use nastic_tensor::Vec3;
@@ -183,15 +183,41 @@ fn pads_lift_a_block() -> Outcome {
     let end = advance(&solid, Trajectory::from_given(begin), &scheme("backward_euler"), &steps)?;
     let lifted = mean(&solid, &end.end().u, 2);
     assert!(lifted > 0.09 && lifted < 0.1, "{lifted}");
-    let forces: Vec<f64> = solid
-        .model()
-        .quantities(&Instant::of(end.end()))?
-        .into_iter()
-        .filter(|(name, quantity, _)| (name == "left" || name == "right") && *quantity == "force_x")
-        .map(|(_, _, force)| force)
-        .collect();
-    assert!(forces.len() == 2 && (forces[0] + forces[1]).abs() < 1e-6 * forces[0], "{forces:?}");
+    // the step that ended there knows the velocities, on which friction depends
+    let states = end.states();
+    let step = TimeStep::between(&states[states.len() - 2], end.end());
+    let all = solid.model().quantities(&Instant::of(end.end()).in_step(&step))?;
+    let of = |name: &str, quantity: &str| all.iter().find(|(n, q, _)| n == name && *q == quantity).unwrap().2;
+    let (left, right) = (of("left", "force_x"), of("right", "force_x"));
+    assert!(left > 0.0 && (left + right).abs() < 1e-6 * left, "{left} {right}");
+    let (lift, weight) = (of("left", "force_z") + of("right", "force_z"), 9810.0 * 0.008);
+    assert!((lift / weight - 1.0).abs() < 1e-3, "{lift} for {weight}");
+    assert!(of("left", "sticking") == 1.0 && of("left", "slip_speed") < 1e-2);
     let newton: usize = end.states().iter().skip(1).map(|state| state.report.newton).sum();
     assert!(newton < 6 * 150, "{newton} Newton iterations");
+    Ok(())
+}
+
+/// A plate that is swept through a strip within one step does not pass it: the strip is pushed along.
+#[test]
+fn a_fast_obstacle_crosses_nothing() -> Outcome {
+    for friction in [false, true] {
+        let bar = Obstacle::capsule([1.0, 1.06, -2.0], [1.0, 1.06, 2.0], 0.05);
+        let contact = Contact::of("bar", "y+", bar).thickness(0.01).stiffness(1e5);
+        let solid = Solid::new(regular(CellKind::Quad4, [2.0, 1.0, 0.0], [8, 4, 1])?)?
+            .material("body", NeoHooke::new(4e4, 6e4)?)?
+            .clamp("y-")?
+            .inertia(Inertia::new("body", 1000.0))?
+            .contact(if friction { contact.friction(0.3, 0.1) } else { contact })?;
+        let mut controls = solid.controls();
+        // three times its width
+        controls.values_mut(0)[1] = -0.3;
+        let mut begin = solid.rest();
+        begin.velocity = Some(vec![0.0; begin.u.len()].into());
+        let to = [StepTo { dt: 0.5, controls }];
+        let end = advance(&solid, Trajectory::from_given(begin), &scheme("backward_euler"), &to)?;
+        assert!(quantity(&solid, &end, "smallest_gap") > -0.01);
+        assert!(quantity(&solid, &end, "force_y") < -1.0);
+    }
     Ok(())
 }

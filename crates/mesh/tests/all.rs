@@ -5,6 +5,7 @@ mod columns;
 mod elements;
 mod generate;
 mod locate;
+mod obstacle;
 mod polyhedron;
 mod quadrature;
 mod quality;

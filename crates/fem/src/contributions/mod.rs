@@ -18,6 +18,7 @@ mod moving_support;
 pub(crate) mod point;
 pub(crate) mod prescribes;
 pub(crate) mod rayleigh_damping;
+mod rigid_motion;
 mod rotation;
 pub(crate) mod sensitivities;
 mod spring;

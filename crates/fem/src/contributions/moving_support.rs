@@ -1,6 +1,7 @@
 //! [`MovingSupport`]: a surface held rigid that moves and turns.
 
 use super::catalogue::{Form, Key, KeyKind};
+use super::rigid_motion::{self, SLOTS, each_slot, vectors};
 use super::rotation::{rotation, spin};
 use super::{
     Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, Prescribes, SecondSensitivities,
@@ -13,9 +14,6 @@ use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
 
 use std::sync::Arc;
-
-/// The largest angle of a rotation vector: once around.
-const TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
 
 /// A surface that is held and moves as a rigid body: `u = t + (R(theta) - 1) (X - c)` at its nodes, with the translation t (m), the
 /// rotation vector theta (radians: about its direction, by its length) and the centre c in the reference body.
@@ -91,10 +89,6 @@ pub(super) const FORM: Form = Form {
     },
 };
 
-const TRANSLATION: [Slot; 3] = Slot::vector("translation", "m");
-const ROTATION: [Slot; 3] = Slot::vector("rotation", "1");
-const SLOTS: [Slot; 6] = [TRANSLATION[0], TRANSLATION[1], TRANSLATION[2], ROTATION[0], ROTATION[1], ROTATION[2]];
-
 /// The contribution of a [`MovingSupport`], which has no residual of its own.
 #[derive(Debug)]
 pub(crate) struct RigidSurface {
@@ -105,10 +99,6 @@ pub(crate) struct RigidSurface {
 }
 
 impl RigidSurface {
-    fn vectors(value: impl Fn(usize) -> f64) -> [Vec3; 2] {
-        [Vec3::from_fn(|i, _| value(i)), Vec3::from_fn(|i, _| value(3 + i))]
-    }
-
     /// Calls with every held unknown and its value, given the displacement at the end of an arm.
     fn each(&self, displacement: impl Fn(&Vec3) -> Vec3, mut call: impl FnMut(usize, f64)) {
         for (node, arm) in &self.arms {
@@ -125,20 +115,20 @@ impl Prescribes for RigidSurface {
     }
 
     fn prescribe(&self, at: &Instant, u: &mut [f64]) {
-        let [t, theta] = Self::vectors(|slot| at.control(slot));
+        let [t, theta] = vectors(at, at.controls);
         let r = rotation(&theta);
         self.each(|arm| t + (r * arm - arm), |dof, value| u[dof] = value);
     }
 
     fn add_change(&self, at: &Instant, v: &Controls, du: &mut [f64]) {
-        let [_, theta] = Self::vectors(|slot| at.control(slot));
-        let [dt, dtheta] = Self::vectors(|slot| at.slot_of(v, slot));
+        let [_, theta] = vectors(at, at.controls);
+        let [dt, dtheta] = vectors(at, v);
         let (r, omega) = (rotation(&theta), spin(&theta) * dtheta);
         self.each(|arm| dt + omega.cross(&(r * arm)), |dof, value| du[dof] += value);
     }
 
     fn vjp(&self, at: &Instant, force: &[f64], into: &mut Sensitivities) {
-        let [_, theta] = Self::vectors(|slot| at.control(slot));
+        let [_, theta] = vectors(at, at.controls);
         let r = rotation(&theta);
         let (mut sum, mut moment) = (Vec3::zeros(), Vec3::zeros());
         for (node, arm) in &self.arms {
@@ -148,12 +138,7 @@ impl Prescribes for RigidSurface {
             moment += (r * arm).cross(&own);
         }
         let by_rotation = spin(&theta).transpose() * moment;
-        for i in 0..3 {
-            // what leaves the plane of a plane-strain body is no control
-            let (plane, axis) = (self.dim == 3 || i < 2, self.dim == 3 || i == 2);
-            into.add_control(at, i, if plane { sum[i] } else { 0.0 });
-            into.add_control(at, 3 + i, if axis { by_rotation[i] } else { 0.0 });
-        }
+        each_slot(self.dim, sum, by_rotation, |slot, value| into.add_control(at, slot, value));
     }
 
     fn is_straight_along(&self, at: &Instant, v: &Controls) -> bool {
@@ -171,23 +156,7 @@ impl Contribution for RigidSurface {
     }
 
     fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
-        let angle = values.iter().skip(3).map(|r| r * r).sum::<f64>().sqrt();
-        if angle > TURN {
-            let what = format!(
-                "motion \"{}\" turns by {angle:.4} rad, more than once around; rotations are in radians, 90 degrees are pi / 2",
-                self.name
-            );
-            return Err(FemError::Meaningless { what });
-        }
-        let out_of_plane = [2, 3, 4].into_iter().any(|slot| values.get(slot).is_some_and(|value| *value != 0.0));
-        if self.dim == 3 || !out_of_plane {
-            return Ok(());
-        }
-        let what = format!(
-            "motion \"{}\" leaves the plane of a plane-strain body; its translation has the components x and y, its rotation z",
-            self.name
-        );
-        Err(FemError::Meaningless { what })
+        rigid_motion::check(&format!("motion \"{}\"", self.name), self.dim, values)
     }
 
     fn prescribes(&self) -> Option<&dyn Prescribes> {

@@ -89,8 +89,14 @@ impl Model {
         if time_step.is_none() {
             self.check_start(start, how.parallel)?;
         }
-        if let Some(found) =
-            how.guess.and_then(|guess| self.jump(guess, controls, (how, time_step), workspace, &mut spent).transpose())
+        let near_enough = || match (time_step, how.near) {
+            (Some(step), Some(near)) => self.bears(near, controls, (how, step)),
+            _ => true,
+        };
+        if let Some(found) = how
+            .guess
+            .filter(|_| near_enough())
+            .and_then(|guess| self.jump(guess, controls, (how, time_step), workspace, &mut spent).transpose())
         {
             return found;
         }
@@ -252,7 +258,10 @@ impl Model {
         while steps.done < 1.0 {
             let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
             let bears = self.admissible_change(&instant, to).map_err(|at| StateError::Start { at })?;
-            let path = steps.next().min(steps.done + bears * (1.0 - steps.done));
+            let path = match steps.next() {
+                next if bears < 1.0 => next.min(steps.done + bears * (1.0 - steps.done)),
+                next => next,
+            };
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };

@@ -5,6 +5,7 @@ use super::pose::Pose;
 use super::samples::Samples;
 use super::{Contact, ContactLaw, defaults};
 use crate::contributions::body_energy::BodyEnergy;
+use crate::contributions::rigid_motion;
 use crate::contributions::{Contribution, ContributionPoint, Controls, Instant, Need};
 use crate::error::{FemError, Inadmissible};
 use nastic_energy::Slot;
@@ -17,8 +18,6 @@ pub(super) const STIFFNESS: usize = 6;
 pub(super) const FRICTION: usize = 7;
 /// How deep, in thicknesses, samples of the cubic law may be in a load step before the body yields.
 const DEPTH: f64 = 3.0;
-/// The largest angle of a rotation vector: once around.
-const TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
 
 /// The contribution of a [`Contact`].
 #[derive(Debug)]
@@ -109,7 +108,7 @@ fn slots(
     stiffness: f64,
     positive: impl Fn(&str, f64) -> Result<(), FemError>,
 ) -> Result<Vec<Slot>, FemError> {
-    let mut slots = [Slot::vector("translation", "m"), Slot::vector("rotation", "1")].concat();
+    let mut slots = rigid_motion::SLOTS.to_vec();
     slots.push(Slot::design("stiffness", "Pa", stiffness));
     if let Some(friction) = of.friction {
         positive("slip speed", friction.slip_speed)?;
@@ -160,18 +159,7 @@ impl Contribution for BoundContact {
 
     fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
         let refuse = |what: String| Err(FemError::Meaningless { what: format!("contact \"{}\": {what}", self.name) });
-        let angle = values[3..6].iter().map(|r| r * r).sum::<f64>().sqrt();
-        if angle > TURN {
-            return refuse(format!(
-                "its obstacle turns by {angle:.4} rad, more than once around; rotations are in radians"
-            ));
-        }
-        if self.dim == 2 && [2, 3, 4].into_iter().any(|slot| values[slot] != 0.0) {
-            return refuse(
-                "its obstacle leaves the plane of a plane-strain body; its translation has the components x and y, its rotation z"
-                    .to_owned(),
-            );
-        }
+        rigid_motion::check(&format!("contact \"{}\": its obstacle", self.name), self.dim, values)?;
         if values[STIFFNESS] <= 0.0 {
             return refuse(format!("its stiffness is {}; it must be positive", values[STIFFNESS]));
         }

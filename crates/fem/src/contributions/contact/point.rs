@@ -94,8 +94,7 @@ impl Traction {
     /// `A = dt/dx` at fixed relative velocity and `B = dt/d(v_s - v_o)`.
     pub fn tangents(&self, distance: &SignedDistance) -> [Mat3; 2] {
         let (n, p) = (self.n, self.pressure);
-        let a = Vec3::from(distance.straight);
-        let h = distance.curvature * (Mat3::identity() - n * n.transpose() - a * a.transpose());
+        let h = distance.hessian();
         let mut by_place = -p.slope * n * n.transpose() - p.value * h;
         let Some((mu, slip)) = &self.slip else { return [by_place, Mat3::zeros()] };
         let turned = n.dot(&self.relative) * h + n * (h * self.relative).transpose();

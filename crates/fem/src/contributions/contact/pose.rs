@@ -1,7 +1,8 @@
 //! [`Pose`]: where an obstacle is, how it moves, and derivatives by the controls that move it.
 
+use crate::contributions::rigid_motion::{each_slot, vectors};
 use crate::contributions::rotation::{rotation, spin, spin_inverse, spin_transposed_change, vector};
-use crate::contributions::{Controls, Instant, Sensitivities};
+use crate::contributions::{Instant, Sensitivities};
 use nastic_mesh::spatial::{Obstacle, SignedDistance};
 use nastic_tensor::{Mat3, Vec3};
 
@@ -43,14 +44,10 @@ pub(super) struct ByPose {
 impl Pose {
     /// By the first six slots of the contribution that is asked.
     pub fn at(at: &Instant, centre: Vec3) -> Self {
-        let vectors = |controls: &Controls| {
-            let value = |slot: usize| at.slot_of(controls, slot);
-            [Vec3::from_fn(|i, _| value(i)), Vec3::from_fn(|i, _| value(3 + i))]
-        };
-        let [translation, theta] = vectors(at.controls);
+        let [translation, theta] = vectors(at, at.controls);
         let r = rotation(&theta);
         let motion = at.step.filter(|step| step.elapsed > 0.0).map(|step| {
-            let [before, theta_before] = vectors(&step.before.controls);
+            let [before, theta_before] = vectors(at, &step.before.controls);
             let turned =
                 if theta == theta_before { Vec3::zeros() } else { vector(&(r * rotation(&theta_before).transpose())) };
             let velocity = (translation - before) / step.elapsed;
@@ -129,14 +126,5 @@ impl Pose {
     /// The change of the derivative by theta, `J(theta)^T m`, where m changes by dm along a change of theta.
     pub fn rotation_change(&self, m: &Vec3, dm: &Vec3, dtheta: &Vec3) -> Vec3 {
         spin(&self.theta).transpose() * dm + spin_transposed_change(&self.theta, dtheta, m)
-    }
-}
-
-/// Calls with the slots of a translation and a rotation; what leaves the plane of a plane-strain body is no control.
-pub(super) fn each_slot(dim: usize, translation: Vec3, rotation: Vec3, mut call: impl FnMut(usize, f64)) {
-    for i in 0..3 {
-        let (plane, axis) = (dim == 3 || i < 2, dim == 3 || i == 2);
-        call(i, if plane { translation[i] } else { 0.0 });
-        call(3 + i, if axis { rotation[i] } else { 0.0 });
     }
 }

@@ -12,7 +12,7 @@
 
 use super::bound::STIFFNESS;
 use super::point::{Touch, TouchPoint};
-use super::pose::each_slot;
+use crate::contributions::rigid_motion::{each_slot, vectors};
 use crate::contributions::{Contribution, Controls, Increment, Instant, SecondSensitivities};
 use crate::error::SecondDerivativeError;
 use nastic_tensor::{Mat3, Vec3};
@@ -32,8 +32,7 @@ impl<'t> Potential<'t> {
         let p = point.of.law.at(touch.distance.value, point.of.thickness);
         let k = at.control(STIFFNESS);
         let psi = [-k * p.value, -k * p.slope, -k * p.second];
-        let (n, a) = (Vec3::from(touch.distance.normal), Vec3::from(touch.distance.straight));
-        let h = touch.distance.curvature * (Mat3::identity() - n * n.transpose() - a * a.transpose());
+        let (n, h) = (Vec3::from(touch.distance.normal), touch.distance.hessian());
         Potential { touch, psi, n, h, q: psi[1] * n * n.transpose() + psi[0] * h }
     }
 
@@ -64,9 +63,8 @@ fn motion_along(
     v: &Controls,
 ) -> Result<(Vec3, Vec3, Vec3, f64), SecondDerivativeError> {
     let pose = &point.gaps(at)?.pose;
-    let vector = |first: usize| Vec3::from_fn(|i, _| at.slot_of(v, first + i));
-    let dtheta = vector(3);
-    Ok((vector(0), pose.turn_along(&dtheta), dtheta, at.slot_of(v, STIFFNESS) / at.control(STIFFNESS)))
+    let [translation, dtheta] = vectors(at, v);
+    Ok((translation, pose.turn_along(&dtheta), dtheta, at.slot_of(v, STIFFNESS) / at.control(STIFFNESS)))
 }
 
 pub(super) fn add_control_product(

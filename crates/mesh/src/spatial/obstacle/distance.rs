@@ -27,6 +27,12 @@ impl SignedDistance {
         self.bend(&v).into()
     }
 
+    /// H
+    pub fn hessian(&self) -> Matrix3<f64> {
+        let (n, a) = (V::from(self.normal), V::from(self.straight));
+        self.curvature * (Matrix3::identity() - n * n.transpose() - a * a.transpose())
+    }
+
     /// The change of `H b` along a:
     /// `-k ((n.a) H b + (n.b) H a + n (a . H b))`.
     pub fn third(&self, a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
