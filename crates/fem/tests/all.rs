@@ -14,6 +14,7 @@ mod connection;
 mod constrained;
 mod contact;
 mod contact_adjoint;
+mod contact_guards;
 mod contact_motion;
 mod contact_refusals;
 mod contributions;
