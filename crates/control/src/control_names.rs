@@ -2,20 +2,26 @@
 
 use crate::error::ControlError;
 use nastic_energy::SlotGroup;
-use nastic_fem::Solid;
+use nastic_fem::{Controllable, Solid};
 
-/// Actuation and slots of a control's name.
-pub(crate) fn resolve(solid: &Solid, of: &str) -> Result<(usize, SlotGroup), ControlError> {
+/// What a control's name stands for: an actuation or contribution and a group of its slots; several where they share the name.
+pub(crate) fn resolve(solid: &Solid, of: &str) -> Result<Vec<(usize, SlotGroup)>, ControlError> {
     let all = groups(solid);
     // The only slot of an actuation may be named as well.
     let is = |name: &str, group: &SlotGroup| {
         name == of || of.strip_prefix(name).and_then(|rest| rest.strip_prefix('.')) == Some(group.name)
     };
-    let found = all.iter().find(|(name, _, group)| is(name, group));
-    found.map(|&(_, actuation, group)| (actuation, group)).ok_or_else(|| {
-        let known = all.iter().map(|(name, ..)| name.as_str()).collect::<Vec<_>>().join(", ");
-        ControlError::UnknownControl { name: of.to_owned(), known }
-    })
+    let found: Vec<(usize, SlotGroup)> = all
+        .iter()
+        .filter(|(name, _, group)| is(name, group))
+        .map(|&(_, actuation, group)| (actuation, group))
+        .collect();
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let mut known: Vec<&str> = all.iter().map(|(name, ..)| name.as_str()).collect();
+    known.dedup();
+    Err(ControlError::UnknownControl { name: of.to_owned(), known: known.join(", ") })
 }
 
 /// Name, actuation and slots of all that can be controlled.
@@ -23,11 +29,16 @@ pub(crate) fn groups(solid: &Solid) -> Vec<(String, usize, SlotGroup)> {
     let mut all = Vec::new();
     for (k, what) in solid.model().controllable().into_iter().enumerate() {
         let groups = SlotGroup::of(what.slots);
-        for group in &groups {
-            let several = groups.len() > 1;
-            let name = if several { format!("{}.{}", what.name, group.name) } else { what.name.to_owned() };
-            all.push((name, k, *group));
-        }
+        all.extend(groups.iter().map(|group| (name(&what, group, groups.len()), k, *group)));
     }
     all
+}
+
+/// The name of one of so many groups of slots.
+fn name(what: &Controllable<'_>, group: &SlotGroup, groups: usize) -> String {
+    match what.shared {
+        Some((owner, slots)) if group.first < slots => format!("{owner}.{}", group.name),
+        _ if groups > 1 => format!("{}.{}", what.name, group.name),
+        _ => what.name.to_owned(),
+    }
 }

@@ -83,9 +83,12 @@ impl Layout {
         if self.block(name).is_ok() || resolve(solid, name).is_ok() {
             return Err(ControlError::ControlledTwice { name: name.to_owned(), other: name.to_owned() });
         }
-        let resolved = consumers.iter().map(|consumer| resolve(solid, &consumer.of)).collect::<Result<Vec<_>, _>>()?;
+        let mut resolved: Vec<(&Consumer, (usize, SlotGroup))> = Vec::new();
+        for consumer in consumers {
+            resolved.extend(resolve(solid, &consumer.of)?.into_iter().map(|found| (consumer, found)));
+        }
         let all = solid.model().controllable();
-        let regions = resolved.iter().filter_map(|(actuation, _)| all[*actuation].regions);
+        let regions = resolved.iter().filter_map(|(_, (actuation, _))| all[*actuation].regions);
         let mut names: Vec<String> = regions.flat_map(GroupNames::iter).map(str::to_owned).collect();
         names.sort_unstable();
         names.dedup();
@@ -94,14 +97,14 @@ impl Layout {
             false => Some(Arc::new(Basis::new(solid.discretization(), &names.into(), space)?)),
         };
         let mut targets: Vec<ControlTarget> = Vec::new();
-        for (consumer, resolved) in consumers.iter().zip(&resolved) {
+        for (consumer, found) in resolved {
             let fail = |why| ControlError::Consumer { name: name.to_owned(), of: consumer.of.clone(), why };
-            let (actuation, first, end) = (resolved.0, resolved.1.first, resolved.1.first + resolved.1.len);
+            let (actuation, first, end) = (found.0, found.1.first, found.1.first + found.1.len);
             self.check_free(&consumer.of, actuation, first..end)?;
             if targets.iter().any(|other| other.overlaps(actuation, &(first..end))) {
                 return Err(fail("it is a consumer already"));
             }
-            targets.push(consumer.target(solid, *resolved, (of_body.as_ref(), space, consumers.len() == 1), fail)?);
+            targets.push(consumer.target(solid, found, (of_body.as_ref(), space, consumers.len() == 1), fail)?);
         }
         let Some(first) = targets.first() else {
             return Err(ControlError::Consumer { name: name.to_owned(), of: String::new(), why: "there is none" });

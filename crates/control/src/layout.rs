@@ -5,8 +5,10 @@ use crate::control_names::{groups, resolve};
 use crate::error::ControlError;
 use crate::map::{Basis, Chain, Direction, Expansion, Length, Space};
 use crate::time::Knots;
+use nastic_energy::SlotGroup;
 use nastic_fem::{Controllable, Controls, Solid};
 use nastic_numeric::vector::{axpy, norm};
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -26,7 +28,10 @@ impl Layout {
 
     /// Names of everything that can be controlled: `ACTUATION`, or `ACTUATION.SLOT` where it has several groups of slots.
     pub fn names(solid: &Solid) -> Vec<String> {
-        groups(solid).into_iter().map(|(name, ..)| name).collect()
+        let mut names: Vec<String> = groups(solid).into_iter().map(|(name, ..)| name).collect();
+        let mut seen = BTreeSet::new();
+        names.retain(|name| seen.insert(name.clone()));
+        names
     }
 
     /// Adds a control field. `of` names an actuation with one group of slots, or `ACTUATION.SLOT` with the slot's name, where there
@@ -63,32 +68,27 @@ impl Layout {
         space: Space,
         direction: Option<[f64; 3]>,
     ) -> Result<&ControlBlock, ControlError> {
-        let (actuation, group) = resolve(solid, of)?;
-        let (slot, slots, unit) = (group.first, group.len, group.unit);
+        let found = resolve(solid, of)?;
+        let (lead, group) = found[0];
         if direction.is_some() && !group.is_vector() {
             return Err(ControlError::Direction { name: of.to_owned(), why: "the control is no vector of space" });
         }
-        self.check_free(of, actuation, slot..slot + slots)?;
-        let controllable = solid.model().controllable()[actuation];
-        let basis = basis_of(solid, &controllable, of, space)?;
-        let components = if direction.is_some() { 1 } else { slots };
+        let all = solid.model().controllable();
+        let basis = basis_of(solid, &all[lead], of, space)?;
+        let components = if direction.is_some() { 1 } else { group.len };
         let mut map = Chain::default().then(Expansion { basis: basis.clone(), components });
         if let Some(direction) = direction {
             map = map.then(Direction(direction));
         }
-        let target = ControlTarget { actuation, slot, slots, basis: basis.clone(), map };
-        let block = ControlBlock {
-            name: of.to_owned(),
-            components,
-            basis,
-            targets: vec![target],
-            first: self.len,
-            unit,
-            weight: 1.0,
-            knots: None,
-            holds: controllable.holds,
+        let target = |(actuation, group): (usize, SlotGroup)| {
+            self.check_free(of, actuation, group.first..group.first + group.len)?;
+            let (basis, map) = (basis.clone(), map.clone());
+            Ok(ControlTarget { actuation, slot: group.first, slots: group.len, basis, map })
         };
-        Ok(self.push(block))
+        let targets = found.into_iter().map(target).collect::<Result<Vec<_>, ControlError>>()?;
+        let (name, unit, holds) = (of.to_owned(), group.unit, all[lead].holds);
+        let (first, weight, knots) = (self.len, 1.0, None);
+        Ok(self.push(ControlBlock { name, components, basis, targets, first, unit, weight, knots, holds }))
     }
 
     pub(crate) fn push(&mut self, block: ControlBlock) -> &ControlBlock {

@@ -59,7 +59,7 @@ impl Reduced {
 
     /// A state as arrays, for VTU files and pictures.
     ///
-    /// Point data: `displacement`, `velocity` (in motion), `adjoint`, `reaction` (of supports, of equilibria), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
+    /// Point data: `displacement`, `velocity` (in motion), `adjoint`, `reaction` (of supports, of equilibria), `contact_pressure` (where there are contacts), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
     /// `gradient_NAME`. Cell data: the other controls and
     /// gradients, one value per cell (of a control on a grid its mean there); averages over the reference volume of every scalar slot that nobody controls (under
     /// the actuation's name), of `B_r` and `B_a` (the sums over all magnets), `J`, `P` and `cauchy_stress` (row by row),
@@ -93,6 +93,9 @@ impl Reduced {
         shot = self.with_actuations(shot, fields.state)?;
         let at = Instant::of(fields.state);
         shot = shot.with_lines(self.solid().model().lines(&at).unwrap_or_default());
+        for (name, values) in self.solid().model().nodal_fields(&at) {
+            shot = shot.with_points(name, 1, values)?;
+        }
         Ok(self.with_state(shot, fields)?)
     }
 

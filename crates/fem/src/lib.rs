@@ -24,7 +24,7 @@ pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BeforeStep, BodyPoint, Cavity, Constrains, Contact, ContactLaw, Contribution, ContributionPoint, ControlPoint,
     Controls, Demand, Foundation, History, Increment, Inertia, Instant, MovingSupport, Need, Prescribes, Remembers,
-    SecondSensitivities, Sensitivities, Spring, Sums, Tendon, TimeStep, check_contribution,
+    RigidPose, SecondSensitivities, Sensitivities, Spring, Sums, Tendon, TimeStep, check_contribution,
 };
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;

@@ -16,7 +16,7 @@ use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use crate::contributions::{Constrains, Contribution, ContributionPoint, ControlPoint, Demand, Need, Sums};
+use crate::contributions::{Constrains, Contribution, ContributionPoint, ControlPoint, Demand, Need, RigidPose, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
@@ -25,6 +25,8 @@ use crate::solution::state::State;
 use nastic_energy::Slot;
 use nastic_linear::{Space, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
+use std::collections::{BTreeMap, BTreeSet};
+use std::convert::Infallible;
 use std::sync::Arc;
 
 pub use features::Feature;
@@ -60,6 +62,8 @@ pub struct Controllable<'a> {
     pub points: &'a [ControlPoint],
     /// Whether it holds unknowns of the body, and moves them.
     pub holds: bool,
+    /// Another name of the first so many slots: what has the same one is controlled together.
+    pub shared: Option<(&'a str, usize)>,
 }
 
 impl Model {
@@ -110,6 +114,7 @@ impl Model {
             measure: 0.0,
             points: &[],
             holds: false,
+            shared: None,
         });
         let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| Controllable {
             name: c.name(),
@@ -119,6 +124,7 @@ impl Model {
             measure: c.measure(),
             points: c.control_points(),
             holds: c.prescribes().is_some(),
+            shared: c.shared_slots(),
         });
         of_body.chain(own).collect()
     }
@@ -362,6 +368,32 @@ impl Model {
             Ok::<(), Inadmissible>(())
         })?;
         Ok(all)
+    }
+
+    /// Scalars on the nodes that contributions show of themselves, those of one name added up.
+    pub fn nodal_fields(&self, at: &Instant) -> BTreeMap<&'static str, Vec<f64>> {
+        let mut all = BTreeMap::new();
+        let nodes = self.discretization().mesh().points().len();
+        let Ok(()) = self.each_other(at, |contribution, at| {
+            for (name, values) in contribution.nodal_fields(at) {
+                let sum = all.entry(name).or_insert_with(|| vec![0.0; nodes]);
+                values.iter().for_each(|&(node, value)| sum[node as usize] += value);
+            }
+            Ok::<(), Infallible>(())
+        });
+        all
+    }
+
+    /// Where the obstacles are that the body touches, each once.
+    pub fn poses(&self, at: &Instant) -> Vec<RigidPose> {
+        let mut all: Vec<RigidPose> = Vec::new();
+        let Ok(()) = self.each_other(at, |contribution, at| {
+            all.extend(contribution.pose(at));
+            Ok::<(), Infallible>(())
+        });
+        let mut seen = BTreeSet::new();
+        all.retain(|pose| seen.insert(pose.name.clone()));
+        all
     }
 
     /// What a contribution says may be the reason, where no equilibrium was found.

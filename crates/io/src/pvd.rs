@@ -6,7 +6,8 @@ use crate::atomic::write_atomically;
 use crate::error::WriteError;
 use crate::vtu::escape;
 
-/// Writes a collection: one entry per file, `(time, file)`, files relative to the collection's own directory.
+/// Writes a collection: one entry per file, `(time, file)`, files relative to the collection's own directory. Entries in a row with one time are
+/// parts of it, shown together.
 ///
 /// ```
 /// # let out = tempfile::tempdir()?;
@@ -28,9 +29,12 @@ pub fn write_pvd<S: AsRef<str>>(path: impl AsRef<Path>, steps: &[(f64, S)]) -> R
         writeln!(out, r#"<?xml version="1.0"?>"#)?;
         writeln!(out, r#"<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">"#)?;
         writeln!(out, "  <Collection>")?;
+        let mut before: Option<(f64, usize)> = None;
         for (time, file) in steps {
             let file = escape(file.as_ref());
-            writeln!(out, r#"    <DataSet timestep="{time:?}" group="" part="0" file="{file}"/>"#)?;
+            let part = before.filter(|(last, _)| last == time).map_or(0, |(_, part)| part + 1);
+            before = Some((*time, part));
+            writeln!(out, r#"    <DataSet timestep="{time:?}" group="" part="{part}" file="{file}"/>"#)?;
         }
         writeln!(out, "  </Collection>")?;
         writeln!(out, "</VTKFile>")

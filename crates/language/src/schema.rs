@@ -16,6 +16,7 @@ mod case_schema;
 mod catalogue;
 mod check;
 mod constraint;
+mod contact;
 mod control;
 mod cost;
 mod direction;
@@ -50,6 +51,7 @@ pub use case::{Case, Output, Probe, Reading};
 pub use case_schema::json_schema;
 pub use catalogue::{Input, SlotName};
 pub use constraint::{Constraint, KeepOut};
+pub use contact::{Contact, PressureLaw};
 pub use control::{Cells, Control, ControlsFile, Space, Start};
 pub use cost::{
     ActuationWork, ControlNorm, ControlRate, ControlSmoothness, Cost, Exponential, Inverse, KineticEnergy, Penetration,
@@ -65,7 +67,7 @@ pub use load_case::LoadCase;
 pub use material::Material;
 pub use mesh::{BoxMesh, MeshFile, MeshSource};
 pub use named::{Element, Method, SchemeName};
-pub use obstacle::{AlignedBox, Capsule, HalfSpace, Shape, Sphere};
+pub use obstacle::{AlignedBox, Capsule, HalfSpace, Obstacle, PoseVector, Shape, ShapeOrName, Sphere};
 pub use optimizer::{Metric, Optimizer, Unstable};
 pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,

@@ -42,12 +42,20 @@ pub struct Snapshot {
     pub cell_data: Vec<NamedArray>,
     /// Lines beside the cells, in the displaced body.
     pub lines: Vec<Polyline>,
+    /// Rigid obstacles beside the body, where they are.
+    pub obstacles: Option<Arc<Mesh>>,
 }
 
 impl Snapshot {
     /// A mesh without fields.
     pub fn new(mesh: impl Into<Arc<Mesh>>) -> Snapshot {
-        Snapshot { mesh: mesh.into(), point_data: Vec::new(), cell_data: Vec::new(), lines: Vec::new() }
+        Snapshot {
+            mesh: mesh.into(),
+            point_data: Vec::new(),
+            cell_data: Vec::new(),
+            lines: Vec::new(),
+            obstacles: None,
+        }
     }
 
     /// Adds a nodal field; one of the same name is replaced.

@@ -48,7 +48,7 @@ class View {
   choose(index) {
     this.stop();
     const view = (this.view = this.data.views[index]);
-    for (const old of [this.body, this.start, ...(this.targets || [])].filter(Boolean)) {
+    for (const old of [this.body, this.start, this.moved, ...(this.targets || [])].filter(Boolean)) {
       this.stage.scene.remove(old.group);
       old.free();
     }
@@ -61,7 +61,10 @@ class View {
       body.move(values(target.x));
       return body;
     });
-    for (const body of [this.body, this.start, ...this.targets]) this.stage.scene.add(body.group);
+    // Obstacles that move have a place in every frame.
+    const { obstacles } = view.frames.find((frame) => frame.obstacles) || {};
+    this.moved = obstacles ? new Body(this.surfaces[obstacles.surface], OBSTACLE_COLOUR) : null;
+    for (const body of [this.body, this.start, this.moved, ...this.targets].filter(Boolean)) this.stage.scene.add(body.group);
     const last = view.frames.length - 1;
     const slider = this.part("slider");
     // The last: the optimum, the end of a path; of a state with its modes the state.
@@ -69,7 +72,7 @@ class View {
     this.part("slider-row").hidden = last < 1;
     this.part("show-start").parentElement.hidden = last < 1;
     this.part("first-name").textContent = view.frames[0].label;
-    this.part("target-label").hidden = view.targets.length === 0;
+    this.part("target-label").hidden = view.targets.length === 0 && !this.moved;
     this.offerFields();
     const box = new THREE.Box3();
     // A wall may be far larger than the body.
@@ -134,8 +137,12 @@ class View {
     this.start.group.visible = this.part("show-start").checked && Number(slider.value) > 0;
     const targets = this.part("show-target").checked;
     this.targets.forEach((target) => (target.group.visible = targets));
+    if (this.moved) {
+      this.moved.group.visible = targets && frame.obstacles !== undefined;
+      if (frame.obstacles) this.moved.move(values(frame.obstacles.x));
+    }
     const lines = this.part("show-lines").checked;
-    [this.body, this.start, ...this.targets].forEach((body) => (body.lines.visible = lines));
+    [this.body, this.start, this.moved, ...this.targets].filter(Boolean).forEach((body) => (body.lines.visible = lines));
     this.showLegend(frame, targets);
     this.stage.draw();
   }
@@ -193,8 +200,10 @@ class View {
     const entries = [["body", frame.label]];
     if (this.start.group.visible) entries.push([START_COLOUR, this.view.frames[0].label]);
     for (const label of ["target", "obstacle"]) {
-      const shown = this.view.targets.find((target) => target.label === label);
-      if (targets && shown) entries.push([colourOfTarget(shown), label]);
+      const moves = label === "obstacle" && this.moved;
+      if (targets && (moves || this.view.targets.some((target) => target.label === label))) {
+        entries.push([colourOfTarget({ label }), label]);
+      }
     }
     this.part("legend").replaceChildren(...entries.map(([colour, label]) => {
       const entry = document.createElement("span");

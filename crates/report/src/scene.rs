@@ -95,11 +95,12 @@ impl Scene {
         let surface = self.surface(first);
         let amount = if member.is_lead { Amount::All } else { Amount::Shape };
         let mut frames = Vec::new();
-        for (shot, (_, label)) in shots.iter().zip(&names) {
+        for (shot, (name, label)) in shots.iter().zip(&names) {
             if label == "optimum" && member.is_lead {
                 frames.extend(self.iterates(folder, member, surface, most)?);
             }
             frames.push(self.frame(label, shot, surface, amount));
+            self.add_obstacles(folder, name, &mut frames)?;
             for mode in shot.point_data.iter().filter(|array| array.name.starts_with("mode_")) {
                 let number = mode.name.trim_start_matches("mode_").parse::<usize>().unwrap_or(1);
                 let modes = member.state.map(|state| &state.modes);
@@ -118,6 +119,17 @@ impl Scene {
         targets.extend(self.targets(folder, ("obstacle", &member.record.obstacles))?);
         self.views
             .push(json!({ "name": member.record.name, "surface": surface, "frames": frames, "targets": targets }));
+        Ok(())
+    }
+
+    /// The obstacles that move, where they are in the last of the frames: `{ "surface", "x" }`.
+    fn add_obstacles(&mut self, folder: &ResultFolder, state: &str, frames: &mut [Value]) -> Result<(), ReportError> {
+        let file = state.replace(".vtu", "_obstacles.vtu");
+        let Some(frame) = frames.last_mut().filter(|_| folder.wrote(&file)) else { return Ok(()) };
+        let shot = folder.snapshot(&file)?;
+        let surface = self.index(BodySurface::of(&shot.mesh));
+        frame["obstacles"] =
+            json!({ "surface": surface, "x": frame::nodes(&shot.positions(), &self.surfaces[surface]) });
         Ok(())
     }
 
@@ -253,7 +265,8 @@ fn instants(folder: &ResultFolder, member: &ListedMember<'_>) -> Result<Vec<(Str
     }
     let of = |line: &str| {
         let t: f64 = attribute(line, "timestep")?.parse().ok()?;
-        Some((attribute(line, "file")?.to_owned(), format!("t = {} s", short(t))))
+        let file = attribute(line, "file").filter(|_| attribute(line, "part") == Some("0"))?;
+        Some((file.to_owned(), format!("t = {} s", short(t))))
     };
     let all: Vec<(String, String)> = text.lines().filter_map(of).collect();
     let step = all.len().div_ceil(MOST_ROWS).max(1);

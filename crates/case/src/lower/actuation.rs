@@ -159,7 +159,7 @@ fn fix_slot(
         {
             check_rest(time, (value, &at), context)?;
         }
-        return fix_number(actuation, (key, only_pulls), value, (index, first), reduced, context);
+        return fix_number((&actuation.name, &at), (key, only_pulls), value, (index, first), reduced, context);
     };
     let points = SamplePoints::of_body(case, &disc, cells);
     let first_values = columns(value, (&points, &at), context)?;
@@ -251,39 +251,38 @@ fn fix_in_time(
 }
 
 /// The fixed value of a contribution as a whole: one number, or one vector.
-fn fix_number(
-    actuation: &Actuation,
+pub(super) fn fix_number(
+    (name, at): (&str, &At),
     (key, only_pulls): (&str, bool),
     value: &Fixed,
     (index, slot): (usize, usize),
     reduced: Reduced,
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
-    let at = actuation.at.key(key);
     let Some(constants) = everywhere(value) else {
         let what = if matches!(value, Fixed::Scalar(_)) { "a number" } else { "numbers" };
-        context.complain(&at, format!("\"{}\" has one {key}: give {what}, not a field", actuation.name));
+        context.complain(at, format!("\"{name}\" has one {key}: give {what}, not a field"));
         return None;
     };
     let unit = reduced.solid().model().controllable()[index].slots[slot].unit;
     if let Fixed::Scalar(Number::Formula(formula)) = value
         && let Some(Err(why)) = dimension_of(unit).map(|dimension| formula.check(dimension))
     {
-        context.complain(&at, why);
+        context.complain(at, why);
         return None;
     }
     if only_pulls && constants.iter().any(|constant| *constant < 0.0) {
-        context.complain(&at, must_pull(key));
+        context.complain(at, must_pull(key));
         return None;
     }
     let reduced = constants.iter().enumerate().try_fold(reduced, |reduced, (component, constant)| {
         let fixed = reduced.fix(index, slot + component, &[*constant]);
-        context.take(&at, fixed)
+        context.take(at, fixed)
     })?;
     if !uses_time(value) {
         return Some(reduced);
     }
-    fix_in_time((value, &at), (index, slot, only_pulls.then_some(key)), reduced, vec![[0.0; 3]], context)
+    fix_in_time((value, at), (index, slot, only_pulls.then_some(key)), reduced, vec![[0.0; 3]], context)
 }
 
 /// Refuses a surface that is elsewhere at t = 0 than on a body at rest.

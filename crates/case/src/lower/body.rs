@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::variant::Variant;
-use super::{actuation, control, inertia, load, material, optimizer, spring, support, time};
+use super::{actuation, contact, control, inertia, load, material, optimizer, spring, support, time};
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid};
 use nastic_language::schema::{Beginning, Case, Time};
@@ -18,6 +18,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     support::add(case, &mut solid, context);
     spring::add(case, &mut solid, context);
     load::add(case, &mut solid, context);
+    contact::add(case, &mut solid, context);
     inertia::add(case, &mut solid, context);
     if context.is_sound() {
         check_complete(case, &solid, context);
@@ -25,6 +26,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     let reduced = Reduced::new(solid).metric(optimizer::metric(case));
     let reduced = time::apply(case, variant.instants.as_deref(), reduced, context)?;
     let reduced = actuation::fix(case, reduced, context)?;
+    let reduced = contact::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
     context.is_sound().then_some(reduced)
 }

@@ -1,41 +1,22 @@
-//! Constraints, and the obstacles of costs and constraints.
+//! Constraints.
 
 use super::context::Context;
 use super::cost::Lowering;
+use super::obstacle;
 use super::place::{Kind, Place};
 use crate::lower::target_shape::TargetShape;
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
     BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, Instants, IntoConstraint,
-    Obstacle, ObstacleDistance, Reduced,
+    ObstacleDistance, Reduced,
 };
 use nastic_language::number::{count, short};
-use nastic_language::schema::{Case, Constraint as Block, Cost, HoldsWhen, KeepOut, Shape};
+use nastic_language::schema::{Case, Constraint as Block, Cost, HoldsWhen, KeepOut};
 use nastic_opt::ConstraintGroup;
 use std::sync::Arc;
 
 /// Depths below this share of the body's diagonal are rounding.
 const ROUNDING: f64 = 1e-9;
-
-pub(super) fn obstacle(shape: &Shape, context: &mut Context<'_>) -> Option<Obstacle> {
-    Some(match shape {
-        Shape::Sphere(sphere) => Obstacle::sphere(sphere.center.xyz(), sphere.radius),
-        Shape::HalfSpace(half) => Obstacle::half_space(half.point.xyz(), half.normal.xyz()),
-        // In plane strain z is left out: the box is there at every z.
-        Shape::Box(block) if block.low.entries().len() == 2 || block.high.entries().len() == 2 => {
-            let ([x0, y0, _], [x1, y1, _]) = (block.low.xyz(), block.high.xyz());
-            let reach = (x1 - x0).abs().max((y1 - y0).abs());
-            Obstacle::aligned_box([x0, y0, -reach], [x1, y1, reach])
-        }
-        Shape::Box(block) => Obstacle::aligned_box(block.low.xyz(), block.high.xyz()),
-        Shape::Capsule(capsule) => Obstacle::capsule(capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
-        Shape::Mesh(source) => {
-            let at = super::mesh::place(source);
-            let mesh = super::mesh::load(source, &at, context)?;
-            return context.take(&at, Obstacle::solid(&mesh));
-        }
-    })
-}
 
 /// Target meshes of bounded functionals, by constraint.
 pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option<TargetShape>> {
@@ -79,8 +60,8 @@ pub(super) fn add(
     for (block, target) in case.constraints.iter().zip(targets) {
         let bound = match (&block.obstacle, &block.cost) {
             (Some(keep_out), _) => {
-                let bound = distance(keep_out, &reduced, context);
-                bound.inspect(|bound| look_at_rest((block, keep_out), bound.as_ref(), &reduced, context))
+                let bound = distance(case, keep_out, &reduced, context);
+                bound.inspect(|bound| look_at_rest(case, (block, keep_out), bound.as_ref(), &reduced, context))
             }
             (None, Some(cost)) => {
                 check_at_instants(cost, context)?;
@@ -107,11 +88,11 @@ pub(super) fn add(
     Some(reduced)
 }
 
-fn distance(block: &KeepOut, reduced: &Reduced, context: &mut Context<'_>) -> Option<Box<dyn Constraint>> {
+fn distance(case: &Case, block: &KeepOut, reduced: &Reduced, context: &mut Context<'_>) -> Option<Box<dyn Constraint>> {
     let solid = reduced.solid();
     let place = Place::of(&block.surface, &block.region, &block.nodes)?;
     place.nodes(solid.mesh(), &block.at, context)?;
-    let shape = obstacle(&block.shape, context)?;
+    let shape = obstacle::of(case, &block.shape, context)?;
     let distance = match place.kind {
         Kind::Surface => ObstacleDistance::surface(place.names, shape),
         Kind::Region => ObstacleDistance::region(place.names, shape),
@@ -122,6 +103,7 @@ fn distance(block: &KeepOut, reduced: &Reduced, context: &mut Context<'_>) -> Op
 
 /// Warns where the body at rest, or a support of it, is inside of an obstacle.
 fn look_at_rest(
+    case: &Case,
     (block, keep_out): (&Block, &KeepOut),
     bound: &dyn Constraint,
     reduced: &Reduced,
@@ -129,7 +111,7 @@ fn look_at_rest(
 ) {
     let solid = reduced.solid();
     let (mesh, dim, supports) = (solid.mesh(), solid.discretization().dim(), solid.supports());
-    let Some(shape) = obstacle(&keep_out.shape, context) else { return };
+    let Some(shape) = obstacle::of(case, &keep_out.shape, context) else { return };
     let unit = context.units.length().symbol;
     let tolerance = ROUNDING * mesh.diagonal();
     let (mut held, mut free) = (Vec::new(), Vec::new());

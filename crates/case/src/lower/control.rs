@@ -10,9 +10,10 @@ use crate::lower::time;
 use crate::lower::variant::Variant;
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
 use nastic_control::{ControlBlock, RateLimit, Reduced, Space};
+use nastic_energy::Slot;
 use nastic_language::expression::Formula;
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::{Beginning, Case, Cells, Control, Parameter, Space as SpaceBlock, Start};
+use nastic_language::schema::{Beginning, Case, Cells, Contact, Control, Parameter, Space as SpaceBlock, Start};
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
 
 /// What becomes of the block `controls`.
@@ -26,7 +27,11 @@ pub(super) struct Lowered {
 pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
     for control in &case.controls {
         let mut owners = case.actuation.iter().filter(|a| owned(&control.of, &a.name));
-        if owners.any(|actuation| !is_built(&actuation.name, &reduced)) {
+        let is_missing = |contact: &Contact| {
+            [contact.name(), contact.obstacle.clone()].iter().any(|name| owned(&control.of, name))
+                && !is_built(&contact.name(), &reduced)
+        };
+        if owners.any(|actuation| !is_built(&actuation.name, &reduced)) || case.contact.iter().any(is_missing) {
             continue;
         }
         let space = match control.space {
@@ -153,8 +158,11 @@ impl Lowering<'_> {
         let start = self.settle(start, set.as_ref(), context)?;
         self.check_at_rest(bounds.as_ref(), context)?;
         let unit = nastic_language::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
-        // the only controls that are plain numbers are angles
-        let unit = if unit.is_none() { "rad".to_owned() } else { context.units.label(unit) };
+        let unit = if self.slot().is_some_and(|slot| slot.group == "rotation") {
+            "rad".to_owned()
+        } else {
+            context.units.label(unit)
+        };
         if let Some(message) = unresolved(self.block, self.reduced) {
             context.warn(&GRID_RESOLUTION, &self.control.at.key("space"), message);
         }
@@ -180,10 +188,15 @@ impl Lowering<'_> {
         None
     }
 
+    /// The first slot that it drives.
+    fn slot(&self) -> Option<Slot> {
+        let target = &self.block.targets[0];
+        self.reduced.solid().model().controllable()[target.actuation].slots.get(target.slot).copied()
+    }
+
     /// The slot, where it only pulls.
     fn pulling(&self) -> Option<&'static str> {
-        let actuation = &self.reduced.solid().model().controllable()[self.block.targets[0].actuation];
-        actuation.slots.get(self.block.targets[0].slot).filter(|slot| slot.not_negative).map(|slot| slot.group)
+        self.slot().filter(|slot| slot.not_negative).map(|slot| slot.group)
     }
 
     fn allowed(&self, context: &mut Context<'_>) -> Option<Allowed> {

@@ -247,7 +247,7 @@ impl Lowering<'_> {
         let solid = self.reduced.solid();
         let place = Place::of(&block.surface, &block.region, &block.nodes)?;
         place.nodes(solid.mesh(), &block.at, context)?;
-        let shape = super::constraint::obstacle(&block.shape, context)?;
+        let shape = super::obstacle::of(self.case, &block.shape, context)?;
         let penetration = match place.kind {
             Kind::Surface => ObstaclePenetration::surface(place.names, shape),
             Kind::Region => ObstaclePenetration::region(place.names, shape),

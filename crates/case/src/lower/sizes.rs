@@ -8,7 +8,7 @@ use crate::warning::{BOUNDS, UNITS};
 use nastic_fem::Solid;
 use nastic_language::number::{count, short};
 use nastic_language::quantity::{Dimension, Units};
-use nastic_language::schema::{Case, Cost, MeshSource, Shape};
+use nastic_language::schema::{Case, Cost, MeshSource, Shape, ShapeOrName};
 use nastic_mesh::Mesh;
 
 /// Soft bodies longer than this are rare, millimetres taken for metres are not.
@@ -86,7 +86,7 @@ pub(super) fn check_obstacles(case: &Case, mesh: &Mesh, context: &mut Context<'_
     }
 }
 
-/// The meshes of obstacles, in costs and constraints.
+/// The meshes of obstacles, of a list of their own and in costs and constraints.
 fn obstacles(case: &Case) -> impl Iterator<Item = &MeshSource> {
     let bounded = case.constraints.iter().filter_map(|block| block.cost.as_ref());
     let of_costs = case.costs.iter().chain(bounded).filter_map(|cost| match cost {
@@ -94,7 +94,11 @@ fn obstacles(case: &Case) -> impl Iterator<Item = &MeshSource> {
         _ => None,
     });
     let shapes = case.constraints.iter().filter_map(|block| block.obstacle.as_ref()).map(|keep_out| &keep_out.shape);
-    shapes.chain(of_costs).filter_map(|shape| match shape {
+    let own = shapes.chain(of_costs).filter_map(|shape| match shape {
+        ShapeOrName::Shape(shape) => Some(shape),
+        ShapeOrName::Name(_) => None,
+    });
+    case.obstacles.iter().map(|obstacle| &obstacle.shape).chain(own).filter_map(|shape| match shape {
         Shape::Mesh(source) => Some(source),
         _ => None,
     })

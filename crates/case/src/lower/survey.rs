@@ -2,14 +2,14 @@
 //! lacks, parameters out of range, probes outside the body.
 
 use super::context::Context;
-use super::{actuation, cost, load, material, mesh, place, probe, spring, support};
+use super::{actuation, contact, cost, load, material, mesh, place, probe, spring, support};
 use nastic_fem::{Discretization, Solid};
 use nastic_language::schema::{Case, group_names};
 use nastic_language::syntax::{At, Document, Node, Value};
 use nastic_mesh::Mesh;
 
 /// Blocks whose entries name groups of the mesh.
-const BLOCKS: [&str; 5] = ["materials", "supports", "loads", "actuation", "costs"];
+const BLOCKS: [&str; 6] = ["materials", "supports", "contact", "loads", "actuation", "costs"];
 
 /// Looks at everything that can be read of a case with mistakes of form; what is found joins the context's problems.
 pub(super) fn look(case: &Case, document: &Document, context: &mut Context<'_>) {
@@ -27,6 +27,7 @@ pub(super) fn look(case: &Case, document: &Document, context: &mut Context<'_>) 
     support::add(case, &mut solid, context);
     spring::add(case, &mut solid, context);
     load::add(case, &mut solid, context);
+    contact::add(case, &mut solid, context);
 }
 
 /// Complains about every name that the mesh lacks, also in blocks with other mistakes.

@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::warning::UNITS;
 use nastic_language::expression::Formula;
 use nastic_language::number::short;
-use nastic_language::schema::{Case, Fixed, Parameter, Start, TimeTable, VectorField};
+use nastic_language::schema::{Case, Fixed, Obstacle, Parameter, PoseVector, Start, TimeTable, VectorField};
 use nastic_language::syntax::{At, quoted};
 
 /// A table of which the motion takes so small a share is hardly in its unit.
@@ -22,6 +22,7 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
             });
         }
     }
+    resolve_poses((&mut case.obstacles, end), context);
     for actuation in &mut case.actuation {
         for (key, fixed) in &mut actuation.fixed {
             let Fixed::Table(table) = fixed else { continue };
@@ -30,6 +31,21 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
                     Ok([formula]) => Fixed::Scalar(Parameter::Formula(formula)),
                     Err(several) => Fixed::Vector(VectorField::Formulas(several)),
                 };
+            }
+        }
+    }
+}
+
+/// The same of the poses of obstacles.
+fn resolve_poses((obstacles, end): (&mut [Obstacle], Option<f64>), context: &mut Context<'_>) {
+    for obstacle in obstacles {
+        let at = obstacle.at.clone();
+        let parts = [("translation", &mut obstacle.translation), ("rotation", &mut obstacle.rotation)];
+        for (key, part) in parts {
+            let Some(PoseVector(fixed)) = part else { continue };
+            let Fixed::Table(table) = fixed else { continue };
+            if let Some(formulas) = formulas((table, end), &at.key(key), context) {
+                *fixed = Fixed::Vector(VectorField::Formulas(formulas));
             }
         }
     }

@@ -19,6 +19,7 @@ pub(crate) mod point;
 pub(crate) mod prescribes;
 pub(crate) mod rayleigh_damping;
 mod rigid_motion;
+mod rigid_pose;
 mod rotation;
 pub(crate) mod sensitivities;
 mod spring;
@@ -42,6 +43,7 @@ use nastic_linear::{Field, NotCoupled, SparseMatrix, Symmetry};
 use nastic_mesh::Polyline;
 pub use point::{ContributionPoint, Need};
 pub use prescribes::Prescribes;
+pub use rigid_pose::RigidPose;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 pub use spring::Spring;
 use std::fmt::Debug;
@@ -125,6 +127,12 @@ pub trait Contribution: Debug + Send + Sync {
         &[]
     }
 
+    /// A name of the first so many slots that is not its own: contributions with the same one are controlled together (the pose of an
+    /// obstacle that several surfaces touch).
+    fn shared_slots(&self) -> Option<(&str, usize)> {
+        None
+    }
+
     /// Named numbers worth reporting of a state: the volume of a cavity, say.
     fn quantities(&self, _at: &Instant) -> Vec<(&'static str, f64)> {
         Vec::new()
@@ -133,6 +141,16 @@ pub trait Contribution: Debug + Send + Sync {
     /// What of it is to be drawn beside the body: tendons and springs, say.
     fn lines(&self, _at: &Instant) -> Vec<Polyline> {
         Vec::new()
+    }
+
+    /// Scalars on the nodes to be shown, by name: the pressure of a contact, say.
+    fn nodal_fields(&self, _at: &Instant) -> Vec<(&'static str, Vec<(u32, f64)>)> {
+        Vec::new()
+    }
+
+    /// Where the rigid obstacle is that it touches, under the name of its pose.
+    fn pose(&self, _at: &Instant) -> Option<RigidPose> {
+        None
     }
 
     /// What of it, where no equilibrium was found, may be the reason.

@@ -97,7 +97,7 @@ pub fn read_snapshot(path: impl AsRef<Path>) -> Result<Snapshot, ReadError> {
             }
             cell_data.push(in_order(grid.array(element, Entity::Cell)?, mesh.cell_origin()));
         }
-        Ok(Snapshot { mesh, point_data, cell_data, lines: Vec::new() })
+        Ok(Snapshot { mesh, point_data, cell_data, lines: Vec::new(), obstacles: None })
     })
 }
 

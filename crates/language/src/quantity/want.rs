@@ -35,6 +35,8 @@ impl Want {
     pub const ANY_NOT_NEGATIVE: Self = Self { dimension: None, sign: Sign::NotNegative, in_time: false };
     /// A plain number.
     pub const NUMBER: Self = Self::a(Dimension::NONE);
+    /// A plain number, which may change in time.
+    pub const NUMBER_IN_TIME: Self = Self::NUMBER.in_time();
     /// A plain number > 0.
     pub const POSITIVE: Self = Self::NUMBER.positive();
     /// A plain number >= 0.
@@ -66,6 +68,8 @@ impl Want {
     pub const DENSITY: Self = Self::a(Dimension::DENSITY).positive();
     /// A velocity.
     pub const VELOCITY: Self = Self::a(Dimension::VELOCITY);
+    /// A velocity > 0.
+    pub const POSITIVE_VELOCITY: Self = Self::VELOCITY.positive();
     /// An acceleration.
     pub const ACCELERATION: Self = Self::a(Dimension::ACCELERATION);
     /// A viscosity >= 0.

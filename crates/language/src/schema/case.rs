@@ -4,6 +4,7 @@ use crate::quantity::{Units, Want};
 use crate::schema::actuation::Actuation;
 use crate::schema::check;
 use crate::schema::constraint::Constraint;
+use crate::schema::contact::Contact;
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::expectation::Expectation;
@@ -11,6 +12,7 @@ use crate::schema::load::Load;
 use crate::schema::load_case::LoadCase;
 use crate::schema::material::Material;
 use crate::schema::mesh::MeshSource;
+use crate::schema::obstacle::Obstacle;
 use crate::schema::optimizer::Optimizer;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
@@ -38,6 +40,10 @@ object! {
         pub supports: Vec<Support> = Vec::new(),
         /// Springs between points of the body, and from it to the ground.
         pub springs: Vec<Spring> = Vec::new(),
+        /// What the body may touch, or keeps clear of.
+        pub obstacles: Vec<Obstacle> = Vec::new(),
+        /// Surfaces that obstacles push back.
+        pub contact: Vec<Contact> = Vec::new(),
         /// Dead loads.
         pub loads: Vec<Load> = Vec::new(),
         /// What moves the body from within.

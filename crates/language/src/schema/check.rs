@@ -1,5 +1,6 @@
 //! What a case must fulfil beyond the form of its blocks, as far as that shows without the mesh.
 
+mod contact;
 mod controls;
 mod motion;
 mod variants;
@@ -8,10 +9,12 @@ use crate::quantity::Want;
 use crate::schema::actuation::Actuation;
 use crate::schema::case::{Case, Probe};
 use crate::schema::constraint::Constraint;
+use crate::schema::contact::Contact;
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::load_case::LoadCase;
 use crate::schema::material::Material;
+use crate::schema::obstacle::Obstacle;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
 use crate::schema::spring::Spring;
@@ -31,6 +34,8 @@ pub(crate) struct Blocks {
     pub(crate) load_cases: Vec<LoadCase>,
     pub(crate) probes: Vec<Probe>,
     pub(crate) springs: Vec<Spring>,
+    pub(crate) obstacles: Vec<Obstacle>,
+    pub(crate) contact: Vec<Contact>,
     pub(crate) scenarios: Option<Scenarios>,
     pub(crate) risk: Option<Risk>,
     /// Paths of problems: what is missing there may be there, misspelt.
@@ -42,6 +47,7 @@ pub(crate) fn check(reader: &mut Reader<'_>) {
     let blocks = Blocks::read(reader);
     check_version(reader);
     check_names(&blocks, reader);
+    contact::check(&blocks, reader);
     controls::check(&blocks, reader);
     check_risk(&blocks, reader);
     motion::check(&blocks, reader);
@@ -59,6 +65,8 @@ impl Blocks {
             load_cases: list(reader, "load_cases"),
             probes: list(reader, "probes"),
             springs: list(reader, "springs"),
+            obstacles: list(reader, "obstacles"),
+            contact: list(reader, "contact"),
             scenarios: block(reader, "scenarios"),
             risk: block(reader, "risk"),
             troubled: reader.problems.iter().map(|problem| problem.path.clone()).collect(),
@@ -89,6 +97,8 @@ pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
         materials: list(reader, "materials"),
         supports: list(reader, "supports"),
         springs: list(reader, "springs"),
+        obstacles: list(reader, "obstacles"),
+        contact: list(reader, "contact"),
         loads: list(reader, "loads"),
         actuation: list(reader, "actuation"),
         controls: list(reader, "controls"),

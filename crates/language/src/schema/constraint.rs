@@ -1,7 +1,7 @@
 //! The blocks of `constraints`.
 
 use crate::schema::cost::Cost;
-use crate::schema::obstacle::Shape;
+use crate::schema::obstacle::ShapeOrName;
 use crate::schema::read::Reader;
 use crate::schema::timing::HoldsWhen;
 use nastic_mesh::GroupNames;
@@ -35,8 +35,8 @@ object! {
         pub region: Option<GroupNames>,
         /// Node set of the mesh.
         pub nodes: Option<GroupNames>,
-        /// The obstacle.
-        pub shape: Shape,
+        /// The obstacle: a shape, or the name of one of `obstacles`, where it is not moved.
+        pub shape: ShapeOrName,
         /// The distance to keep.
         pub clearance: f64 as LENGTH = 0.0,
     }

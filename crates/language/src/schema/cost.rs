@@ -6,7 +6,7 @@ use crate::schema::added_cost::AddedCost;
 use crate::schema::field::ArrayFile;
 use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::mesh::MeshSource;
-use crate::schema::obstacle::Shape;
+use crate::schema::obstacle::ShapeOrName;
 use crate::schema::read::{Read, Reader};
 use crate::schema::shape_cost::{Compliance, Curvature, LargestStretch, Orientation, Position};
 use crate::schema::timing::When;
@@ -175,8 +175,8 @@ object! {
         pub region: Option<GroupNames>,
         /// Node set of the mesh.
         pub nodes: Option<GroupNames>,
-        /// The obstacle.
-        pub shape: Shape,
+        /// The obstacle: a shape, or the name of one of `obstacles`, where it is not moved.
+        pub shape: ShapeOrName,
         /// The distance to keep.
         pub clearance: f64 as LENGTH = 0.0,
         /// Factor.

@@ -1,10 +1,99 @@
-//! Obstacles: shapes by formulas, and meshed ones.
+//! The blocks of `obstacles`: shapes by formulas, and meshed ones, with their poses.
 
+use crate::quantity::Want;
+use crate::schema::actuation::Fixed;
+use crate::schema::field::VectorField;
+use crate::schema::json::{Definitions, any_of};
 use crate::schema::mesh::MeshSource;
+use crate::schema::read::{Read, Reader};
+use crate::schema::time_table::TimeTable;
 use crate::schema::value::Vector;
+use crate::syntax::{At, Node, Value};
+use serde_json::{Value as Json, json};
+
+object! {
+    /// Something rigid that contacts, costs and constraints refer to by its name.
+    pub struct Obstacle {
+        /// Name, by which others refer to it; its pose is controlled as "NAME.translation" and "NAME.rotation".
+        pub name: String,
+        /// Its shape, where it is not moved.
+        pub shape: Shape,
+        /// Radius by which edges and corners are rounded: the faces of a box stay, a mesh grows by it.
+        pub rounding: f64 as NOT_NEGATIVE_LENGTH = 0.0,
+        /// How far it is moved, where that is no control; numbers, or of a motion formulas of t or a table.
+        pub translation: Option<PoseVector> as LENGTH_IN_TIME,
+        /// Rotation vector, in radians about its direction, where that is no control.
+        pub rotation: Option<PoseVector> as NUMBER_IN_TIME,
+        /// The point about which it turns, where it is not moved; its middle if left out.
+        pub centre: Option<Vector> as LENGTH,
+    }
+}
+
+/// A part of a pose that is no control.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PoseVector(pub Fixed);
+
+impl Read for PoseVector {
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        let fixed = match TimeTable::is_named_by(node) {
+            true => TimeTable::read_for(Some(true), node, at, reader).map(Fixed::Table),
+            false => VectorField::read(node, at, want, reader).map(Fixed::Vector),
+        };
+        fixed.map(Self)
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        any_of(vec![VectorField::schema(want, definitions), TimeTable::schema(want, definitions)])
+    }
+}
+
+impl Obstacle {
+    /// The parts of its pose that are no controls, with their keys.
+    pub fn pose(&self) -> impl Iterator<Item = (&'static str, &Fixed)> {
+        let parts = [("translation", &self.translation), ("rotation", &self.rotation)];
+        parts.into_iter().filter_map(|(key, part)| part.as_ref().map(|part| (key, &part.0)))
+    }
+}
+
+/// The obstacle of a cost or constraint: a shape, or the name of one of `obstacles`.
+#[derive(Clone, PartialEq, Debug)]
+pub enum ShapeOrName {
+    /// A shape of its own.
+    Shape(Shape),
+    /// One of the case's obstacles, where it is not moved.
+    Name(String),
+}
+
+impl ShapeOrName {
+    /// The shape and its rounding radius; `None` of a name that is not there.
+    #[must_use]
+    pub fn among<'a>(&'a self, obstacles: &'a [Obstacle]) -> Option<(&'a Shape, f64)> {
+        match self {
+            Self::Shape(shape) => Some((shape, 0.0)),
+            Self::Name(name) => {
+                let found = obstacles.iter().find(|obstacle| obstacle.name == *name)?;
+                Some((&found.shape, found.rounding))
+            }
+        }
+    }
+}
+
+impl Read for ShapeOrName {
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        match &node.value {
+            Value::Text(name) => Some(Self::Name(name.clone())),
+            _ => Shape::read(node, at, want, reader).map(Self::Shape),
+        }
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        let named = json!({ "type": "string", "description": "One of the case's obstacles." });
+        any_of(vec![Shape::schema(want, definitions), named])
+    }
+}
 
 choice! {
-    /// A shape that the body keeps clear of.
+    /// A shape that the body keeps clear of, or touches.
     pub enum Shape {
         /// All points within a radius of the center.
         "sphere" => Sphere(Sphere),
@@ -40,12 +129,45 @@ object! {
 }
 
 object! {
-    /// All points between two corners, the sides along the axes.
-    pub struct AlignedBox {
+    /// All points between two corners, the sides along the axes: "low" and "high", or "center" and "size".
+    pub struct AlignedBox checked by check_box {
         /// The corner with the smallest coordinates.
-        pub low: Vector as LENGTH,
+        pub low: Option<Vector> as LENGTH,
         /// The corner with the largest ones.
-        pub high: Vector as LENGTH,
+        pub high: Option<Vector> as LENGTH,
+        /// The middle.
+        pub center: Option<Vector> as LENGTH,
+        /// The lengths of the sides.
+        pub size: Option<Vector> as POSITIVE_LENGTH,
+    }
+}
+
+impl AlignedBox {
+    /// Whether it is given by two coordinates.
+    #[must_use]
+    pub fn is_plane(&self) -> bool {
+        let given = [&self.low, &self.high, &self.center, &self.size];
+        given.into_iter().flatten().any(|vector| vector.entries().len() == 2)
+    }
+
+    /// The corners with the smallest and with the largest coordinates.
+    #[must_use]
+    pub fn corners(&self) -> [[f64; 3]; 2] {
+        let given = |at: &Option<Vector>| at.as_ref().map(Vector::xyz);
+        match (given(&self.low), given(&self.high), given(&self.center), given(&self.size)) {
+            (Some(low), Some(high), ..) => [low, high],
+            (.., Some(center), Some(size)) => {
+                [-0.5, 0.5].map(|half: f64| std::array::from_fn(|i| center[i] + half * size[i]))
+            }
+            _ => [[0.0; 3]; 2],
+        }
+    }
+}
+
+fn check_box(block: &AlignedBox, reader: &mut Reader<'_>) {
+    let given = [block.low.is_some(), block.high.is_some(), block.center.is_some(), block.size.is_some()];
+    if ![[true, true, false, false], [false, false, true, true]].contains(&given) {
+        reader.complain_at(&block.at, "a box takes {low, high} or {center, size}");
     }
 }
 

@@ -7,7 +7,8 @@ use crate::syntax::{At, Node, Setting, quoted};
 use serde_json::{Value as Json, json};
 
 /// Blocks a variant of the case may change; everything else is shared.
-pub(crate) const CHANGEABLE: [&str; 6] = ["materials", "supports", "springs", "loads", "actuation", "costs"];
+pub(crate) const CHANGEABLE: [&str; 8] =
+    ["materials", "supports", "springs", "obstacles", "contact", "loads", "actuation", "costs"];
 
 /// `{ "path": value, ... }`: all settings of a variant. The values are read later, in their place.
 #[derive(Clone, PartialEq, Debug, Default)]

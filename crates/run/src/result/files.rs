@@ -64,13 +64,14 @@ impl Directory {
         }
     }
 
-    /// Removes the snapshots `STEM0000.vtu` .. that an earlier run left.
+    /// Removes the snapshots `STEM0000.vtu` .. that an earlier run left, with what stood beside them.
     pub fn remove_numbered(&self, stem: &str) {
         let Ok(entries) = std::fs::read_dir(&self.path) else { return };
         for entry in entries.flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
             let number = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".vtu"));
+            let number = number.map(|rest| rest.trim_end_matches("_lines").trim_end_matches("_obstacles"));
             if number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit())) {
                 let _ = std::fs::remove_file(entry.path());
             }
@@ -95,25 +96,47 @@ impl Directory {
         nastic_io::write_vtu(self.file(name), snapshot)
     }
 
-    /// A state `NAME.vtu`, and beside it `NAME_lines.vtu` where it has lines; the names of the files.
+    /// A state `NAME.vtu`, and what is beside it; the names of the files.
     pub fn write_state(&self, name: &str, snapshot: &Snapshot) -> Result<Vec<String>, WriteError> {
-        let files = state_files(name, !snapshot.lines.is_empty());
-        self.write_vtu(&files[0], snapshot)?;
-        match files.get(1) {
-            Some(lines) => nastic_io::write_lines(self.file(lines), &snapshot.lines)?,
-            None => self.remove(&lines_of(name))?,
+        self.write_vtu(&format!("{name}.vtu"), snapshot)?;
+        match snapshot.lines.is_empty() {
+            false => nastic_io::write_lines(self.file(&lines_of(name)), &snapshot.lines)?,
+            true => self.remove(&lines_of(name))?,
         }
-        Ok(files)
+        match &snapshot.obstacles {
+            Some(mesh) => self.write_vtu(&obstacles_of(name), &Snapshot::new(mesh.clone()))?,
+            None => self.remove(&obstacles_of(name))?,
+        }
+        Ok(state_files(name, Beside::of(snapshot)))
     }
 }
 
-/// The files of a state: `NAME.vtu`, and `NAME_lines.vtu` where it has lines.
-pub(crate) fn state_files(name: &str, has_lines: bool) -> Vec<String> {
-    std::iter::once(format!("{name}.vtu")).chain(has_lines.then(|| lines_of(name))).collect()
+/// What a state has beside its body.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Beside {
+    pub lines: bool,
+    /// Obstacles that move.
+    pub obstacles: bool,
+}
+
+impl Beside {
+    pub fn of(snapshot: &Snapshot) -> Self {
+        Self { lines: !snapshot.lines.is_empty(), obstacles: snapshot.obstacles.is_some() }
+    }
+}
+
+/// The files of a state: `NAME.vtu`, `NAME_lines.vtu` where it has lines, `NAME_obstacles.vtu` where obstacles move.
+pub(crate) fn state_files(name: &str, beside: Beside) -> Vec<String> {
+    let others = [beside.lines.then(|| lines_of(name)), beside.obstacles.then(|| obstacles_of(name))];
+    std::iter::once(format!("{name}.vtu")).chain(others.into_iter().flatten()).collect()
 }
 
 fn lines_of(name: &str) -> String {
     format!("{name}_lines.vtu")
+}
+
+fn obstacles_of(name: &str) -> String {
+    format!("{name}_obstacles.vtu")
 }
 
 /// Removes unfinished files that a killed program left: `.NAME.PROCESS.COUNT.part`, as [`write_atomically`] calls them.

@@ -1,8 +1,9 @@
 //! Obstacles as bodies to be drawn.
 
 use nastic_case::lower::{CaseMember, CaseProblem, mesh_again};
-use nastic_language::schema::{Constraint, Cost, Shape};
-use nastic_mesh::{CellKind, Mesh, Snapshot, box_mesh};
+use nastic_fem::{Instant, State};
+use nastic_language::schema::{Constraint, Cost, Obstacle, Shape, ShapeOrName};
+use nastic_mesh::{CellKind, Mesh, RawMesh, Snapshot, box_mesh};
 use std::sync::Arc;
 
 /// Cells per direction; odd, so that a layer in the middle can be stretched.
@@ -11,25 +12,75 @@ const CELLS: usize = 11;
 /// Thickness of the plate that stands for a half-space, and half of its width, as shares of the body's diagonal.
 const PLATE: [f64; 2] = [0.02, 0.75];
 
-/// The obstacles of a member's constraints and costs, each once; a half-space, which has no end, as a plate in front of the body.
+/// The obstacles of a member that rest, each once; a half-space, which has no end, as a plate in front of the body.
 pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
     let case = member.case();
-    let of_constraint = |block: &Constraint| block.obstacle.as_ref().map(|keep_out| keep_out.shape.clone());
+    let own = |shape: &ShapeOrName| match shape {
+        ShapeOrName::Shape(shape) => Some(shape.clone()),
+        ShapeOrName::Name(_) => None,
+    };
+    let of_constraint = |block: &Constraint| block.obstacle.as_ref().and_then(|keep_out| own(&keep_out.shape));
     let of_cost = |block: &Cost| match block {
-        Cost::Obstacle(block) => Some(block.shape.clone()),
+        Cost::Obstacle(block) => own(&block.shape),
         _ => None,
     };
     let mut meshes: Vec<Arc<Mesh>> = Vec::new();
+    let at_rest =
+        case.obstacles.iter().filter(|obstacle| !is_moved(member, obstacle)).map(|obstacle| obstacle.shape.clone());
     let shapes = case.constraints.iter().filter_map(of_constraint).chain(case.costs.iter().filter_map(of_cost));
-    for mesh in shapes.filter_map(|shape| match &shape {
-        Shape::Mesh(source) => mesh_again(source, member.problem()),
-        shape => mesh(shape, member.mesh()).map(Arc::new),
-    }) {
+    for mesh in at_rest.chain(shapes).filter_map(|shape| of_shape(&shape, member)) {
         if !meshes.iter().any(|known| known.points() == mesh.points()) {
             meshes.push(mesh);
         }
     }
-    if member.mesh().dim() == 3 { meshes.into_iter().map(Snapshot::new).collect() } else { vec![] }
+    meshes.into_iter().map(Snapshot::new).collect()
+}
+
+/// Of a body in space; `None` in plane strain.
+fn of_shape(shape: &Shape, member: CaseMember<'_>) -> Option<Arc<Mesh>> {
+    if member.mesh().dim() < 3 {
+        return None;
+    }
+    match shape {
+        Shape::Mesh(source) => mesh_again(source, member.problem()),
+        shape => mesh(shape, member.mesh()).map(Arc::new),
+    }
+}
+
+/// Whether a pose is given for an obstacle that a contact touches, or controlled.
+fn is_moved(member: CaseMember<'_>, obstacle: &Obstacle) -> bool {
+    let parts = ["translation", "rotation"].map(|part| format!("{}.{part}", obstacle.name));
+    let controlled = member.case().controls.iter().any(|control| parts.contains(&control.of));
+    let touched = member.case().contact.iter().any(|contact| contact.obstacle == obstacle.name);
+    touched && (controlled || obstacle.pose().next().is_some())
+}
+
+/// Whether obstacles of a member may move.
+pub(crate) fn has_moved(member: CaseMember<'_>) -> bool {
+    member.mesh().dim() == 3 && member.case().obstacles.iter().any(|obstacle| is_moved(member, obstacle))
+}
+
+/// The obstacles that may move, where they are in a state, as one mesh with a region for each.
+pub(crate) fn moved(member: CaseMember<'_>, state: &State) -> Option<Arc<Mesh>> {
+    let poses = member.solid().model().poses(&Instant::of(state));
+    let mut raw = RawMesh::new("obstacles");
+    for obstacle in member.case().obstacles.iter().filter(|obstacle| is_moved(member, obstacle)) {
+        let (Some(pose), Some(mesh)) =
+            (poses.iter().find(|pose| pose.name == obstacle.name), of_shape(&obstacle.shape, member))
+        else {
+            continue;
+        };
+        let (first, tag) = (raw.points.len() as u32, raw.names.len() as i32 + 1);
+        raw.points.extend(mesh.points().iter().map(|x| pose.apply(*x)));
+        raw.name_group(3, tag, &obstacle.name);
+        for block in mesh.blocks() {
+            for nodes in block.iter() {
+                let nodes: Vec<u32> = nodes.iter().map(|node| first + node).collect();
+                raw.push(block.kind, &nodes, &[tag]);
+            }
+        }
+    }
+    Mesh::build(raw).ok().map(Arc::new)
 }
 
 /// `obstacle_1.vtu` and so on for all members together, and the names of each member's own.
@@ -58,7 +109,10 @@ fn mesh(shape: &Shape, body: &Mesh) -> Option<Mesh> {
     let (from, to, radius) = match shape {
         Shape::Sphere(sphere) => (sphere.center.xyz(), sphere.center.xyz(), sphere.radius),
         Shape::Capsule(capsule) => (capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
-        Shape::Box(block) => return brick(block.low.xyz(), block.high.xyz()),
+        Shape::Box(block) => {
+            let [low, high] = block.corners();
+            return brick(low, high);
+        }
         Shape::Mesh(_) => return None,
         Shape::HalfSpace(half) => return plate(half.point.xyz(), half.normal.xyz(), body),
     };

@@ -11,6 +11,7 @@ const ALL: &[&str] = &[
     "failure.vtu",
     "start.vtu",
     "start_lines.vtu",
+    "start_obstacles.vtu",
     "target.vtu",
     "target_#.vtu",
     "obstacle_#.vtu",
@@ -39,6 +40,7 @@ const SOLVE: &[&str] = &[
     "path_#.vtu",
     "equilibrium_#.vtu",
     "equilibrium_#_lines.vtu",
+    "equilibrium_#_obstacles.vtu",
 ];
 const OPTIMIZE: &[&str] = &[
     "history.jsonl",
@@ -50,6 +52,7 @@ const OPTIMIZE: &[&str] = &[
     "checkpoint.bin",
     "optimum.vtu",
     "optimum_lines.vtu",
+    "optimum_obstacles.vtu",
     "mean_optimum.vtu",
     "iteration_#.vtu",
     "iterations.pvd",

@@ -59,13 +59,13 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
     let mut pictures: Vec<Picture> = appearances(member, body)
         .into_iter()
         .map(|appearance| {
-            let ground = ground(member, (&drawing.title, &drawing.subtitle), &drawing.ghosts);
+            let ground = ground((member, body), (&drawing.title, &drawing.subtitle), &drawing.ghosts);
             ground.body(with_arrows(member, Body::of(label, body).appearance(appearance), body))
         })
         .collect();
     for (title, state) in &drawing.scenarios {
         let Some(appearance) = appearances(member, state).into_iter().next() else { continue };
-        let ground = ground(member, (title, ""), &[]);
+        let ground = ground((member, state), (title, ""), &[]);
         pictures.push(ground.body(with_arrows(member, Body::of(label, state).appearance(appearance), state)));
     }
     if let Some((title, mean)) = &drawing.mean
@@ -74,7 +74,7 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
         let unit = member.problem().units().length().symbol;
         let field = Field::at_nodes("standard deviation", unit, spread.values.clone());
         let title = format!("{title}: mean of the scenarios");
-        let ground = ground(member, (&title, "coloured by the standard deviation of positions"), &[]);
+        let ground = ground((member, mean), (&title, "coloured by the standard deviation of positions"), &[]);
         pictures.push(ground.body(Body::of("mean", mean).appearance(Appearance::Field(field))));
     }
     pictures
@@ -98,14 +98,19 @@ pub(crate) fn of_modes(
     modes.iter().map(picture).collect()
 }
 
-/// Title, ghosts and targets.
-fn ground(member: CaseMember<'_>, (title, subtitle): (&str, &str), ghosts: &[(&str, &Snapshot)]) -> Picture {
+/// Title, ghosts, targets, and obstacles where a state has them.
+fn ground(
+    (member, state): (CaseMember<'_>, &Snapshot),
+    (title, subtitle): (&str, &str),
+    ghosts: &[(&str, &Snapshot)],
+) -> Picture {
     let mut picture = Picture::new(title).subtitle(subtitle).length_unit(member.problem().units().length().symbol);
     for (label, ghost) in ghosts {
         picture = picture.body(Body::of(label, ghost).appearance(Appearance::Glass(Colour::GREY)));
     }
     let grey = |shape: &Snapshot| Body::of("obstacle", shape).appearance(Appearance::Solid(Colour::GREY));
-    let picture = obstacle_shape::all(member).iter().map(grey).fold(picture, Picture::body);
+    let moved = state.obstacles.clone().map(Snapshot::new);
+    let picture = obstacle_shape::all(member).iter().chain(&moved).map(grey).fold(picture, Picture::body);
     member.targets().iter().filter_map(target).fold(picture, Picture::body)
 }
 

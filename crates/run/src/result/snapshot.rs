@@ -1,7 +1,8 @@
 //! States as snapshots, under the names the case gives its controls.
 
+use crate::result::files::Beside;
 use crate::result::inspection::Inspection;
-use crate::result::summary;
+use crate::result::{obstacle_shape, summary};
 use nastic_case::lower::result_array::TARGET_DISTANCE;
 use nastic_case::lower::{CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, ControlError, StateFields};
@@ -12,14 +13,15 @@ use rayon::prelude::*;
 /// The snapshot of a state: [`nastic_control::Reduced::snapshot_of`] with the case's names.
 pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
     let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
-    member.reduced().snapshot_of(&StateFields { names: &names, ..*fields })
+    let shot = member.reduced().snapshot_of(&StateFields { names: &names, ..*fields })?;
+    Ok(Snapshot { obstacles: obstacle_shape::moved(member, fields.state), ..shot })
 }
 
-/// Whether its states have lines beside the body.
-pub(crate) fn has_lines(member: CaseMember<'_>) -> bool {
+/// What its states have beside the body.
+pub(crate) fn beside(member: CaseMember<'_>) -> Beside {
     let rest = member.solid().rest();
     let lines = member.solid().model().lines(&Instant::new(&rest.u, &rest.controls, 0.0));
-    lines.is_ok_and(|lines| !lines.is_empty())
+    Beside { lines: lines.is_ok_and(|lines| !lines.is_empty()), obstacles: obstacle_shape::has_moved(member) }
 }
 
 /// Displacement and control fields alone, for the record of an optimisation's iterations.

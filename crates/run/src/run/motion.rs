@@ -174,8 +174,9 @@ pub(super) fn write(problem: &CaseProblem, records: &[Record], out: &Directory) 
         let mut shots = Vec::new();
         for (k, state) in record.shown.iter().enumerate() {
             let name = format!("{stem}{k:04}");
-            out.write_state(&name, &snapshot::snapshot(member, &StateFields::new(state, &record.m))?)?;
-            shots.push((state.time, format!("{name}.vtu")));
+            let shot = snapshot::snapshot(member, &StateFields::new(state, &record.m))?;
+            let own = out.write_state(&name, &shot)?;
+            shots.extend(own.into_iter().map(|file| (state.time, file)));
         }
         nastic_io::write_pvd(out.file(&pvd), &shots)?;
         files.push(pvd);

@@ -6,7 +6,7 @@ use super::samples::Samples;
 use super::{Contact, ContactLaw, defaults};
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::rigid_motion;
-use crate::contributions::{Contribution, ContributionPoint, Controls, Instant, Need};
+use crate::contributions::{Contribution, ContributionPoint, Controls, Instant, Need, RigidPose};
 use crate::error::{FemError, Inadmissible};
 use nastic_energy::Slot;
 use nastic_linear::Symmetry;
@@ -37,6 +37,8 @@ pub(crate) struct BoundContact {
     /// Positions of the samples in the reference body.
     pub(super) reference: Vec<Vec3>,
     slots: Vec<Slot>,
+    /// The name of the pose, where it is not that of the contact.
+    pose: Option<String>,
     /// Displacements that it resists to.
     normals: Vec<Vec<(u32, f64)>>,
 }
@@ -87,6 +89,7 @@ impl BoundContact {
             samples,
             reference,
             slots,
+            pose: of.pose.clone(),
             normals,
         })
     }
@@ -153,6 +156,10 @@ impl Contribution for BoundContact {
         &self.slots
     }
 
+    fn shared_slots(&self) -> Option<(&str, usize)> {
+        self.pose.as_deref().map(|name| (name, rigid_motion::SLOTS.len()))
+    }
+
     fn path_dependence(&self) -> Option<&'static str> {
         self.slip_speed.map(|_| "friction depends on the path: take steps in time, quasi_static for slow loads")
     }
@@ -204,6 +211,16 @@ impl Contribution for BoundContact {
             }
         }
         Ok(share)
+    }
+
+    fn nodal_fields(&self, at: &Instant) -> Vec<(&'static str, Vec<(u32, f64)>)> {
+        vec![("contact_pressure", self.nodal_pressures(at))]
+    }
+
+    fn pose(&self, at: &Instant) -> Option<RigidPose> {
+        let [translation, theta] = rigid_motion::vectors(at, at.controls);
+        let name = self.pose.as_deref().unwrap_or(&self.name);
+        Some(RigidPose::new(name, self.centre.into(), translation.into(), theta.into()))
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {

@@ -48,6 +48,7 @@ pub struct Contact {
     friction: Option<Friction>,
     refine: Option<usize>,
     centre: Option<[f64; 3]>,
+    pose: Option<String>,
 }
 
 /// Coulomb's friction.
@@ -70,6 +71,7 @@ impl Contact {
             friction: None,
             refine: None,
             centre: None,
+            pose: None,
         }
     }
 
@@ -114,6 +116,13 @@ impl Contact {
     #[must_use]
     pub fn about(mut self, centre: [f64; 3]) -> Self {
         self.centre = Some(centre);
+        self
+    }
+
+    /// The name under which the pose of the obstacle is controlled, `NAME.translation` and `NAME.rotation`; contacts that share one move together.
+    #[must_use]
+    pub fn pose_of(mut self, name: &str) -> Self {
+        self.pose = Some(name.to_owned());
         self
     }
 

@@ -4,6 +4,7 @@ use super::bound::BoundContact;
 use super::point::Gaps;
 use crate::contributions::Instant;
 use nastic_tensor::Vec3;
+use std::collections::BTreeMap;
 
 impl BoundContact {
     /// Force on the body (N) and its moment about the obstacle's centre (N m), per unit of thickness in plane strain; the area that it acts on;
@@ -38,5 +39,23 @@ impl BoundContact {
             found.extend([("sticking", if normal > 0.0 { sticking / normal } else { 1.0 }), ("slip_speed", slip)]);
         }
         found
+    }
+
+    /// Of every node of the surface the mean pressure of its samples, by their shares of the node.
+    pub(super) fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)> {
+        let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+        for sample in 0..self.samples.len() {
+            for &(node, shape) in self.samples.parts(sample) {
+                sums.entry(node).or_default()[0] += self.samples.weights[sample] * shape;
+            }
+        }
+        let touches = Gaps::at(self, at).map(|gaps| (gaps.pose, gaps.touches));
+        for (pose, touch) in touches.iter().flat_map(|(pose, touches)| touches.iter().map(move |touch| (pose, touch))) {
+            let pressure = self.traction(touch, pose, at).pressure.value;
+            for &(node, shape) in self.samples.parts(touch.sample) {
+                sums.entry(node).or_default()[1] += self.samples.weights[touch.sample] * shape * pressure;
+            }
+        }
+        sums.into_iter().map(|(node, [area, force])| (node, if area > 0.0 { force / area } else { 0.0 })).collect()
     }
 }

@@ -5,6 +5,7 @@ use crate::quantity::Dimension;
 use crate::schema::actuation::{Actuation, Means};
 use crate::schema::catalogue::SlotName;
 use crate::schema::check::{Blocks, plain};
+use crate::schema::contact::{Contact, pose_slots};
 use crate::schema::control::{Control, Start};
 use crate::schema::cost::Cost;
 use crate::schema::field::{Parameter, check_unit};
@@ -24,12 +25,12 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
 }
 
 fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
-    let slots: Vec<(String, SlotName)> = blocks.actuation.iter().flat_map(Actuation::slots).collect();
+    let slots = slots(blocks);
     if blocks.actuation.iter().any(|actuation| has_unknown_slots(actuation, &control.of, blocks, reader)) {
         return;
     }
     let Some((_, slot)) = slots.iter().find(|(name, _)| *name == control.of) else {
-        if blocks.complete("actuation") {
+        if ["actuation", "obstacles", "contact"].iter().all(|block| blocks.complete(block)) {
             let known: Vec<&str> = slots.iter().map(|(name, _)| name.as_str()).collect();
             let owner = blocks.actuation.iter().find_map(|actuation| {
                 let slot = control.of.strip_prefix(&actuation.name)?.strip_prefix('.')?;
@@ -37,6 +38,7 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
             });
             let clause = match owner {
                 _ if known.is_empty() => ": the case has no actuation".into(),
+                None if is_untouched(&control.of, blocks) => ": no contact touches that obstacle".into(),
                 Some((actuation, slot)) => unknown_input(actuation, slot, &known, reader),
                 None => nearest::clause(&control.of, &known),
             };
@@ -51,6 +53,20 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
         check_scalar(control, slot, reader);
     }
     check_dimensions(control, slot, reader);
+}
+
+/// All that can be controlled, of actuations, contacts, and obstacles that contacts touch.
+fn slots(blocks: &Blocks) -> Vec<(String, SlotName)> {
+    let touched =
+        blocks.obstacles.iter().filter(|own| blocks.contact.iter().any(|contact| contact.obstacle == own.name));
+    let poses = touched.flat_map(|obstacle| pose_slots(&obstacle.name));
+    let contacts = blocks.contact.iter().flat_map(Contact::slots);
+    blocks.actuation.iter().flat_map(Actuation::slots).chain(poses).chain(contacts).collect()
+}
+
+/// Whether a control is of the pose of an obstacle that no contact touches.
+fn is_untouched(of: &str, blocks: &Blocks) -> bool {
+    blocks.obstacles.iter().any(|obstacle| pose_slots(&obstacle.name).iter().any(|(name, _)| name == of))
 }
 
 /// Whether a control is of an actuation with a mistake that may hide which form of its kind it is, and so what its slots are.
@@ -206,7 +222,7 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
     }
     let controls = blocks.controls.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.controls));
     let controlled: Vec<&str> = controls.map(|control| control.of.as_str()).collect();
-    let known: Vec<String> = blocks.actuation.iter().flat_map(Actuation::slots).map(|(name, _)| name).collect();
+    let known: Vec<String> = slots(blocks).into_iter().map(|(name, _)| name).collect();
     if controlled.iter().any(|of| !known.iter().any(|name| name == of)) {
         // A misspelt control may have meant any of them.
         return;

@@ -29,6 +29,11 @@ fn check_static(blocks: &Blocks, reader: &mut Reader<'_>) {
     for constraint in blocks.constraints.iter().filter(|constraint| constraint.when.is_some()) {
         reader.complain_at(&constraint.at.key("when"), format!("the case is static: {GIVE}"));
     }
+    for contact in blocks.contact.iter().filter(|contact| contact.friction.is_some()) {
+        let message = "with friction an equilibrium depends on the way to it, and the case is static: give \"time\": { \"end\": \"1 s\", \"step\": \
+                       \"10 ms\", \"scheme\": \"quasi_static\" } with loads that grow, or leave this out";
+        reader.complain_at(&contact.at.key("friction"), message);
+    }
     let costs = blocks.costs.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.costs));
     for cost in costs {
         if cost.when().is_some() {

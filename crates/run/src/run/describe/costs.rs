@@ -5,7 +5,7 @@ use crate::run::describe::shape_cost::shape_cost;
 use crate::run::describe::time;
 use nastic_case::lower::{CaseProblem, TargetShape};
 use nastic_language::number::{count, short};
-use nastic_language::schema::{Constraint, Cost, HoldsWhen, Phi, Stage, Stages};
+use nastic_language::schema::{Constraint, Cost, HoldsWhen, Phi, ShapeOrName, Stage, Stages};
 use nastic_opt::Constrained;
 
 pub(crate) fn costs(problem: &CaseProblem) -> Vec<Line> {
@@ -15,11 +15,11 @@ pub(crate) fn costs(problem: &CaseProblem) -> Vec<Line> {
         let instants = reduced.constraint_states(k).len().max(1);
         let bound = match (&block.obstacle, block.at_most, block.equal) {
             (Some(keep_out), ..) => format!(
-                "{} at least {} {} from a {}",
+                "{} at least {} {} from {}",
                 count(group.len / instants, "node"),
                 short(keep_out.clearance),
                 problem.units().length().symbol,
-                keep_out.shape.name().replace('_', "-")
+                obstacle(&keep_out.shape)
             ),
             (None, Some(most), _) => format!("at most {}", short(most)),
             (None, None, value) => format!("equal to {}", short(value.unwrap_or_default())),
@@ -35,6 +35,14 @@ pub(crate) fn costs(problem: &CaseProblem) -> Vec<Line> {
         out.push(target_line(problem, target));
     }
     out
+}
+
+/// `a half-space`, or the obstacle's name.
+fn obstacle(shape: &ShapeOrName) -> String {
+    match shape {
+        ShapeOrName::Shape(shape) => format!("a {}", shape.name().replace('_', "-")),
+        ShapeOrName::Name(name) => name.clone(),
+    }
 }
 
 /// At which instants a constraint of a motion holds.
@@ -72,7 +80,8 @@ pub(crate) fn cost_line(head: &'static str, cost: &Cost) -> Line {
         Cost::Obstacle(block) => {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
             let place = place.map(ToString::to_string).unwrap_or_default();
-            format!("weight/2 int max(0, {} - d)^2 on {place}, d from a {}", short(block.clearance), block.shape.name())
+            let (clearance, shape) = (short(block.clearance), obstacle(&block.shape));
+            format!("weight/2 int max(0, {clearance} - d)^2 on {place}, d from {shape}")
         }
         Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
         Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),

@@ -273,7 +273,7 @@ fn write(
     }
     files.extend(write_collections(problem, "optimum", &out)?);
     files.extend(motion::write(problem, records, &out)?);
-    files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::has_lines(member))));
+    files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::beside(member))));
     files.extend(crate::result::target_files::target_files(problem));
     let number = if several { format!("start_{best_start}_") } else { String::new() };
     files.extend(problem.leads().map(|lead| lead.case_file(&format!("{number}iterates.bin"))));

@@ -1,0 +1,94 @@
+//! Contacts, and the poses of obstacles that nobody controls.
+
+use super::actuation::fix_number;
+use super::context::Context;
+use super::named::attempt;
+use super::{obstacle, place};
+use crate::warning::INPUT;
+use nastic_control::Reduced;
+use nastic_fem::{ContactLaw, Solid};
+use nastic_language::schema::{Case, Contact, Fixed, Obstacle, PressureLaw};
+use nastic_language::syntax::quoted;
+use nastic_mesh::Mesh;
+
+/// The slip speed where none is given: so much of the surface's diagonal over the motion's end.
+const SLIP: f64 = 0.01;
+
+pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
+    for contact in &case.contact {
+        let mesh = solid.mesh().clone();
+        let Some(touched) = case.obstacles.iter().find(|own| own.name == contact.obstacle) else { continue };
+        if place::facets(&mesh, &contact.surface, &contact.at.key("surface"), context).is_none() {
+            continue;
+        }
+        if let Some(built) = build(case, contact, touched, &mesh, context) {
+            attempt(solid, &contact.at, context, |solid| solid.contact(built));
+        }
+    }
+    for untouched in
+        case.obstacles.iter().filter(|own| !case.contact.iter().any(|contact| contact.obstacle == own.name))
+    {
+        if let Some((key, _)) = untouched.pose().next() {
+            let message = format!("no contact touches {}: its pose moves nothing", quoted(&untouched.name));
+            context.warn(&INPUT, &untouched.at.key(key), message);
+        }
+    }
+}
+
+fn build(
+    case: &Case,
+    contact: &Contact,
+    touched: &Obstacle,
+    mesh: &Mesh,
+    context: &mut Context<'_>,
+) -> Option<nastic_fem::Contact> {
+    let shape = obstacle::build((&touched.shape, touched.rounding), context)?;
+    let law = match contact.law {
+        PressureLaw::Cubic => ContactLaw::Cubic,
+        PressureLaw::Log => ContactLaw::Log,
+    };
+    let built = nastic_fem::Contact::of(&contact.name(), &contact.surface, shape).law(law).pose_of(&touched.name);
+    let built = contact.thickness.into_iter().fold(built, nastic_fem::Contact::thickness);
+    let built = contact.stiffness.into_iter().fold(built, nastic_fem::Contact::stiffness);
+    let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));
+    let built = touched.centre.iter().fold(built, |built, centre| built.about(centre.xyz()));
+    Some(match (contact.friction, &case.time) {
+        (Some(friction), Some(time)) => {
+            let speed = contact.slip_speed.unwrap_or_else(|| SLIP * diagonal(mesh, contact) / time.end);
+            built.friction(friction, speed)
+        }
+        _ => built,
+    })
+}
+
+/// Of the surface's bounding box.
+fn diagonal(mesh: &Mesh, contact: &Contact) -> f64 {
+    let nodes = mesh.facets_of(&contact.surface).map(|facets| mesh.nodes_of_facets(&facets)).unwrap_or_default();
+    let along = |i: usize| {
+        let each = || nodes.iter().map(|&node| mesh.points()[node as usize][i]);
+        each().fold(f64::NEG_INFINITY, f64::max) - each().fold(f64::INFINITY, f64::min)
+    };
+    (0..3).map(|i| along(i).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Sets the poses that are no controls, of every contact of an obstacle; `None` after a complaint.
+pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
+    for touched in &case.obstacles {
+        for (key, value) in touched.pose().filter(|(_, value)| !matches!(value, Fixed::Table(_))) {
+            let at = touched.at.key(key);
+            let name = format!("{}.{key}", touched.name);
+            if let Some(control) = case.controls.iter().find(|control| control.of == name) {
+                let message = format!("{} controls this: remove the fixed value, or the control", control.at);
+                context.complain(&at, message);
+                continue;
+            }
+            for contact in case.contact.iter().filter(|contact| contact.obstacle == touched.name) {
+                let controllable = reduced.solid().model().controllable();
+                let Some(index) = controllable.iter().position(|own| own.name == contact.name()) else { continue };
+                let first = controllable[index].slots.iter().position(|slot| slot.group == key)?;
+                reduced = fix_number((&touched.name, &at), (key, false), value, (index, first), reduced, context)?;
+            }
+        }
+    }
+    Some(reduced)
+}
