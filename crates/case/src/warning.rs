@@ -47,7 +47,47 @@ pub const WARNINGS: &[&WarningKind] = &[
     &VIOLATED,
     &BETWEEN_NODES,
     &STEP_ERROR,
+    &NO_CONTACT,
+    &PENETRATED,
+    &THICK_LAYER,
+    &STEPS_PER_CONTACT,
+    &CREEPS,
 ];
+
+/// A contact without effect.
+pub const NO_CONTACT: WarningKind = WarningKind {
+    code: "no_contact",
+    about: "a contact never acts: the body does not come near the obstacle",
+    advice: "see the picture; check the place of the obstacle, its pose and the surface, or leave the contact out",
+};
+
+/// A body inside an obstacle.
+pub const PENETRATED: WarningKind = WarningKind {
+    code: "penetrated",
+    about: "a contact is pressed through: the pressure exceeds its stiffness",
+    advice: "give a larger \"stiffness\", a multiple of the largest pressure",
+};
+
+/// A layer that changes the force.
+pub const THICK_LAYER: WarningKind = WarningKind {
+    code: "thick_layer",
+    about: "the layer in which a contact acts is thick against the depth that is pressed in: forces are too large by about this share, or by half more",
+    advice: "give a smaller \"thickness\", and see how far the result changes at half of it",
+};
+
+/// Impacts in few steps.
+pub const STEPS_PER_CONTACT: WarningKind = WarningKind {
+    code: "steps_per_contact",
+    about: "a touch lasts few time steps: how fast the body parts again is a number of the step",
+    advice: "take shorter steps, ten or more for each touch; or a scheme that damps (backward_euler) if only the rest matters",
+};
+
+/// Friction that gives way slowly.
+pub const CREEPS: WarningKind = WarningKind {
+    code: "creeps",
+    about: "what sticks creeps, at a share of the slip speed, and adds up to a visible distance",
+    advice: "give a smaller \"slip_speed\": the creep falls in proportion, steps get harder",
+};
 
 /// An end that the case does not allow.
 pub const VIOLATED: WarningKind = WarningKind {

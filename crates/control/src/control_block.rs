@@ -42,6 +42,8 @@ pub struct ControlTarget {
     pub basis: Arc<Basis>,
     /// From the unknowns at one instant to the slots at its points, `slots * point + component`.
     pub map: Chain,
+    /// Whether its values come on top of fixed ones, as amplitudes along a direction do; others take their place.
+    pub adds: bool,
 }
 
 impl ControlTarget {
@@ -50,12 +52,16 @@ impl ControlTarget {
         self.actuation == actuation && self.slot < slots.end && slots.start < self.slot + self.slots
     }
 
-    /// Writes values or changes by point into the slots, where the field acts; other points keep theirs.
+    /// Writes values or changes by point into the slots (or adds them), where the field acts; other points keep theirs.
     fn write(&self, values: &[f64], controls: &mut Controls) {
         let stride = controls.slots(self.actuation);
         let points = controls.values_mut(self.actuation).chunks_exact_mut(stride).zip(values.chunks_exact(self.slots));
         for (_, (out, values)) in points.enumerate().filter(|(q, _)| self.basis.acts_at(*q)) {
-            out[self.slot..self.slot + self.slots].copy_from_slice(values);
+            let out = &mut out[self.slot..self.slot + self.slots];
+            match self.adds {
+                true => out.iter_mut().zip(values).for_each(|(out, value)| *out += value),
+                false => out.copy_from_slice(values),
+            }
         }
     }
 

@@ -63,7 +63,7 @@ impl Consumer {
                 "its maps do not lead from one number at a point to its slots: a vector needs a `Direction`",
             ));
         }
-        Ok(ControlTarget { actuation, slot: group.first, slots: group.len, basis, map })
+        Ok(ControlTarget { actuation, slot: group.first, slots: group.len, basis, map, adds: false })
     }
 }
 

@@ -43,7 +43,7 @@ impl Layout {
         self.add(solid, of, space, None)
     }
 
-    /// Adds the amplitude a of a vector `a direction`: a scalar field for three slots. The direction is normalised.
+    /// Adds the amplitude a of a vector `a direction`: a scalar field for three slots, on top of fixed values that they may have. The direction is normalised.
     ///
     /// # Errors
     /// As [`control`](Self::control); a slot that is no vector, a direction without a length.
@@ -83,7 +83,8 @@ impl Layout {
         let target = |(actuation, group): (usize, SlotGroup)| {
             self.check_free(of, actuation, group.first..group.first + group.len)?;
             let (basis, map) = (basis.clone(), map.clone());
-            Ok(ControlTarget { actuation, slot: group.first, slots: group.len, basis, map })
+            let adds = direction.is_some();
+            Ok(ControlTarget { actuation, slot: group.first, slots: group.len, basis, map, adds })
         };
         let targets = found.into_iter().map(target).collect::<Result<Vec<_>, ControlError>>()?;
         let (name, unit, holds) = (of.to_owned(), group.unit, all[lead].holds);

@@ -93,8 +93,8 @@ impl Reduced {
         shot = self.with_actuations(shot, fields.state)?;
         let at = Instant::of(fields.state);
         shot = shot.with_lines(self.solid().model().lines(&at).unwrap_or_default());
-        for (name, values) in self.solid().model().nodal_fields(&at) {
-            shot = shot.with_points(name, 1, values)?;
+        if let Some(pressures) = self.solid().model().contact_pressures(&at) {
+            shot = shot.with_points("contact_pressure", 1, pressures)?;
         }
         Ok(self.with_state(shot, fields)?)
     }

@@ -24,7 +24,8 @@ pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BeforeStep, BodyPoint, Cavity, Constrains, Contact, ContactLaw, Contribution, ContributionPoint, ControlPoint,
     Controls, Demand, Foundation, History, Increment, Inertia, Instant, MovingSupport, Need, Prescribes, Remembers,
-    RigidPose, SecondSensitivities, Sensitivities, Spring, Sums, Tendon, TimeStep, check_contribution,
+    RigidPose, SecondSensitivities, Sensitivities, Sliding, Spring, Sums, Tendon, TimeStep, Touch, TouchParameters,
+    Touches, check_contribution,
 };
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;

@@ -16,7 +16,10 @@ use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use crate::contributions::{Constrains, Contribution, ContributionPoint, ControlPoint, Demand, Need, RigidPose, Sums};
+use crate::contributions::{
+    Constrains, Contribution, ContributionPoint, ControlPoint, Demand, Need, RigidPose, Sums, Touch, TouchParameters,
+    Touches,
+};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
@@ -25,7 +28,7 @@ use crate::solution::state::State;
 use nastic_energy::Slot;
 use nastic_linear::{Space, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -370,30 +373,46 @@ impl Model {
         Ok(all)
     }
 
-    /// Scalars on the nodes that contributions show of themselves, those of one name added up.
-    pub fn nodal_fields(&self, at: &Instant) -> BTreeMap<&'static str, Vec<f64>> {
-        let mut all = BTreeMap::new();
+    /// The pressure of contacts on the nodes (Pa), added up; `None` where no contribution touches anything.
+    pub fn contact_pressures(&self, at: &Instant) -> Option<Vec<f64>> {
+        let mut sums: Option<Vec<f64>> = None;
         let nodes = self.discretization().mesh().points().len();
-        let Ok(()) = self.each_other(at, |contribution, at| {
-            for (name, values) in contribution.nodal_fields(at) {
-                let sum = all.entry(name).or_insert_with(|| vec![0.0; nodes]);
-                values.iter().for_each(|&(node, value)| sum[node as usize] += value);
-            }
-            Ok::<(), Infallible>(())
+        self.each_touching(at, |_, touches, at| {
+            let sums = sums.get_or_insert_with(|| vec![0.0; nodes]);
+            touches.nodal_pressures(at).iter().for_each(|&(node, value)| sums[node as usize] += value);
         });
-        all
+        sums
     }
 
     /// Where the obstacles are that the body touches, each once.
     pub fn poses(&self, at: &Instant) -> Vec<RigidPose> {
         let mut all: Vec<RigidPose> = Vec::new();
-        let Ok(()) = self.each_other(at, |contribution, at| {
-            all.extend(contribution.pose(at));
-            Ok::<(), Infallible>(())
-        });
+        self.each_touching(at, |_, touches, at| all.push(touches.pose(at)));
         let mut seen = BTreeSet::new();
         all.retain(|pose| seen.insert(pose.name.clone()));
         all
+    }
+
+    /// What every contact carries, with its name; without those that cannot be where they are.
+    pub fn touches(&self, at: &Instant) -> Vec<(String, Touch)> {
+        let mut all = Vec::new();
+        self.each_touching(at, |name, touches, at| all.extend(touches.touch(at).map(|touch| (name.to_owned(), touch))));
+        all
+    }
+
+    /// What every contact is made of, with its name.
+    pub fn touch_parameters(&self) -> Vec<(String, TouchParameters)> {
+        let own = |c: &Arc<dyn Contribution>| Some((c.name().to_owned(), c.touches()?.parameters()));
+        self.others.iter().filter_map(own).collect()
+    }
+
+    fn each_touching(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Touches, &Instant)) {
+        let Ok(()) = self.each_other(at, |contribution, at| {
+            if let Some(touches) = contribution.touches() {
+                call(contribution.name(), touches, at);
+            }
+            Ok::<(), Infallible>(())
+        });
     }
 
     /// What a contribution says may be the reason, where no equilibrium was found.

@@ -192,7 +192,7 @@ fn pads_lift_a_block() -> Outcome {
     assert!(left > 0.0 && (left + right).abs() < 1e-6 * left, "{left} {right}");
     let (lift, weight) = (of("left", "force_z") + of("right", "force_z"), 9810.0 * 0.008);
     assert!((lift / weight - 1.0).abs() < 1e-3, "{lift} for {weight}");
-    assert!(of("left", "sticking") == 1.0 && of("left", "slip_speed") < 1e-2);
+    assert!(of("left", "sticking") == 1.0 && of("left", "sliding_speed") < 1e-2);
     let newton: usize = end.states().iter().skip(1).map(|state| state.report.newton).sum();
     assert!(newton < 6 * 150, "{newton} Newton iterations");
     Ok(())

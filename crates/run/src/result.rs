@@ -19,6 +19,7 @@ pub(crate) mod snapshot;
 pub(crate) mod summary;
 pub(crate) mod target_files;
 pub(crate) mod title;
+pub(crate) mod touches;
 
 pub use checkpoint_file::CheckpointError;
 pub use expectation::{Missed, find};

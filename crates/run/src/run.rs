@@ -16,6 +16,7 @@ mod check;
 mod check_gradient;
 mod commands;
 mod conclusion;
+mod contacts;
 mod describe;
 mod ensemble_progress;
 pub(crate) mod error;

@@ -77,8 +77,11 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
         for (key, value) in touched.pose().filter(|(_, value)| !matches!(value, Fixed::Table(_))) {
             let at = touched.at.key(key);
             let name = format!("{}.{key}", touched.name);
-            if let Some(control) = case.controls.iter().find(|control| control.of == name) {
-                let message = format!("{} controls this: remove the fixed value, or the control", control.at);
+            if let Some(control) = case.controls.iter().find(|own| own.of == name && own.direction.is_none()) {
+                let message = format!(
+                    "{} controls this: remove the fixed value, or give the control a \"direction\", along which it comes on top",
+                    control.at
+                );
                 context.complain(&at, message);
                 continue;
             }

@@ -189,7 +189,7 @@ impl Lowering<'_> {
     }
 
     /// The first slot that it drives.
-    fn slot(&self) -> Option<Slot> {
+    pub(super) fn slot(&self) -> Option<Slot> {
         let target = &self.block.targets[0];
         self.reduced.solid().model().controllable()[target.actuation].slots.get(target.slot).copied()
     }

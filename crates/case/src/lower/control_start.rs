@@ -20,7 +20,7 @@ impl Lowering<'_> {
         let at = self.control.at.key("start");
         let (positions, knots) = (self.block.basis.positions(), self.block.values_in_time());
         match &self.control.start {
-            None => Some(vec![0.0; self.block.len()]),
+            None => Some(vec![self.slot().map_or(0.0, |slot| slot.rest()); self.block.len()]),
             Some(Start::Scalar(formula)) => context.take(&at, self.in_time(formula)),
             Some(Start::Vector(entries)) => {
                 let at_instant = |t: &f64| {

@@ -19,11 +19,11 @@ pub(crate) mod point;
 pub(crate) mod prescribes;
 pub(crate) mod rayleigh_damping;
 mod rigid_motion;
-mod rigid_pose;
 mod rotation;
 pub(crate) mod sensitivities;
 mod spring;
 mod tendon;
+mod touches;
 
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible};
@@ -43,11 +43,11 @@ use nastic_linear::{Field, NotCoupled, SparseMatrix, Symmetry};
 use nastic_mesh::Polyline;
 pub use point::{ContributionPoint, Need};
 pub use prescribes::Prescribes;
-pub use rigid_pose::RigidPose;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 pub use spring::Spring;
 use std::fmt::Debug;
 pub use tendon::Tendon;
+pub use touches::{RigidPose, Sliding, Touch, TouchParameters, Touches};
 
 /// A term of the residual `r(u) = sum_c r_c(u; controls, load, v, a)`, whose zero is an equilibrium.
 ///
@@ -143,13 +143,8 @@ pub trait Contribution: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Scalars on the nodes to be shown, by name: the pressure of a contact, say.
-    fn nodal_fields(&self, _at: &Instant) -> Vec<(&'static str, Vec<(u32, f64)>)> {
-        Vec::new()
-    }
-
-    /// Where the rigid obstacle is that it touches, under the name of its pose.
-    fn pose(&self, _at: &Instant) -> Option<RigidPose> {
+    /// The rigid obstacle that it touches, if there is one.
+    fn touches(&self) -> Option<&dyn Touches> {
         None
     }
 

@@ -1,5 +1,6 @@
 //! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
 
+use crate::result::touches;
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{
     BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
@@ -36,6 +37,8 @@ pub(crate) struct Inspection {
     extremes: Vec<String>,
     /// True electric fields beyond the breakdown strength.
     breakdowns: Vec<String>,
+    /// What deserves attention in contacts; those of motions are found in all their steps.
+    contacts: Vec<Warning>,
 }
 
 /// Why negative pivots were not counted.
@@ -101,6 +104,7 @@ impl Inspection {
             distorted: (distorted.len(), lowest),
             extremes: extremes(member, state),
             breakdowns: breakdowns(member, state),
+            contacts: contacts(member, state),
         }
     }
 
@@ -143,6 +147,7 @@ impl Inspection {
             out.push(Warning::new(&EXTREME_DEFORMATION, self.extremes.join("; ")));
         }
         out.extend(self.breakdowns.iter().map(|found| Warning::new(&BREAKDOWN, found.clone())));
+        out.extend(self.contacts.iter().cloned());
         let name = member.name();
         let place = if name.is_empty() { what.to_owned() } else { format!("{name}: {what}") };
         out.into_iter().map(|warning| warning.of(place.clone())).collect()
@@ -189,6 +194,14 @@ fn extremes(member: CaseMember<'_>, state: &State) -> Vec<String> {
         out.push(format!("the smallest J is {min_j:.3}: the material is compressed to this share of its volume"));
     }
     out
+}
+
+/// Penetrations and thick layers, of an equilibrium.
+fn contacts(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
+    if member.reduced().timeline().is_some() {
+        return Vec::new();
+    }
+    touches::warnings(member, state)
 }
 
 /// The mean of nodal vectors.

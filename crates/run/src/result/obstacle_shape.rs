@@ -3,7 +3,7 @@
 use nastic_case::lower::{CaseMember, CaseProblem, mesh_again};
 use nastic_fem::{Instant, State};
 use nastic_language::schema::{Constraint, Cost, Obstacle, Shape, ShapeOrName};
-use nastic_mesh::{CellKind, Mesh, RawMesh, Snapshot, box_mesh};
+use nastic_mesh::{CellKind, Mesh, RawMesh, Snapshot, box_mesh, rectangle};
 use std::sync::Arc;
 
 /// Cells per direction; odd, so that a layer in the middle can be stretched.
@@ -36,11 +36,7 @@ pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
     meshes.into_iter().map(Snapshot::new).collect()
 }
 
-/// Of a body in space; `None` in plane strain.
 fn of_shape(shape: &Shape, member: CaseMember<'_>) -> Option<Arc<Mesh>> {
-    if member.mesh().dim() < 3 {
-        return None;
-    }
     match shape {
         Shape::Mesh(source) => mesh_again(source, member.problem()),
         shape => mesh(shape, member.mesh()).map(Arc::new),
@@ -57,7 +53,7 @@ fn is_moved(member: CaseMember<'_>, obstacle: &Obstacle) -> bool {
 
 /// Whether obstacles of a member may move.
 pub(crate) fn has_moved(member: CaseMember<'_>) -> bool {
-    member.mesh().dim() == 3 && member.case().obstacles.iter().any(|obstacle| is_moved(member, obstacle))
+    member.case().obstacles.iter().any(|obstacle| is_moved(member, obstacle))
 }
 
 /// The obstacles that may move, where they are in a state, as one mesh with a region for each.
@@ -72,7 +68,7 @@ pub(crate) fn moved(member: CaseMember<'_>, state: &State) -> Option<Arc<Mesh>> 
         };
         let (first, tag) = (raw.points.len() as u32, raw.names.len() as i32 + 1);
         raw.points.extend(mesh.points().iter().map(|x| pose.apply(*x)));
-        raw.name_group(3, tag, &obstacle.name);
+        raw.name_group(member.mesh().dim(), tag, &obstacle.name);
         for block in mesh.blocks() {
             for nodes in block.iter() {
                 let nodes: Vec<u32> = nodes.iter().map(|node| first + node).collect();
@@ -97,36 +93,41 @@ pub(crate) fn files(problem: &CaseProblem) -> (Vec<(String, Snapshot)>, Vec<Vec<
     (files, names)
 }
 
-/// A box.
-fn brick(low: [f64; 3], high: [f64; 3]) -> Option<Mesh> {
-    let size = std::array::from_fn(|i| high[i] - low[i]);
-    let at = |x: [f64; 3]| std::array::from_fn(|i| low[i] + x[i]);
-    box_mesh(size, [CELLS; 3], CellKind::Hex8).ok()?.mapped(at).ok()
+/// A block of cells along the axes of a plane or of space, one corner at the origin.
+fn block(size: [f64; 3], cells: [usize; 3], dim: usize) -> Option<Mesh> {
+    match dim {
+        2 => rectangle([size[0], size[1]], [cells[0], cells[1]], CellKind::Quad4).ok(),
+        _ => box_mesh(size, cells, CellKind::Hex8).ok(),
+    }
 }
 
 /// A ball or a capsule of bricks, a plate, a box.
 fn mesh(shape: &Shape, body: &Mesh) -> Option<Mesh> {
+    let dim = body.dim();
     let (from, to, radius) = match shape {
         Shape::Sphere(sphere) => (sphere.center.xyz(), sphere.center.xyz(), sphere.radius),
         Shape::Capsule(capsule) => (capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
-        Shape::Box(block) => {
-            let [low, high] = block.corners();
-            return brick(low, high);
+        Shape::Box(corners) => {
+            let [low, high] = corners.corners();
+            let size = std::array::from_fn(|i| high[i] - low[i]);
+            let at = |x: [f64; 3]| std::array::from_fn(|i| low[i] + x[i]);
+            return block(size, [CELLS; 3], dim)?.mapped(at).ok();
         }
         Shape::Mesh(_) => return None,
         Shape::HalfSpace(half) => return plate(half.point.xyz(), half.normal.xyz(), body),
     };
     let along: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
     let length = norm(&along);
-    let axis = if length > 0.0 { along.map(|a| a / length) } else { [0.0, 0.0, 1.0] };
-    let frame = frame(axis);
-    let cube = box_mesh([2.0; 3], [CELLS; 3], CellKind::Hex8).ok()?;
+    let last = dim - 1;
+    let axis = if length > 0.0 { along.map(|a| a / length) } else { std::array::from_fn(|i| f64::from(i == last)) };
+    let frame = frame(axis, dim);
+    let cube = block([2.0; 3], [CELLS; 3], dim)?;
     let place = |x: [f64; 3]| {
         // The cube to the unit ball: the same direction, the largest coordinate for a length.
-        let p = x.map(|x| x - 1.0);
+        let p: [f64; 3] = std::array::from_fn(|i| if i < dim { x[i] - 1.0 } else { 0.0 });
         let (size, largest) = (norm(&p), p.iter().fold(0.0, |most: f64, p| most.max(p.abs())));
         let q = p.map(|p| if size > 0.0 { radius * p * largest / size } else { 0.0 });
-        let end = if p[2] > 0.0 { to } else { from };
+        let end = if p[last] > 0.0 { to } else { from };
         std::array::from_fn(|i| end[i] + (0..3).map(|k| q[k] * frame[k][i]).sum::<f64>())
     };
     cube.mapped(place).ok()
@@ -134,15 +135,21 @@ fn mesh(shape: &Shape, body: &Mesh) -> Option<Mesh> {
 
 /// Of the half-space behind a plane the part next to the body.
 fn plate(point: [f64; 3], normal: [f64; 3], body: &Mesh) -> Option<Mesh> {
-    let normal = normal.map(|n| n / norm(&normal));
+    let (dim, normal) = (body.dim(), normal.map(|n| n / norm(&normal)));
     let count = body.points().len() as f64;
     let center: [f64; 3] = std::array::from_fn(|i| body.points().iter().map(|x| x[i]).sum::<f64>() / count);
     let away: f64 = (0..3).map(|i| normal[i] * (center[i] - point[i])).sum();
     let [thickness, reach] = PLATE.map(|share| share * body.diagonal());
-    let frame = frame(normal);
-    let slab = box_mesh([2.0 * reach, 2.0 * reach, thickness], [CELLS, CELLS, 1], CellKind::Hex8).ok()?;
+    let frame = frame(normal, dim);
+    let (mut size, mut cells) = ([2.0 * reach; 3], [CELLS; 3]);
+    (size[dim - 1], cells[dim - 1]) = (thickness, 1);
+    let slab = block(size, cells, dim)?;
     let place = |x: [f64; 3]| {
-        let local = [x[0] - reach, x[1] - reach, x[2] - thickness - away];
+        let local: [f64; 3] = std::array::from_fn(|k| match k + 1 {
+            k if k < dim => x[k - 1] - reach,
+            k if k == dim => x[k - 1] - thickness - away,
+            _ => 0.0,
+        });
         std::array::from_fn(|i| center[i] + (0..3).map(|k| local[k] * frame[k][i]).sum::<f64>())
     };
     slab.mapped(place).ok()
@@ -152,8 +159,11 @@ fn norm(v: &[f64; 3]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// An orthonormal, right-handed frame with this third vector.
-fn frame(c: [f64; 3]) -> [[f64; 3]; 3] {
+/// An orthonormal, right-handed frame with this vector as the third, in a plane as the second.
+fn frame(c: [f64; 3], dim: usize) -> [[f64; 3]; 3] {
+    if dim == 2 {
+        return [[c[1], -c[0], 0.0], c, [0.0, 0.0, 1.0]];
+    }
     let helper = if c[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let cross =
         |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];

@@ -19,6 +19,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::controls(problem),
         describe::supports(problem),
         describe::springs(problem),
+        describe::contacts(problem),
         describe::time(problem),
         describe::costs::costs(problem),
         describe::load_cases(problem),

@@ -1,6 +1,7 @@
 //! A problem in words: what `nastic check` prints.
 
 mod actuation;
+mod contact;
 mod conventions;
 pub(crate) mod costs;
 mod duration;
@@ -15,6 +16,7 @@ mod time;
 
 use crate::result::summary::owner;
 pub(super) use crate::run::describe::actuation::actuation;
+pub(super) use crate::run::describe::contact::contacts;
 pub(super) use crate::run::describe::conventions::conventions;
 pub(super) use crate::run::describe::duration::duration;
 pub(super) use crate::run::describe::existence::{conditions, existence};
@@ -271,6 +273,9 @@ pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
     );
     out.insert("existence".into(), existence::json(problem));
     out.insert("actuation".into(), actuation::json(problem));
+    if !problem.case.contact.is_empty() {
+        out.insert("contact".into(), contact::json(problem));
+    }
     if !problem.case.springs.is_empty() {
         out.insert("springs".into(), spring::json(problem));
     }

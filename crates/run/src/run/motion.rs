@@ -14,6 +14,7 @@ use crate::result::inspection::Inspection;
 use crate::result::snapshot;
 use crate::run::error::RunError;
 pub(crate) use crate::run::motion::record::Record;
+pub(crate) use crate::run::motion::table::Table;
 use crate::run::motion::table::{ENERGY, energies};
 use crate::run::session::Session;
 use crate::run::{modes, time_steps};
@@ -54,6 +55,7 @@ impl Session<'_> {
         for (index, entry) in report(self, records, point).into_iter().enumerate() {
             self.put_of_member(index, "time", entry);
         }
+        self.report_contacts_of(records);
     }
 }
 

@@ -278,16 +278,30 @@ impl<'c> Session<'c> {
 
     /// Adds an entry to those of a member; of a plain case to the result itself.
     pub fn put_of_member(&mut self, index: usize, key: &str, value: Value) {
+        if let Some(entries) = self.entries_of_member(index) {
+            entries.insert(key.to_owned(), value);
+        }
+    }
+
+    /// Puts what a contribution reports of a member in place of what was there.
+    pub fn put_of_contribution(&mut self, index: usize, name: &str, values: Map<String, Value>) {
+        let all = self.entries_of_member(index).map(|own| own.entry("contributions").or_insert_with(|| json!({})));
+        if let Some(Value::Object(all)) = all {
+            all.insert(name.to_owned(), Value::Object(values));
+        }
+    }
+
+    fn entries_of_member(&mut self, index: usize) -> Option<&mut Map<String, Value>> {
         let member = self.problem.member(index);
         let groups = [("scenarios", member.scenario()), ("load_cases", member.load_case())];
         let mut entries = &mut self.result;
         for (group, name) in groups.into_iter().filter_map(|(group, name)| Some((group, name?))) {
             for key in [group, name] {
-                let Value::Object(next) = entries.entry(key).or_insert_with(|| json!({})) else { return };
+                let Value::Object(next) = entries.entry(key).or_insert_with(|| json!({})) else { return None };
                 entries = next;
             }
         }
-        entries.insert(key.to_owned(), value);
+        Some(entries)
     }
 
     /// Adds entries to the result.

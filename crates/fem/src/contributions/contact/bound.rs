@@ -6,7 +6,7 @@ use super::samples::Samples;
 use super::{Contact, ContactLaw, defaults};
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::rigid_motion;
-use crate::contributions::{Contribution, ContributionPoint, Controls, Instant, Need, RigidPose};
+use crate::contributions::{Contribution, ContributionPoint, Controls, Instant, Need, Touches};
 use crate::error::{FemError, Inadmissible};
 use nastic_energy::Slot;
 use nastic_linear::Symmetry;
@@ -36,7 +36,7 @@ pub(crate) struct BoundContact {
     pub(super) samples: Samples,
     /// Positions of the samples in the reference body.
     pub(super) reference: Vec<Vec3>,
-    slots: Vec<Slot>,
+    pub(super) slots: Vec<Slot>,
     /// The name of the pose, where it is not that of the contact.
     pose: Option<String>,
     /// Displacements that it resists to.
@@ -44,6 +44,11 @@ pub(crate) struct BoundContact {
 }
 
 impl BoundContact {
+    /// The name of its pose.
+    pub(super) fn pose_name(&self) -> &str {
+        self.pose.as_deref().unwrap_or(&self.name)
+    }
+
     pub(super) fn new(of: &Contact, body: &BodyEnergy) -> Result<Self, FemError> {
         let mesh = body.discretization().mesh();
         let (dim, name) = (mesh.dim(), of.name.clone());
@@ -213,18 +218,12 @@ impl Contribution for BoundContact {
         Ok(share)
     }
 
-    fn nodal_fields(&self, at: &Instant) -> Vec<(&'static str, Vec<(u32, f64)>)> {
-        vec![("contact_pressure", self.nodal_pressures(at))]
-    }
-
-    fn pose(&self, at: &Instant) -> Option<RigidPose> {
-        let [translation, theta] = rigid_motion::vectors(at, at.controls);
-        let name = self.pose.as_deref().unwrap_or(&self.name);
-        Some(RigidPose::new(name, self.centre.into(), translation.into(), theta.into()))
+    fn touches(&self) -> Option<&dyn Touches> {
+        Some(self)
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        self.sums(at)
+        self.touch(at).map(|touch| touch.quantities(self.dim)).unwrap_or_default()
     }
 
     fn at<'a>(&'a self, at: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {

@@ -1,48 +1,77 @@
 //! What a contact carries at an instant.
 
-use super::bound::BoundContact;
+use super::bound::{BoundContact, FRICTION, STIFFNESS};
 use super::point::Gaps;
 use crate::contributions::Instant;
+use crate::contributions::rigid_motion;
+use crate::contributions::touches::{RigidPose, Sliding, Touch, TouchParameters, Touches};
+use nastic_mesh::spatial::Obstacle;
 use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
 
-impl BoundContact {
-    /// Force on the body (N) and its moment about the obstacle's centre (N m), per unit of thickness in plane strain; the area that it acts on;
-    /// the smallest gap; the largest pressure; with friction the share of the normal force whose samples slip below the slip speed, and
-    /// the largest slip velocity.
-    pub(super) fn sums(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        let Ok(gaps) = Gaps::at(self, at) else { return Vec::new() };
-        let (mut force, mut moment, mut area, mut pressure) = (Vec3::zeros(), Vec3::zeros(), 0.0, 0.0_f64);
-        let (mut normal, mut sticking, mut slip) = (0.0, 0.0, 0.0_f64);
+impl Touches for BoundContact {
+    fn pose(&self, at: &Instant) -> RigidPose {
+        let [translation, theta] = rigid_motion::vectors(at, at.controls);
+        RigidPose::new(self.pose_name(), self.centre.into(), translation.into(), theta.into())
+    }
+
+    fn touch(&self, at: &Instant) -> Option<Touch> {
+        let gaps = Gaps::at(self, at).ok()?;
+        let (mut force, mut moment, mut area, mut largest) = (Vec3::zeros(), Vec3::zeros(), 0.0, 0.0_f64);
+        let (mut normal, mut remaining, mut sticking, mut speed) = (0.0, 0.0, 0.0, 0.0_f64);
         for touch in &gaps.touches {
             let traction = self.traction(touch, &gaps.pose, at);
             let weight = self.samples.weights[touch.sample];
+            let p = traction.pressure.value;
             force -= weight * traction.t;
             moment -= weight * (touch.place - gaps.pose.pivot()).cross(&traction.t);
             area += weight;
-            pressure = pressure.max(traction.pressure.value);
-            normal += weight * traction.pressure.value;
+            largest = largest.max(p);
+            normal += weight * p;
+            remaining += weight * p * touch.distance.value;
             if let (Some(e), Some(_)) = (self.slip_speed, &traction.slip) {
                 let n = traction.n;
-                let speed = (traction.relative - n * n.dot(&traction.relative)).norm();
-                slip = slip.max(speed);
-                sticking += if speed < e { weight * traction.pressure.value } else { 0.0 };
+                let slides = (traction.relative - n * n.dot(&traction.relative)).norm();
+                speed = speed.max(slides);
+                sticking += if slides < e { weight * p } else { 0.0 };
+            } else {
+                sticking += weight * p;
             }
         }
-        let gap = gaps.all.iter().map(|(_, d)| *d).fold(f64::INFINITY, f64::min);
-        let mut found = vec![("force_x", force.x), ("force_y", force.y)];
-        if self.dim == 3 {
-            found.extend([("force_z", force.z), ("moment_x", moment.x), ("moment_y", moment.y)]);
-        }
-        found.extend([("moment_z", moment.z), ("area", area), ("smallest_gap", gap), ("largest_pressure", pressure)]);
-        if self.slip_speed.is_some() && at.step.is_some() {
-            found.extend([("sticking", if normal > 0.0 { sticking / normal } else { 1.0 }), ("slip_speed", slip)]);
-        }
-        found
+        let of_all = |share: f64, none: f64| if normal > 0.0 { share / normal } else { none };
+        let (deepest, smallest_gap) = gaps.all.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let sliding = |slip_speed| Sliding { sticking: of_all(sticking, 1.0), speed, slip_speed };
+        Some(Touch {
+            force: force.into(),
+            moment: moment.into(),
+            area,
+            smallest_gap,
+            deepest: deepest.into(),
+            largest_pressure: largest,
+            mean_gap: of_all(remaining, 0.0),
+            approach: self.approach(&gaps),
+            sliding: self.slip_speed.map(sliding),
+        })
     }
 
-    /// Of every node of the surface the mean pressure of its samples, by their shares of the node.
-    pub(super) fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)> {
+    fn parameters(&self) -> TouchParameters {
+        let samples = self.samples.len();
+        let share = self.samples.weights.iter().sum::<f64>() / samples as f64;
+        let apart = if self.dim == 3 { share.sqrt() } else { share };
+        let radius = match self.obstacle {
+            Obstacle::Sphere { radius, .. } | Obstacle::Capsule { radius, .. } => radius,
+            _ => f64::INFINITY,
+        };
+        TouchParameters {
+            thickness: self.thickness,
+            stiffness: self.slots[STIFFNESS].rest(),
+            friction: self.slip_speed.map(|slip_speed| (self.slots[FRICTION].rest(), slip_speed)),
+            samples,
+            between_samples: apart * apart / (8.0 * radius),
+        }
+    }
+
+    fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)> {
         let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
         for sample in 0..self.samples.len() {
             for &(node, shape) in self.samples.parts(sample) {
@@ -57,5 +86,13 @@ impl BoundContact {
             }
         }
         sums.into_iter().map(|(node, [area, force])| (node, if area > 0.0 { force / area } else { 0.0 })).collect()
+    }
+}
+
+impl BoundContact {
+    /// How deep the undeformed body overlaps the obstacle at its pose, among samples that touch.
+    fn approach(&self, gaps: &Gaps) -> f64 {
+        let depth = |sample: usize| -gaps.pose.distance(&self.obstacle, &self.reference[sample]);
+        gaps.touches.iter().map(|touch| depth(touch.sample)).fold(0.0, f64::max)
     }
 }

@@ -15,7 +15,7 @@ use std::path::Path;
 /// The file's name: beside that of an optimisation, which it leaves alone.
 pub(in crate::run) const NAME: &str = "motion_checkpoint.bin";
 
-const MAGIC: &str = "nastic-motions-1";
+const MAGIC: &str = "nastic-motions-2";
 
 /// The content of the file.
 pub(in crate::run) struct MotionCheckpoint {
@@ -35,6 +35,8 @@ pub(super) struct SavedMember {
     pub rows: Vec<Vec<f64>>,
     /// The states to write so far, as bytes.
     pub shown: Vec<Vec<u8>>,
+    /// The state that it goes on from.
+    pub last: Vec<u8>,
 }
 
 impl MotionCheckpoint {
@@ -65,13 +67,14 @@ impl MotionCheckpoint {
             [accepted, rejected, failed].into_iter().for_each(|n| out.count(*n));
         }
         out.count(self.members.len());
-        for SavedMember { n, motion, rows, shown } in &self.members {
+        for SavedMember { n, motion, rows, shown, last } in &self.members {
             out.count(*n);
             out.bytes(motion);
             out.count(rows.len());
             rows.iter().for_each(|row| out.floats(row));
             out.count(shown.len());
             shown.iter().for_each(|state| out.bytes(state));
+            out.bytes(last);
         }
         out.finish()
     }
@@ -90,7 +93,7 @@ impl MotionCheckpoint {
             let (n, motion) = (input.number()?, input.list()?);
             let rows = (0..input.count(8)?).map(|_| input.floats()).collect::<Result<_, _>>()?;
             let shown = (0..input.count(8)?).map(|_| input.list()).collect::<Result<_, _>>()?;
-            members.push(SavedMember { n, motion, rows, shown });
+            members.push(SavedMember { n, motion, rows, shown, last: input.list()? });
         }
         input.finish()?;
         Ok(Self { case, steps, members })

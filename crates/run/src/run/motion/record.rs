@@ -1,9 +1,10 @@
 //! What is told of the motion of one member.
 
+use crate::run::motion::table;
 use crate::run::motion::table::Table;
 use nastic_case::lower::CaseMember;
 use nastic_control::ControlError;
-use nastic_fem::State;
+use nastic_fem::{State, Touch};
 
 /// What is told of the motion of one member: the table of all steps, and the states that are written.
 pub(crate) struct Record {
@@ -14,6 +15,10 @@ pub(crate) struct Record {
     is_shown: Vec<bool>,
     pub table: Option<Table>,
     pub shown: Vec<State>,
+    /// What every contact carries in the last state.
+    pub touches: Vec<(String, Touch)>,
+    /// The last state that was reached: where the next step begins.
+    pub last: Option<State>,
 }
 
 impl Record {
@@ -21,12 +26,15 @@ impl Record {
     pub fn new(member: CaseMember<'_>, m: Vec<f64>) -> Self {
         let (time, timeline) = (member.case().time.as_ref(), member.reduced().timeline());
         let is_shown = time.zip(timeline).map_or_else(Vec::new, |(time, timeline)| time.shown(timeline.instants()));
-        Self { member: member.index(), m, is_shown, table: None, shown: Vec::new() }
+        Self { member: member.index(), m, is_shown, table: None, shown: Vec::new(), touches: Vec::new(), last: None }
     }
 
     /// The n-th state was reached.
     pub fn add(&mut self, member: CaseMember<'_>, n: usize, state: &State) -> Result<(), ControlError> {
-        self.table.get_or_insert_with(|| Table::head(member, state)).add(member, &self.m, state)?;
+        let table = self.table.get_or_insert_with(|| Table::head(member, state));
+        table.add(member, &self.m, (self.last.as_ref(), state))?;
+        self.touches = table::touches(member, self.last.as_ref(), state);
+        self.last = Some(state.clone());
         if self.is_shown.get(n) == Some(&true) {
             self.shown.push(state.clone());
         }

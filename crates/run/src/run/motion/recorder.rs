@@ -33,8 +33,6 @@ pub(super) struct Recorder<'a> {
 /// The motion of a member.
 struct Recorded {
     record: Record,
-    /// The last state that was reached.
-    last: Option<State>,
     /// From where the motion is to go on.
     from: Option<Vec<u8>>,
     /// The last place from which it can.
@@ -45,6 +43,8 @@ struct Recorded {
 struct Place {
     n: usize,
     motion: Vec<u8>,
+    /// The state there.
+    last: Option<State>,
     /// Rows and states that there were.
     rows: usize,
     shown: usize,
@@ -77,12 +77,8 @@ impl<'a> Recorder<'a> {
         let mut saved = from.map(|checkpoint| checkpoint.members.into_iter());
         let mut members = Vec::new();
         for member in problem.members() {
-            let mut recorded = Recorded {
-                record: Record::new(member, member.local(&problem.start)),
-                last: None,
-                from: None,
-                place: None,
-            };
+            let mut recorded =
+                Recorded { record: Record::new(member, member.local(&problem.start)), from: None, place: None };
             if let Some(saved) = &mut saved {
                 let unfit = |what: &str| checkpoint::unfit(session.out.as_ref(), what);
                 let saved = saved.next().ok_or_else(|| unfit("another number of members"))?;
@@ -108,7 +104,8 @@ impl<'a> Recorder<'a> {
     /// What was found, with the last state of every motion among those to write.
     pub fn finish(self) -> Vec<Record> {
         let own = |recorded: Mutex<Recorded>| {
-            let Recorded { mut record, last, .. } = recorded.into_inner().unwrap_or_else(PoisonError::into_inner);
+            let Recorded { mut record, .. } = recorded.into_inner().unwrap_or_else(PoisonError::into_inner);
+            let last = record.last.clone();
             record.shown.extend(last.filter(|last| record.shown.last().is_none_or(|shown| shown.time < last.time)));
             record
         };
@@ -146,13 +143,14 @@ impl<'a> Recorder<'a> {
 impl Recorded {
     /// Goes on from what was saved.
     fn take(&mut self, member: CaseMember<'_>, saved: SavedMember) -> Result<(), String> {
-        let SavedMember { n, motion, rows, shown } = saved;
+        let SavedMember { n, motion, rows, shown, last } = saved;
         let like = member.solid().rest();
         let read = |bytes: &Vec<u8>| {
             let mut input = Reader::new(bytes, "")?;
             let state = read_whole_state(&mut input, &like)?;
             input.finish().map(|()| state)
         };
+        let last = read(&last).map_err(|error| error.to_string())?;
         let shown = shown.iter().map(read).collect::<Result<Vec<State>, _>>().map_err(|error| error.to_string())?;
         let first = shown.first().ok_or("no state of the motion")?;
         let mut table = crate::run::motion::table::Table::head(member, first);
@@ -160,7 +158,8 @@ impl Recorded {
             return Err("another table of the motion".to_owned());
         }
         table.rows = rows;
-        (self.record.table, self.record.shown, self.from) = (Some(table), shown, Some(motion));
+        (self.record.table, self.record.shown, self.record.last) = (Some(table), shown, Some(last));
+        self.from = Some(motion);
         Ok(())
     }
 
@@ -175,6 +174,7 @@ impl Recorded {
         Some(SavedMember {
             n: place.n,
             motion: place.motion.clone(),
+            last: bytes(place.last.as_ref()?),
             rows: table.rows[..place.rows].to_vec(),
             shown: self.record.shown[..place.shown].iter().map(bytes).collect(),
         })
@@ -187,13 +187,12 @@ impl MotionObserver for MemberObserver<'_> {
         let from = recorded.from.take()?;
         let n = recorded.record.states().saturating_sub(1);
         let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
-        recorded.place = Some(Place { n, motion: from.clone(), rows, shown });
+        recorded.place = Some(Place { n, motion: from.clone(), last: recorded.record.last.clone(), rows, shown });
         Some(from)
     }
 
     fn reached(&self, n: usize, state: &State) -> Result<(), ControlError> {
         let mut recorded = lock(&self.all.members[self.index]);
-        recorded.last = Some(state.clone());
         recorded.record.add(self.all.problem.member(self.index), n, state)
     }
 
@@ -204,7 +203,7 @@ impl MotionObserver for MemberObserver<'_> {
         {
             let mut recorded = lock(&self.all.members[self.index]);
             let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
-            recorded.place = Some(Place { n, motion: bytes(), rows, shown });
+            recorded.place = Some(Place { n, motion: bytes(), last: recorded.record.last.clone(), rows, shown });
         }
         self.all.save_if_due();
     }

@@ -7,7 +7,7 @@ use crate::result::title::title;
 use crate::run::error::RunError;
 use nastic_case::lower::CaseMember;
 use nastic_control::{ControlBlock, ControlError};
-use nastic_fem::{Instant, State};
+use nastic_fem::{Instant, State, TimeStep, Touch};
 use nastic_language::quantity::Dimension;
 use nastic_picture::{Chart, Curve};
 
@@ -27,6 +27,12 @@ impl Table {
     /// How many columns it has.
     pub fn columns(&self) -> usize {
         self.names.len()
+    }
+
+    /// The number of the column of a name, of what contributions report.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        let contribution = format!("contributions.{name}");
+        self.names.iter().position(|known| *known == contribution || known == name)
     }
 
     /// Without rows.
@@ -51,7 +57,7 @@ impl Table {
             };
             columns.extend((0..block.components).map(|c| (name(c), field.unit.clone())));
         }
-        for (name, what, _) in quantities(member, state) {
+        for (name, what, _) in quantities(member, None, state) {
             let name = format!("{name}.{what}");
             let known = columns.iter().any(|(known, _)| *known == name);
             columns.push((if known { format!("contributions.{name}") } else { name }, String::new()));
@@ -60,8 +66,13 @@ impl Table {
         Self { names, units, rows: vec![] }
     }
 
-    /// The row of a state, under the control vector m of the motion.
-    pub fn add(&mut self, member: CaseMember<'_>, m: &[f64], state: &State) -> Result<(), ControlError> {
+    /// The row of a state, under the control vector m of the motion, and from where the step led there.
+    pub fn add(
+        &mut self,
+        member: CaseMember<'_>,
+        m: &[f64],
+        (before, state): (Option<&State>, &State),
+    ) -> Result<(), ControlError> {
         let (report, [kinetic, potential]) = (&state.report, energies(member, state));
         let mut row = vec![state.time, kinetic, potential, report.min_j, report.newton as f64];
         let dim = member.mesh().dim();
@@ -72,7 +83,7 @@ impl Table {
         for block in member.reduced().layout_of_instant().blocks().iter().filter(|block| is_uniform(block)) {
             row.extend_from_slice(block.of(&m));
         }
-        row.extend(quantities(member, state).into_iter().map(|(.., value)| value));
+        row.extend(quantities(member, before, state).into_iter().map(|(.., value)| value));
         self.rows.push(row);
         Ok(())
     }
@@ -119,10 +130,20 @@ fn is_uniform(block: &ControlBlock) -> bool {
     block.size() == block.components
 }
 
-/// What contributions report.
-fn quantities(member: CaseMember<'_>, state: &State) -> Vec<(String, &'static str, f64)> {
+/// What contributions report of a state, and of the step that led there: friction depends on velocities.
+fn quantities(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, &'static str, f64)> {
+    in_step(before, state, |at| member.solid().model().quantities(at).unwrap_or_default())
+}
+
+/// What every contact carries in a state, and in the step that led there.
+pub(super) fn touches(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, Touch)> {
+    in_step(before, state, |at| member.solid().model().touches(at))
+}
+
+fn in_step<T>(before: Option<&State>, state: &State, ask: impl Fn(&Instant) -> T) -> T {
+    let step = before.map(|before| TimeStep::between(before, state));
     let at = Instant::of(state);
-    member.solid().model().quantities(&at).unwrap_or_default()
+    ask(&step.as_ref().map_or(at, |step| at.in_step(step)))
 }
 
 /// Kinetic energy, and the potential of stresses, actuations and loads.

@@ -54,7 +54,6 @@ pub(super) fn report(
     let FinishedRun { start, best, work, .. } = ended;
     let found = session.inspect("optimum", &best.point);
     let records = session.motions(&best.point)?;
-    session.report_motions(&records, &best.point);
     let problem = &session.problem;
     let reports = member_report::of_inspected(problem, &best.point, &found);
     let mut reports = reports.map_err(|error| session.member_failed(error))?;
@@ -69,6 +68,7 @@ pub(super) fn report(
     let controls = summary::controls(problem, &best.m);
     let constraints = constraints::json(&ended.constraints, known);
     session.put_all(entries);
+    session.report_motions(&records, &best.point);
     if let Some(begin) = begin {
         session.put("start", Value::Object(begin));
     }
@@ -102,6 +102,7 @@ pub(super) fn report(
     session.console.say("");
     table_of_starts::say(session, entries_of_starts, index)?;
     say(session, (ended, known, diagnosis), resumable)?;
+    session.report_contacts(&best.point);
     session.timed("write", |session| {
         write(session, (ended, diagnosis), (&found, &records), (index, entries_of_starts.len()))
     })?;

@@ -69,7 +69,9 @@ pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[
     session.put_all(entries);
     session.put("controls", controls);
     session.put("load_steps", json!(point.members.iter().map(|at| at.state().report.load_steps).max()));
-    say(session, point)
+    say(session, point)?;
+    session.report_contacts(point);
+    Ok(())
 }
 
 fn say(session: &Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {

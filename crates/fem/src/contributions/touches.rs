@@ -1,0 +1,118 @@
+//! [`Touches`]: contact with a rigid obstacle, as a contribution tells of it: [`Touch`] and [`RigidPose`].
+
+use super::Instant;
+use super::rotation::rotation;
+use nastic_tensor::{Mat3, Vec3};
+
+/// What a contribution that touches a rigid obstacle tells of it.
+pub trait Touches {
+    /// Where the obstacle is, under the name of its pose.
+    fn pose(&self, at: &Instant) -> RigidPose;
+
+    /// What the contact carries. With friction in a step alone ([`Instant::in_step`]): else velocities count as zero. `None` where the body
+    /// cannot be (the log law inside the obstacle).
+    fn touch(&self, at: &Instant) -> Option<Touch>;
+
+    /// What it was given, or took where it was given nothing.
+    fn parameters(&self) -> TouchParameters;
+
+    /// Of every node of the surface the mean pressure of its samples (Pa), by their shares of the node.
+    fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)>;
+}
+
+/// What a contact is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TouchParameters {
+    /// Thickness of the layer, m.
+    pub thickness: f64,
+    /// Stiffness at rest, Pa.
+    pub stiffness: f64,
+    /// Friction coefficient at rest and slip speed, if it has friction.
+    pub friction: Option<(f64, f64)>,
+    /// Number of samples.
+    pub samples: usize,
+    /// How deep a round obstacle enters between samples at their mean distance h, `h^2 / (8 R)`; zero of a plane one.
+    pub between_samples: f64,
+}
+
+/// What a contact carries at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// Force on the body, N, in plane strain per unit of thickness.
+    pub force: [f64; 3],
+    /// Its moment about the obstacle's centre, N m.
+    pub moment: [f64; 3],
+    /// Reference area of the samples within the layer.
+    pub area: f64,
+    /// Smallest signed distance of a sample; below zero it is inside.
+    pub smallest_gap: f64,
+    /// Where that sample is.
+    pub deepest: [f64; 3],
+    /// Largest pressure, Pa.
+    pub largest_pressure: f64,
+    /// Mean gap that remains, weighted by the pressure; zero where nothing touches.
+    pub mean_gap: f64,
+    /// How deep the undeformed body would overlap the obstacle where that is now; zero where it would not.
+    pub approach: f64,
+    /// With friction how it slides.
+    pub sliding: Option<Sliding>,
+}
+
+/// How a contact with friction slides in a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sliding {
+    /// Share of the normal force whose samples slide slower than the slip speed; 1 where nothing touches.
+    pub sticking: f64,
+    /// Largest velocity at which a sample within the layer slides.
+    pub speed: f64,
+    /// The speed below which friction is smoothed.
+    pub slip_speed: f64,
+}
+
+impl Touch {
+    /// As named numbers, of a body in so many dimensions.
+    #[must_use]
+    pub fn quantities(&self, dim: usize) -> Vec<(&'static str, f64)> {
+        let (force, moment) = (self.force, self.moment);
+        let mut found = vec![("force_x", force[0]), ("force_y", force[1])];
+        if dim == 3 {
+            found.extend([("force_z", force[2]), ("moment_x", moment[0]), ("moment_y", moment[1])]);
+        }
+        found.extend([
+            ("moment_z", moment[2]),
+            ("area", self.area),
+            ("smallest_gap", self.smallest_gap),
+            ("mean_gap", self.mean_gap),
+            ("approach", self.approach),
+            ("largest_pressure", self.largest_pressure),
+        ]);
+        let sliding = self.sliding.map(|sliding| [("sticking", sliding.sticking), ("sliding_speed", sliding.speed)]);
+        found.extend(sliding.into_iter().flatten());
+        found
+    }
+}
+
+/// A rigid motion `x = c + tau + R(theta) (X - c)` of what touches the body, with its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigidPose {
+    /// What is moved.
+    pub name: String,
+    centre: Vec3,
+    translation: Vec3,
+    rotation: Mat3,
+}
+
+impl RigidPose {
+    /// By a translation (m) and a rotation vector (radians) about a centre.
+    #[must_use]
+    pub fn new(name: &str, centre: [f64; 3], translation: [f64; 3], theta: [f64; 3]) -> Self {
+        let [centre, translation, theta] = [centre, translation, theta].map(Vec3::from);
+        RigidPose { name: name.to_owned(), centre, translation, rotation: rotation(&theta) }
+    }
+
+    /// Where a point goes.
+    #[must_use]
+    pub fn apply(&self, x: [f64; 3]) -> [f64; 3] {
+        (self.centre + self.translation + self.rotation * (Vec3::from(x) - self.centre)).into()
+    }
+}

@@ -1,0 +1,38 @@
+//! What the contacts of an equilibrium carry, and what deserves attention in them.
+
+use nastic_case::lower::CaseMember;
+use nastic_case::warning::{PENETRATED, THICK_LAYER, Warning};
+use nastic_fem::{Instant, State, Touch};
+use nastic_language::number::{quantity, short, vector};
+use nastic_language::quantity::Dimension;
+
+/// Above this share of the approach the mean gap that remains makes a layer thick.
+const THICK: f64 = 0.05;
+
+/// What the contacts of an equilibrium carry.
+pub(crate) fn of_state(member: CaseMember<'_>, state: &State) -> Vec<(String, Touch)> {
+    member.solid().model().touches(&Instant::of(state))
+}
+
+/// What deserves attention in the contacts of an equilibrium.
+pub(crate) fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
+    let of = |value: f64| quantity(value, Dimension::LENGTH, member.problem().units());
+    let mut out = Vec::new();
+    for (name, touch) in of_state(member, state) {
+        if touch.smallest_gap < 0.0 {
+            let (depth, place) = (of(-touch.smallest_gap), vector(&touch.deepest));
+            let message = format!("contact \"{name}\": the body is {depth} inside the obstacle at {place}");
+            out.push(Warning::new(&PENETRATED, message));
+        }
+        if touch.mean_gap > THICK * touch.approach && touch.approach > 0.0 {
+            let (gap, approach) = (of(touch.mean_gap), of(touch.approach));
+            let share = short((100.0 * touch.mean_gap / touch.approach).round());
+            let message = format!(
+                "contact \"{name}\": the gap that remains is {gap} in the mean, {share} % of the {approach} by which the obstacle would \
+                 overlap the undeformed body"
+            );
+            out.push(Warning::new(&THICK_LAYER, message));
+        }
+    }
+    out
+}

@@ -1,0 +1,152 @@
+//! What contacts carry, and what deserves attention in them, of equilibria and of motions.
+
+use crate::result::touches;
+use crate::run::motion::{Record, Table};
+use crate::run::session::Session;
+use nastic_case::lower::CaseMember;
+use nastic_case::warning::{CREEPS, NO_CONTACT, PENETRATED, STEPS_PER_CONTACT, Warning};
+use nastic_control::EnsemblePoint;
+use nastic_fem::{Sliding, Touch};
+use nastic_language::number::{count, quantity, short, vector};
+use nastic_language::quantity::Dimension;
+use serde_json::json;
+
+/// A touch of fewer steps has no sharp end: how fast the body parts again is a number of the step.
+const FEW_STEPS: usize = 5;
+/// Creep beyond this share of the body's diagonal is said.
+const CREEP: f64 = 0.01;
+
+impl Session<'_> {
+    /// Says what the contacts of equilibria carry, and which never act.
+    pub fn report_contacts(&mut self, point: &EnsemblePoint) {
+        if self.problem.is_motion() || self.problem.case.contact.is_empty() {
+            return;
+        }
+        let mut untouched = Vec::new();
+        for (member, at) in self.problem.members().zip(&point.members) {
+            for (name, touch) in touches::of_state(member, at.state()) {
+                self.console.say(line(&name, &touch, member));
+                untouched.extend((touch.area == 0.0).then(|| {
+                    let gap = quantity(touch.smallest_gap, Dimension::LENGTH, member.problem().units());
+                    let message = format!("contact \"{name}\" does not act: its smallest gap is {gap}");
+                    Warning::new(&NO_CONTACT, message).of(member.name())
+                }));
+            }
+        }
+        untouched.into_iter().for_each(|warning| self.warn(warning));
+    }
+
+    /// The same of motions, which know how contacts slide, at their ends.
+    pub fn report_contacts_of(&mut self, records: &[Record]) {
+        let (mut found, dim) = (Vec::new(), self.problem.mesh().dim());
+        for record in records {
+            for (name, touch) in &record.touches {
+                let values = touch.quantities(dim).into_iter().map(|(key, value)| (key.to_owned(), json!(value)));
+                self.put_of_contribution(record.member, name, values.collect());
+                let (member, Some(table)) = (self.problem.member(record.member), &record.table) else { continue };
+                self.console.say(line(name, touch, member));
+                let history = History::of(table, name, touch.sliding);
+                found.extend(history.warnings(name, member).into_iter().map(|warning| warning.of(member.name())));
+            }
+        }
+        found.into_iter().for_each(|warning| self.warn(warning));
+    }
+}
+
+/// One line for the terminal.
+fn line(name: &str, touch: &Touch, member: CaseMember<'_>) -> String {
+    let units = member.problem().units();
+    let of = |value: f64, dimension: Dimension| quantity(value, dimension, units);
+    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    let gap = of(touch.smallest_gap, Dimension::LENGTH);
+    if touch.area == 0.0 {
+        return format!("contact     {name} does not act, smallest gap {gap}{inside}");
+    }
+    let force = vector(&touch.force[..member.mesh().dim()]);
+    let pressure = of(touch.largest_pressure, Dimension::PRESSURE);
+    let sliding = touch.sliding.map_or_else(String::new, |sliding| {
+        format!(", {} % of its pressure sticks", short((1000.0 * sliding.sticking).round() / 10.0))
+    });
+    let unit = units.force().symbol;
+    format!(
+        "contact     {name} pushes with {force} {unit}, largest pressure {pressure}, smallest gap {gap}{sliding}{inside}"
+    )
+}
+
+/// What the steps of a motion say of a contact.
+#[derive(Debug, Default)]
+struct History {
+    acted: bool,
+    /// Steps of the shortest touch that began and ended, and when it ended.
+    shortest: Option<(usize, f64)>,
+    /// How far it crept while all of it stuck.
+    creep: f64,
+    /// The smallest gap, and when.
+    gap: (f64, f64),
+}
+
+impl History {
+    fn of(table: &Table, name: &str, sliding: Option<Sliding>) -> Self {
+        let column = |what: &str| table.column(&format!("{name}.{what}"));
+        let mut history = History { gap: (f64::INFINITY, 0.0), ..Self::default() };
+        let (Some(area), Some(gap)) = (column("area"), column("smallest_gap")) else { return history };
+        let slides = sliding.and_then(|_| Some((column("sticking")?, column("sliding_speed")?)));
+        let (mut begun, mut before) = (None, None::<f64>);
+        for (n, row) in table.rows.iter().enumerate() {
+            let (t, touches) = (row[0], row[area] > 0.0);
+            history.acted |= touches;
+            if row[gap] < history.gap.0 {
+                history.gap = (row[gap], t);
+            }
+            match (touches, begun) {
+                (true, None) if n > 0 => begun = Some(n),
+                (false, Some(first)) => {
+                    let steps = n - first;
+                    if history.shortest.is_none_or(|(least, _)| steps < least) {
+                        history.shortest = Some((steps, t));
+                    }
+                    begun = None;
+                }
+                _ => {}
+            }
+            if let (Some((sticking, speed)), Some(before)) = (slides, before)
+                && row[sticking] == 1.0
+            {
+                history.creep += row[speed] * (t - before);
+            }
+            before = Some(t);
+        }
+        history
+    }
+
+    fn warnings(&self, name: &str, member: CaseMember<'_>) -> Vec<Warning> {
+        let units = member.problem().units();
+        let (length, time) = (
+            |value: f64| quantity(value, Dimension::LENGTH, units),
+            |value: f64| quantity(value, Dimension::TIME, units),
+        );
+        let mut out = Vec::new();
+        if !self.acted {
+            let message = format!("contact \"{name}\" never acts: its smallest gap is {}", length(self.gap.0));
+            out.push(Warning::new(&NO_CONTACT, message));
+        }
+        if self.gap.0 < 0.0 {
+            let (depth, t) = (length(-self.gap.0), time(self.gap.1));
+            let message = format!("contact \"{name}\": the body is {depth} inside the obstacle at t = {t}");
+            out.push(Warning::new(&PENETRATED, message));
+        }
+        if let Some((steps, t)) = self.shortest.filter(|(steps, _)| *steps < FEW_STEPS) {
+            let message =
+                format!("contact \"{name}\": a touch that ends at t = {} lasts {}", time(t), count(steps, "step"));
+            out.push(Warning::new(&STEPS_PER_CONTACT, message));
+        }
+        if self.creep > CREEP * member.mesh().diagonal() {
+            let message = format!(
+                "contact \"{name}\" creeps by {} while it sticks, at most below its slip speed",
+                length(self.creep)
+            );
+            out.push(Warning::new(&CREEPS, message));
+        }
+        out
+    }
+}
