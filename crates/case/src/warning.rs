@@ -71,7 +71,7 @@ pub const PENETRATED: WarningKind = WarningKind {
 /// A layer that changes the force.
 pub const THICK_LAYER: WarningKind = WarningKind {
     code: "thick_layer",
-    about: "the layer in which a contact acts is thick against the depth that is pressed in: forces are too large by about this share, or by half more",
+    about: "the layer in which a contact acts is thick against the depth that is pressed in: forces are wrong by about this share, or by half more",
     advice: "give a smaller \"thickness\", and see how far the result changes at half of it",
 };
 

@@ -406,7 +406,7 @@ impl Model {
         self.others.iter().filter_map(own).collect()
     }
 
-    fn each_touching(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Touches, &Instant)) {
+    pub(crate) fn each_touching(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Touches, &Instant)) {
         let Ok(()) = self.each_other(at, |contribution, at| {
             if let Some(touches) = contribution.touches() {
                 call(contribution.name(), touches, at);

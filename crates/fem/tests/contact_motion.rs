@@ -221,3 +221,36 @@ fn a_fast_obstacle_crosses_nothing() -> Outcome {
     }
     Ok(())
 }
+
+/// A finger, and its mirror image, grips half of a soft block in plane strain and carries it upwards, at speeds that change at every fifth of a
+/// second.
+#[test]
+fn a_finger_carries_a_block_at_changing_speed() -> Outcome {
+    const PATH: [[f64; 2]; 6] =
+        [[0.0, 0.0], [-5.114, -5.563], [-8.606, -2.181], [-8.089, 6.658], [-8.123, 13.388], [-8.615, 34.545]];
+    let mm = 1e-3;
+    let ball = Obstacle::Sphere { center: [28.0 * mm, 15.0 * mm, 0.0], radius: 8.0 * mm };
+    let floor = Obstacle::half_space([0.0, -0.1 * mm, 0.0], [0.0, 1.0, 0.0]);
+    let solid = Solid::new(regular(CellKind::Quad9, [15.0 * mm, 30.0 * mm, 0.0], [4, 8, 0])?)?
+        .material("body", NeoHooke::from_young_poisson(5e4, 0.4)?)?
+        .displace("x-", [Some(0.0), None, None])?
+        .body_force("body", Vec3::new(0.0, -9.81 * 1070.0, 0.0))?
+        .inertia(Inertia::new("body", 1070.0))?
+        .contact(Contact::of("floor", "y-", floor))?
+        .contact(Contact::of("grip", "x+", ball).friction(0.6, 2.0 * mm))?;
+    let at = |t: f64| -> Controls {
+        let (k, share) = ((t / 0.2 + 1e-9).floor().min(4.0), t / 0.2);
+        let [a, b] = [PATH[k as usize], PATH[k as usize + 1]];
+        let mut controls = solid.controls();
+        let values = controls.values_mut(1);
+        (0..2).for_each(|i| values[i] = mm * (a[i] + (share - k) * (b[i] - a[i])));
+        controls
+    };
+    let steps: Vec<StepTo> = (1..=100).map(|n| StepTo { dt: 0.01, controls: at(0.01 * f64::from(n)) }).collect();
+    let mut begin = solid.rest();
+    begin.velocity = Some(vec![0.0; begin.u.len()].into());
+    let end = advance(&solid, Trajectory::from_given(begin), &scheme("backward_euler"), &steps)?;
+    let newton: usize = end.states().iter().skip(1).map(|state| state.report.newton).sum();
+    assert!(newton < 1000, "{newton} Newton iterations");
+    Ok(())
+}

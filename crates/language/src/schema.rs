@@ -52,7 +52,7 @@ pub use case_schema::json_schema;
 pub use catalogue::{Input, SlotName};
 pub use constraint::{Constraint, KeepOut};
 pub use contact::{Contact, PressureLaw};
-pub use control::{Cells, Control, ControlsFile, Space, Start};
+pub use control::{Bound, Cells, Control, ControlsFile, Space, Start};
 pub use cost::{
     ActuationWork, ControlNorm, ControlRate, ControlSmoothness, Cost, Exponential, Inverse, KineticEnergy, Penetration,
     Phi, SmoothedHausdorff, Stage, Stages, Target, Tracking,

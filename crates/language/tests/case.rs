@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_language::schema::{
-    Case, Cost, Element, Fixed, Input, Means, MeshSource, Metric, Parameter, Phi, Risk, Rule, Scenarios, Space, Stages,
-    Start, Target, VectorField, vector_at,
+    Bound, Case, Cost, Element, Fixed, Input, Means, MeshSource, Metric, Parameter, Phi, Risk, Rule, Scenarios, Space,
+    Stages, Start, Target, VectorField, vector_at,
 };
 use nastic_language::syntax::{Diagnostics, Document};
 
@@ -50,8 +50,8 @@ fn the_documented_case_is_read_in_full() {
 
     let control = &case.controls[0];
     assert_eq!((control.of.as_str(), control.name(), &control.space), ("tension", "tension", &Space::Cell));
-    assert_eq!(control.lower.as_ref().and_then(scalar), Some(-4e5));
-    assert_eq!(control.upper.as_ref().and_then(scalar), Some(1.9e5));
+    assert_eq!(control.lower.as_ref().and_then(Bound::scalar).and_then(scalar), Some(-4e5));
+    assert_eq!(control.upper.as_ref().and_then(Bound::scalar).and_then(scalar), Some(1.9e5));
     let Some(Start::Scalar(start)) = &control.start else { panic!() };
     assert_eq!(start.constant(), Some(0.0));
 
@@ -115,7 +115,7 @@ fn magnets_load_cases_and_every_other_key_are_read() {
     let Fixed::Scalar(Parameter::Formula(pressure)) = &case.actuation[1].fixed["pressure"] else { panic!() };
     assert_eq!(pressure.at([4.0, 0.0, 0.0]).unwrap(), 0.01);
     assert_eq!(case.controls[0].length(), Some(0.1));
-    assert!(matches!(case.controls[1].upper, Some(Parameter::Array(_))));
+    assert!(matches!(case.controls[1].upper, Some(Bound::Scalar(Parameter::Array(_)))));
     assert_eq!(case.costs[1].name(), "effort");
     assert_eq!(case.costs[0].name(), "control_smoothness");
 

@@ -7,6 +7,7 @@ mod cavity_volume;
 mod commands;
 mod common;
 mod constraints;
+mod contact;
 mod damaged_checkpoints;
 mod documents;
 mod ensembles;

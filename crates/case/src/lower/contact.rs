@@ -47,7 +47,8 @@ fn build(
         PressureLaw::Cubic => ContactLaw::Cubic,
         PressureLaw::Log => ContactLaw::Log,
     };
-    let built = nastic_fem::Contact::of(&contact.name(), &contact.surface, shape).law(law).pose_of(&touched.name);
+    let built =
+        nastic_fem::Contact::of(&contact.name(), &contact.surface, shape).law(law).pose_of(&touched.name).settled();
     let built = contact.thickness.into_iter().fold(built, nastic_fem::Contact::thickness);
     let built = contact.stiffness.into_iter().fold(built, nastic_fem::Contact::stiffness);
     let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));

@@ -13,7 +13,7 @@ use nastic_control::{ControlBlock, RateLimit, Reduced, Space};
 use nastic_energy::Slot;
 use nastic_language::expression::Formula;
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::{Beginning, Case, Cells, Contact, Control, Parameter, Space as SpaceBlock, Start};
+use nastic_language::schema::{Beginning, Bound, Case, Cells, Contact, Control, Parameter, Space as SpaceBlock, Start};
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
 
 /// What becomes of the block `controls`.
@@ -205,6 +205,9 @@ impl Lowering<'_> {
 
     fn vectors(&self, context: &mut Context<'_>) -> Option<Allowed> {
         let dim = self.block.components;
+        if self.control.lower.is_some() || self.control.upper.is_some() {
+            return self.box_of_vectors(context);
+        }
         match (self.control.length(), self.control.longest()) {
             (Some(norm), _) => {
                 let set = context.take(&self.control.at.key("norm"), Sphere::new(dim, norm))?;
@@ -225,13 +228,30 @@ impl Lowering<'_> {
         }
     }
 
+    /// Vectors whose components have bounds.
+    fn box_of_vectors(&self, context: &mut Context<'_>) -> Option<Allowed> {
+        let mut limit = |key: &str, bound: &Option<Bound>, none: f64| match bound {
+            Some(Bound::Vector(entries)) => context.take(&self.control.at.key(key), self.vectors_in_time(entries)),
+            _ => Some(vec![none; self.block.len()]),
+        };
+        let lower = limit("lower", &self.control.lower, f64::NEG_INFINITY);
+        let upper = limit("upper", &self.control.upper, f64::INFINITY);
+        let (lower, upper) = (Limit::Each(lower?), Limit::Each(upper?));
+        if least(&lower) == f64::NEG_INFINITY || greatest(&upper) == f64::INFINITY {
+            context.warn(&UNBOUNDED, &self.control.at, "the components have no bound on one side");
+        }
+        let admitted = Admitted::Between { lower: least(&lower), upper: greatest(&upper) };
+        let bounds = context.take(&self.control.at.key("lower"), Bounds::new(lower, upper))?;
+        Some(Allowed { admitted, bounds: Some(bounds.clone()), set: Box::new(bounds) })
+    }
+
     /// Whether start and bounds are of the dimension of what they control, where the mesh decides it (a volume is an area in
     /// the plane).
     fn check_dimension(&self, context: &mut Context<'_>) -> Option<()> {
         let dimension = nastic_language::expression::dimension_of(self.block.unit)?;
         let start = if let Some(Start::Scalar(formula)) = &self.control.start { Some(formula) } else { None };
         let bounds = [("lower", &self.control.lower), ("upper", &self.control.upper)].map(|(key, bound)| {
-            (key, if let Some(Parameter::Formula(formula)) = bound { Some(formula) } else { None })
+            (key, if let Some(Bound::Scalar(Parameter::Formula(formula))) = bound { Some(formula) } else { None })
         });
         for (key, formula) in bounds.into_iter().chain([("start", start)]) {
             if let Some(Err(why)) = formula.map(|formula| formula.check(dimension)) {
@@ -309,8 +329,8 @@ impl Lowering<'_> {
     }
 
     /// A bound by unknown. The outer option is a complaint, the inner one a bound left out.
-    fn bound(&self, key: &str, bound: &Option<Parameter>, context: &mut Context<'_>) -> Option<Option<Limit>> {
-        let Some(bound) = bound else { return Some(None) };
+    fn bound(&self, key: &str, bound: &Option<Bound>, context: &mut Context<'_>) -> Option<Option<Limit>> {
+        let Some(bound) = bound.as_ref().and_then(Bound::scalar) else { return Some(None) };
         if let Some(constant) = bound.constant() {
             return Some(Some(Limit::Uniform(constant)));
         }

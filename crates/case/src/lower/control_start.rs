@@ -22,14 +22,7 @@ impl Lowering<'_> {
         match &self.control.start {
             None => Some(vec![self.slot().map_or(0.0, |slot| slot.rest()); self.block.len()]),
             Some(Start::Scalar(formula)) => context.take(&at, self.in_time(formula)),
-            Some(Start::Vector(entries)) => {
-                let at_instant = |t: &f64| {
-                    let entries: Vec<Formula> = entries.iter().map(|entry| entry.at_time(*t)).collect();
-                    positions.iter().map(|x| vector_at(&entries, *x)).collect::<Result<Vec<_>, _>>()
-                };
-                let values: Result<Vec<_>, _> = self.instants().iter().map(at_instant).collect();
-                context.take(&at, values).map(|values| values.concat().concat())
-            }
+            Some(Start::Vector(entries)) => context.take(&at, self.vectors_in_time(entries)),
             // one that could not be read was complained about
             Some(Start::Table(_)) => None,
             Some(Start::Array(file)) => self.values_of_file(file, &at, context).map(|values| values.repeat(knots)),
@@ -61,6 +54,17 @@ impl Lowering<'_> {
         };
         let values: Result<Vec<_>, _> = self.instants().iter().map(at_instant).collect();
         values.map(|values| values.concat())
+    }
+
+    /// The same of vectors.
+    pub(super) fn vectors_in_time(&self, entries: &[Formula]) -> Result<Vec<f64>, EvaluationError> {
+        let positions = self.block.basis.positions();
+        let at_instant = |t: &f64| {
+            let entries: Vec<Formula> = entries.iter().map(|entry| entry.at_time(*t)).collect();
+            positions.iter().map(|x| vector_at(&entries, *x)).collect::<Result<Vec<_>, _>>()
+        };
+        let values: Result<Vec<_>, _> = self.instants().iter().map(at_instant).collect();
+        values.map(|values| values.concat().concat())
     }
 
     /// The instants of the values in time.

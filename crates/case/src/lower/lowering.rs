@@ -133,7 +133,7 @@ fn members(
     context.found.absorb(variants.iter().map(|variant| variant.name.clone()).zip(found).collect());
     let Built { bodies, targets, controls } = built?;
     if let Some(body) = bodies.first() {
-        sizes::check_bounds(&controls.controls, body.solid(), context);
+        sizes::check_bounds(case, &controls.controls, body.solid(), context);
     }
     if context.is_sound() {
         start::check(case, &controls.controls, context);

@@ -8,7 +8,7 @@ use crate::warning::{BOUNDS, UNITS};
 use nastic_fem::Solid;
 use nastic_language::number::{count, short};
 use nastic_language::quantity::{Dimension, Units};
-use nastic_language::schema::{Case, Cost, MeshSource, Shape, ShapeOrName};
+use nastic_language::schema::{Case, Contact, Cost, MeshSource, Shape, ShapeOrName};
 use nastic_mesh::Mesh;
 
 /// Soft bodies longer than this are rare, millimetres taken for metres are not.
@@ -22,13 +22,18 @@ const OBSTACLE_APART: f64 = 100.0;
 const STIFF: f64 = 10.0;
 
 /// Bounds of tensions and pressures far beyond the stiffest material.
-pub(super) fn check_bounds(controls: &[ControlField], solid: &Solid, context: &mut Context<'_>) {
+pub(super) fn check_bounds(case: &Case, controls: &[ControlField], solid: &Solid, context: &mut Context<'_>) {
     let unit = context.units.label(Dimension::PRESSURE);
     let points = solid.discretization().points_of_cells();
     let young = |(cell, (point, _)): (usize, &(usize, usize))| Elastic::of(solid, cell, *point).map(Elastic::young);
     let Some(moduli) = points.iter().enumerate().map(young).collect::<Option<Vec<f64>>>() else { return };
     let stiffest = moduli.into_iter().fold(0.0, f64::max);
-    for field in controls.iter().filter(|field| field.unit == unit) {
+    // the stiffness of a contact is a multiple of the body's
+    let of_contacts: Vec<String> = case.contact.iter().flat_map(Contact::slots).map(|(name, _)| name).collect();
+    let is_of_contact = |field: &ControlField| {
+        case.controls.iter().any(|control| control.at == field.at && of_contacts.contains(&control.of))
+    };
+    for field in controls.iter().filter(|field| field.unit == unit && !is_of_contact(field)) {
         let Admitted::Between { lower, upper } = field.admitted else { continue };
         let most = [lower, upper].into_iter().map(f64::abs).filter(|bound| bound.is_finite()).fold(0.0, f64::max);
         if most > STIFF * stiffest {

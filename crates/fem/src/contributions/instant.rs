@@ -134,14 +134,22 @@ pub struct TimeStep {
     pub acceleration: (f64, Vec<f64>),
     /// Time from its beginning to the stage that this belongs to.
     pub elapsed: f64,
-    /// What slip speeds of friction are multiplied by: 1, and more on the way to a step that is not found at once.
-    pub smoothing: f64,
+    /// Where the normal forces and tangent planes of friction are taken, instead of the displacement: on the way to a step that is not found at
+    /// once.
+    pub(crate) lag: Option<FrictionLag>,
     /// The state before.
     pub before: State,
     /// The internal variables that it begins with.
     pub history: Arc<History>,
     /// Where the end is extrapolated from the stage that this belongs to: what the prescribed unknowns follow from.
     pub(crate) end: Option<ExtrapolatedEnd>,
+}
+
+/// A displacement and controls at which the normal forces of friction are taken, so that what is left of it has a potential.
+#[derive(Debug, Clone)]
+pub(crate) struct FrictionLag {
+    pub u: Arc<Vec<f64>>,
+    pub controls: Arc<Controls>,
 }
 
 /// The end of a step whose displacement is `u = alpha w + b`, w that of its stage: prescribed unknowns are in their place at the end, so
@@ -163,7 +171,7 @@ impl TimeStep {
         let acceleration = velocity.iter().enumerate().map(|(i, b)| (b - v.map_or(0.0, |v| v[i])) / dt).collect();
         let (c_v, c_a) = (1.0 / dt, 1.0 / (dt * dt));
         let (velocity, acceleration, history) = ((c_v, velocity), (c_a, acceleration), Arc::default());
-        TimeStep { dt, velocity, acceleration, elapsed: dt, smoothing: 1.0, before: before.clone(), history, end: None }
+        TimeStep { dt, velocity, acceleration, elapsed: dt, lag: None, before: before.clone(), history, end: None }
     }
 
     /// The step that led from one state to the next one, whose velocity and acceleration are what that carries: to ask for forces and
@@ -176,7 +184,7 @@ impl TimeStep {
         let (dt, history) = (after.time - before.time, after.history.clone());
         let (velocity, acceleration) = (rate(&after.velocity), rate(&after.acceleration));
         let before = before.clone();
-        TimeStep { dt, velocity, acceleration, elapsed: dt, smoothing: 1.0, before, history, end: None }
+        TimeStep { dt, velocity, acceleration, elapsed: dt, lag: None, before, history, end: None }
     }
 
     /// The velocity at a displacement.

@@ -41,6 +41,7 @@ pub use moving_support::MovingSupport;
 use nastic_energy::Slot;
 use nastic_linear::{Field, NotCoupled, SparseMatrix, Symmetry};
 use nastic_mesh::Polyline;
+use nastic_numeric::vector::sub;
 pub use point::{ContributionPoint, Need};
 pub use prescribes::Prescribes;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
@@ -171,12 +172,17 @@ pub trait Contribution: Debug + Send + Sync {
         Ok(())
     }
 
-    /// The longest share of a straight change of the controls, to others of the same model, that a body at an instant bears at once.
+    /// The longest share of a straight change of the controls, to those of another instant of the same model, that a body which goes straight to
+    /// the displacement there meanwhile bears at once.
     ///
     /// # Errors
     /// [`Inadmissible`] where the instant is.
-    fn max_change(&self, _at: &Instant, _to: &Controls) -> Result<f64, Inadmissible> {
-        Ok(1.0)
+    fn max_change(&self, at: &Instant, to: &Instant) -> Result<f64, Inadmissible> {
+        let du = sub(to.u, at.u);
+        match du.iter().all(|du| *du == 0.0) {
+            true => Ok(1.0),
+            false => self.at(at, Need::Residual)?.max_step(at, &du),
+        }
     }
 
     /// Unknowns that it moves by its controls, if there are some.

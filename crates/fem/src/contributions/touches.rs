@@ -25,6 +25,8 @@ pub trait Touches {
 pub struct TouchParameters {
     /// Thickness of the layer, m.
     pub thickness: f64,
+    /// How deep inside the obstacle gaps count from, of a body that touches at rest, m.
+    pub inset: f64,
     /// Stiffness at rest, Pa.
     pub stiffness: f64,
     /// Friction coefficient at rest and slip speed, if it has friction.
@@ -40,11 +42,13 @@ pub struct TouchParameters {
 pub struct Touch {
     /// Force on the body, N, in plane strain per unit of thickness.
     pub force: [f64; 3],
+    /// What it presses with: the sum of pressures times areas.
+    pub pressing: f64,
     /// Its moment about the obstacle's centre, N m.
     pub moment: [f64; 3],
     /// Reference area of the samples within the layer.
     pub area: f64,
-    /// Smallest signed distance of a sample; below zero it is inside.
+    /// Smallest signed distance of a sample; below zero it is inside the obstacle.
     pub smallest_gap: f64,
     /// Where that sample is.
     pub deepest: [f64; 3],
@@ -54,6 +58,9 @@ pub struct Touch {
     pub mean_gap: f64,
     /// How deep the undeformed body would overlap the obstacle where that is now; zero where it would not.
     pub approach: f64,
+    /// Where gaps count from (see [`Contact::settled`](crate::Contact::settled)) less the gap of that sample: above zero the pressure is larger
+    /// than the stiffness.
+    pub sunk: f64,
     /// With friction how it slides.
     pub sliding: Option<Sliding>,
 }
@@ -108,6 +115,13 @@ impl RigidPose {
     pub fn new(name: &str, centre: [f64; 3], translation: [f64; 3], theta: [f64; 3]) -> Self {
         let [centre, translation, theta] = [centre, translation, theta].map(Vec3::from);
         RigidPose { name: name.to_owned(), centre, translation, rotation: rotation(&theta) }
+    }
+
+    /// Where a point that moves with the obstacle is when that goes to another pose.
+    #[must_use]
+    pub fn carry(&self, to: &RigidPose, x: [f64; 3]) -> [f64; 3] {
+        let own = self.centre + self.rotation.transpose() * (Vec3::from(x) - self.centre - self.translation);
+        to.apply(own.into())
     }
 
     /// Where a point goes.

@@ -2,7 +2,6 @@
 
 use super::Model;
 use crate::contributions::Need;
-use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
 use crate::error::{Inadmissible, StateError};
 use crate::solution::state::State;
@@ -25,13 +24,16 @@ impl Model {
         self.at(from, Need::Residual)?.admissible_move_of_others(from, to)
     }
 
-    /// The longest share of a straight change of the controls that the body at a state bears at once.
-    pub(crate) fn admissible_change(&self, at: &Instant, to: &Controls) -> Result<f64, Inadmissible> {
+    /// The longest share of a straight change of controls and displacement, to those of another instant, that every contribution bears at once.
+    pub(crate) fn admissible_change(&self, at: &Instant, to: &Instant) -> Result<f64, Inadmissible> {
         let mut share = 1.0_f64;
-        self.each_other(at, |contribution, at| {
-            share = share.min(contribution.max_change(at, to)?);
-            Ok::<(), Inadmissible>(())
-        })?;
+        for ((contribution, at), to) in self.others.iter().zip(self.instants(at)).zip(self.instants(to)) {
+            let contribution = contribution.as_ref();
+            let own = self.among_fields(contribution, &at, |at| {
+                self.among_fields(contribution, &to, |to| contribution.max_change(at, to))
+            });
+            share = share.min(own?);
+        }
         Ok(share)
     }
 

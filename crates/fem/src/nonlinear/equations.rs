@@ -60,10 +60,10 @@ impl<'a> Equations<'a> {
         }
     }
 
-    /// Whether the residual is the derivative of a potential: of the model, or where friction is smoothed away.
+    /// Whether the residual is the derivative of a potential: of the model, or with the normal forces of friction taken elsewhere.
     pub fn has_potential(&self) -> bool {
         match self.drive {
-            Drive::Held { time_step: Some(step), .. } if step.smoothing.is_infinite() => {
+            Drive::Held { time_step: Some(step), .. } if step.lag.is_some() => {
                 self.model.has_potential_without_friction()
             }
             _ => self.model.has_potential(),

@@ -89,16 +89,10 @@ impl Model {
         if time_step.is_none() {
             self.check_start(start, how.parallel)?;
         }
-        let near_enough = || match (time_step, how.near) {
-            (Some(step), Some(near)) => self.bears(near, controls, (how, step)),
-            _ => true,
-        };
-        if let Some(found) = how
-            .guess
-            .filter(|_| near_enough())
-            .and_then(|guess| self.jump(guess, controls, (how, time_step), workspace, &mut spent).transpose())
+        if let Some(guess) = how.guess
+            && let Some(found) = self.jump(guess, controls, (how, time_step), workspace, &mut spent)?
         {
-            return found;
+            return Ok(found);
         }
         if let (Some(step), Some(near)) = (time_step, how.near)
             && let Some(found) = self.slide(near, controls, (how, step), workspace, &mut spent)?
@@ -177,11 +171,10 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
         let brief = SolveOptions { max_newton: how.max_newton.min(GUESS), ..how.clone() };
-        let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
-        let from = how.near.map_or(guess, |near| &near.u);
-        if !newton.admissible_chord(from, guess).is_ok_and(|share| share >= 1.0) {
+        if how.near.is_some_and(|near| !self.bears(near, (controls, guess), (how, time_step))) {
             return Ok(None);
         }
+        let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
         let mut u = guess.to_vec();
         match newton.solve(&mut u, self.linear_solver(how, workspace), report) {
             Ok(_) => {
@@ -257,7 +250,7 @@ impl Model {
         let unbounded = self.body.excess_tension(to).is_some();
         while steps.done < 1.0 {
             let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
-            let bears = self.admissible_change(&instant, to).map_err(|at| StateError::Start { at })?;
+            let bears = self.admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
             let path = match steps.next() {
                 next if bears < 1.0 => next.min(steps.done + bears * (1.0 - steps.done)),
                 next => next,

@@ -1,22 +1,30 @@
 //! Steps in time with friction that are not found at once.
 
 use crate::contributions::controls::Controls;
-use crate::contributions::instant::TimeStep;
+use crate::contributions::instant::{FrictionLag, Instant, TimeStep};
 use crate::error::StateError;
 use crate::model::Model;
+use crate::nonlinear::iteration::Stop;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
+use std::sync::Arc;
 
-/// Multiples of the slip speed, one after the other: without friction, whose potential is searched; then friction that is nearly viscous, to
-/// that asked for.
-const SMOOTHING: [f64; 10] = [f64::INFINITY, 100.0, 30.0, 10.0, 5.0, 3.0, 2.0, 1.5, 1.2, 1.0];
 /// Newton iterations for a step at once.
 const ITERATIONS: usize = 20;
+/// Rounds of lagged friction.
+const ROUNDS: usize = 30;
+/// Relative residual to which a round is solved, and below which what is left of friction is tried at once.
+const ROUND: f64 = 1e-6;
+const NEAR: f64 = 0.1;
 
 impl Model {
-    /// The end of a step with friction: from its beginning at once, else by continuation in the slip speed, a load step each; `None` without
-    /// friction, and where neither leads there.
+    /// The end of a step with friction: from its beginning at once, else by rounds in each of which the normal forces of friction are those
+    /// of the round before (at first those where the step begins), which is the minimum of a potential; `None` without friction, and where
+    /// neither leads there.
+    ///
+    /// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020), section 5.5, there with a fixed number of rounds; here
+    /// Newton's method ends them, with implicit friction.
     pub(super) fn slide(
         &self,
         near: &State,
@@ -25,36 +33,93 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
-        if !self.depends_on_path() || !self.bears(near, controls, (how, step)) {
+        if !self.depends_on_path() {
             return Ok(None);
         }
-        let ways: [&[f64]; 2] = [&[1.0], &SMOOTHING];
-        for factors in ways {
-            let mut u = near.u.to_vec();
-            let mut reached = true;
-            for &smoothing in factors {
-                let most = if factors.len() == 1 { ITERATIONS } else { how.max_newton };
-                let brief = SolveOptions { max_newton: how.max_newton.min(most), ..how.clone() };
-                let smoothed = TimeStep { smoothing, ..step.clone() };
-                let newton = self.equations(controls, 1.0, Some(&smoothed), 1.0, &brief);
-                if let Err(stop) = newton.solve(&mut u, self.linear_solver(how, workspace), report) {
-                    stop.final_error().map_or(Ok(()), Err)?;
-                    reached = false;
-                    break;
-                }
-            }
-            if reached {
-                report.load_steps += factors.len();
-                return Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)));
+        let starts = [how.guess.map(<[f64]>::to_vec), Some(near.u.to_vec())];
+        let borne = |u: &Vec<f64>| self.bears(near, (controls, u), (how, Some(step)));
+        let Some(start) = starts.into_iter().flatten().find(borne) else { return Ok(None) };
+        let found = |u: Vec<f64>, rounds: usize, report: &mut SolveReport| {
+            report.load_steps += 1 + rounds;
+            Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)))
+        };
+        let once = SolveOptions { max_newton: how.max_newton.min(ITERATIONS), ..how.clone() };
+        let at_once = self.equations(controls, 1.0, Some(step), 1.0, &once);
+        if how.guess.is_none() {
+            let mut u = start.clone();
+            match at_once.solve(&mut u, self.linear_solver(how, workspace), report) {
+                Ok(_) => return found(u, 0, report),
+                Err(stop) => go_on(stop)?,
             }
             workspace.forget();
+        }
+        let mut lag = FrictionLag { u: near.u.clone(), controls: near.controls.clone() };
+        let mut u = start;
+        let each = SolveOptions { accuracy: how.accuracy.max(ROUND), ..how.clone() };
+        for round in 1..=ROUNDS {
+            let lagged = TimeStep { lag: Some(lag), ..step.clone() };
+            let equations = self.equations(controls, 1.0, Some(&lagged), 1.0, &each);
+            if let Err(stop) = equations.solve(&mut u, self.linear_solver(how, workspace), report) {
+                go_on(stop)?;
+                workspace.forget();
+                return Ok(None);
+            }
+            let Ok(now) = at_once.evaluate(&u) else { return Ok(None) };
+            if at_once.residual(&now.sums).1 < NEAR {
+                let mut end = u.clone();
+                match at_once.solve(&mut end, self.linear_solver(how, workspace), report) {
+                    Ok(_) => return found(end, round, report),
+                    Err(stop) => go_on(stop)?,
+                }
+                workspace.forget();
+            }
+            lag = FrictionLag { u: Arc::new(u.clone()), controls: Arc::new(controls.clone()) };
         }
         Ok(None)
     }
 
-    /// Whether the controls may change at once: no obstacle moves by more than a few layers. Else it goes in load steps.
-    pub(super) fn bears(&self, near: &State, controls: &Controls, (how, step): (&SolveOptions, &TimeStep)) -> bool {
-        let at = self.instant(near, Some(step), how.parallel);
-        self.admissible_change(&at, controls).is_ok_and(|share| share >= 1.0)
+    /// The displacement if the body went on with what it touches, by the mean of the rigid motions of the obstacles, weighted by what they press
+    /// with; `None` where nothing touches, or obstacles stay.
+    pub(crate) fn carried(&self, near: &State, controls: &Controls, parallel: bool) -> Option<Vec<f64>> {
+        if !self.unknowns().has_one_nodal_field() {
+            return None;
+        }
+        let (at, mut moved) = (self.instant(near, None, parallel), Vec::new());
+        self.each_touching(&at, |_, touches, at| {
+            let pressing = touches.touch(at).map_or(0.0, |touch| touch.pressing);
+            moved.push((pressing, touches.pose(at), touches.pose(&at.under(controls))));
+        });
+        let all: f64 = moved.iter().map(|(pressing, ..)| pressing).sum();
+        if all <= 0.0 || moved.iter().all(|(_, from, to)| from == to) {
+            return None;
+        }
+        let (mesh, mut u) = (self.discretization().mesh(), near.u.to_vec());
+        for (node, x) in mesh.points().iter().enumerate() {
+            let own = &mut u[mesh.dim() * node..mesh.dim() * (node + 1)];
+            let here: [f64; 3] = std::array::from_fn(|i| x[i] + own.get(i).copied().unwrap_or(0.0));
+            for (pressing, from, to) in moved.iter().filter(|(pressing, ..)| *pressing > 0.0) {
+                let there = from.carry(to, here);
+                own.iter_mut().enumerate().for_each(|(i, u)| *u += pressing / all * (there[i] - here[i]));
+            }
+        }
+        Some(u)
     }
+
+    /// Whether the controls may change at once while the body goes to a displacement: no obstacle enters it by more than a few layers. Else it
+    /// goes in load steps.
+    pub(super) fn bears(
+        &self,
+        near: &State,
+        (controls, u): (&Controls, &[f64]),
+        (how, step): (&SolveOptions, Option<&TimeStep>),
+    ) -> bool {
+        let at = self.instant(near, step, how.parallel);
+        let to = Instant { u, controls, ..at };
+        self.admissible_change(&at, &to).is_ok_and(|share| share >= 1.0)
+    }
+}
+
+/// What another way would not mend is an error.
+fn go_on(stop: Stop) -> Result<(), StateError> {
+    stop.final_error().map_or(Ok(()), Err)
 }

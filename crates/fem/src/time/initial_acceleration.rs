@@ -100,7 +100,7 @@ pub(super) fn without_acceleration(state: &State) -> TimeStep {
         velocity: (0.0, velocity),
         acceleration: (0.0, zero),
         elapsed: 0.0,
-        smoothing: 1.0,
+        lag: None,
         before,
         history,
         end: None,

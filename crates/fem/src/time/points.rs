@@ -79,7 +79,7 @@ impl<'a> Points<'a> {
             velocity: (c_v, b_v),
             acceleration: (c_a, b_a),
             elapsed,
-            smoothing: 1.0,
+            lag: None,
             before,
             history,
             end,

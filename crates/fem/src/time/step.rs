@@ -131,11 +131,15 @@ impl Model {
             let found = match scheme.is_linearised() {
                 true => self.iterate_once(&controls, begin, (&options, &time_step), modes.as_ref(), workspace),
                 false => {
-                    let predicted = match self.has_potential() {
-                        true => points.predict(&time_step, &here),
-                        false => points.predict(&time_step, &here).or_else(|| points.coast(&time_step)),
+                    let predicted = points.predict(&time_step, &here);
+                    let guesses = match self.has_potential() {
+                        true => vec![predicted],
+                        false => {
+                            let predicted = predicted.or_else(|| points.coast(&time_step));
+                            vec![predicted, self.carried(&here, &controls, how.parallel)]
+                        }
                     };
-                    let guess = predicted.filter(|u| self.is_nearer(u, &here, (&controls, &time_step), how.parallel));
+                    let guess = self.nearest(guesses, &here, (&controls, &time_step), how.parallel);
                     let options = SolveOptions { guess: guess.as_deref(), ..options };
                     self.find(&controls, &options, Some(&time_step), workspace)
                 }
@@ -163,19 +167,32 @@ impl Model {
         Ok(Found { step: Step { dt: h, scheme, stages, started }, state, error })
     }
 
-    /// Whether a straight move leads from a state to a displacement where the incremental potential of a stage is lower; without a
-    /// potential, where its free residual is smaller.
-    fn is_nearer(&self, u: &[f64], than: &State, (controls, step): (&Controls, &TimeStep), parallel: bool) -> bool {
+    /// Of some displacements to which a straight move leads from a state the one where the incremental potential of a stage is lowest, if it is
+    /// lower than there; without a potential, where its free residual is smallest.
+    fn nearest(
+        &self,
+        guesses: Vec<Option<Vec<f64>>>,
+        than: &State,
+        (controls, step): (&Controls, &TimeStep),
+        parallel: bool,
+    ) -> Option<Vec<f64>> {
         let energy = self.has_potential();
-        let at = |u| Instant { parallel, ..Instant::new(u, controls, 1.0) }.in_step(step);
-        let merit = |u| {
-            let mut sums = self.evaluate(&at(u), Demand { energy, force: !energy }).ok()?;
+        let at = Instant { parallel, ..Instant::new(&than.u, controls, 1.0) }.in_step(step);
+        let merit = |u: &[f64]| {
+            let mut sums = self.evaluate(&Instant { u, ..at }, Demand { energy, force: !energy }).ok()?;
             self.supports.clear(&mut sums.force);
             Some(if energy { sums.energy } else { self.unknowns().norm(&sums.force) })
         };
-        let reached = || self.admissible_move_of_others(&at(&than.u), u).is_ok_and(|share| share >= 1.0);
-        let nearer = || Some(reached() && merit(u)? < merit(&than.u)?);
-        nearer().unwrap_or(false)
+        let begin = at.under(&than.controls);
+        let reached = |u: &[f64]| self.admissible_change(&begin, &Instant { u, ..at }).is_ok_and(|share| share >= 1.0);
+        let mut least = merit(&than.u).unwrap_or(f64::INFINITY);
+        let mut nearest = None;
+        for guess in guesses.into_iter().flatten().filter(|u| reached(u)) {
+            if let Some(value) = merit(&guess).filter(|value| *value < least) {
+                (least, nearest) = (value, Some(guess));
+            }
+        }
+        nearest
     }
 
     /// An end that is no equilibrium was not seen by any solve.

@@ -23,10 +23,10 @@ object! {
         pub space: Space,
         /// Value to start from; zero if left out. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
         pub start: Option<Start> as ANY_IN_TIME,
-        /// Least value of a scalar; unbounded if left out, of a muscle 0. A tension contracts below zero.
-        pub lower: Option<Parameter> as ANY_IN_TIME,
-        /// Largest value of a scalar; the law's convexity bound if left out. A tension lengthens above zero.
-        pub upper: Option<Parameter> as ANY_IN_TIME,
+        /// Least value, of a vector a list; unbounded if left out, of a muscle 0. A tension contracts below zero.
+        pub lower: Option<Bound> as ANY_IN_TIME,
+        /// Largest value, of a vector a list; the law's convexity bound if left out. A tension lengthens above zero.
+        pub upper: Option<Bound> as ANY_IN_TIME,
         /// Length every vector must have.
         pub norm: Option<Formula> as ANY_POSITIVE,
         /// Length no vector may exceed.
@@ -80,6 +80,45 @@ impl Read for Cells {
 
     fn schema(_: Want, _: &mut Definitions) -> Json {
         json!({ "type": "array", "items": { "type": "integer", "minimum": 1 }, "minItems": 2, "maxItems": 3 })
+    }
+}
+
+/// A least or largest value.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Bound {
+    /// Of a scalar.
+    Scalar(Parameter),
+    /// Of the components of a vector, two or three entries.
+    Vector(Vec<Formula>),
+}
+
+impl Bound {
+    /// Whether it changes in time.
+    #[must_use]
+    pub fn uses_time(&self) -> bool {
+        match self {
+            Self::Scalar(bound) => bound.uses_time(),
+            Self::Vector(entries) => entries.iter().any(Formula::uses_time),
+        }
+    }
+
+    /// That of a scalar.
+    #[must_use]
+    pub fn scalar(&self) -> Option<&Parameter> {
+        if let Self::Scalar(bound) = self { Some(bound) } else { None }
+    }
+}
+
+impl Read for Bound {
+    fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
+        match &node.value {
+            Value::Array(_) => entries(node, at, want, reader).map(Self::Vector),
+            _ => Parameter::read(node, at, want, reader).map(Self::Scalar),
+        }
+    }
+
+    fn schema(want: Want, definitions: &mut Definitions) -> Json {
+        any_of(vec![Parameter::schema(want, definitions), vector::<Formula>(want, definitions)])
     }
 }
 
@@ -219,6 +258,6 @@ fn check(control: &Control, reader: &mut Reader<'_>) {
     }
 }
 
-fn constant(bound: &Option<Parameter>) -> Option<f64> {
-    bound.as_ref().and_then(Parameter::constant)
+fn constant(bound: &Option<Bound>) -> Option<f64> {
+    bound.as_ref().and_then(Bound::scalar).and_then(Parameter::constant)
 }

@@ -19,16 +19,16 @@ pub(crate) fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
     let of = |value: f64| quantity(value, Dimension::LENGTH, member.problem().units());
     let mut out = Vec::new();
     for (name, touch) in of_state(member, state) {
-        if touch.smallest_gap < 0.0 {
-            let (depth, place) = (of(-touch.smallest_gap), vector(&touch.deepest));
+        if touch.sunk > 0.0 {
+            let (depth, place) = (of(touch.sunk), vector(&touch.deepest));
             let message = format!("contact \"{name}\": the body is {depth} inside the obstacle at {place}");
             out.push(Warning::new(&PENETRATED, message));
         }
-        if touch.mean_gap > THICK * touch.approach && touch.approach > 0.0 {
+        if touch.mean_gap.abs() > THICK * touch.approach && touch.approach > 0.0 {
             let (gap, approach) = (of(touch.mean_gap), of(touch.approach));
-            let share = short((100.0 * touch.mean_gap / touch.approach).round());
+            let share = short((100.0 * touch.mean_gap.abs() / touch.approach).round());
             let message = format!(
-                "contact \"{name}\": the gap that remains is {gap} in the mean, {share} % of the {approach} by which the obstacle would \
+                "contact \"{name}\": the gap in the layer is {gap} in the mean, {share} % of the {approach} by which the obstacle would \
                  overlap the undeformed body"
             );
             out.push(Warning::new(&THICK_LAYER, message));

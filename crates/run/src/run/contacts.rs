@@ -45,8 +45,12 @@ impl Session<'_> {
                 self.put_of_contribution(record.member, name, values.collect());
                 let (member, Some(table)) = (self.problem.member(record.member), &record.table) else { continue };
                 self.console.say(line(name, touch, member));
+                let inset = member.solid().model().touch_parameters().into_iter().find(|(known, _)| known == name);
+                let inset = inset.map_or(0.0, |(_, parameters)| parameters.inset);
                 let history = History::of(table, name, touch.sliding);
-                found.extend(history.warnings(name, member).into_iter().map(|warning| warning.of(member.name())));
+                found.extend(
+                    history.warnings((name, inset), member).into_iter().map(|warning| warning.of(member.name())),
+                );
             }
         }
         found.into_iter().for_each(|warning| self.warn(warning));
@@ -119,7 +123,7 @@ impl History {
         history
     }
 
-    fn warnings(&self, name: &str, member: CaseMember<'_>) -> Vec<Warning> {
+    fn warnings(&self, (name, inset): (&str, f64), member: CaseMember<'_>) -> Vec<Warning> {
         let units = member.problem().units();
         let (length, time) = (
             |value: f64| quantity(value, Dimension::LENGTH, units),
@@ -130,8 +134,8 @@ impl History {
             let message = format!("contact \"{name}\" never acts: its smallest gap is {}", length(self.gap.0));
             out.push(Warning::new(&NO_CONTACT, message));
         }
-        if self.gap.0 < 0.0 {
-            let (depth, t) = (length(-self.gap.0), time(self.gap.1));
+        if self.gap.0 < -inset {
+            let (depth, t) = (length(-inset - self.gap.0), time(self.gap.1));
             let message = format!("contact \"{name}\": the body is {depth} inside the obstacle at t = {t}");
             out.push(Warning::new(&PENETRATED, message));
         }

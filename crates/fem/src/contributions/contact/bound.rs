@@ -6,11 +6,11 @@ use super::samples::Samples;
 use super::{Contact, ContactLaw, defaults};
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::rigid_motion;
-use crate::contributions::{Contribution, ContributionPoint, Controls, Instant, Need, Touches};
+use crate::contributions::{Contribution, ContributionPoint, Instant, Need, Touches};
 use crate::error::{FemError, Inadmissible};
 use nastic_energy::Slot;
 use nastic_linear::Symmetry;
-use nastic_mesh::spatial::Obstacle;
+use nastic_mesh::spatial::{Obstacle, SignedDistance};
 use nastic_tensor::Vec3;
 
 /// Slots behind those of the pose.
@@ -29,6 +29,8 @@ pub(crate) struct BoundContact {
     pub(super) law: ContactLaw,
     /// delta
     pub(super) thickness: f64,
+    /// How deep inside the obstacle gaps count from.
+    pub(super) inset: f64,
     /// How deep a sample of the cubic law may come in an iteration: no obstacle is crossed.
     pub(super) depth: f64,
     /// e, with friction.
@@ -44,6 +46,17 @@ pub(crate) struct BoundContact {
 }
 
 impl BoundContact {
+    /// The distance from the obstacle at a pose.
+    pub(super) fn distance(&self, pose: &Pose, x: &Vec3) -> f64 {
+        pose.distance(&self.obstacle, x) + self.inset
+    }
+
+    /// The same with its derivatives.
+    pub(super) fn signed_distance(&self, pose: &Pose, x: &Vec3) -> SignedDistance {
+        let found = pose.signed_distance(&self.obstacle, x);
+        SignedDistance { value: found.value + self.inset, ..found }
+    }
+
     /// The name of its pose.
     pub(super) fn pose_name(&self) -> &str {
         self.pose.as_deref().unwrap_or(&self.name)
@@ -79,6 +92,8 @@ impl BoundContact {
         let place =
             |s| samples.parts(s).iter().map(|&(node, shape)| shape * Vec3::from(mesh.points()[node as usize])).sum();
         let reference: Vec<Vec3> = (0..samples.len()).map(place).collect();
+        let least = reference.iter().map(|x| obstacle.distance(&(*x).into())).fold(f64::INFINITY, f64::min);
+        let inset = if of.settled && least > -thickness { (thickness - least).max(0.0) } else { 0.0 };
         let normals = normals(&samples, &reference, &obstacle, dim);
         let depth = 0.5 * defaults::half_width(&obstacle, dim);
         let slip_speed = of.friction.map(|friction| friction.slip_speed);
@@ -89,6 +104,7 @@ impl BoundContact {
             centre,
             law: of.law,
             thickness,
+            inset,
             depth,
             slip_speed,
             samples,
@@ -198,20 +214,23 @@ impl Contribution for BoundContact {
         }
     }
 
-    /// No sample of a body that stays goes below a few thicknesses inside, or near the limit of the log law.
-    fn max_change(&self, at: &Instant, to: &Controls) -> Result<f64, Inadmissible> {
+    /// No sample goes below a few thicknesses inside, or near the limit of the log law.
+    fn max_change(&self, at: &Instant, to: &Instant) -> Result<f64, Inadmissible> {
         let gaps = Gaps::at(self, at)?;
-        let ([from, to], mut share) = ([at.controls, to], 1.0_f64);
-        let (pose, end) = (gaps.pose, Pose::at(&at.under(to), self.centre));
-        if pose.is_at(&end) {
+        let ([from, end_of], mut share) = ([at.controls, to.controls], 1.0_f64);
+        let (pose, end) = (gaps.pose, Pose::at(&at.under(end_of), self.centre));
+        if pose.is_at(&end) && at.u == to.u {
             return Ok(1.0);
         }
-        for &(x, d) in &gaps.all {
-            let reach = pose.reach(&end, &x);
+        for (sample, &(x, d)) in gaps.all.iter().enumerate() {
+            let dx = self.samples.of(sample, self.dim, |dof| to.u[dof] - at.u[dof]);
+            let reach = pose.reach(&end, &x, &dx);
             let floor = floor(self.law, d, DEPTH * self.thickness);
             if d - reach < floor {
-                let distance =
-                    |s: f64| Pose::at(&at.under(&from.blend(to, s)), self.centre).distance(&self.obstacle, &x);
+                let distance = |s: f64| {
+                    let pose = Pose::at(&at.under(&from.blend(end_of, s)), self.centre);
+                    self.distance(&pose, &(x + s * dx))
+                };
                 share = share.min(advance((d, floor), reach, distance));
             }
         }

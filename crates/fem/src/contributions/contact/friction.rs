@@ -12,6 +12,11 @@ pub(super) struct Slip {
     pub slope: Mat3,
 }
 
+/// `F(s)` with `F' = g(s) s`: what friction takes of power per normal force, smoothed like f.
+pub(super) fn dissipation(s: f64, e: f64) -> f64 {
+    if s < e { s * s / e - s * s * s / (3.0 * e * e) } else { s - e / 3.0 }
+}
+
 impl Slip {
     pub fn at(v: &Vec3, e: f64) -> Self {
         let s = v.norm();

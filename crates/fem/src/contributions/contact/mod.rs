@@ -3,6 +3,7 @@
 mod bound;
 mod defaults;
 mod friction;
+mod lagged;
 mod law;
 mod point;
 mod pose;
@@ -49,6 +50,7 @@ pub struct Contact {
     refine: Option<usize>,
     centre: Option<[f64; 3]>,
     pose: Option<String>,
+    settled: bool,
 }
 
 /// Coulomb's friction.
@@ -72,6 +74,7 @@ impl Contact {
             refine: None,
             centre: None,
             pose: None,
+            settled: false,
         }
     }
 
@@ -123,6 +126,14 @@ impl Contact {
     #[must_use]
     pub fn pose_of(mut self, name: &str) -> Self {
         self.pose = Some(name.to_owned());
+        self
+    }
+
+    /// A body that is within the layer at rest, or not deeper inside than it is thick, begins without a pressure: gaps count from as deep inside
+    /// the obstacle as it takes for the nearest sample to be where the layer begins. Else such a body is pushed away at once.
+    #[must_use]
+    pub fn settled(mut self) -> Self {
+        self.settled = true;
         self
     }
 

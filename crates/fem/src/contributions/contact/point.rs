@@ -2,6 +2,7 @@
 
 use super::bound::{BoundContact, FRICTION, STIFFNESS};
 use super::friction::Slip;
+use super::lagged::LaggedFriction;
 use super::law::{ContactLaw, Pressure};
 use super::pose::{ByPose, Pose};
 use super::second_order;
@@ -56,13 +57,13 @@ impl Gaps {
         let mut found = Gaps { pose, all: Vec::with_capacity(of.samples.len()), touches: Vec::new() };
         for (sample, reference) in of.reference.iter().enumerate() {
             let place = reference + of.samples.of(sample, of.dim, |dof| at.u[dof]);
-            let d = pose.distance(&of.obstacle, &place);
+            let d = of.distance(&pose, &place);
             found.all.push((place, d));
             if of.law == ContactLaw::Log && d <= 0.0 {
                 return Err(Inadmissible::Penetrates { name: of.name.clone(), place: place.into(), depth: -d });
             }
             if d < of.thickness {
-                let distance = pose.signed_distance(&of.obstacle, &place);
+                let distance = of.signed_distance(&pose, &place);
                 found.touches.push(Touch { sample, place, distance });
             }
         }
@@ -79,10 +80,10 @@ impl BoundContact {
             Pressure { energy: k * unit.energy, value: k * unit.value, slope: k * unit.slope, second: k * unit.second };
         let mut t = -pressure.value * n;
         let (mut relative, mut slip) = (Vec3::zeros(), None);
-        if let (Some(e), Some(step)) = (self.slip_speed, at.step) {
+        if let (Some(e), Some(_)) = (self.slip_speed, at.step) {
             let own = self.samples.of(touch.sample, self.dim, |dof| at.velocity(dof));
             relative = own - pose.velocity(&touch.place);
-            let (mu, found) = (at.control(FRICTION), Slip::at(&(relative - n * n.dot(&relative)), step.smoothing * e));
+            let (mu, found) = (at.control(FRICTION), Slip::at(&(relative - n * n.dot(&relative)), e));
             t += mu * pressure.value * found.share;
             slip = Some((mu, found));
         }
@@ -129,6 +130,7 @@ impl<'a> TouchPoint<'a> {
         mut call: impl FnMut(&Touch, Mat3) -> Result<(), Inadmissible>,
     ) -> Result<(), Inadmissible> {
         let gaps = self.gaps(at)?;
+        let at = &without_lagged(at);
         let c = at.step.map_or(0.0, |step| step.velocity.0) * Mat3::identity() - gaps.pose.spin_matrix();
         for touch in &gaps.touches {
             let traction = self.of.traction(touch, &gaps.pose, at);
@@ -164,7 +166,11 @@ pub(super) fn advance((d, floor): (f64, f64), reach: f64, distance: impl Fn(f64)
 
 impl ContributionPoint for TouchPoint<'_> {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        let (gaps, of) = (self.gaps(at)?, self.of);
+        let (gaps, of, friction) = (self.gaps(at)?, self.of, LaggedFriction::at(self.of, at)?);
+        if let Some(friction) = &friction {
+            friction.add_residual(at, demand, sums)?;
+        }
+        let at = &without_lagged(at);
         for touch in &gaps.touches {
             let (weight, traction) = (of.samples.weights[touch.sample], of.traction(touch, &gaps.pose, at));
             if demand.energy {
@@ -172,19 +178,16 @@ impl ContributionPoint for TouchPoint<'_> {
                 sums.energy_scale += weight * traction.pressure.energy.abs();
             }
             if demand.force {
-                for &(node, shape) in of.samples.parts(touch.sample) {
-                    for i in 0..of.dim {
-                        let (dof, force) = (of.dim * node as usize + i, weight * shape * traction.t[i]);
-                        sums.force[dof] += force;
-                        sums.force_scale[dof] += force.abs();
-                    }
-                }
+                of.add_force(touch.sample, weight * traction.t, sums);
             }
         }
         Ok(())
     }
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        if let Some(friction) = LaggedFriction::at(self.of, at)? {
+            friction.add_tangent(at, tangent)?;
+        }
         self.each_tangent(at, |touch, block| {
             let parts = self.of.samples.parts(touch.sample);
             let nodes: Vec<u32> = parts.iter().map(|(node, _)| *node).collect();
@@ -194,6 +197,9 @@ impl ContributionPoint for TouchPoint<'_> {
     }
 
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
+        if let Some(friction) = LaggedFriction::at(self.of, at)? {
+            friction.add_tangent_product(at, v, out)?;
+        }
         self.each_tangent(at, |touch, block| {
             let product = block * self.of.samples.of(touch.sample, self.of.dim, |dof| v[dof]);
             self.of.spread(touch.sample, &product, out);
@@ -214,7 +220,7 @@ impl ContributionPoint for TouchPoint<'_> {
                 return 1.0;
             }
             let floor = floor(self.of.law, d, self.of.depth);
-            advance((d, floor), dx.norm(), |share| gaps.pose.distance(&self.of.obstacle, &(x + share * dx)))
+            advance((d, floor), dx.norm(), |share| self.of.distance(&gaps.pose, &(x + share * dx)))
         });
         Ok(shares.fold(1.0, f64::min))
     }
@@ -263,7 +269,24 @@ impl ContributionPoint for TouchPoint<'_> {
     }
 }
 
+/// Without the step where friction is lagged: then the samples of the instant push alone.
+fn without_lagged<'a>(at: &Instant<'a>) -> Instant<'a> {
+    let step = at.step.filter(|step| step.lag.is_none());
+    Instant { step, ..*at }
+}
+
 impl BoundContact {
+    /// Adds a force of the residual at a sample.
+    pub(super) fn add_force(&self, sample: usize, force: Vec3, sums: &mut Sums) {
+        for &(node, shape) in self.samples.parts(sample) {
+            for i in 0..self.dim {
+                let (dof, force) = (self.dim * node as usize + i, shape * force[i]);
+                sums.force[dof] += force;
+                sums.force_scale[dof] += force.abs();
+            }
+        }
+    }
+
     /// Adds a force at a sample to the nodes of its facet.
     pub(super) fn spread(&self, sample: usize, force: &Vec3, out: &mut [f64]) {
         for &(node, shape) in self.samples.parts(sample) {

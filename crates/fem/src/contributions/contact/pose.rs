@@ -71,10 +71,10 @@ impl Pose {
         self.translation == other.translation && self.theta == other.theta
     }
 
-    /// How far at most an obstacle that goes to another pose moves near x.
-    pub fn reach(&self, to: &Pose, x: &Vec3) -> f64 {
-        let (way, turn) = ((to.translation - self.translation).norm(), (to.theta - self.theta).norm());
-        way + turn * (self.arm(x).norm() + way)
+    /// How far at most an obstacle that goes to another pose moves near x, against a point there that goes by dx meanwhile.
+    pub fn reach(&self, to: &Pose, x: &Vec3, dx: &Vec3) -> f64 {
+        let (way, turn) = (to.translation - self.translation, (to.theta - self.theta).norm());
+        (way - dx).norm() + turn * (self.arm(x).norm() + way.norm() + dx.norm())
     }
 
     pub fn distance(&self, obstacle: &Obstacle, x: &Vec3) -> f64 {

@@ -43,13 +43,15 @@ impl Touches for BoundContact {
         let sliding = |slip_speed| Sliding { sticking: of_all(sticking, 1.0), speed, slip_speed };
         Some(Touch {
             force: force.into(),
+            pressing: normal,
             moment: moment.into(),
             area,
-            smallest_gap,
+            smallest_gap: smallest_gap - self.inset,
             deepest: deepest.into(),
             largest_pressure: largest,
-            mean_gap: of_all(remaining, 0.0),
+            mean_gap: of_all(remaining - self.inset * normal, 0.0),
             approach: self.approach(&gaps),
+            sunk: -smallest_gap,
             sliding: self.slip_speed.map(sliding),
         })
     }
@@ -64,6 +66,7 @@ impl Touches for BoundContact {
         };
         TouchParameters {
             thickness: self.thickness,
+            inset: self.inset,
             stiffness: self.slots[STIFFNESS].rest(),
             friction: self.slip_speed.map(|slip_speed| (self.slots[FRICTION].rest(), slip_speed)),
             samples,
@@ -92,7 +95,7 @@ impl Touches for BoundContact {
 impl BoundContact {
     /// How deep the undeformed body overlaps the obstacle at its pose, among samples that touch.
     fn approach(&self, gaps: &Gaps) -> f64 {
-        let depth = |sample: usize| -gaps.pose.distance(&self.obstacle, &self.reference[sample]);
+        let depth = |sample: usize| self.inset - self.distance(&gaps.pose, &self.reference[sample]);
         gaps.touches.iter().map(|touch| depth(touch.sample)).fold(0.0, f64::max)
     }
 }

@@ -6,7 +6,7 @@ use crate::schema::actuation::{Actuation, Means};
 use crate::schema::catalogue::SlotName;
 use crate::schema::check::{Blocks, plain};
 use crate::schema::contact::{Contact, pose_slots};
-use crate::schema::control::{Control, Start};
+use crate::schema::control::{Bound, Control, Start};
 use crate::schema::cost::Cost;
 use crate::schema::field::{Parameter, check_unit};
 use crate::schema::read::Reader;
@@ -107,9 +107,14 @@ fn excluding(actuation: &Actuation, input: &str, reader: &Reader<'_>) -> Option<
 }
 
 fn check_vector(control: &Control, reader: &mut Reader<'_>) {
-    for (key, given) in [("lower", control.lower.is_some()), ("upper", control.upper.is_some())] {
-        if given {
-            let message = format!("\"{}\" is a vector: give \"norm\" or \"max_norm\"", control.of);
+    let is_list = |bound: &Option<Bound>| bound.as_ref().map(|bound| bound.scalar().is_none());
+    for (key, given) in [("lower", is_list(&control.lower)), ("upper", is_list(&control.upper))] {
+        if given == Some(false) {
+            let message =
+                format!("\"{}\" is a vector: give two or three entries, or \"norm\" or \"max_norm\"", control.of);
+            reader.complain_at(&control.at.key(key), message);
+        } else if given.is_some() && (control.norm.is_some() || control.max_norm.is_some()) {
+            let message = "bounds of the components do not go with \"norm\" and \"max_norm\": give one of them";
             reader.complain_at(&control.at.key(key), message);
         }
     }
@@ -148,6 +153,11 @@ fn check_scalar(control: &Control, slot: &SlotName, reader: &mut Reader<'_>) {
             reader.complain_at(&control.at.key(key), message);
         }
     }
+    for (key, bound) in [("lower", &control.lower), ("upper", &control.upper)] {
+        if bound.as_ref().is_some_and(|bound| bound.scalar().is_none()) {
+            reader.complain_at(&control.at.key(key), format!("\"{}\" is a scalar: give one value", control.of));
+        }
+    }
     let several = matches!(&control.start, Some(Start::Table(table)) if table.columns.is_some());
     if several || matches!(control.start, Some(Start::Vector(_) | Start::Random(_))) {
         reader.complain_at(&control.at.key("start"), format!("\"{}\" is a scalar: give one value", control.of));
@@ -164,8 +174,12 @@ fn check_dimensions(control: &Control, slot: &SlotName, reader: &mut Reader<'_>)
         _ => {}
     }
     for (key, bound) in [("lower", &control.lower), ("upper", &control.upper)] {
-        if let Some(Parameter::Formula(formula)) = bound {
-            values.push((control.at.key(key), formula));
+        match bound {
+            Some(Bound::Scalar(Parameter::Formula(formula))) => values.push((control.at.key(key), formula)),
+            Some(Bound::Vector(entries)) => {
+                values.extend(entries.iter().enumerate().map(|(i, e)| (control.at.key(key).index(i), e)));
+            }
+            _ => {}
         }
     }
     let per_time = slot.want.dimension.and_then(|dimension| dimension.over(Dimension::TIME));

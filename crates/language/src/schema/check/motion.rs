@@ -1,8 +1,7 @@
 //! What has a meaning in motion alone, and what a motion needs.
 
 use crate::schema::check::{Blocks, block};
-use crate::schema::control::{Control, Start};
-use crate::schema::field::Parameter;
+use crate::schema::control::{Bound, Control, Start};
 use crate::schema::optimizer::{Optimizer, Unstable};
 use crate::schema::read::Reader;
 use crate::schema::time::{MOST_STEPS, Time};
@@ -48,7 +47,7 @@ fn check_static(blocks: &Blocks, reader: &mut Reader<'_>) {
 fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
     for control in controls(blocks) {
         let start = control.start.as_ref().is_some_and(Start::uses_time);
-        let bound = |bound: &Option<Parameter>| bound.as_ref().is_some_and(Parameter::uses_time);
+        let bound = |bound: &Option<Bound>| bound.as_ref().is_some_and(Bound::uses_time);
         let used = [("start", start), ("lower", bound(&control.lower)), ("upper", bound(&control.upper))];
         for (key, _) in used.into_iter().filter(|(_, uses)| *uses && control.in_time.is_none()) {
             let message = "depends on the time t, and the control does not: give \"in_time\": { \"every\": \"50 ms\" }";

@@ -57,6 +57,9 @@ fn told(problem: &CaseProblem, of: &TouchParameters, gap: Option<f64>) -> String
             short(friction)
         ));
     }
+    if of.inset > 0.0 {
+        parts.push(format!("the body touches at rest: gaps count from {} inside the obstacle", length(of.inset)));
+    }
     if of.between_samples > 0.1 * of.thickness {
         parts.push(format!("the obstacle enters by {} between samples", length(of.between_samples)));
     }
@@ -67,7 +70,7 @@ fn told(problem: &CaseProblem, of: &TouchParameters, gap: Option<f64>) -> String
 pub(super) fn json(problem: &CaseProblem) -> Value {
     let of = |(name, of): (String, TouchParameters)| {
         json!({
-            "name": name, "thickness": of.thickness, "stiffness": of.stiffness, "samples": of.samples,
+            "name": name, "thickness": of.thickness, "stiffness": of.stiffness, "samples": of.samples, "inset": of.inset,
             "between_samples": of.between_samples, "friction": of.friction.map(|(friction, _)| friction),
             "slip_speed": of.friction.map(|(_, speed)| speed),
         })

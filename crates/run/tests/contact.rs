@@ -1,0 +1,193 @@
+//! Contact in case files.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+use crate::common;
+
+use common::{Heard, Place, problems, warnings, with};
+use nastic_language::schema::Command;
+use nastic_run::console::Console;
+use nastic_run::result::find;
+use serde_json::Value;
+
+/// A block of 4 g above a floor, which nothing but the floor holds in z.
+const BLOCK: &str = r#"{ "nastic": 1, "units": "mm",
+  "mesh": { "box": { "size": [20, 20, 10], "cells": [2, 2, 1], "element": "hex8" } },
+  "materials": [ { "region": "body", "law": "neo_hooke", "young": "0.1 MPa", "poisson": 0.3, "density": "1000 kg/m^3" } ],
+  "supports": [ { "surface": "x-", "fix": ["x"] }, { "surface": "y-", "fix": ["y"] } ],
+  "loads": [ { "gravity": [0, 0, "-9.81 m/s^2"] } ],
+  "obstacles": [ { "name": "floor", "shape": { "half_space": { "point": [0, 0, "-0.5 mm"], "normal": [0, 0, 1] } } } ],
+  "contact": [ { "surface": "z-", "obstacle": "floor" } ],
+  "probes": [ { "name": "corner", "point": [20, 20, 0] } ] }"#;
+
+/// The same, free, pushed along a floor with friction by another weight.
+const SLIDER: &str = r#"{ "nastic": 1, "units": "mm",
+  "mesh": { "box": { "size": [20, 20, 10], "cells": [2, 2, 1], "element": "hex8" } },
+  "materials": [ { "region": "body", "law": "neo_hooke", "young": "0.1 MPa", "poisson": 0.3, "density": "1000 kg/m^3" } ],
+  "loads": [ { "gravity": ["4 m/s^2", 0, "-10 m/s^2"] } ],
+  "time": { "end": "200 ms", "step": "4 ms", "scheme": "backward_euler", "start": "rest", "output": "40 ms" },
+  "obstacles": [ { "name": "floor", "shape": { "half_space": { "point": [0, 0, 0], "normal": [0, 0, 1] } } } ],
+  "contact": [ { "name": "feet", "surface": "z-", "obstacle": "floor", "friction": 0.3, "slip_speed": "1 mm/s" } ],
+  "probes": [ { "name": "corner", "point": [20, 20, 10] } ] }"#;
+
+/// A bar that a ball indents, whose place and stiffness are controls.
+const INDENTED: &str = r#"{ "nastic": 1, "units": "mm",
+  "mesh": { "box": { "size": [20, 20, 10], "cells": [4, 4, 2], "element": "hex8" } },
+  "materials": [ { "region": "body", "law": "neo_hooke", "young": "0.1 MPa", "poisson": 0.3 } ],
+  "supports": [ { "surface": "z-", "fix": "all" } ],
+  "obstacles": [ { "name": "ball", "shape": { "sphere": { "center": [10, 10, 25], "radius": 15 } }, "translation": [0.5, 0, 0] } ],
+  "contact": [ { "name": "dent", "surface": "z+", "obstacle": "ball", "thickness": 0.5 } ],
+  "controls": [ { "of": "ball.translation", "name": "depth", "direction": [0, 0, -1], "space": "uniform", "lower": 0, "upper": 3, "start": 1.5 },
+                { "of": "dent.stiffness", "space": "uniform", "lower": "1 MPa", "upper": "20 MPa" } ],
+  "costs": [ { "kind": "position", "point": [10, 10, 10], "target": { "z": 8 } } ] }"#;
+
+fn solve(case: &str) -> (Place, Value) {
+    let place = Place::new();
+    let found = place.run(Command::Solve, case, &[]).unwrap_or_else(|error| panic!("{error}")).result;
+    (place, found)
+}
+
+fn number(found: &Value, path: &str) -> f64 {
+    find(found, path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {found}"))
+}
+
+#[test]
+fn a_floor_carries_the_weight_of_a_block_that_nothing_else_holds() {
+    let (place, found) = solve(BLOCK);
+    let weight = 4e-3 * 9.81;
+    let force = number(&found, "contributions/z- on floor/force_z");
+    assert!((force - weight).abs() < 1e-8 * weight, "{force}");
+    assert!((number(&found, "contributions/z- on floor/area") - 400.0).abs() < 1e-9);
+    // it stands off by the layer, of 1/500 of the surface's diagonal
+    let sunk = number(&found, "probes/corner/displacement/2");
+    assert!((sunk + 0.5 - 800.0f64.sqrt() / 500.0).abs() < 1e-3, "{sunk}");
+    assert_eq!(found["warnings"], serde_json::json!([]));
+    let shown = std::fs::read_to_string(place.path("out").join("start.vtu")).unwrap();
+    assert!(shown.contains("Name=\"contact_pressure\""), "{shown}");
+    assert!(place.files().contains(&"obstacle_1.vtu".to_owned()));
+    let heard = place.text(Command::Solve, BLOCK, &[]);
+    assert!(heard.contains("contact     z- on floor pushes with (0, 0, 0.03924) N"), "{heard}");
+    let heard = place.text(Command::Check, BLOCK, &[]);
+    assert!(heard.contains("obstacles   floor: a half-space, at rest"), "{heard}");
+    assert!(heard.contains("9 samples, smallest gap at rest 0.5 mm"), "{heard}");
+}
+
+#[test]
+fn what_is_free_beside_the_contact_is_named() {
+    let free =
+        with(BLOCK, r#""supports": [ { "surface": "x-", "fix": ["x"] }, { "surface": "y-", "fix": ["y"] } ],"#, "");
+    let told = problems(&free);
+    assert!(told.contains("leave 3 rigid motion(s) of the body free (shift along x)"), "{told}");
+}
+
+/// s = a t (t + h) / 2 of backward Euler, a = 4 - 0.3 * 10 m/s^2, from the floor that it touches at rest.
+#[test]
+fn a_slider_slides_against_its_friction_and_says_so() {
+    let (place, found) = solve(SLIDER);
+    let weight = 4e-3 * 10.0;
+    let of = |name: &str| number(&found, &format!("contributions/feet/{name}"));
+    assert!((of("force_z") - weight).abs() < 1e-3 * weight, "{}", of("force_z"));
+    assert!((of("force_x") + 0.3 * weight).abs() < 1e-3 * weight, "{}", of("force_x"));
+    assert_eq!(of("sticking"), 0.0);
+    assert!((of("sliding_speed") - 200.0).abs() < 5.0, "{}", of("sliding_speed"));
+    let table = std::fs::read_to_string(place.path("out").join("motion.csv")).unwrap();
+    assert!(table.starts_with("t,") && table.lines().next().unwrap().contains("feet.sticking"), "{table}");
+    let last = table.lines().last().unwrap().split(',').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>();
+    let column = table.lines().next().unwrap().split(',').position(|name| name == "feet.force_x").unwrap();
+    assert_eq!(last[column], of("force_x"));
+    // more friction than it needs: it stays, and creeps at e (1 - sqrt(1 - 4/(0.8 10)))
+    let (_, held) = solve(&with(SLIDER, r#""friction": 0.3"#, r#""friction": 0.8"#));
+    let speed = number(&held, "contributions/feet/sliding_speed");
+    assert!((speed - (1.0 - f64::sqrt(0.5))).abs() < 1e-2, "{speed}");
+    assert_eq!(number(&held, "contributions/feet/sticking"), 1.0);
+}
+
+#[test]
+fn friction_needs_time() {
+    let case = with(BLOCK, r#""obstacle": "floor""#, r#""obstacle": "floor", "friction": 0.3"#);
+    let told = problems(&case);
+    assert!(told.contains("contact/0/friction") && told.contains("quasi_static"), "{told}");
+}
+
+#[test]
+fn a_pose_and_a_stiffness_are_controls_with_exact_derivatives() {
+    let place = Place::new();
+    let found = place.run(Command::Gradcheck, INDENTED, &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(found.exit.code(), 0, "{}", found.result);
+    // the stiffness starts from what the contact takes, the given part of the pose stays
+    let heard = place.text(Command::Check, INDENTED, &[]);
+    assert!(heard.contains("start 10 MPa"), "{heard}");
+    let solved = place.run(Command::Solve, INDENTED, &[]).unwrap().result;
+    assert!(number(&solved, "contributions/dent/force_x").abs() > 1e-6, "{}", solved["contributions"]);
+    let best = place.run(Command::Optimize, INDENTED, &["optimizer/max_iterations=40"]).unwrap().result;
+    assert!(number(&best, "cost/total") < 1e-6, "{}", best["cost"]);
+    assert!(place.files().contains(&"optimum_obstacles.vtu".to_owned()), "{:?}", place.files());
+}
+
+#[test]
+fn an_obstacle_that_moves_is_written_at_every_instant() {
+    let moving = with(SLIDER, r#""floor", "shape""#, r#""floor", "translation": [0, 0, "1 mm * t / (1 s)"], "shape""#);
+    let (place, found) = solve(&moving);
+    let lifted = number(&found, "probes/corner/displacement/2");
+    assert!((lifted - 0.2).abs() < 0.01, "{lifted}");
+    let files = place.files();
+    assert!(files.contains(&"motion_0000_obstacles.vtu".to_owned()), "{files:?}");
+    assert!(!files.contains(&"obstacle_1.vtu".to_owned()), "{files:?}");
+    let series = std::fs::read_to_string(place.path("out").join("motion.pvd")).unwrap();
+    assert!(series.contains("part=\"1\" file=\"motion_0000_obstacles.vtu\""), "{series}");
+    let page = std::fs::read_to_string(place.path("out").join("report.html")).unwrap();
+    assert!(page.contains("moved"), "the page shows obstacles that move");
+}
+
+#[test]
+fn mistakes_get_answers() {
+    for (from, to, told) in [
+        (r#""obstacle": "floor""#, r#""obstacle": "flor""#, "contact/0/obstacle"),
+        (r#""surface": "z-", "obs"#, r#""surface": "zmin", "obs"#, "surface \"zmin\" not found"),
+        (r#""obstacle": "floor""#, r#""obstacle": "floor", "thickness": 0"#, "contact/0/thickness"),
+        (r#""obstacle": "floor""#, r#""obstacle": "floor", "law": "linear""#, "contact/0/law"),
+        (r#""name": "floor""#, r#""name": "z- on floor""#, "z- on floor"),
+    ] {
+        let answer = problems(&with(BLOCK, from, to));
+        assert!(answer.contains(told), "{to}: {answer}");
+    }
+    let table = with(BLOCK, r#""contact": [ { "surface": "z-", "obstacle": "floor" } ],"#, "");
+    let table = with(&table, r#""supports": ["#, r#""supports": [ { "surface": "z-", "fix": ["z"] }, "#);
+    let table = with(&table, r#""floor", "shape""#, r#""floor", "translation": [0, 0, 1], "shape""#);
+    assert!(warnings(&table).contains("no contact touches \"floor\""), "{}", warnings(&table));
+}
+
+fn codes(found: &Value) -> Vec<&str> {
+    found["warnings"].as_array().unwrap().iter().map(|warning| warning["code"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn contacts_warn_of_what_is_doubtful_in_them() {
+    let held = with(
+        BLOCK,
+        r#""surface": "y-", "fix": ["y"] }"#,
+        r#""surface": "y-", "fix": ["y"] }, { "surface": "z+", "fix": ["z"] }"#,
+    );
+    let (_, far) = solve(&held);
+    assert_eq!(codes(&far), ["no_contact"], "{}", far["warnings"]);
+    let soft = with(BLOCK, r#""obstacle": "floor""#, r#""obstacle": "floor", "stiffness": "50 Pa""#);
+    let (_, soft) = solve(&soft);
+    assert_eq!(codes(&soft), ["penetrated"], "{}", soft["warnings"]);
+    let shallow = with(INDENTED, r#""start": 1.5"#, r#""start": 0.2"#);
+    let (_, shallow) = solve(&shallow);
+    assert_eq!(codes(&shallow), ["thick_layer"], "{}", shallow["warnings"]);
+    let bounce = with(SLIDER, "\"scheme\": \"backward_euler\", ", "");
+    let bounce = with(&bounce, "\"point\": [0, 0, 0]", "\"point\": [0, 0, -5]");
+    let (_, bounce) = solve(&with(&bounce, "\"4 ms\"", "\"10 ms\""));
+    assert!(codes(&bounce).contains(&"steps_per_contact"), "{}", bounce["warnings"]);
+    let creeps = with(&with(SLIDER, r#""friction": 0.3"#, r#""friction": 0.42"#), "\"1 mm/s\"", "\"20 mm/s\"");
+    let (_, creeps) = solve(&creeps);
+    assert_eq!(codes(&creeps), ["creeps"], "{}", creeps["warnings"]);
+}
+
+#[test]
+fn a_console_says_how_the_contact_slides() {
+    let (place, heard) = (Place::new(), Heard::default());
+    place.run_with(Command::Solve, SLIDER, &Console::new(heard.clone()), &place.options(&[])).unwrap();
+    assert!(heard.text().contains("0 % of its pressure sticks"), "{}", heard.text());
+}
