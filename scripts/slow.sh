@@ -20,7 +20,7 @@ mkdir -p "$out"
 # Longer than 30 s; the others are run by --quick too.
 slow_cases=(petal walk lift)
 # These end at their limit of iterations, exit code 4.
-limited_cases=(walk lift)
+limited_cases=(walk lift crawler)
 slow_examples=(robust_turgor t_magnet petal)
 
 is_in() { # WORD LIST...
