@@ -6,7 +6,7 @@ use crate::common;
 
 use common::{BAR, Place, code, text};
 
-const TEMPLATES: [&str; 4] = ["finger", "chamber", "magnet", "robust"];
+const TEMPLATES: [&str; 5] = ["finger", "chamber", "gripper", "magnet", "robust"];
 
 #[test]
 fn every_template_checks_without_a_warning() {
@@ -29,7 +29,7 @@ fn every_template_checks_without_a_warning() {
 #[test]
 fn templates_optimise_without_a_warning() {
     let place = Place::new(BAR);
-    for name in ["finger", "magnet", "robust"] {
+    for name in ["finger", "gripper", "magnet", "robust"] {
         assert_eq!(code(&place.nastic(&["new", name, "--template", name])), 0);
         let case = format!("{name}/{name}.json");
         let output = place.nastic(&["optimize", &case, "--strict", "--no-report", "--json"]);
@@ -60,5 +60,5 @@ fn nothing_is_replaced() {
     assert_eq!(code(&output), 7, "{}", text(&output.stderr));
     let output = place.nastic(&["new", "other", "--template", "hand"]);
     assert_eq!(code(&output), 2);
-    assert!(text(&output.stderr).contains("finger, chamber, magnet, robust"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("finger, chamber, gripper, magnet, robust"), "{}", text(&output.stderr));
 }

@@ -183,4 +183,5 @@ tutorials! {
     uncertainty: "6-uncertainty.md",
     own_law: "7-own-law.md",
     python: "8-python.md",
+    grasping: "9-grasping.md",
 }

@@ -32,6 +32,12 @@ pub const TEMPLATES: &[Template] = &[
         files: &[("finger.msh", include_bytes!("../../../meshes/finger.msh"))],
     },
     Template {
+        name: "gripper",
+        about: "a finger grips a soft block and lifts it: its path in time",
+        case: include_str!("../templates/gripper.json"),
+        files: &[],
+    },
+    Template {
         name: "magnet",
         about: "a magnetic strip: remanence and field that lift its end",
         case: include_str!("../templates/magnet.json"),

@@ -174,7 +174,8 @@ fn contacts_warn_of_what_is_doubtful_in_them() {
     let (_, soft) = solve(&soft);
     assert_eq!(codes(&soft), ["penetrated"], "{}", soft["warnings"]);
     let shallow = with(INDENTED, r#""start": 1.5"#, r#""start": 0.2"#);
-    let (_, shallow) = solve(&shallow);
+    let shallow = with(&shallow, r#""thickness": 0.5"#, r#""thickness": 0.5, "stiffness": "0.5 MPa""#);
+    let (_, shallow) = solve(&with(&shallow, r#""lower": "1 MPa""#, r#""lower": "0.1 MPa""#));
     assert_eq!(codes(&shallow), ["thick_layer"], "{}", shallow["warnings"]);
     let bounce = with(SLIDER, "\"scheme\": \"backward_euler\", ", "");
     let bounce = with(&bounce, "\"point\": [0, 0, 0]", "\"point\": [0, 0, -5]");

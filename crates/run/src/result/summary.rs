@@ -169,6 +169,11 @@ fn finite(bound: f64) -> Option<f64> {
 
 /// How many values of a control field lie on a bound; vectors count once.
 pub(crate) fn active(values: &[f64], components: usize, field: &ControlField) -> usize {
+    if field.bounds.is_some() {
+        let is_active =
+            |(i, v): (usize, &[f64])| v.iter().enumerate().any(|(c, x)| is_active(components * i + c, *x, field));
+        return values.chunks_exact(components).enumerate().filter(|at| is_active(*at)).count();
+    }
     let size = |v: &[f64]| if components == 1 { v[0] } else { norm(v) };
     let sizes = values.chunks_exact(components).map(size).enumerate();
     sizes.filter(|(i, x)| is_active(*i, *x, field)).count()

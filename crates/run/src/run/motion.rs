@@ -151,8 +151,8 @@ fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) ->
     for (key, value) in time_steps::entries(session, member, time, at) {
         entry[key] = value;
     }
-    // scenarios differ little in this
-    let lead = member.part().scenario() == 0;
+    // scenarios differ little in this; friction has no modes
+    let lead = member.part().scenario() == 0 && member.case().contact.iter().all(|contact| contact.friction.is_none());
     if let Some(damping) =
         record.shown.first().filter(|_| lead).and_then(|state| modes::damping(session, member, state))
     {

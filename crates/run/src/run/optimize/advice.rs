@@ -189,7 +189,10 @@ fn stages_before(session: &Session<'_>, stage: usize) -> Vec<String> {
 
 /// Bounds of scalars at half their distance from zero.
 fn narrowed(session: &Session<'_>) -> Vec<String> {
-    let bounds = session.problem.controls.iter().filter_map(|field| match field.admitted {
+    let problem = &session.problem;
+    let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
+    let scalars = fields.filter(|(block, _)| summary::owner(problem, block).components == 1);
+    let bounds = scalars.filter_map(|(_, field)| match field.admitted {
         Admitted::Between { lower, upper } => {
             Some([("lower", lower), ("upper", upper)].map(|(key, v)| (field, key, v)))
         }
@@ -213,6 +216,8 @@ fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> 
             let (key, bound) = if at(lower) > at(upper) { ("lower", lower) } else { ("upper", upper) };
             let share = if best.stop.is_converged() { 1.0 } else { MANY };
             let many = on_bounds as f64 >= share * m.len() as f64 && !m.is_empty();
+            // those of a vector are a list
+            let many = many && components == 1;
             let borne = field.limit.is_none_or(|limit| 2.0 * bound <= limit);
             (many && borne && bound.is_finite() && bound != 0.0).then(|| format!("{}/{key}={}", field.at, 2.0 * bound))
         })
