@@ -150,6 +150,8 @@ pub struct TimeStep {
 pub(crate) struct FrictionLag {
     pub u: Arc<Vec<f64>>,
     pub controls: Arc<Controls>,
+    /// What slip speeds are multiplied by.
+    pub smoothing: f64,
 }
 
 /// The end of a step whose displacement is `u = alpha w + b`, w that of its stage: prescribed unknowns are in their place at the end, so

@@ -5,7 +5,7 @@ use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::FemError;
 use crate::error::{Cause, StateError};
 use crate::model::{Feature, Model};
-use crate::nonlinear::equations::Equations;
+use crate::nonlinear::equations::{Equations, moved};
 use crate::nonlinear::iteration::Stop;
 use crate::solution::load_steps::LoadSteps;
 use crate::solution::options::SolveOptions;
@@ -246,24 +246,33 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<State, StateError> {
         let mut here = from.clone();
-        let (mut steps, mut helped) = (LoadSteps::default(), false);
+        let (mut steps, mut helped, mut follow) = (LoadSteps::default(), false, None::<Vec<f64>>);
         let unbounded = self.body.excess_tension(to).is_some();
         while steps.done < 1.0 {
             let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
             let bears = self.admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
-            let path = match steps.next() {
-                next if bears < 1.0 => next.min(steps.done + bears * (1.0 - steps.done)),
-                next => next,
+            // where obstacles move, the body may go on as it did in the last step
+            let rate = follow.take().filter(|_| bears < 1.0);
+            let ahead = |length| rate.as_ref().map(|rate| moved(&here.u, rate, length));
+            let borne = |u: Vec<f64>| self.admissible_change(&instant, &Instant { u: &u, ..instant.under(to) }).ok();
+            let followed = ahead(1.0 - steps.done).and_then(borne).filter(|share| *share > bears);
+            let path = match followed.unwrap_or(bears) {
+                share if share < 1.0 => steps.next().min(steps.done + share * (1.0 - steps.done)),
+                _ => steps.next(),
             };
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
             let newton = self.equations(&controls, load, time_step, path, how);
             let hopeless = unbounded || steps.limit_point().is_some();
-            let mut u = here.u.to_vec();
+            let mut u = followed.and_then(|_| ahead(path - steps.done)).unwrap_or_else(|| here.u.to_vec());
             match self.attempt(&newton, &mut u, (&mut helped, hopeless), workspace, report) {
                 Ok(()) => {
                     report.load_steps += 1;
+                    if bears < 1.0 {
+                        let way = path - steps.done;
+                        follow = Some(u.iter().zip(here.u.iter()).map(|(to, from)| (to - from) / way).collect());
+                    }
                     steps.succeeded(path, self.unknowns().norm(&sub(self.nodal(&u), self.nodal(&here.u))));
                     here = State::equilibrium(u, controls, load, *report);
                 }

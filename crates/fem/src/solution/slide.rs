@@ -14,13 +14,18 @@ use std::sync::Arc;
 const ITERATIONS: usize = 20;
 /// Rounds of lagged friction.
 const ROUNDS: usize = 30;
+/// Factors of the slip speed behind a round that was not found, and behind one that was; the largest.
+const ROUGHER: f64 = 10.0;
+const FINER: f64 = 3.0;
+const ROUGHEST: f64 = 1e4;
 /// Relative residual to which a round is solved, and below which what is left of friction is tried at once.
 const ROUND: f64 = 1e-6;
 const NEAR: f64 = 0.1;
 
 impl Model {
     /// The end of a step with friction: from its beginning at once, else by rounds in each of which the normal forces of friction are those
-    /// of the round before (at first those where the step begins), which is the minimum of a potential; `None` without friction, and where
+    /// of the round before (at first those where the step begins), which is the minimum of a potential, with a larger slip speed where that is
+    /// not found; `None` without friction, and where
     /// neither leads there.
     ///
     /// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020), section 5.5, there with a fixed number of rounds; here
@@ -53,17 +58,23 @@ impl Model {
             }
             workspace.forget();
         }
-        let mut lag = FrictionLag { u: near.u.clone(), controls: near.controls.clone() };
+        let mut lag = FrictionLag { u: near.u.clone(), controls: near.controls.clone(), smoothing: 1.0 };
         let mut u = start;
         let each = SolveOptions { accuracy: how.accuracy.max(ROUND), ..how.clone() };
         for round in 1..=ROUNDS {
-            let lagged = TimeStep { lag: Some(lag), ..step.clone() };
+            let lagged = TimeStep { lag: Some(lag.clone()), ..step.clone() };
             let equations = self.equations(controls, 1.0, Some(&lagged), 1.0, &each);
-            if let Err(stop) = equations.solve(&mut u, self.linear_solver(how, workspace), report) {
+            let mut end = u.clone();
+            if let Err(stop) = equations.solve(&mut end, self.linear_solver(how, workspace), report) {
                 go_on(stop)?;
                 workspace.forget();
-                return Ok(None);
+                lag.smoothing *= ROUGHER;
+                if lag.smoothing > ROUGHEST {
+                    return Ok(None);
+                }
+                continue;
             }
+            u = end;
             let Ok(now) = at_once.evaluate(&u) else { return Ok(None) };
             if at_once.residual(&now.sums).1 < NEAR {
                 let mut end = u.clone();
@@ -73,7 +84,8 @@ impl Model {
                 }
                 workspace.forget();
             }
-            lag = FrictionLag { u: Arc::new(u.clone()), controls: Arc::new(controls.clone()) };
+            let smoothing = (lag.smoothing / FINER).max(1.0);
+            lag = FrictionLag { u: Arc::new(u.clone()), controls: Arc::new(controls.clone()), smoothing };
         }
         Ok(None)
     }

@@ -27,6 +27,7 @@ impl<'a> LaggedFriction<'a> {
     pub fn at(of: &'a BoundContact, at: &Instant) -> Result<Option<Self>, Inadmissible> {
         let (Some(step), Some(slip_speed)) = (at.step, of.slip_speed) else { return Ok(None) };
         let Some(lag) = &step.lag else { return Ok(None) };
+        let slip_speed = lag.smoothing * slip_speed;
         let there = Instant { u: &lag.u, controls: &lag.controls, step: None, ..*at };
         let gaps = Gaps::at(of, &there)?;
         let strength = |touch: &Touch| at.control(FRICTION) * of.traction(touch, &gaps.pose, &there).pressure.value;
