@@ -55,6 +55,7 @@ pub use control_field::{Admitted, ControlField};
 pub use control_grid::grid_cells;
 pub use member::CaseMember;
 pub use mesh::again as mesh_again;
+pub use obstacle::obstacle_of;
 pub use probe::LocatedProbe;
 pub use problem::CaseProblem;
 pub use target_shape::TargetShape;

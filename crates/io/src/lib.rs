@@ -10,6 +10,7 @@
 
 mod atomic;
 mod error;
+mod fingerprint;
 mod gmsh;
 mod other_format;
 mod pvd;
@@ -22,6 +23,7 @@ use nastic_mesh::Mesh;
 
 pub use atomic::write_atomically;
 pub use error::{At, ReadError, WriteError};
+pub use fingerprint::Fingerprint;
 pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
 pub use pvd::write_pvd;
 pub use vtk::read_vtk;

@@ -12,6 +12,7 @@
 
 mod carried;
 mod case_name;
+pub mod csv;
 mod encode;
 mod error;
 mod folder;

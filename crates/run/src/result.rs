@@ -3,11 +3,9 @@
 pub(crate) mod checkpoint_file;
 pub(crate) mod collections;
 pub(crate) mod convergence;
-pub(crate) mod csv;
 pub(crate) mod expectation;
 pub(crate) mod failure;
 pub(crate) mod files;
-pub(crate) mod fingerprint;
 pub(crate) mod inspection;
 pub(crate) mod lock;
 pub(crate) mod member_report;

@@ -7,17 +7,26 @@ use nastic_mesh::spatial::Obstacle;
 /// Of a shape with a rounding radius.
 pub(super) fn build((shape, rounding): (&Shape, f64), context: &mut Context<'_>) -> Option<Obstacle> {
     let built = match shape {
-        Shape::Sphere(sphere) => Obstacle::sphere(sphere.center.xyz(), sphere.radius),
-        Shape::HalfSpace(half) => Obstacle::half_space(half.point.xyz(), half.normal.xyz()),
-        Shape::Box(block) => aligned_box(block),
-        Shape::Capsule(capsule) => Obstacle::capsule(capsule.from.xyz(), capsule.to.xyz(), capsule.radius),
         Shape::Mesh(source) => {
             let at = super::mesh::place(source);
             let mesh = super::mesh::load(source, &at, context)?;
             context.take(&at, Obstacle::solid(&mesh))?
         }
+        shape => obstacle_of(shape)?,
     };
     Some(built.rounded(rounding))
+}
+
+/// Of a shape that is given by numbers; `None` of a meshed one.
+#[must_use]
+pub fn obstacle_of(shape: &Shape) -> Option<Obstacle> {
+    match shape {
+        Shape::Sphere(sphere) => Some(Obstacle::sphere(sphere.center.xyz(), sphere.radius)),
+        Shape::HalfSpace(half) => Some(Obstacle::half_space(half.point.xyz(), half.normal.xyz())),
+        Shape::Box(block) => Some(aligned_box(block)),
+        Shape::Capsule(capsule) => Some(Obstacle::capsule(capsule.from.xyz(), capsule.to.xyz(), capsule.radius)),
+        Shape::Mesh(_) => None,
+    }
 }
 
 /// In plane strain z is left out: the box is there at every z.

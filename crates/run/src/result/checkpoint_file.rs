@@ -4,8 +4,7 @@
 //! its checksum (FNV-1a), n bytes of content.
 
 use crate::result::files::Directory;
-use crate::result::fingerprint::Fingerprint;
-use nastic_io::{WriteError, write_atomically};
+use nastic_io::{Fingerprint, WriteError, write_atomically};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 

@@ -1,9 +1,9 @@
 //! The trials of an optimisation as a table, `history.csv`, and as a chart, `convergence.svg`.
 
-use crate::result::csv;
 use crate::result::files::Directory;
 use nastic_io::{WriteError, write_atomically};
 use nastic_picture::{Chart, Curve};
+use nastic_report::csv;
 use serde_json::Value;
 
 /// Writes both from `history.jsonl`; the names of the files. `start` is the one that is drawn, where there are several.

@@ -1,9 +1,9 @@
 //! [`CaseRecord`]: the case of an optimisation as a checkpoint remembers it.
 
 use crate::result::checkpoint_file::CheckpointError;
-use crate::result::fingerprint::Fingerprint;
 use crate::run::error::RunError;
 use nastic_case::lower::CaseProblem;
+use nastic_io::Fingerprint;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::syntax::Document;
 use nastic_opt::SavedRunError;

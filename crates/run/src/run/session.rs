@@ -3,7 +3,6 @@
 use crate::console::Console;
 use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
-use crate::result::fingerprint::Fingerprint;
 use crate::result::inspection::Inspection;
 use crate::result::output_names::written_by;
 use crate::result::{checkpoint_file, failure, smoothing};
@@ -18,6 +17,7 @@ use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::Warning;
 use nastic_control::{AdaptiveSteps, ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, StateError, peak_memory};
+use nastic_io::Fingerprint;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number;
 use nastic_language::quantity::Dimension;

@@ -5,7 +5,6 @@ mod row;
 mod swept;
 
 use crate::console::Console;
-use crate::result::csv;
 use crate::result::files::Directory;
 use crate::result::output_names::SWEEP;
 use crate::run::analysis::Analysis;
@@ -21,6 +20,7 @@ use nastic_language::number::{count, short};
 use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostic, Diagnostics, Document, Node, Value as Tree};
 use nastic_report::case_name;
+use nastic_report::csv;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::atomic::Ordering;

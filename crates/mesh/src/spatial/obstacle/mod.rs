@@ -1,6 +1,7 @@
 //! [`Obstacle`]: shapes that bodies keep clear of, or touch, by their signed distance.
 
 mod distance;
+mod drawn;
 
 use super::polyhedron::{Feature, Polyhedron, SurfacePoint};
 use super::{SpatialError, V};

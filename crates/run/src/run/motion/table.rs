@@ -1,6 +1,5 @@
 //! [`Table`]: the numbers of every step of a motion, as CSV and as charts.
 
-use crate::result::csv::quoted;
 use crate::result::files::Directory;
 use crate::result::summary;
 use crate::result::title::title;
@@ -10,6 +9,7 @@ use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{Instant, State, TimeStep, Touch};
 use nastic_language::quantity::Dimension;
 use nastic_picture::{Chart, Curve};
+use nastic_report::csv::quoted;
 
 /// Curves of a chart.
 const CURVES: usize = 6;

@@ -1,6 +1,5 @@
 //! [`Series`]: equilibria of one member along a parameter, as a table, CSV, a chart and snapshots.
 
-use crate::result::csv::quoted;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::title::title;
@@ -14,6 +13,7 @@ use nastic_io::write_atomically;
 use nastic_language::number::short;
 use nastic_mesh::Snapshot;
 use nastic_picture::{Chart, Curve};
+use nastic_report::csv::quoted;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 

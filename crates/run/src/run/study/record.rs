@@ -1,10 +1,10 @@
 //! What a program's problem is, as far as it can be written down: a checkpoint goes on only with an equal one.
 
-use crate::result::fingerprint::Fingerprint;
 use crate::run::study::control_set::ControlSet;
 use nastic_case::lower::ControlProblem;
 use nastic_control::{Ensemble, Member, Space};
 use nastic_fem::Solid;
+use nastic_io::Fingerprint;
 use nastic_language::schema::Case;
 use nastic_mesh::Mesh;
 use nastic_opt::Optimizer;

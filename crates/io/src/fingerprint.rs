@@ -1,9 +1,9 @@
-//! Whether two cases are the same: a hash of the case and of all files it names.
+//! [`Fingerprint`]: whether two texts with the files that they name are the same.
 
 use std::path::Path;
 
 /// FNV-1a, 64 bits: guards against a changed case, not against an adversary.
-pub(crate) struct Fingerprint(u64);
+pub struct Fingerprint(u64);
 
 impl Fingerprint {
     /// Of a case's canonical text and of the contents of files, in order.

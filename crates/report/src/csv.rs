@@ -4,7 +4,7 @@ use serde_json::Value;
 
 /// One row per object, a column per key in the order of first appearance; entries of objects and lists in columns of their
 /// own, as `terms/NAME` and `scenarios/0`. Nothing stands where a row has no such entry, or null.
-pub(crate) fn table<'v>(rows: impl IntoIterator<Item = &'v Value>) -> String {
+pub fn table<'v>(rows: impl IntoIterator<Item = &'v Value>) -> String {
     let rows: Vec<Vec<(String, String)>> = rows.into_iter().map(cells).collect();
     let mut head: Vec<&str> = Vec::new();
     for (name, _) in rows.iter().flatten() {
@@ -21,7 +21,7 @@ pub(crate) fn table<'v>(rows: impl IntoIterator<Item = &'v Value>) -> String {
 }
 
 /// A text as one cell.
-pub(crate) fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
