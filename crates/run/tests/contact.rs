@@ -151,6 +151,15 @@ fn mistakes_get_answers() {
         let answer = problems(&with(BLOCK, from, to));
         assert!(answer.contains(told), "{to}: {answer}");
     }
+    for (key, told) in [
+        (r#""friction": 0.3, "obstacles""#, "pushes it by \"contact\""),
+        (r#""self_contact": true, "obstacles""#, "no contact of a body with itself"),
+    ] {
+        let answer = problems(&with(BLOCK, r#""obstacles""#, key));
+        assert!(answer.contains(told), "{key}: {answer}");
+    }
+    let answer = problems(&with(BLOCK, r#""obstacle": "floor""#, r#""obstacle": "floor", "mu": 0.3"#));
+    assert!(answer.contains("Coulomb's coefficient stands under \"friction\""), "{answer}");
     let table = with(BLOCK, r#""contact": [ { "surface": "z-", "obstacle": "floor" } ],"#, "");
     let table = with(&table, r#""supports": ["#, r#""supports": [ { "surface": "z-", "fix": ["z"] }, "#);
     let table = with(&table, r#""floor", "shape""#, r#""floor", "translation": [0, 0, 1], "shape""#);

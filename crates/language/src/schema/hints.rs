@@ -50,6 +50,12 @@ const KIND: &str = "what it is stands under \"kind\"";
 const TIME: &str = "a motion stands in \"time\": { \"end\": \"1 s\", \"step\": \"10 ms\" }, with the \"density\" of each material; damping is \
     \"maxwell\" or \"kelvin_voigt\" of a material, or \"rayleigh\" in \"time\"";
 
+const CONTACT: &str = "what touches the body stands in \"obstacles\": [ { \"name\": \"floor\", \"shape\": { \"half_space\": { \"point\": [0, 0, 0], \"normal\": [0, 0, 1] } } } ], \
+    and pushes it by \"contact\": [ { \"surface\": \"skin\", \"obstacle\": \"floor\", \"friction\": 0.5 } ]";
+const SHAPE: &str = "the form stands under \"shape\": { \"sphere\": { \"center\": [0, 0, 9], \"radius\": 5 } }, or a \"capsule\", \"box\", \"half_space\", \"mesh\"";
+const NOT_YET: &str =
+    "nastic has no contact of a body with itself or with another body yet; \"contact\" is with rigid \"obstacles\"";
+
 /// All of them; the first that fits counts.
 pub(super) const HINTS: &[Hint] = &[
     hint("", &["gravity", "weight", "density", "body_force"], WEIGHT),
@@ -64,6 +70,28 @@ pub(super) const HINTS: &[Hint] = &[
     hint("", &["chamber", "chambers", "air_chamber", "cavity", "pneumatics"], CHAMBER),
     hint("", &["tendon", "tendons", "cable", "cables"], TENDON),
     hint("", &["spring", "elastic", "rubber_band"], SPRING),
+    hint("", &["friction", "floor", "ground", "obstacle", "contacts", "collision", "collisions", "touches"], CONTACT),
+    hint("", &["self_contact", "self_collision", "bodies", "rigid_bodies"], NOT_YET),
+    hint(
+        "obstacles",
+        &["sphere", "ball", "capsule", "box", "plane", "half_space", "mesh", "radius", "geometry", "type", "kind"],
+        SHAPE,
+    ),
+    hint("obstacles", &["friction", "mu", "stiffness", "surface"], "what touches it, and how, stands in \"contact\""),
+    hint(
+        "obstacles",
+        &["position", "velocity", "motion", "path", "pose"],
+        "where it is stands under \"translation\" and \"rotation\", in motions as formulas of t",
+    ),
+    hint("contact", &["with", "body", "other"], "the rigid thing that it touches stands under \"obstacle\""),
+    hint("contact", &["mu", "friction_coefficient", "coefficient"], "Coulomb's coefficient stands under \"friction\""),
+    hint("contact", &["k", "penalty", "epsilon"], "the pressure that closes the gap stands under \"stiffness\""),
+    hint("contact", &["gap", "delta", "dhat", "offset"], "the layer in which it acts stands under \"thickness\""),
+    hint(
+        "contact",
+        &["eps_v", "epsv", "slip_velocity", "regularization"],
+        "the speed below which friction is smoothed stands under \"slip_speed\"",
+    ),
     hint("", &["magnet", "magnets", "magnetization", "magnetisation", "field"], MAGNET),
     hint("", &["dynamics", "motion", "damping", "dt", "steps", "time_step", "transient"], TIME),
     hint("time", &["dt", "time_step", "timestep", "h"], "write \"step\": \"10 ms\""),
