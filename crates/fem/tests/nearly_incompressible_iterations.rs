@@ -183,14 +183,14 @@ fn moved(mesh: Mesh, faces: [&str; 2], to: [f64; 6]) -> Outcome<State> {
     Ok(state)
 }
 
-/// Two threads give the bits of one.
+/// Three threads give the bits of two.
 #[test]
 fn a_round_bar_is_twisted_by_a_radian() -> Outcome {
     for length in [3.0, 1.5] {
         let twist = || moved(round_bar(length)?, ["z-", "z+"], [0.0, 0.0, 0.0, 0.0, 0.0, 0.99]);
         let state = twist()?;
         assert!(state.report.newton <= 100 && state.report.factorisations <= 100, "{:?}", state.report);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build()?;
         let again = pool.install(|| twist().map_err(|error| error.to_string()))?;
         assert_eq!(state.u, again.u);
     }
@@ -213,11 +213,11 @@ fn grips_move_far_in_few_iterations() -> Outcome {
     Ok(())
 }
 
-/// A bar that a load across its end bends far, in one load step.
+/// Bars that a load across their end bends, little and far, in one load step.
 #[test]
 fn bars_bend_far_in_few_iterations() -> Outcome {
     for ratio in [1e3, 1e4] {
-        for (kind, load) in [CellKind::Hex27, CellKind::Hex20].into_iter().flat_map(|kind| [(kind, 2e-3), (kind, 2e-2)])
+        for (kind, load) in [CellKind::Hex27, CellKind::Hex20].into_iter().flat_map(|kind| [(kind, 5e-4), (kind, 2e-2)])
         {
             let solid = body(box_mesh([10.0, 2.0, 1.0], [12, 3, 2], kind)?, Law::NeoHooke, ratio)?
                 .clamp("x-")?

@@ -21,9 +21,10 @@ const WARM: usize = 3;
 const GUESS: usize = 15;
 /// Newton iterations after which load steps from rest are given up at the first that fails.
 const MOST: usize = 10_000;
-/// Ratios of bulk to shear modulus from which load steps begin with strains of their own at the quadrature points: steps that move prescribed
-/// components, which no line search shortens, and others.
+/// Ratios of bulk to shear modulus from which load steps that move prescribed components, which no line search shortens, begin with strains of
+/// their own at the quadrature points, and from which others turn to them after so many iterations downhill.
 const STIFF: (f64, f64) = (100.0, 1000.0);
+const BRIEF: usize = 12;
 /// Longer load steps than this share of the way that fail with strains of their own, of a body that creeps downhill, are halved at once.
 const DOWNHILL: f64 = 1.0 / 16.0;
 
@@ -46,7 +47,12 @@ impl Way {
 
     /// Whether a step on displacements creeps: whatever turns or shears the body changes its volume, or leaves the constraints.
     fn creeps(&self, jumps: bool) -> bool {
-        self.constrained || self.ratio > if jumps { STIFF.0 } else { STIFF.1 }
+        self.constrained || jumps && self.ratio > STIFF.0
+    }
+
+    /// Whether it may creep.
+    fn may_creep(&self) -> bool {
+        self.ratio > STIFF.1
     }
 }
 
@@ -54,7 +60,8 @@ impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
     /// The straight way from the starting state (rest with the designs of these controls, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
-    /// with strains of their own at the quadrature points (slender bodies), with which steps of nearly incompressible and of constrained bodies begin; where that fails too,
+    /// with strains of their own at the quadrature points (slender bodies), with which steps under constraints and of nearly incompressible bodies begin
+    /// that prescribed components move (other nearly incompressible ones after a few iterations); where that fails too,
     /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
     /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all, if a straight move from `how.near` to it is admissible. When a warm start leads nowhere, or fails after more
     /// than three times `how.max_newton` iterations, the way from rest is tried.
@@ -179,6 +186,9 @@ impl Model {
             }
             *u = from;
         }
+        if suited && !first && !jumps && way.may_creep() && self.attempt_briefly(newton, u, way, workspace, report)? {
+            return Ok(());
+        }
         let slow = match newton.solve(u, self.linear_solver(newton.options, workspace), report) {
             Ok(_) => return Ok(()),
             Err(slow @ Stop::Slow { .. }) => slow,
@@ -195,6 +205,38 @@ impl Model {
             }
             Err(stop) if stop.is_final() => Err(stop),
             Err(_) => Err(slow),
+        }
+    }
+
+    /// A few iterations downhill, then strains of their own at the quadrature points, from the same start; where neither arrives, u is the
+    /// last iterate downhill.
+    fn attempt_briefly(
+        &self,
+        newton: &Equations,
+        u: &mut Vec<f64>,
+        way: &mut Way,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<bool, Stop> {
+        let brief = SolveOptions { max_newton: newton.options.max_newton.min(BRIEF), ..newton.options.clone() };
+        let briefly = Equations { model: self, drive: newton.drive, options: &brief };
+        let mut from = u.clone();
+        match briefly.solve(u, self.linear_solver(newton.options, workspace), report) {
+            Ok(_) => return Ok(true),
+            Err(Stop::Slow { .. }) => workspace.forget(),
+            Err(other) => return Err(other),
+        }
+        match newton.solve_with_point_strains(&mut from, self.linear_solver(newton.options, workspace), report) {
+            Ok(()) => {
+                way.helped = true;
+                *u = from;
+                Ok(true)
+            }
+            Err(stop) if stop.is_final() => Err(stop),
+            Err(_) => {
+                workspace.forget();
+                Ok(false)
+            }
         }
     }
 
