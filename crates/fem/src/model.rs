@@ -264,15 +264,16 @@ impl Model {
         at: &Instant,
         strains: &PointStrains,
         sums: &mut Sums,
-        tangent: &mut SparseMatrix,
+        tangent: &mut BorderedTangent,
     ) -> Result<(), Inadmissible> {
-        self.body.add_with_point_strains((at.u, Driving::of(at)), strains, sums, tangent, at.parallel)?;
+        let (u, driving) = (self.nodal(at.u), Driving::of(at));
+        self.body.add_with_point_strains((u, driving), strains, sums, &mut tangent.matrix, at.parallel)?;
         let demand = Demand { energy: false, force: true };
-        self.dead_load.add_residual(at, demand, sums)?;
+        self.dead_load.add_residual(&Instant { u, ..*at }, demand, sums)?;
         self.each_other(at, |contribution, at| {
             let point = contribution.at(at, Need::Derivatives)?;
             point.add_residual(at, demand, sums)?;
-            point.add_tangent(at, tangent).map_err(|e| e.of(contribution.name()))
+            tangent.add(contribution, &*point, at).map_err(|e| e.of(contribution.name()))
         })
     }
 

@@ -44,6 +44,7 @@ mod motion_adjoint;
 mod moving_supports;
 mod moving_supports_adjoint;
 mod nearly_incompressible;
+mod nearly_incompressible_iterations;
 mod not_coupled;
 mod patch;
 mod patches;

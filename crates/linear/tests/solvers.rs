@@ -192,6 +192,32 @@ fn every_symmetric_solver_gives_the_same_answers() {
     }
 }
 
+/// Once a factor in single precision turned out too coarse, or not to exist, systems with this matrix take one in double precision, and
+/// that alone; so do those with the next one of its kind.
+#[test]
+fn a_prepared_matrix_is_not_factorised_again() {
+    let case = Case::new([5, 4, 4]);
+    let mut random = Random::new(2);
+    for (diagonal, first, next) in [(0.4, 1, 1), (1e-8, 2, 1), (-3.0, 2, 2)] {
+        let mut matrix = case.grid.laplacian(&case.pattern, 0.0);
+        matrix.add_to_diagonal(diagonal);
+        let mut own = Solver::DIRECT.make(&case.structure);
+        for most in [first, next] {
+            matrix.add_to_diagonal(1e-3 * diagonal);
+            let (system, mut work) = (case.system(&matrix), LinearWork::default());
+            own.prepare(&system, &mut work).unwrap();
+            for _ in 0..3 {
+                let b = random.vector(case.pattern.dofs());
+                let x = own.solve(&system, &b, Accuracy { error: 1e-9, residual: 1e-7 }, &mut work).unwrap();
+                let mut image = vec![0.0; b.len()];
+                matrix.multiply(&x, &mut image);
+                assert!(relative_difference(&image, &b) < 1e-6, "{diagonal}");
+            }
+            assert!(work.factorisations <= most, "{diagonal}: {work:?}");
+        }
+    }
+}
+
 #[test]
 fn a_shift_makes_steps_go_downhill() {
     let case = Case::new([4, 3, 3]);

@@ -51,6 +51,7 @@ impl Equations<'_> {
         report: &mut SolveReport,
     ) -> Result<(), Stop> {
         let start = self.evaluate(u)?.sums;
+        let moves = self.jump(u).is_some() || self.model.unknowns().multipliers() > 0;
         // these steps may lead over indefinite tangents as often as they like
         let lost = (usize::MAX, 0);
         let limits = Limits { lost, ..Limits::new(MOST.min(self.options.max_newton), NEAR) };
@@ -60,7 +61,7 @@ impl Equations<'_> {
         let last = self.solve(u, solver, report)?;
         let sound = curvature == Curvature::Positive && last == Curvature::Positive;
         let rounding = ROUNDING * (start.energy_scale + start.energy.abs());
-        let lower = sound && report.energy <= start.energy + rounding;
+        let lower = sound && (moves || report.energy <= start.energy + rounding);
         if lower { Ok(()) } else { Err(Stop::Slow { residual }) }
     }
 }

@@ -21,12 +21,47 @@ const WARM: usize = 3;
 const GUESS: usize = 15;
 /// Newton iterations after which load steps from rest are given up at the first that fails.
 const MOST: usize = 10_000;
+/// Ratios of bulk to shear modulus from which load steps that move prescribed components, which no line search shortens, begin with strains of
+/// their own at the quadrature points, and from which others turn to them after so many iterations downhill.
+const STIFF: (f64, f64) = (100.0, 1000.0);
+const BRIEF: usize = 12;
+/// Longer load steps than this share of the way that fail with strains of their own, of a body that creeps downhill, are halved at once.
+const DOWNHILL: f64 = 1.0 / 16.0;
+
+/// How load steps begin.
+struct Way {
+    /// Whether constraints hold the body.
+    constrained: bool,
+    /// Its ratio of bulk to shear modulus.
+    ratio: f64,
+    /// Whether strains of their own have helped.
+    helped: bool,
+}
+
+impl Way {
+    /// Steps in time are short: theirs do not creep.
+    fn new(model: &Model, in_time: bool) -> Self {
+        let constrained = !in_time && model.unknowns().multipliers() > 0;
+        Way { constrained, ratio: if in_time { 0.0 } else { model.body.bulk_over_shear() }, helped: false }
+    }
+
+    /// Whether a step on displacements creeps: whatever turns or shears the body changes its volume, or leaves the constraints.
+    fn creeps(&self, jumps: bool) -> bool {
+        self.constrained || jumps && self.ratio > STIFF.0
+    }
+
+    /// Whether it may creep.
+    fn may_creep(&self) -> bool {
+        self.ratio > STIFF.1
+    }
+}
 
 impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
     /// The straight way from the starting state (rest with the designs of these controls, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
-    /// with strains of their own at the quadrature points (slender and nearly incompressible bodies); where that fails too,
+    /// with strains of their own at the quadrature points (slender bodies), with which steps under constraints and of nearly incompressible bodies begin
+    /// that prescribed components move (other nearly incompressible ones after a few iterations); where that fails too,
     /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
     /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all, if a straight move from `how.near` to it is admissible. When a warm start leads nowhere, or fails after more
     /// than three times `how.max_newton` iterations, the way from rest is tried.
@@ -120,45 +155,88 @@ impl Model {
     }
 
     /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
-    /// points; once these have helped, the next steps begin with them. Not where the path seems to turn back, nor beyond the
-    /// convexity bound (`hopeless`). Where it fails, u is the last iterate.
+    /// points; once these have helped, the next steps begin with them, as all do where a descent is known to creep. Not where the path seems
+    /// to turn back, nor beyond the convexity bound (`hopeless`). Where it fails, u is the last iterate.
     fn attempt(
         &self,
         newton: &Equations,
         u: &mut Vec<f64>,
-        (helped, hopeless): (&mut bool, bool),
+        (way, distance, hopeless): (&mut Way, f64, bool),
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<(), Stop> {
-        let first = *helped && !hopeless && newton.jump(u).is_none();
+        let suited = !hopeless && self.suits_point_strains();
+        let jumps = newton.jump(u).is_some();
+        let creeps = way.creeps(jumps);
+        let first = suited && (creeps || way.helped && !jumps);
         if first {
             let from = u.clone();
             match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
                 Ok(()) => return Ok(()),
                 Err(stop) if stop.is_final() => return Err(stop),
+                Err(stop @ Stop::Linear(_)) => return Err(stop),
+                Err(stop) if creeps && distance > DOWNHILL => return Err(stop),
                 Err(_) => workspace.forget(),
             }
             *u = from;
+        }
+        if suited && !first && !jumps && way.may_creep() && self.attempt_briefly(newton, u, way, workspace, report)? {
+            return Ok(());
         }
         let slow = match newton.solve(u, self.linear_solver(newton.options, workspace), report) {
             Ok(_) => return Ok(()),
             Err(slow @ Stop::Slow { .. }) => slow,
             Err(other) => return Err(other),
         };
-        let constrained = self.unknowns().multipliers() > 0;
-        let further = !self.unknowns().has_one_nodal_field();
-        if first || hopeless || constrained || further || !self.has_potential() || newton.jump(u).is_some() {
+        if first || !suited || newton.jump(u).is_some() {
             return Err(slow);
         }
         workspace.forget();
         match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
             Ok(()) => {
-                *helped = true;
+                way.helped = true;
                 Ok(())
             }
             Err(stop) if stop.is_final() => Err(stop),
             Err(_) => Err(slow),
         }
+    }
+
+    /// A few iterations downhill, then strains of their own at the quadrature points, from the same start; where neither arrives, u is the
+    /// last iterate downhill.
+    fn attempt_briefly(
+        &self,
+        newton: &Equations,
+        u: &mut Vec<f64>,
+        way: &mut Way,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<bool, Stop> {
+        let brief = SolveOptions { max_newton: newton.options.max_newton.min(BRIEF), ..newton.options.clone() };
+        let briefly = Equations { model: self, drive: newton.drive, options: &brief };
+        let mut from = u.clone();
+        match briefly.solve(u, self.linear_solver(newton.options, workspace), report) {
+            Ok(_) => return Ok(true),
+            Err(Stop::Slow { .. }) => workspace.forget(),
+            Err(other) => return Err(other),
+        }
+        match newton.solve_with_point_strains(&mut from, self.linear_solver(newton.options, workspace), report) {
+            Ok(()) => {
+                way.helped = true;
+                *u = from;
+                Ok(true)
+            }
+            Err(stop) if stop.is_final() => Err(stop),
+            Err(_) => {
+                workspace.forget();
+                Ok(false)
+            }
+        }
+    }
+
+    /// Whether its equations can be solved with strains of their own at the quadrature points.
+    fn suits_point_strains(&self) -> bool {
+        self.unknowns().has_one_nodal_field() && self.has_potential() && !self.inequalities().contains(&true)
     }
 
     /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.
@@ -246,7 +324,8 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<State, StateError> {
         let mut here = from.clone();
-        let (mut steps, mut helped, mut follow) = (LoadSteps::default(), false, None::<Vec<f64>>);
+        let (mut steps, mut follow) = (LoadSteps::default(), None::<Vec<f64>>);
+        let mut way = Way::new(self, time_step.is_some());
         let unbounded = self.body.excess_tension(to).is_some();
         while steps.done < 1.0 {
             let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
@@ -266,12 +345,13 @@ impl Model {
             let newton = self.equations(&controls, load, time_step, path, how);
             let hopeless = unbounded || steps.limit_point().is_some();
             let mut u = followed.and_then(|_| ahead(path - steps.done)).unwrap_or_else(|| here.u.to_vec());
-            match self.attempt(&newton, &mut u, (&mut helped, hopeless), workspace, report) {
+            let step = (&mut way, path - steps.done, hopeless);
+            match self.attempt(&newton, &mut u, step, workspace, report) {
                 Ok(()) => {
                     report.load_steps += 1;
                     if bears < 1.0 {
-                        let way = path - steps.done;
-                        follow = Some(u.iter().zip(here.u.iter()).map(|(to, from)| (to - from) / way).collect());
+                        let length = path - steps.done;
+                        follow = Some(u.iter().zip(here.u.iter()).map(|(to, from)| (to - from) / length).collect());
                     }
                     steps.succeeded(path, self.unknowns().norm(&sub(self.nodal(&u), self.nodal(&here.u))));
                     here = State::equilibrium(u, controls, load, *report);

@@ -20,7 +20,8 @@ pub struct SolveOptions<'a> {
     /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads.
     pub accuracy: f64,
     /// Newton iterations allowed downhill per load step; where that many lead nowhere, up to 40 with strains of their own at the
-    /// quadrature points follow, and as many as downhill from where these arrive.
+    /// quadrature points follow, and as many as downhill from where these arrive. Nearly incompressible bodies turn to these after twelve,
+    /// where prescribed components move them at once, as under constraints.
     pub max_newton: usize,
     /// Compute cells and factors on all threads; `false` inside parallelism over scenarios.
     pub parallel: bool,

@@ -28,6 +28,12 @@ impl BorderedTangent {
         BorderedTangent { matrix: model.matrix(), columns, space: model.unknowns().clone() }
     }
 
+    /// Makes it zero.
+    pub fn clear(&mut self) {
+        self.matrix.clear();
+        self.columns.iter_mut().for_each(|column| column.fill(0.0));
+    }
+
     /// Adds that of a contribution.
     pub fn add(
         &mut self,

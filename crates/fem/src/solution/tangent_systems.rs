@@ -25,6 +25,20 @@ const DEFINITE: f64 = 1e-12;
 /// Of full steps of Newton's method with an indefinite or bordered tangent.
 pub(crate) const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
+/// Relative residual from which a factor of the tangent before serves bordered systems, and the largest error of theirs.
+const KEPT: f64 = 0.05;
+const COARSE: f64 = 1e-3;
+
+/// Of a full step with a bordered tangent from a relative residual towards one of `accuracy`, and whether a factor of the tangent before may
+/// serve: a tenth of the residual keeps convergence quadratic, and nothing beyond a thousandth of what the end asks for is of use.
+pub(crate) fn bordered_step(relative: f64, accuracy: f64) -> (Accuracy, bool) {
+    if relative.is_nan() || relative > KEPT {
+        return (FULL_STEP, false);
+    }
+    let error = (0.1 * relative).max(1e-3 * accuracy / relative).clamp(FULL_STEP.error, COARSE);
+    (Accuracy { error, residual: error.max(FULL_STEP.residual) }, true)
+}
+
 /// Which step is wanted where the tangent turns out to be indefinite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Wanted {

@@ -6,6 +6,7 @@ use crate::error::FactorError;
 use crate::factor::{Factor, Pivots, Precision};
 use crate::gmres::gmres;
 use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient, refine};
+use crate::matrix::SparseMatrix;
 use crate::operator::Operator;
 use crate::rotations::CorotatedPreconditioner;
 use crate::structure::Structure;
@@ -33,6 +34,8 @@ const ROUNDING: f64 = 4.0;
 pub struct Direct {
     structure: Arc<Structure>,
     factor: Option<Factor>,
+    /// Fingerprint of the matrix that the factor was made of.
+    of: Option<u64>,
     reuse: FactorReuse,
     /// In which the next factor is made: single, until that turns out too coarse for the matrices.
     precision: Precision,
@@ -41,14 +44,14 @@ pub struct Direct {
 impl Direct {
     /// For matrices of a structure.
     pub fn new(structure: Arc<Structure>) -> Self {
-        Direct { structure, factor: None, reuse: FactorReuse::default(), precision: Precision::Single }
+        Direct { structure, factor: None, of: None, reuse: FactorReuse::default(), precision: Precision::Single }
     }
 
     /// One that begins with a factor of a matrix near the expected ones.
     pub fn with_factor(factor: Factor) -> Self {
         let precision = factor.precision();
         let structure = Structure::analysed(factor.symbolic().clone());
-        Direct { structure, factor: Some(factor), reuse: FactorReuse::default(), precision }
+        Direct { structure, factor: Some(factor), of: None, reuse: FactorReuse::default(), precision }
     }
 
     fn symbolic(&self) -> &Arc<Symbolic> {
@@ -60,6 +63,16 @@ impl Direct {
         self.factor.as_ref().filter(|f| f.pivots() == Pivots::Positive)
     }
 
+    /// Whether the factor is of this very matrix.
+    fn is_of(&self, system: &System) -> bool {
+        self.factor.is_some() && self.of == Some(fingerprint(system.matrix))
+    }
+
+    /// Whether it is of this matrix in double precision.
+    fn is_exact(&self, system: &System) -> bool {
+        self.factor.as_ref().is_some_and(|f| f.is_usable() && f.precision() == Precision::Double) && self.is_of(system)
+    }
+
     /// A new factor in single precision in the memory of the old one.
     fn refactorize_single(&mut self, system: &System, work: &mut LinearWork) -> Result<&Factor, FactorError> {
         work.factorisations += 1;
@@ -68,6 +81,7 @@ impl Direct {
             None => self.symbolic().approximate(system.matrix, system.parallel)?,
         };
         fresh.set_rotations(system.configuration.rotations().clone());
+        self.of = Some(fingerprint(system.matrix));
         Ok(self.factor.insert(fresh))
     }
 
@@ -93,6 +107,7 @@ impl Direct {
             None => self.symbolic().factorize(system.matrix, pivots, system.parallel)?,
         };
         fresh.set_rotations(system.configuration.rotations().clone());
+        self.of = Some(fingerprint(system.matrix));
         self.factor = Some(fresh);
         Ok(())
     }
@@ -218,7 +233,14 @@ impl LinearSolver for Direct {
         if self.precision == Precision::Single {
             match self.refactorize_single(system, work) {
                 Ok(_) => return Ok(()),
-                Err(FactorError::NotPositive { .. }) => (),
+                Err(FactorError::NotPositive { .. }) => {
+                    self.refactorize(system, Pivots::AnySign, work)?;
+                    if self.negative() == Some(0) {
+                        // single precision is too coarse to show that it is positive definite
+                        self.precision = Precision::Double;
+                    }
+                    return Ok(());
+                }
                 Err(other) => return Err(other.into()),
             }
         }
@@ -271,15 +293,16 @@ impl LinearSolver for Direct {
         if let Some(x) = self.solve_by_any_sign(system, b, accuracy, work) {
             return Ok(x);
         }
+        let own = self.is_of(system);
         if let Some(kept) = self.kept() {
-            let most = FactorReuse::worth(self.symbolic());
-            let (x, cg) = precondition(system, kept, system, b, test, most);
+            let worth = FactorReuse::worth(self.symbolic());
+            let (x, cg) = precondition(system, kept, system, b, test, if own { worth.max(FRESH) } else { worth });
             work.back_substitutions += cg.iterations;
             if exact(&cg, accuracy.residual) {
                 return Ok(x);
             }
         }
-        if self.precision == Precision::Single {
+        if self.precision == Precision::Single && !own {
             match self.approximate(system, b, test, work) {
                 Ok((x, cg)) if exact(&cg, accuracy.residual) => return Ok(x),
                 // Else memory that is free again by now would decide between the factors.
@@ -287,7 +310,13 @@ impl LinearSolver for Direct {
                 _ => (),
             }
         }
-        self.refactorize_any(system, work)?;
+        if self.kept().is_some_and(|factor| self.is_of(system) && factor.precision() == Precision::Single) {
+            // of a positive definite matrix: too coarse
+            self.precision = Precision::Double;
+        }
+        if !self.is_exact(system) {
+            self.refactorize_any(system, work)?;
+        }
         let mut x = self.by_own_factor(system, b, accuracy.residual, work)?;
         let Some(fresh) = &self.factor else { return Err(LinearError::Indefinite) };
         let multiply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
@@ -375,6 +404,13 @@ impl LinearSolver for Direct {
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(self.clone())
     }
+}
+
+/// A number by which matrices are told apart (FNV-1a on the bits of the values): what it decides is which factor is tried, not what a
+/// solution is worth.
+fn fingerprint(matrix: &SparseMatrix) -> u64 {
+    let mix = |hash: u64, value: &f64| (hash ^ value.to_bits()).wrapping_mul(0x0100_0000_01b3);
+    matrix.values.iter().fold(0xcbf2_9ce4_8422_2325, mix)
 }
 
 fn symmetric(system: &System) -> Result<(), LinearError> {

@@ -19,6 +19,7 @@ use nastic_tensor::Kinematics;
 use std::sync::Arc;
 
 pub(crate) mod assembly;
+mod bulk_over_shear;
 mod control_product;
 mod control_vjp;
 pub(crate) mod driving;

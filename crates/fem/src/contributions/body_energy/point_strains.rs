@@ -50,7 +50,7 @@ pub(crate) struct PointStrains {
 }
 
 /// The least share of det C that a step may leave of it.
-const COLLAPSE: f64 = 1e-2;
+const COLLAPSE: f64 = 0.25;
 
 impl PointStrains {
     /// Those of a displacement.

@@ -18,13 +18,15 @@ use crate::nonlinear::equations::{Equations, Jump};
 use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::solution::saddle_point::SaddlePoint;
 use crate::solution::state::SolveReport;
-use crate::solution::tangent_systems::{FULL_STEP, TangentSystems};
-use nastic_linear::solver::Curvature;
+use crate::solution::tangent_systems::{FULL_STEP, TangentSystems, bordered_step};
+use nastic_linear::solver::{Accuracy, Curvature};
 use nastic_linear::{LinearError, LinearSolver};
 use nastic_numeric::vector::axpy;
 
 /// Shifts of K, as shares of its mean diagonal: the least, from one to the next, the largest.
 const SHIFTS: (f64, f64, f64) = (1e-8, 8.0, 1e3);
+/// The last shift over the first that is tried at the next iterate.
+const BACK: f64 = 64.0;
 /// What the linear systems' solutions may be wrong by: of the change of a constraint this share, beside the rounding of the constraint itself.
 const INEXACT: f64 = 1e-6;
 const ROUNDED: f64 = 8.0 * f64::EPSILON;
@@ -52,6 +54,8 @@ pub(crate) struct Bordered<'a> {
     inequalities: Vec<bool>,
     jump: Jump,
     linearised: Option<Linearised>,
+    /// The last shift that was enough.
+    shift: f64,
 }
 
 impl<'a> Bordered<'a> {
@@ -60,7 +64,7 @@ impl<'a> Bordered<'a> {
         let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
         let inequalities = equations.model.inequalities();
         equations.start_positive(x);
-        Bordered { equations, systems, inequalities, jump: equations.jump(x), linearised: None }
+        Bordered { equations, systems, inequalities, jump: equations.jump(x), linearised: None, shift: 0.0 }
     }
 
     /// Newton's step, and the negative eigenvalues of the tangent on the null space of the constraints that act; `None` where rounding
@@ -84,23 +88,27 @@ impl<'a> Bordered<'a> {
         let scale = equations.energy_scale(&tangent.matrix, here.x, here.now);
         let system = SaddlePoint::new(equations.model, tangent);
         let mut linearised = Linearised { system, rhs, scales };
-        let found = self.solve(here.x, &mut linearised, report);
+        let wanted = bordered_step(here.relative, equations.options.accuracy);
+        let found = self.solve((here.x, wanted), &mut linearised, report);
         self.linearised = Some(linearised);
         let (dx, negative) = found.map_err(|error| failed(error, here))?;
         Ok((dx, negative, scale))
     }
 
+    /// The step; `kept` where a factor of the tangent before will do.
     fn solve(
         &mut self,
-        x: &[f64],
+        (x, (accuracy, kept)): (&[f64], (Accuracy, bool)),
         problem: &mut Linearised,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Option<usize>), LinearError> {
         let u = self.equations.model.nodal(x);
         let (systems, inequalities) = (&mut self.systems, &self.inequalities);
-        problem.system.prepare(systems, u, report)?;
+        if !kept {
+            problem.system.prepare(systems, u, report)?;
+        }
         if !inequalities.contains(&true) {
-            let (mut steps, negative) = problem.system.solve(systems, u, &[&problem.rhs], FULL_STEP, report)?;
+            let (mut steps, negative) = problem.system.solve(systems, u, &[&problem.rhs], accuracy, report)?;
             return Ok((steps.pop().unwrap_or_default(), negative));
         }
         let mut last = Vec::new();
@@ -131,7 +139,7 @@ impl<'a> Bordered<'a> {
     }
 }
 
-fn failed(error: LinearError, here: &Iterate) -> Stop {
+pub(super) fn failed(error: LinearError, here: &Iterate) -> Stop {
     match error {
         // Constraints that depend on each other are so at any control.
         LinearError::Border { .. } | LinearError::NotCounted { .. } => Stop::Linear(error),
@@ -167,13 +175,15 @@ impl Direction for Bordered<'_> {
     fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
         let Some(mut problem) = self.linearised.take() else { return Err(Stop::Slow { residual: here.relative }) };
         report.shifted += 1;
-        let (mut shift, growth, most) = SHIFTS;
-        let mut added = 0.0;
+        let (least, growth, most) = SHIFTS;
+        let (mut shift, mut added) = ((self.shift / BACK).max(least), 0.0);
         while shift <= most {
             problem.system.shift(shift - added);
             added = shift;
-            let found = self.solve(here.x, &mut problem, report).map_err(|error| failed(error, here))?;
+            let found =
+                self.solve((here.x, (FULL_STEP, false)), &mut problem, report).map_err(|error| failed(error, here))?;
             if let (step, Some(0)) = found {
+                self.shift = shift;
                 return Ok(step);
             }
             shift *= growth;
