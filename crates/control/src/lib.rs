@@ -29,9 +29,10 @@ pub use constraint::{BetweenNodes, Constraint, ConstraintPoint, CostLimit, IntoC
 pub use control_block::{ControlBlock, ControlTarget};
 pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
-    BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ControlNorm, ControlSmoothness, Cost, CostContext,
-    CostExample, CostForm, CostPoint, CostRow, CostTarget, Curvature, Figure, FigureKind, IntoCost, LargestStretch,
-    MakeCost, MeanPosition, ObstaclePenetration, Orientation, Partials, PumpWork, SmoothedHausdorff, Target, Tracking,
+    BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ContactLoad, ControlNorm, ControlSmoothness, Cost,
+    CostContext, CostExample, CostForm, CostPoint, CostRow, CostTarget, Curvature, Figure, FigureKind, IntoCost,
+    LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, Orientation, Partials, PumpWork, SmoothedHausdorff,
+    Target, Tracking,
 };
 pub use design::Consumer;
 pub use ensemble::{

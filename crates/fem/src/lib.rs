@@ -32,7 +32,7 @@ pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
 pub use discretization::{Discretization, StructureCounts};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
-pub use model::{Controllable, DISPLACEMENT, Feature, Model, ModelPoint};
+pub use model::{Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing};
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };

@@ -1,6 +1,7 @@
 //! [`Model`]: a discrete problem, the sum of contributions on supported unknowns.
 
 mod admissible;
+mod contacts;
 mod features;
 mod fields;
 mod history;
@@ -16,10 +17,7 @@ use crate::contributions::controls::Controls;
 use crate::contributions::dead_load::DeadLoad;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use crate::contributions::{
-    Constrains, Contribution, ContributionPoint, ControlPoint, Demand, Need, RigidPose, Sums, Touch, TouchParameters,
-    Touches,
-};
+use crate::contributions::{Constrains, Contribution, ContributionPoint, ControlPoint, Demand, Need, Sums};
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
@@ -28,10 +26,9 @@ use crate::solution::state::State;
 use nastic_energy::Slot;
 use nastic_linear::{Space, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
-use std::collections::BTreeSet;
-use std::convert::Infallible;
 use std::sync::Arc;
 
+pub use contacts::Pressing;
 pub use features::Feature;
 pub use fields::DISPLACEMENT;
 pub use point::ModelPoint;
@@ -372,48 +369,6 @@ impl Model {
             Ok::<(), Inadmissible>(())
         })?;
         Ok(all)
-    }
-
-    /// The pressure of contacts on the nodes (Pa), added up; `None` where no contribution touches anything.
-    pub fn contact_pressures(&self, at: &Instant) -> Option<Vec<f64>> {
-        let mut sums: Option<Vec<f64>> = None;
-        let nodes = self.discretization().mesh().points().len();
-        self.each_touching(at, |_, touches, at| {
-            let sums = sums.get_or_insert_with(|| vec![0.0; nodes]);
-            touches.nodal_pressures(at).iter().for_each(|&(node, value)| sums[node as usize] += value);
-        });
-        sums
-    }
-
-    /// Where the obstacles are that the body touches, each once.
-    pub fn poses(&self, at: &Instant) -> Vec<RigidPose> {
-        let mut all: Vec<RigidPose> = Vec::new();
-        self.each_touching(at, |_, touches, at| all.push(touches.pose(at)));
-        let mut seen = BTreeSet::new();
-        all.retain(|pose| seen.insert(pose.name.clone()));
-        all
-    }
-
-    /// What every contact carries, with its name; without those that cannot be where they are.
-    pub fn touches(&self, at: &Instant) -> Vec<(String, Touch)> {
-        let mut all = Vec::new();
-        self.each_touching(at, |name, touches, at| all.extend(touches.touch(at).map(|touch| (name.to_owned(), touch))));
-        all
-    }
-
-    /// What every contact is made of, with its name.
-    pub fn touch_parameters(&self) -> Vec<(String, TouchParameters)> {
-        let own = |c: &Arc<dyn Contribution>| Some((c.name().to_owned(), c.touches()?.parameters()));
-        self.others.iter().filter_map(own).collect()
-    }
-
-    pub(crate) fn each_touching(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Touches, &Instant)) {
-        let Ok(()) = self.each_other(at, |contribution, at| {
-            if let Some(touches) = contribution.touches() {
-                call(contribution.name(), touches, at);
-            }
-            Ok::<(), Infallible>(())
-        });
     }
 
     /// What a contribution says may be the reason, where no equilibrium was found.

@@ -17,6 +17,7 @@ mod catalogue;
 mod check;
 mod constraint;
 mod contact;
+mod contact_cost;
 mod control;
 mod cost;
 mod direction;
@@ -52,6 +53,7 @@ pub use case_schema::json_schema;
 pub use catalogue::{Input, SlotName};
 pub use constraint::{Constraint, KeepOut};
 pub use contact::{Contact, PressureLaw};
+pub use contact_cost::{ContactForce, ContactPressure};
 pub use control::{Bound, Cells, Control, ControlsFile, Space, Start};
 pub use cost::{
     ActuationWork, ControlNorm, ControlRate, ControlSmoothness, Cost, Exponential, Inverse, KineticEnergy, Penetration,

@@ -124,6 +124,35 @@ fn a_pose_and_a_stiffness_are_controls_with_exact_derivatives() {
     assert!(place.files().contains(&"optimum_obstacles.vtu".to_owned()), "{:?}", place.files());
 }
 
+/// The ball shall press with 5 mN, or at 2 kPa in the smoothed maximum; and it goes as deep as a bound on its force lets it.
+#[test]
+fn force_and_pressure_of_a_contact_are_costs_and_bounds() {
+    let place = Place::new();
+    for cost in [
+        r#"{ "kind": "contact_force", "contact": "dent" }"#,
+        r#"{ "kind": "contact_pressure", "contact": "dent", "exponent": 3 }"#,
+    ] {
+        let case = with(INDENTED, r#"{ "kind": "position", "point": [10, 10, 10], "target": { "z": 8 } }"#, cost);
+        let found = place.run(Command::Gradcheck, &case, &[]).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(found.exit.code(), 0, "{cost}: {}", found.result);
+    }
+    let bounded = with(
+        INDENTED,
+        r#""costs""#,
+        r#""constraints": [ { "cost": { "kind": "contact_force", "contact": "dent" }, "at_most": 0.5 } ], "costs""#,
+    );
+    let bounded = with(&bounded, r#""start": 1.5"#, r#""start": 0.8"#);
+    let best = place.run(Command::Optimize, &bounded, &["optimizer/max_iterations=60"]).unwrap().result;
+    let force = -number(&best, "contributions/dent/force_z");
+    assert!((force - 0.5).abs() < 0.05, "{force} {}", best["constraints"]);
+    let wrong = with(
+        INDENTED,
+        r#"{ "kind": "position", "point": [10, 10, 10], "target": { "z": 8 } }"#,
+        r#"{ "kind": "contact_force", "contact": "dint" }"#,
+    );
+    assert!(problems(&wrong).contains("no contact \"dint\"; \"dent\""), "{}", problems(&wrong));
+}
+
 #[test]
 fn an_obstacle_that_moves_is_written_at_every_instant() {
     let moving = with(SLIDER, r#""floor", "shape""#, r#""floor", "translation": [0, 0, "1 mm * t / (1 s)"], "shape""#);

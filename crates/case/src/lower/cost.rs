@@ -9,8 +9,9 @@ use crate::lower::target_shape::TargetShape;
 use crate::lower::{array, place, time};
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
-    ActuationWork, ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, IntoCost, KineticEnergy,
-    ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Timeline, Tracking, TrajectoryCost, When,
+    ActuationWork, ContactLoad, ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, IntoCost,
+    KineticEnergy, ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Timeline, Tracking, TrajectoryCost,
+    When,
 };
 use nastic_energy::catalogue::{Inputs, choose_form};
 use nastic_language::expression::EvaluationError;
@@ -156,6 +157,14 @@ impl Lowering<'_> {
             Block::Curvature(block) => self.curvature(block, context),
             Block::LargestStretch(block) => self.largest_stretch(block, context),
             Block::Compliance(block) => self.compliance(block, context),
+            Block::ContactForce(block) => {
+                let cost = ContactLoad::force(&block.contact).weight(block.weight);
+                context.take(&block.at.key("contact"), cost.bind(self.reduced.solid()))
+            }
+            Block::ContactPressure(block) => {
+                let cost = ContactLoad::pressure(&block.contact, block.exponent as u32).weight(block.weight);
+                context.take(&block.at.key("contact"), cost.bind(self.reduced.solid()))
+            }
             Block::Obstacle(block) => self.obstacle(block, context),
             Block::ControlNorm(block) => {
                 let cost = ControlNorm::of(self.control(&block.of)?, block.weight);

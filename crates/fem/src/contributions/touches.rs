@@ -1,7 +1,8 @@
 //! [`Touches`]: contact with a rigid obstacle, as a contribution tells of it: [`Touch`] and [`RigidPose`].
 
-use super::Instant;
 use super::rotation::rotation;
+use super::{Instant, Sensitivities};
+use crate::error::Inadmissible;
 use nastic_tensor::{Mat3, Vec3};
 
 /// What a contribution that touches a rigid obstacle tells of it.
@@ -15,6 +16,19 @@ pub trait Touches {
 
     /// What it was given, or took where it was given nothing.
     fn parameters(&self) -> TouchParameters;
+
+    /// `sum_s w_s g(p_s)` over the pressures p and areas w of the samples within the layer, of which `by` gives g and its derivative; adds
+    /// the derivatives by the displacement and by the controls.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    fn add_pressing(
+        &self,
+        at: &Instant,
+        by: &dyn Fn(f64) -> [f64; 2],
+        by_u: &mut [f64],
+        into: &mut Sensitivities,
+    ) -> Result<f64, Inadmissible>;
 
     /// Of every node of the surface the mean pressure of its samples (Pa), by their shares of the node.
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)>;
@@ -31,6 +45,8 @@ pub struct TouchParameters {
     pub stiffness: f64,
     /// Friction coefficient at rest and slip speed, if it has friction.
     pub friction: Option<(f64, f64)>,
+    /// Area of the surface.
+    pub area: f64,
     /// Number of samples.
     pub samples: usize,
     /// How deep a round obstacle enters between samples at their mean distance h, `h^2 / (8 R)`; zero of a plane one.

@@ -3,6 +3,7 @@
 use crate::expression::Formula;
 use crate::quantity::Want;
 use crate::schema::added_cost::AddedCost;
+use crate::schema::contact_cost::{ContactForce, ContactPressure};
 use crate::schema::field::ArrayFile;
 use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::mesh::MeshSource;
@@ -33,6 +34,10 @@ tagged! {
         "largest_stretch" => LargestStretch(LargestStretch),
         /// How far a surface gives way to a small force.
         "compliance" => Compliance(Compliance),
+        /// The force that a contact presses with.
+        "contact_force" => ContactForce(ContactForce),
+        /// A smoothed largest pressure of a contact.
+        "contact_pressure" => ContactPressure(ContactPressure),
         /// Squared penetration into an obstacle.
         "obstacle" => Obstacle(Penetration),
         /// Size of a control.
@@ -279,6 +284,8 @@ impl Cost {
             Self::Curvature(block) => &block.at,
             Self::LargestStretch(block) => &block.at,
             Self::Compliance(block) => &block.at,
+            Self::ContactForce(block) => &block.at,
+            Self::ContactPressure(block) => &block.at,
             Self::Obstacle(block) => &block.at,
             Self::ControlNorm(block) => &block.at,
             Self::ControlSmoothness(block) => &block.at,
@@ -300,6 +307,8 @@ impl Cost {
             Self::Curvature(block) => &block.name,
             Self::LargestStretch(block) => &block.name,
             Self::Compliance(block) => &block.name,
+            Self::ContactForce(block) => &block.name,
+            Self::ContactPressure(block) => &block.name,
             Self::Obstacle(block) => &block.name,
             Self::ControlNorm(block) => &block.name,
             Self::ControlSmoothness(block) => &block.name,
@@ -322,6 +331,8 @@ impl Cost {
             Self::Curvature(block) => block.weight,
             Self::LargestStretch(block) => block.weight,
             Self::Compliance(block) => block.weight,
+            Self::ContactForce(block) => block.weight,
+            Self::ContactPressure(block) => block.weight,
             Self::Obstacle(block) => block.weight,
             Self::ControlNorm(block) => block.weight,
             Self::ControlSmoothness(block) => block.weight,
@@ -343,6 +354,8 @@ impl Cost {
             Self::Curvature(block) => block.when.as_ref(),
             Self::LargestStretch(block) => block.when.as_ref(),
             Self::Compliance(block) => block.when.as_ref(),
+            Self::ContactForce(block) => block.when.as_ref(),
+            Self::ContactPressure(block) => block.when.as_ref(),
             Self::Obstacle(block) => block.when.as_ref(),
             Self::ControlNorm(block) => block.when.as_ref(),
             Self::ControlSmoothness(block) => block.when.as_ref(),

@@ -125,10 +125,8 @@ impl History {
 
     fn warnings(&self, (name, inset): (&str, f64), member: CaseMember<'_>) -> Vec<Warning> {
         let units = member.problem().units();
-        let (length, time) = (
-            |value: f64| quantity(value, Dimension::LENGTH, units),
-            |value: f64| quantity(value, Dimension::TIME, units),
-        );
+        let length = |value: f64| quantity(value, Dimension::LENGTH, units);
+        let time = |value: f64| quantity(value, Dimension::TIME, units);
         let mut out = Vec::new();
         if !self.acted {
             let message = format!("contact \"{name}\" never acts: its smallest gap is {}", length(self.gap.0));

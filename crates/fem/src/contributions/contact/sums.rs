@@ -2,9 +2,11 @@
 
 use super::bound::{BoundContact, FRICTION, STIFFNESS};
 use super::point::Gaps;
-use crate::contributions::Instant;
+use super::pose::ByPose;
 use crate::contributions::rigid_motion;
 use crate::contributions::touches::{RigidPose, Sliding, Touch, TouchParameters, Touches};
+use crate::contributions::{Instant, Sensitivities};
+use crate::error::Inadmissible;
 use nastic_mesh::spatial::Obstacle;
 use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
@@ -56,9 +58,36 @@ impl Touches for BoundContact {
         })
     }
 
+    fn add_pressing(
+        &self,
+        at: &Instant,
+        by: &dyn Fn(f64) -> [f64; 2],
+        by_u: &mut [f64],
+        into: &mut Sensitivities,
+    ) -> Result<f64, Inadmissible> {
+        let at = &Instant { step: None, ..*at };
+        let gaps = Gaps::at(self, at)?;
+        let (mut sum, mut by_pose, mut by_stiffness) = (0.0, ByPose::default(), 0.0);
+        for touch in &gaps.touches {
+            let traction = self.traction(touch, &gaps.pose, at);
+            let (weight, p) = (self.samples.weights[touch.sample], traction.pressure);
+            let [value, slope] = by(p.value);
+            sum += weight * value;
+            let by_place = weight * slope * p.slope * traction.n;
+            self.spread(touch.sample, &by_place, by_u);
+            by_pose.translation -= by_place;
+            by_pose.turn -= gaps.pose.arm(&touch.place).cross(&by_place);
+            by_stiffness += weight * slope * p.value / at.control(STIFFNESS);
+        }
+        gaps.pose.add_vjp(at, &by_pose, self.dim, into);
+        into.add_control(at, STIFFNESS, by_stiffness);
+        Ok(sum)
+    }
+
     fn parameters(&self) -> TouchParameters {
         let samples = self.samples.len();
-        let share = self.samples.weights.iter().sum::<f64>() / samples as f64;
+        let area = self.samples.weights.iter().sum::<f64>();
+        let share = area / samples as f64;
         let apart = if self.dim == 3 { share.sqrt() } else { share };
         let radius = match self.obstacle {
             Obstacle::Sphere { radius, .. } | Obstacle::Capsule { radius, .. } => radius,
@@ -66,6 +95,7 @@ impl Touches for BoundContact {
         };
         TouchParameters {
             thickness: self.thickness,
+            area,
             inset: self.inset,
             stiffness: self.slots[STIFFNESS].rest(),
             friction: self.slip_speed.map(|slip_speed| (self.slots[FRICTION].rest(), slip_speed)),

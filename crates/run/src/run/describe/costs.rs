@@ -77,6 +77,10 @@ pub(crate) fn cost_line(head: &'static str, cost: &Cost) -> Line {
         | Cost::Curvature(_)
         | Cost::LargestStretch(_)
         | Cost::Compliance(_) => shape_cost(cost),
+        Cost::ContactForce(block) => format!("force that {} presses with", block.contact),
+        Cost::ContactPressure(block) => {
+            format!("smoothed largest pressure of {}, power mean of exponent {}", block.contact, 2 * block.exponent)
+        }
         Cost::Obstacle(block) => {
             let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
             let place = place.map(ToString::to_string).unwrap_or_default();

@@ -1,0 +1,137 @@
+//! [`ContactLoad`]: how hard a contact presses.
+
+use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use crate::error::ControlError;
+use crate::layout::Layout;
+use nastic_fem::{Controls, Instant, Solid};
+use nastic_numeric::vector::axpy;
+use std::sync::Arc;
+
+/// The force that a contact presses with, or a smoothed maximum of its pressure:
+///
+/// ```text
+/// j = weight sum_s w_s p_s,        j = weight (1/A sum_s w_s p_s^2q)^(1/2q)
+/// ```
+///
+/// over the samples s of area w_s (A all of the surface) and pressure p_s; the power mean is never above the largest pressure. Depends on
+/// the displacement, on the pose of the obstacle and on the stiffness. Units: N (N/m in plane strain), Pa. First derivatives alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactLoad {
+    contact: String,
+    /// q of a smoothed maximum.
+    exponent: Option<u32>,
+    weight: f64,
+}
+
+impl ContactLoad {
+    /// The force of a contact.
+    pub fn force(contact: &str) -> Self {
+        ContactLoad { contact: contact.to_owned(), exponent: None, weight: 1.0 }
+    }
+
+    /// The smoothed largest pressure of a contact, by a power mean of exponent 2q.
+    pub fn pressure(contact: &str, q: u32) -> Self {
+        ContactLoad { exponent: Some(q), ..Self::force(contact) }
+    }
+
+    /// Factor.
+    #[must_use]
+    pub fn weight(self, weight: f64) -> Self {
+        ContactLoad { weight, ..self }
+    }
+}
+
+impl IntoCost for ContactLoad {
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        let name = self.exponent.map_or("contact_force", |_| "contact_pressure");
+        check_weight(name, self.weight)?;
+        let refuse = |what: String| ControlError::Cost { what };
+        let known = solid.model().touch_parameters();
+        if !known.iter().any(|(own, _)| *own == self.contact) {
+            let names: Vec<String> = known.iter().map(|(own, _)| format!("\"{own}\"")).collect();
+            let there = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
+            return Err(refuse(format!("{name}: no contact \"{}\"; {there}", self.contact)));
+        }
+        if self.exponent == Some(0) {
+            return Err(refuse(format!("{name}: the exponent is 0; it is 1 or more")));
+        }
+        Ok(Box::new(Bound { of: self, name }))
+    }
+}
+
+#[derive(Debug)]
+struct Bound {
+    of: ContactLoad,
+    name: &'static str,
+}
+
+#[derive(Debug)]
+struct Point {
+    value: f64,
+    /// Largest pressure.
+    largest: f64,
+    force: f64,
+    by_u: Vec<f64>,
+    by_controls: Controls,
+    factor: f64,
+    layout: Layout,
+    m: Vec<f64>,
+}
+
+impl Cost for Bound {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
+        let controls = match at.state {
+            Some(state) => state.controls.as_ref().clone(),
+            None => at.layout.to_points(at.m)?,
+        };
+        let (instant, model) = (Instant::new(at.u, &controls, 1.0), at.solid.model());
+        let gone = || ControlError::Cost { what: format!("{}: no contact \"{}\"", self.name, self.of.contact) };
+        let touch = model.touches(&instant).into_iter().find(|(name, _)| *name == self.of.contact);
+        let (largest, force) = touch.map_or((0.0, 0.0), |(_, touch)| (touch.largest_pressure, touch.pressing));
+        let pressing = |by: &dyn Fn(f64) -> [f64; 2]| model.pressing(&instant, &self.of.contact, by).ok_or_else(gone);
+        let weight = self.of.weight;
+        let (found, value, factor) = match self.of.exponent {
+            None => {
+                let found = pressing(&|p| [p, 1.0])??;
+                let value = weight * found.value;
+                (found, value, weight)
+            }
+            Some(q) => {
+                let (power, scale) = (2 * q as i32, if largest > 0.0 { largest } else { 1.0 });
+                let found = pressing(&|p| {
+                    let x = p / scale;
+                    [x.powi(power), f64::from(power) * x.powi(power - 1) / scale]
+                })??;
+                let area = model.touch_parameters().into_iter().find(|(name, _)| *name == self.of.contact);
+                let mean = found.value / area.ok_or_else(gone)?.1.area;
+                let value = weight * scale * mean.powf(1.0 / f64::from(power));
+                let factor = if mean > 0.0 { value / (f64::from(power) * found.value) } else { 0.0 };
+                (found, value, factor)
+            }
+        };
+        let (layout, m) = (at.layout.clone(), at.m.to_vec());
+        let (by_u, by_controls) = (found.by_u, found.by_controls);
+        Ok(Arc::new(Point { value, largest, force, by_u, by_controls, factor, layout, m }))
+    }
+}
+
+impl CostPoint for Point {
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
+        axpy(self.factor, &self.by_u, &mut out.u);
+        axpy(self.factor, &self.layout.control_vjp(&self.m, &self.by_controls), &mut out.m);
+        Ok(())
+    }
+
+    fn figures(&self) -> Result<Vec<Figure>, ControlError> {
+        let figure = |name, value, unit| Figure { kind: FigureKind::Other(name), value, unit };
+        Ok(vec![figure("force", self.force, "N"), figure("largest_pressure", self.largest, "Pa")])
+    }
+}

@@ -1,0 +1,86 @@
+//! What a model touches.
+
+use super::Model;
+use crate::contributions::instant::Instant;
+use crate::contributions::sensitivities::Sensitivities;
+use crate::contributions::{Contribution, Controls, RigidPose, Touch, TouchParameters, Touches};
+use crate::error::Inadmissible;
+use std::collections::BTreeSet;
+use std::convert::Infallible;
+use std::sync::Arc;
+
+/// A sum over the pressures of a contact, with its derivatives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pressing {
+    /// The sum.
+    pub value: f64,
+    /// By the displacement, flat.
+    pub by_u: Vec<f64>,
+    /// By the controls.
+    pub by_controls: Controls,
+}
+
+impl Model {
+    /// The pressure of contacts on the nodes (Pa), added up; `None` where no contribution touches anything.
+    pub fn contact_pressures(&self, at: &Instant) -> Option<Vec<f64>> {
+        let mut sums: Option<Vec<f64>> = None;
+        let nodes = self.discretization().mesh().points().len();
+        self.each_touching(at, |_, touches, at| {
+            let sums = sums.get_or_insert_with(|| vec![0.0; nodes]);
+            touches.nodal_pressures(at).iter().for_each(|&(node, value)| sums[node as usize] += value);
+        });
+        sums
+    }
+
+    /// Where the obstacles are that the body touches, each once.
+    pub fn poses(&self, at: &Instant) -> Vec<RigidPose> {
+        let mut all: Vec<RigidPose> = Vec::new();
+        self.each_touching(at, |_, touches, at| all.push(touches.pose(at)));
+        let mut seen = BTreeSet::new();
+        all.retain(|pose| seen.insert(pose.name.clone()));
+        all
+    }
+
+    /// What every contact carries, with its name; without those that cannot be where they are.
+    pub fn touches(&self, at: &Instant) -> Vec<(String, Touch)> {
+        let mut all = Vec::new();
+        self.each_touching(at, |name, touches, at| all.extend(touches.touch(at).map(|touch| (name.to_owned(), touch))));
+        all
+    }
+
+    /// `sum_s w_s g(p_s)` over the pressures p of a contact, and its derivatives; `by` gives g and g'. `None` where no contact has that name.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn pressing(
+        &self,
+        at: &Instant,
+        name: &str,
+        by: &dyn Fn(f64) -> [f64; 2],
+    ) -> Option<Result<Pressing, Inadmissible>> {
+        let mut found = None;
+        self.each_touching(at, |own, touches, at| {
+            if own == name {
+                let (mut by_u, mut into) = (vec![0.0; at.u.len()], Sensitivities::zero(self.controls(), at));
+                let value = touches.add_pressing(at, by, &mut by_u, &mut into);
+                found = Some(value.map(|value| Pressing { value, by_u, by_controls: into.controls }));
+            }
+        });
+        found
+    }
+
+    /// What every contact is made of, with its name.
+    pub fn touch_parameters(&self) -> Vec<(String, TouchParameters)> {
+        let own = |c: &Arc<dyn Contribution>| Some((c.name().to_owned(), c.touches()?.parameters()));
+        self.others.iter().filter_map(own).collect()
+    }
+
+    pub(crate) fn each_touching(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Touches, &Instant)) {
+        let Ok(()) = self.each_other(at, |contribution, at| {
+            if let Some(touches) = contribution.touches() {
+                call(contribution.name(), touches, at);
+            }
+            Ok::<(), Infallible>(())
+        });
+    }
+}
