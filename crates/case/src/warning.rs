@@ -283,7 +283,7 @@ pub const NOT_VERIFIED: WarningKind = WarningKind {
 /// The body at rest, or a support, is inside of an obstacle.
 pub const INSIDE_OBSTACLE: WarningKind = WarningKind {
     code: "inside_obstacle",
-    about: "a constraint keeps the body away from an obstacle in which its supports, or the body at rest, already lie",
+    about: "the body at rest, or its supports, lie inside of an obstacle that a constraint keeps it away from, or that it touches",
     advice: "move the obstacle, or name the part of the surface that is free to move",
 };
 

@@ -135,7 +135,7 @@ fn contradictions_between_blocks_are_found() {
         "materials/0/mu1\": \"90 kPa\"",
         "mesh\": \"90 kPa\"",
         ": scenarios/0/set/mesh: \"mesh\" cannot vary between scenarios or load cases, only materials, \
-         supports, springs, loads, actuation, costs can",
+         supports, springs, obstacles, contact, loads, actuation, costs can",
     );
     one(
         COMPLETE,

@@ -21,7 +21,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"optimizer\"",
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
-         mesh, materials, supports, springs, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
+         mesh, materials, supports, springs, obstacles, contact, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
          probes, expect, output, $schema)",
     );
     one(
@@ -183,7 +183,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"kind\": \"smoothed_hausdorff\", ",
         "",
         ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, orientation, curvature, \
-         largest_stretch, compliance, obstacle, control_norm, control_smoothness, \
+         largest_stretch, compliance, contact_force, contact_pressure, obstacle, control_norm, control_smoothness, \
          control_rate, \
          kinetic_energy, actuation_work, pump_work)",
     );

@@ -41,3 +41,12 @@ class ColourMap {
     });
   }
 }
+
+const TARGET_COLOUR = "#ce423a";
+const START_COLOUR = "#7c8794";
+const OBSTACLE_COLOUR = "#9a8f7d";
+
+// Obstacles are shown together with the targets.
+function colourOfTarget(target) {
+  return target.label === "obstacle" ? OBSTACLE_COLOUR : TARGET_COLOUR;
+}

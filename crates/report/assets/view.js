@@ -1,14 +1,5 @@
 // The three-dimensional view: what is chosen in its controls is what is shown.
 
-const TARGET_COLOUR = "#ce423a";
-const START_COLOUR = "#7c8794";
-const OBSTACLE_COLOUR = "#9a8f7d";
-
-// Obstacles are shown together with the targets.
-function colourOfTarget(target) {
-  return target.label === "obstacle" ? OBSTACLE_COLOUR : TARGET_COLOUR;
-}
-
 class View {
   constructor(data, fields) {
     [this.data, this.fields] = [data, fields];

@@ -95,6 +95,8 @@ fn a_slider_slides_against_its_friction_and_says_so() {
     let last = table.lines().last().unwrap().split(',').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>();
     let column = table.lines().next().unwrap().split(',').position(|name| name == "feet.force_x").unwrap();
     assert_eq!(last[column], of("force_x"));
+    let widths: Vec<usize> = table.lines().map(|line| line.split(',').count()).collect();
+    assert!(widths.iter().all(|width| *width == widths[0]), "{widths:?}");
     // more friction than it needs: it stays, and creeps at e (1 - sqrt(1 - 4/(0.8 10)))
     let (_, held) = solve(&with(SLIDER, r#""friction": 0.3"#, r#""friction": 0.8"#));
     let speed = number(&held, "contributions/feet/sliding_speed");
@@ -189,6 +191,8 @@ fn mistakes_get_answers() {
     }
     let answer = problems(&with(BLOCK, r#""obstacle": "floor""#, r#""obstacle": "floor", "mu": 0.3"#));
     assert!(answer.contains("Coulomb's coefficient stands under \"friction\""), "{answer}");
+    let flipped = with(BLOCK, r#""normal": [0, 0, 1]"#, r#""normal": [0, 0, -1]"#);
+    assert!(warnings(&flipped).contains("9.5 mm inside of \"floor\" at (0, 0, 10)"), "{}", warnings(&flipped));
     let table = with(BLOCK, r#""contact": [ { "surface": "z-", "obstacle": "floor" } ],"#, "");
     let table = with(&table, r#""supports": ["#, r#""supports": [ { "surface": "z-", "fix": ["z"] }, "#);
     let table = with(&table, r#""floor", "shape""#, r#""floor", "translation": [0, 0, 1], "shape""#);

@@ -4,15 +4,18 @@ use super::actuation::fix_number;
 use super::context::Context;
 use super::named::attempt;
 use super::{obstacle, place};
-use crate::warning::INPUT;
+use crate::warning::{INPUT, INSIDE_OBSTACLE};
 use nastic_control::Reduced;
 use nastic_fem::{ContactLaw, Solid};
-use nastic_language::schema::{Case, Contact, Fixed, Obstacle, PressureLaw};
+use nastic_language::number::short;
+use nastic_language::schema::{Case, Contact, Fixed, Obstacle, PressureLaw, Shape};
 use nastic_language::syntax::quoted;
 use nastic_mesh::Mesh;
 
 /// The slip speed where none is given: so much of the surface's diagonal over the motion's end.
 const SLIP: f64 = 0.01;
+/// A body may be so deep inside at rest, as a share of the surface's diagonal: as deep as the layer is thick.
+const INSIDE: f64 = 1.0 / 500.0;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for contact in &case.contact {
@@ -23,6 +26,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         }
         if let Some(built) = build(case, contact, touched, &mesh, context) {
             attempt(solid, &contact.at, context, |solid| solid.contact(built));
+            check_outside(case, (contact, touched), &mesh, context);
         }
     }
     for untouched in
@@ -60,6 +64,33 @@ fn build(
         }
         _ => built,
     })
+}
+
+/// Warns of a body at rest that reaches deeper into an obstacle which does not move than a contact bears, also where no surface touches it.
+fn check_outside(case: &Case, (contact, touched): (&Contact, &Obstacle), mesh: &Mesh, context: &mut Context<'_>) {
+    let pose = ["translation", "rotation"].map(|part| format!("{}.{part}", touched.name));
+    if touched.pose().next().is_some() || case.controls.iter().any(|control| pose.contains(&control.of)) {
+        return;
+    }
+    let Some(shape) = obstacle::build((&touched.shape, touched.rounding), context) else { return };
+    let depths = mesh.points().iter().map(|x| (-shape.distance(x), x));
+    let Some((depth, place)) = depths.max_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+    if depth > contact.thickness.unwrap_or_else(|| INSIDE * diagonal(mesh, contact)) {
+        let unit = context.units.length().symbol;
+        let place: Vec<String> = place[..mesh.dim()].iter().map(|x| short(*x)).collect();
+        let normal = if matches!(touched.shape, Shape::HalfSpace(_)) {
+            "; its normal points to where the body belongs"
+        } else {
+            ""
+        };
+        let message = format!(
+            "the body at rest is {} {unit} inside of {} at ({}): move one of them{normal}",
+            short(depth),
+            quoted(&touched.name),
+            place.join(", ")
+        );
+        context.warn(&INSIDE_OBSTACLE, &contact.at.key("obstacle"), message);
+    }
 }
 
 /// Of the surface's bounding box.

@@ -1,8 +1,8 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
 use super::{
-    Compliance, ControlNorm, ControlSmoothness, Cost, CostForm, Curvature, IntoCost, LargestStretch, MeanPosition,
-    ObstaclePenetration, Orientation, PumpWork, SmoothedHausdorff, Target, Tracking, pump_work,
+    Compliance, ContactLoad, ControlNorm, ControlSmoothness, Cost, CostForm, Curvature, IntoCost, LargestStretch,
+    MeanPosition, ObstaclePenetration, Orientation, PumpWork, SmoothedHausdorff, Target, Tracking, pump_work,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -88,6 +88,20 @@ pub const CATALOGUE: &[CostRow] = &[
         },
     },
     CostRow {
+        name: "contact_force",
+        about: "the force that a contact presses with",
+        form: None,
+        second: false,
+        examples: |on| contact_load(on, ContactLoad::force),
+    },
+    CostRow {
+        name: "contact_pressure",
+        about: "a smoothed largest pressure of a contact",
+        form: None,
+        second: false,
+        examples: |on| contact_load(on, |contact| ContactLoad::pressure(contact, 2)),
+    },
+    CostRow {
         name: "smoothed_hausdorff",
         about: "smoothed Hausdorff distance of the deformed body from a target domain",
         form: None,
@@ -161,6 +175,12 @@ fn position(on: &CostExample) -> Bound {
 fn orientation(on: &CostExample) -> Bound {
     let surface = on.solid.mesh().surfaces().keys().next_back().cloned().unwrap_or_default();
     Ok(vec![Orientation::surface(&surface, [0.8, 0.3, 0.0]).weight(on.weight).bind(on.solid)?])
+}
+
+/// Of every contact of the body: none where it touches nothing.
+fn contact_load(on: &CostExample, of: impl Fn(&str) -> ContactLoad) -> Bound {
+    let contacts = on.solid.model().touch_parameters();
+    contacts.iter().map(|(name, _)| of(name).weight(on.weight).bind(on.solid)).collect()
 }
 
 fn curvature(on: &CostExample) -> Bound {

@@ -249,10 +249,14 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
         let brief = SolveOptions { max_newton: how.max_newton.min(GUESS), ..how.clone() };
-        if how.near.is_some_and(|near| !self.bears(near, (controls, guess), (how, time_step))) {
+        let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
+        let is_borne = match how.near {
+            Some(near) => self.bears(near, (controls, guess), (how, time_step)),
+            None => newton.admissible_chord(guess, guess).is_ok(),
+        };
+        if !is_borne {
             return Ok(None);
         }
-        let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
         let mut u = guess.to_vec();
         match newton.solve(&mut u, self.linear_solver(how, workspace), report) {
             Ok(_) => {

@@ -18,7 +18,7 @@ mod tests {
     use crate::schema::hints::HINTS;
 
     /// Names that examples give to groups and actuations, and values.
-    const EXAMPLES: [&str; 8] = ["clamp", "body", "air", "chamber", "tip", "NAME", "X", "Y"];
+    const EXAMPLES: [&str; 10] = ["clamp", "body", "air", "chamber", "tip", "floor", "skin", "NAME", "X", "Y"];
 
     #[test]
     fn hints_name_what_there_is() {

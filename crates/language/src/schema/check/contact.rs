@@ -12,7 +12,9 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
     let mut named: Vec<(&str, At)> = Vec::new();
     for contact in &blocks.contact {
         named.push((&contact.obstacle, contact.at.key("obstacle")));
-        if contact.slip_speed.is_some() && contact.friction.is_none() {
+        // one that could not be read was complained about
+        let given = reader.document.root().find(contact.at.key("friction").as_str()).is_some();
+        if contact.slip_speed.is_some() && contact.friction.is_none() && !given {
             let message = "the slip speed of a contact without friction: give \"friction\", or leave this out";
             reader.complain_at(&contact.at.key("slip_speed"), message);
         }

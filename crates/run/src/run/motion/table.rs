@@ -130,20 +130,21 @@ fn is_uniform(block: &ControlBlock) -> bool {
     block.size() == block.components
 }
 
-/// What contributions report of a state, and of the step that led there: friction depends on velocities.
+/// What contributions report of a state; of contacts, whose friction depends on velocities, in the step that led there.
 fn quantities(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, &'static str, f64)> {
-    in_step(before, state, |at| member.solid().model().quantities(at).unwrap_or_default())
+    let mut all = member.solid().model().quantities(&Instant::of(state)).unwrap_or_default();
+    for (name, touch) in touches(member, before, state) {
+        let own = touch.quantities(member.mesh().dim());
+        let of_contact = all.iter_mut().filter(|(of, ..)| *of == name);
+        of_contact.zip(own).for_each(|((.., known), (_, value))| *known = value);
+    }
+    all
 }
 
 /// What every contact carries in a state, and in the step that led there.
 pub(super) fn touches(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, Touch)> {
-    in_step(before, state, |at| member.solid().model().touches(at))
-}
-
-fn in_step<T>(before: Option<&State>, state: &State, ask: impl Fn(&Instant) -> T) -> T {
-    let step = before.map(|before| TimeStep::between(before, state));
-    let at = Instant::of(state);
-    ask(&step.as_ref().map_or(at, |step| at.in_step(step)))
+    let (step, at) = (before.map(|before| TimeStep::between(before, state)), Instant::of(state));
+    member.solid().model().touches(&step.as_ref().map_or(at, |step| at.in_step(step)))
 }
 
 /// Kinetic energy, and the potential of stresses, actuations and loads.
