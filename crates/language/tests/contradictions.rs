@@ -216,7 +216,7 @@ fn contradictions_between_blocks_are_found() {
         MAGNETS,
         "\"max_norm\": \"20 mT\"",
         "\"upper\": \"20 mT\"",
-        "\"magnet.field\" is a vector: give \"norm\" or \"max_norm\"",
+        "\"magnet.field\" is a vector: give two or three entries, or \"norm\" or \"max_norm\"",
     );
     one(MAGNETS, "\"lower\": \"-1 kPa\"", "\"norm\": \"1 mT\"", "\"muscle\" is a scalar: give \"lower\" and \"upper\"");
     one(MAGNETS, "\"lower\": \"-1 kPa\"", "\"direction\": [1, 0]", "\"muscle\" is a scalar, it has no direction");
