@@ -18,7 +18,7 @@ rm -rf "$out"/case_*
 mkdir -p "$out"
 
 # Longer than 30 s; the others are run by --quick too.
-slow_cases=(petal walk lift)
+slow_cases=(petal walk lift lift_block)
 # These end at their limit of iterations, exit code 4.
 limited_cases=(walk lift crawler)
 slow_examples=(robust_turgor t_magnet petal)
