@@ -11,7 +11,7 @@
 
 mod common;
 
-use common::Arguments;
+use common::{Arguments, between, pick};
 use nastic::energy::magnet::VACUUM_PERMEABILITY;
 use nastic::fem::{Controls, SolveOptions};
 use nastic::numeric::Random;
@@ -82,15 +82,6 @@ fn main() -> Result<(), Failure> {
         newton.last().copied().unwrap_or(0)
     );
     Ok(())
-}
-
-/// Uniform on (low, high).
-fn between(random: &mut Random, low: f64, high: f64) -> f64 {
-    low + 0.5 * (1.0 + random.symmetric()) * (high - low)
-}
-
-fn pick<T: Copy>(random: &mut Random, all: &[T]) -> T {
-    all[(between(random, 0.0, all.len() as f64) as usize).min(all.len() - 1)]
 }
 
 fn problem(seed: u64, index: u64, beta: f64) -> Result<Problem, Failure> {

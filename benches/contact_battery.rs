@@ -10,7 +10,7 @@
 
 mod common;
 
-use common::Arguments;
+use common::{Arguments, between, pick};
 use nastic::fem::time::catalogue::SCHEMES;
 use nastic::fem::{Contact, Controls, Instant as At, SolveOptions, State, StepTo, Trajectory, Workspace};
 use nastic::mesh::spatial::Obstacle;
@@ -103,15 +103,6 @@ fn solve(problem: &Problem) -> Result<(State, usize), Failure> {
     solid.model().advance(&mut trajectory, &(row.build)()?, &steps, &how, &mut Workspace::default())?;
     let newton = trajectory.states().iter().skip(1).map(|state| state.report.newton).sum();
     Ok((trajectory.end().clone(), newton))
-}
-
-/// Uniform on (low, high).
-fn between(random: &mut Random, low: f64, high: f64) -> f64 {
-    low + 0.5 * (1.0 + random.symmetric()) * (high - low)
-}
-
-fn pick<T: Copy>(random: &mut Random, all: &[T]) -> T {
-    all[(between(random, 0.0, all.len() as f64) as usize).min(all.len() - 1)]
 }
 
 fn problem(seed: u64, index: u64) -> Result<Problem, Failure> {

@@ -5,6 +5,7 @@
 pub mod process;
 
 use nastic::fem::Controls;
+use nastic::numeric::Random;
 use nastic::prelude::*;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -45,6 +46,16 @@ impl Arguments {
         let threads = self.number("threads", 0)?;
         Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?)
     }
+}
+
+/// Uniform on (low, high).
+pub fn between(random: &mut Random, low: f64, high: f64) -> f64 {
+    low + 0.5 * (1.0 + random.symmetric()) * (high - low)
+}
+
+/// One of them, each as likely.
+pub fn pick<T: Copy>(random: &mut Random, all: &[T]) -> T {
+    all[(between(random, 0.0, all.len() as f64) as usize).min(all.len() - 1)]
 }
 
 pub fn threads() -> usize {

@@ -2,20 +2,26 @@
 
 use nastic_control::{COSTS, Cost, CostContext, CostExample, Partials, Reduced, Space};
 use nastic_energy::{FiberTension, MooneyRivlin};
-use nastic_fem::{Solid, State};
+use nastic_fem::{Contact, Solid, State};
+use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Bounds, Objective, Taylor, Verdict};
 use nastic_tensor::Vec3;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
-/// Two bodies, their control not yet among their costs.
+/// Two bodies below a ceiling that they touch, their control not yet among their costs.
 fn bodies() -> Outcome<Vec<Reduced>> {
     let body = |kind: CellKind, n: usize| -> Outcome<Reduced> {
         let solid = Solid::new(box_mesh([1.0, 0.2, 0.2], [4 * n, n, n], kind)?)?
             .material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?
             .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
-            .clamp("x-")?;
+            .clamp("x-")?
+            .contact(
+                Contact::of("ceiling", "z+", Obstacle::half_space([0.0, 0.0, 0.23], [0.0, 0.0, -1.0]))
+                    .thickness(0.05)
+                    .stiffness(3e3),
+            )?;
         Ok(Reduced::new(solid).control("tension", Space::Cell)?)
     };
     Ok(vec![body(CellKind::Hex8, 2)?, body(CellKind::Tet10, 1)?])
@@ -26,6 +32,7 @@ fn each(weight: f64, mut check: impl FnMut(&Reduced, &dyn Cost, &str) -> Outcome
     for body in bodies()? {
         for row in COSTS {
             let on = CostExample { solid: body.solid(), control: "tension", weight };
+            assert!(!(row.examples)(&on)?.is_empty(), "{}", row.name);
             for (k, cost) in (row.examples)(&on)?.iter().enumerate() {
                 assert_eq!(cost.name(), row.name);
                 assert!(cost.stages() >= 1, "{}", row.name);

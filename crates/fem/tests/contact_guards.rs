@@ -132,3 +132,20 @@ fn a_dragged_strip_coasts() -> Outcome {
     assert!(newton(&trajectory) < 400, "{}", newton(&trajectory));
     Ok(())
 }
+
+/// A plate that is pressed into a block by a quarter of its height in one solve, a hundred times the layer: the block follows it from load step to load
+/// step.
+#[test]
+fn load_steps_follow_a_plate_that_moves_far() -> Outcome {
+    let plate = Obstacle::half_space([0.0, 1.05, 0.0], [0.1, -1.0, 0.0]);
+    let solid = Solid::new(regular(CellKind::Quad4, [1.0, 1.0, 0.0], [6, 6, 1])?)?
+        .material("body", NeoHooke::from_young_poisson(5e4, 0.3)?)?
+        .clamp("y-")?
+        .contact(Contact::of("plate", "y+", plate))?;
+    let mut controls = solid.controls();
+    controls.values_mut(0)[1] = -0.3;
+    let state = solid.solve(&controls, &SolveOptions::default())?;
+    assert!(quantity(&solid, &state, "force_y") < -5e3, "{}", quantity(&solid, &state, "force_y"));
+    assert!(state.report.newton < 250, "{} Newton iterations", state.report.newton);
+    Ok(())
+}

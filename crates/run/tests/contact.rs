@@ -109,6 +109,8 @@ fn friction_needs_time() {
     let case = with(BLOCK, r#""obstacle": "floor""#, r#""obstacle": "floor", "friction": 0.3"#);
     let told = problems(&case);
     assert!(told.contains("contact/0/friction") && told.contains("quasi_static"), "{told}");
+    let told = problems(&with(SLIDER, r#", "start": "rest""#, ""));
+    assert!(told.contains("the motion would begin at one: give \"start\": \"rest\""), "{told}");
 }
 
 #[test]

@@ -111,8 +111,18 @@ fn a_motion_that_was_stopped_goes_on_with_the_same_bits() {
         r#""scenarios": [ { "name": "soft", "probability": 0.5, "set": { "materials/0/young": "0.2 MPa" } },
                          { "name": "hard", "probability": 0.5 } ], "costs""#,
     );
+    // friction depends on the step that led to a state
+    let rubbed = with(
+        PULLED,
+        r#""supports""#,
+        r#""loads": [ { "gravity": [0, 0, "-9.81 m/s^2"] } ],
+  "obstacles": [ { "name": "floor", "shape": { "half_space": { "point": [0, 0, 0], "normal": [0, 0, 1] } } } ],
+  "contact": [ { "name": "sole", "surface": "z-", "obstacle": "floor", "friction": 0.5 } ],
+  "supports""#,
+    );
+    let rubbed = with(&rubbed, r#""scheme": "bdf2""#, r#""scheme": "backward_euler", "start": "rest""#);
     // of steps that are found the first half of the iterations, and more, belongs to that
-    for (case, share) in [(PULLED, 0.5), (&tolerance, 0.8), (PULLED, 0.02)] {
+    for (case, share) in [(PULLED, 0.5), (&tolerance, 0.8), (&rubbed, 0.5), (PULLED, 0.02)] {
         let (whole, place) = (Place::new(), Place::new());
         let (expected, iterations) = solve(&whole, case, usize::MAX);
         let expected = expected.unwrap();

@@ -10,12 +10,10 @@ use nastic_fem::{ContactLaw, Solid};
 use nastic_language::number::short;
 use nastic_language::schema::{Case, Contact, Fixed, Obstacle, PressureLaw, Shape};
 use nastic_language::syntax::quoted;
-use nastic_mesh::Mesh;
+use nastic_mesh::{Mesh, spatial};
 
 /// The slip speed where none is given: so much of the surface's diagonal over the motion's end.
 const SLIP: f64 = 0.01;
-/// A body may be so deep inside at rest, as a share of the surface's diagonal: as deep as the layer is thick.
-const INSIDE: f64 = 1.0 / 500.0;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for contact in &case.contact {
@@ -24,10 +22,10 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         if place::facets(&mesh, &contact.surface, &contact.at.key("surface"), context).is_none() {
             continue;
         }
-        if let Some(built) = build(case, contact, touched, &mesh, context) {
-            attempt(solid, &contact.at, context, |solid| solid.contact(built));
-            check_outside(case, (contact, touched), &mesh, context);
-        }
+        let Some(shape) = obstacle::build((&touched.shape, touched.rounding), context) else { continue };
+        let built = build(case, (contact, touched), shape.clone(), &mesh);
+        attempt(solid, &contact.at, context, |solid| solid.contact(built));
+        check_outside(case, (contact, touched), (&shape, solid), context);
     }
     for untouched in
         case.obstacles.iter().filter(|own| !case.contact.iter().any(|contact| contact.obstacle == own.name))
@@ -41,12 +39,10 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
 
 fn build(
     case: &Case,
-    contact: &Contact,
-    touched: &Obstacle,
+    (contact, touched): (&Contact, &Obstacle),
+    shape: spatial::Obstacle,
     mesh: &Mesh,
-    context: &mut Context<'_>,
-) -> Option<nastic_fem::Contact> {
-    let shape = obstacle::build((&touched.shape, touched.rounding), context)?;
+) -> nastic_fem::Contact {
     let law = match contact.law {
         PressureLaw::Cubic => ContactLaw::Cubic,
         PressureLaw::Log => ContactLaw::Log,
@@ -57,25 +53,31 @@ fn build(
     let built = contact.stiffness.into_iter().fold(built, nastic_fem::Contact::stiffness);
     let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));
     let built = touched.centre.iter().fold(built, |built, centre| built.about(centre.xyz()));
-    Some(match (contact.friction, &case.time) {
+    match (contact.friction, &case.time) {
         (Some(friction), Some(time)) => {
             let speed = contact.slip_speed.unwrap_or_else(|| SLIP * diagonal(mesh, contact) / time.end);
             built.friction(friction, speed)
         }
         _ => built,
-    })
+    }
 }
 
 /// Warns of a body at rest that reaches deeper into an obstacle which does not move than a contact bears, also where no surface touches it.
-fn check_outside(case: &Case, (contact, touched): (&Contact, &Obstacle), mesh: &Mesh, context: &mut Context<'_>) {
+fn check_outside(
+    case: &Case,
+    (contact, touched): (&Contact, &Obstacle),
+    (shape, solid): (&spatial::Obstacle, &Solid),
+    context: &mut Context<'_>,
+) {
     let pose = ["translation", "rotation"].map(|part| format!("{}.{part}", touched.name));
     if touched.pose().next().is_some() || case.controls.iter().any(|control| pose.contains(&control.of)) {
         return;
     }
-    let Some(shape) = obstacle::build((&touched.shape, touched.rounding), context) else { return };
+    let (mesh, name) = (solid.mesh(), contact.name());
+    let layer = solid.model().touch_parameters().into_iter().find(|(own, _)| *own == name);
     let depths = mesh.points().iter().map(|x| (-shape.distance(x), x));
-    let Some((depth, place)) = depths.max_by(|a, b| a.0.total_cmp(&b.0)) else { return };
-    if depth > contact.thickness.unwrap_or_else(|| INSIDE * diagonal(mesh, contact)) {
+    let (Some((depth, place)), Some((_, layer))) = (depths.max_by(|a, b| a.0.total_cmp(&b.0)), layer) else { return };
+    if depth > layer.thickness {
         let unit = context.units.length().symbol;
         let place: Vec<String> = place[..mesh.dim()].iter().map(|x| short(*x)).collect();
         let normal = if matches!(touched.shape, Shape::HalfSpace(_)) {

@@ -5,6 +5,7 @@ use crate::error::ControlError;
 use crate::layout::Layout;
 use nastic_fem::{Controls, Instant, Solid};
 use nastic_numeric::vector::axpy;
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// The force that a contact presses with, or a smoothed maximum of its pressure:
@@ -47,21 +48,23 @@ impl IntoCost for ContactLoad {
         check_weight(name, self.weight)?;
         let refuse = |what: String| ControlError::Cost { what };
         let known = solid.model().touch_parameters();
-        if !known.iter().any(|(own, _)| *own == self.contact) {
+        let Some((_, own)) = known.iter().find(|(own, _)| *own == self.contact) else {
             let names: Vec<String> = known.iter().map(|(own, _)| format!("\"{own}\"")).collect();
             let there = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
             return Err(refuse(format!("{name}: no contact \"{}\"; {there}", self.contact)));
-        }
+        };
         if self.exponent == Some(0) {
             return Err(refuse(format!("{name}: the exponent is 0; it is 1 or more")));
         }
-        Ok(Box::new(Bound { of: self, name }))
+        Ok(Box::new(Bound { area: own.area, of: self, name }))
     }
 }
 
 #[derive(Debug)]
 struct Bound {
     of: ContactLoad,
+    /// Of the surface.
+    area: f64,
     name: &'static str,
 }
 
@@ -90,26 +93,23 @@ impl Cost for Bound {
         };
         let (instant, model) = (Instant::new(at.u, &controls, 1.0), at.solid.model());
         let gone = || ControlError::Cost { what: format!("{}: no contact \"{}\"", self.name, self.of.contact) };
-        let touch = model.touches(&instant).into_iter().find(|(name, _)| *name == self.of.contact);
-        let (largest, force) = touch.map_or((0.0, 0.0), |(_, touch)| (touch.largest_pressure, touch.pressing));
         let pressing = |by: &dyn Fn(f64) -> [f64; 2]| model.pressing(&instant, &self.of.contact, by).ok_or_else(gone);
-        let weight = self.of.weight;
+        let (weight, most) = (self.of.weight, Cell::new(0.0_f64));
+        let of_force = pressing(&|p| {
+            most.set(most.get().max(p));
+            [p, 1.0]
+        })??;
+        let (force, largest) = (of_force.value, most.get());
         let (found, value, factor) = match self.of.exponent {
-            None => {
-                let found = pressing(&|p| [p, 1.0])??;
-                let value = weight * found.value;
-                (found, value, weight)
-            }
+            None => (of_force, weight * force, weight),
             Some(q) => {
                 let (power, scale) = (2 * q as i32, if largest > 0.0 { largest } else { 1.0 });
                 let found = pressing(&|p| {
                     let x = p / scale;
                     [x.powi(power), f64::from(power) * x.powi(power - 1) / scale]
                 })??;
-                let area = model.touch_parameters().into_iter().find(|(name, _)| *name == self.of.contact);
-                let mean = found.value / area.ok_or_else(gone)?.1.area;
-                let value = weight * scale * mean.powf(1.0 / f64::from(power));
-                let factor = if mean > 0.0 { value / (f64::from(power) * found.value) } else { 0.0 };
+                let value = weight * scale * (found.value / self.area).powf(1.0 / f64::from(power));
+                let factor = if found.value > 0.0 { value / (f64::from(power) * found.value) } else { 0.0 };
                 (found, value, factor)
             }
         };

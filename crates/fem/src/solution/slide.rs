@@ -25,8 +25,7 @@ const NEAR: f64 = 0.1;
 impl Model {
     /// The end of a step with friction: from its beginning at once, else by rounds in each of which the normal forces of friction are those
     /// of the round before (at first those where the step begins), which is the minimum of a potential, with a larger slip speed where that is
-    /// not found; `None` without friction, and where
-    /// neither leads there.
+    /// not found; `None` without friction, and where neither leads there.
     ///
     /// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020), section 5.5, there with a fixed number of rounds; here
     /// Newton's method ends them, with implicit friction.

@@ -4,7 +4,7 @@ use crate::schema::check::{Blocks, block};
 use crate::schema::control::{Bound, Control, Start};
 use crate::schema::optimizer::{Optimizer, Unstable};
 use crate::schema::read::Reader;
-use crate::schema::time::{MOST_STEPS, Time};
+use crate::schema::time::{Beginning, MOST_STEPS, Time};
 use crate::syntax::At;
 use nastic_fem::Scheme;
 
@@ -30,7 +30,7 @@ fn check_static(blocks: &Blocks, reader: &mut Reader<'_>) {
     }
     for contact in blocks.contact.iter().filter(|contact| contact.friction.is_some()) {
         let message = "with friction an equilibrium depends on the way to it, and the case is static: give \"time\": { \"end\": \"1 s\", \"step\": \
-                       \"10 ms\", \"scheme\": \"quasi_static\" } with loads that grow, or leave this out";
+                       \"10 ms\", \"start\": \"rest\", \"scheme\": \"quasi_static\" } with loads that grow, or leave this out";
         reader.complain_at(&contact.at.key("friction"), message);
     }
     let costs = blocks.costs.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.costs));
@@ -45,6 +45,12 @@ fn check_static(blocks: &Blocks, reader: &mut Reader<'_>) {
 }
 
 fn check_motion(time: &Time, blocks: &Blocks, reader: &mut Reader<'_>) {
+    for contact in blocks.contact.iter().filter(|contact| contact.friction.is_some()) {
+        if time.start == Beginning::Equilibrium {
+            let message = "with friction an equilibrium depends on the way to it, and the motion would begin at one: give \"start\": \"rest\" in \"time\"";
+            reader.complain_at(&contact.at.key("friction"), message);
+        }
+    }
     for control in controls(blocks) {
         let start = control.start.as_ref().is_some_and(Start::uses_time);
         let bound = |bound: &Option<Bound>| bound.as_ref().is_some_and(Bound::uses_time);
