@@ -131,6 +131,10 @@ impl LinearSolver for SilentSolver {
         self.0.bytes()
     }
 
+    fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
+        Box::new(SilentSolver(self.0.anew(structure)))
+    }
+
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(SilentSolver(self.0.boxed_clone()))
     }

@@ -111,6 +111,14 @@ pub enum FactorError {
     /// Matrix and symbolic factorisation belong to different patterns.
     #[error("the matrix belongs to another pattern than the symbolic factorisation")]
     ForeignPattern,
+    /// Blocks beyond the pattern have no place in a factor.
+    #[error(
+        "{blocks} blocks of the matrix are beyond its pattern; join them to a structure (JoinedStructure) and factorise that"
+    )]
+    Beyond {
+        /// How many.
+        blocks: usize,
+    },
     /// The matrix is not symmetric.
     #[error("the matrix is not symmetric; factorise its symmetric part, or use the general solver")]
     NotSymmetric,

@@ -137,6 +137,9 @@ impl Factor {
         if !Arc::ptr_eq(matrix.pattern(), pattern) || matrix.values.len() != pattern.values() {
             return Err(FactorError::ForeignPattern);
         }
+        if !matrix.beyond().is_empty() {
+            return Err(FactorError::Beyond { blocks: matrix.beyond().len() });
+        }
         if !matrix.is_symmetric() {
             return Err(FactorError::NotSymmetric);
         }

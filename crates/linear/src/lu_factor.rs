@@ -100,6 +100,9 @@ impl LuFactor {
         if !Arc::ptr_eq(matrix.pattern(), analysis.structure.pattern()) {
             return Err(FactorError::ForeignPattern);
         }
+        if !matrix.beyond().is_empty() {
+            return Err(FactorError::Beyond { blocks: matrix.beyond().len() });
+        }
         matrix.check_finite()?;
         memory::check("an LU factorisation of the tangent", predicted_bytes(&analysis.structure))?;
         let params = Spec::<PartialPivLuParams, f64>::default();

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::element_block::ElementBlock;
 use super::error::{FactorError, NotCoupled};
 use super::pattern::Pattern;
 use super::skew;
@@ -22,7 +23,8 @@ pub enum Symmetry {
     General,
 }
 
-/// A sparse matrix `A = S + W`, S symmetric and W skew; see [`Pattern`] for the layout of either. Most have no W.
+/// A sparse matrix `A = S + W + sum_e E_e`, S symmetric and W skew; see [`Pattern`] for the layout of either. Most have no W. The E are
+/// blocks [beyond the pattern](Self::add_beyond); most matrices have none.
 #[derive(Clone, Debug)]
 pub struct SparseMatrix {
     pattern: Arc<Pattern>,
@@ -30,18 +32,19 @@ pub struct SparseMatrix {
     pub values: Vec<f64>,
     /// Those of the skew part, where there is one: block `(i, j)`, `i >= j`; `W_ji = -W_ij^T`.
     skew: Option<Vec<f64>>,
+    beyond: Vec<ElementBlock>,
 }
 
 impl SparseMatrix {
     /// The zero matrix.
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
         let values = vec![0.0; pattern.values()];
-        Self { pattern, values, skew: None }
+        Self { pattern, values, skew: None, beyond: Vec::new() }
     }
 
     /// A matrix that stores nothing, where products stand for it.
     pub fn without_values(pattern: Arc<Pattern>) -> Self {
-        Self { pattern, values: Vec::new(), skew: None }
+        Self { pattern, values: Vec::new(), skew: None, beyond: Vec::new() }
     }
 
     /// The zero matrix of a symmetry: a general one has room for a skew part.
@@ -58,7 +61,8 @@ impl SparseMatrix {
     /// The symmetric part, `(A + A^T) / 2`.
     #[must_use]
     pub fn symmetric_part(&self) -> SparseMatrix {
-        SparseMatrix { pattern: self.pattern.clone(), values: self.values.clone(), skew: None }
+        let beyond = self.beyond.iter().map(ElementBlock::symmetric_part).collect();
+        SparseMatrix { pattern: self.pattern.clone(), values: self.values.clone(), skew: None, beyond }
     }
 
     /// `A_ab += E_ab` for every pair of some nodes: `element` has the `n = dim * nodes` rows of a dense matrix one after the
@@ -73,6 +77,36 @@ impl SparseMatrix {
         Ok(())
     }
 
+    /// The same for nodes whose pairs the pattern may lack, because they change with the state: a block of its own, which products have in
+    /// them and a factor only of a matrix that it was [joined](crate::JoinedStructure) to.
+    pub fn add_beyond(&mut self, nodes: &[u32], element: Vec<f64>) {
+        debug_assert_eq!(element.len(), (self.pattern.dim() * nodes.len()).pow(2));
+        self.beyond.push(ElementBlock { nodes: nodes.to_vec(), entries: element });
+    }
+
+    /// The blocks beyond the pattern.
+    pub fn beyond(&self) -> &[ElementBlock] {
+        &self.beyond
+    }
+
+    /// Takes the values of the pattern of another matrix, block by block, at the blocks with these codes.
+    pub(crate) fn copy_blocks(&mut self, from: &SparseMatrix, codes: &[u32]) {
+        let dim = self.pattern.dim();
+        let copy = |into: &mut [f64], from: &[f64], sign: f64| {
+            for (block, &code) in from.chunks_exact(dim * dim).zip(codes) {
+                let into = &mut into[dim * dim * (code >> 1) as usize..][..dim * dim];
+                match code & 1 {
+                    0 => into.copy_from_slice(block),
+                    _ => (0..dim * dim).for_each(|at| into[at] = sign * block[dim * (at % dim) + at / dim]),
+                }
+            }
+        };
+        copy(&mut self.values, &from.values, 1.0);
+        if let (Some(into), Some(from)) = (&mut self.skew, &from.skew) {
+            copy(into, from, -1.0);
+        }
+    }
+
     /// Adds an element matrix: see [`Pattern::scatter`] for the arguments. All of it is read where the matrix is general;
     /// of a symmetric one it must be symmetric.
     pub fn add_element(&mut self, map: &[u32], element: &[f64]) {
@@ -82,11 +116,13 @@ impl SparseMatrix {
         skew::scatter(self.pattern.dim(), map, &antisymmetric, skew);
     }
 
-    /// The matrix of the absolute values of the symmetric part, `|S|_ij = |S_ij|`.
+    /// The matrix of the absolute values of the symmetric part, `|S|_ij = |S_ij|`; blocks beyond the pattern each by itself, which
+    /// bounds it.
     #[must_use]
     pub fn magnitudes(&self) -> SparseMatrix {
         let values = self.values.iter().map(|value| value.abs()).collect();
-        SparseMatrix { pattern: self.pattern.clone(), values, skew: None }
+        let beyond = self.beyond.iter().map(|block| block.symmetric_part().map(f64::abs)).collect();
+        SparseMatrix { pattern: self.pattern.clone(), values, skew: None, beyond }
     }
 
     /// Its pattern.
@@ -97,15 +133,17 @@ impl SparseMatrix {
     /// Sets all values to zero.
     pub fn clear(&mut self) {
         self.values.fill(0.0);
+        self.beyond.clear();
         if let Some(skew) = &mut self.skew {
             skew.fill(0.0);
         }
     }
 
-    /// Entry `(row, column)`, dofs by mesh node; zero outside the pattern.
+    /// Entry `(row, column)`, dofs by mesh node; zero where nothing was added.
     pub fn get(&self, row: usize, column: usize) -> f64 {
         let symmetric = self.pattern.value_index(row, column).map_or(0.0, |at| self.values[at]);
-        symmetric + self.skew.as_ref().map_or(0.0, |skew| skew::entry(&self.pattern, skew, row, column))
+        let beyond: f64 = self.beyond.iter().map(|block| block.entry(self.pattern.dim(), row, column)).sum();
+        symmetric + beyond + self.skew.as_ref().map_or(0.0, |skew| skew::entry(&self.pattern, skew, row, column))
     }
 
     /// Entry `(r, c)` of the stored block of a number, or of its mirror image in the other triangle.
@@ -127,6 +165,7 @@ impl SparseMatrix {
         if let Some(skew) = &self.skew {
             skew::add_product(&self.pattern, skew, 1.0, x, y);
         }
+        self.beyond.iter().for_each(|block| block.add_product(self.pattern.dim(), x, y, false));
     }
 
     /// `y = A^T x`.
@@ -135,6 +174,7 @@ impl SparseMatrix {
         if let Some(skew) = &self.skew {
             skew::add_product(&self.pattern, skew, -1.0, x, y);
         }
+        self.beyond.iter().for_each(|block| block.add_product(self.pattern.dim(), x, y, true));
     }
 
     fn multiply_symmetric(&self, x: &[f64], y: &mut [f64], parallel: bool) {
@@ -247,6 +287,7 @@ impl SparseMatrix {
     /// Whoever prescribes values other than zero moves `A x` to the right-hand side first.
     pub fn eliminate(&mut self, fixed: &[bool], diagonal: f64) {
         let dim = self.pattern.dim();
+        self.beyond.iter_mut().for_each(|block| block.eliminate(dim, fixed));
         let pattern = Arc::clone(&self.pattern);
         let old = pattern.ordering().new_to_old();
         let is_fixed: Vec<&[bool]> = old.iter().map(|&node| &fixed[dim * node as usize..][..dim]).collect();
@@ -281,6 +322,13 @@ impl SparseMatrix {
                 diagonal[dim * node as usize + c] = self.values[dim * dim * first + (dim + 1) * c];
             }
         }
+        self.beyond.iter().for_each(|block| {
+            block.each(dim, |i, j, value| {
+                if i == j {
+                    diagonal[i] += value
+                }
+            })
+        });
         diagonal
     }
 
@@ -289,6 +337,7 @@ impl SparseMatrix {
     /// # Errors
     /// [`NotCoupled`] where this pattern lacks a coupling at which B is not zero; A is then of no use.
     pub fn add_scaled(&mut self, factor: f64, other: &SparseMatrix) -> Result<(), NotCoupled> {
+        self.beyond.extend(other.beyond.iter().map(|block| block.map(|entry| factor * entry)));
         if Arc::ptr_eq(&self.pattern, &other.pattern) {
             self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
             return Ok(());
@@ -317,6 +366,7 @@ impl SparseMatrix {
         if let (Some(into), Some(from)) = (&mut self.skew, &other.skew) {
             add(into, from);
         }
+        self.beyond.extend(other.beyond.iter().map(|block| block.widened(dim, components)));
     }
 
     /// Adds `shift` times the identity.
@@ -339,7 +389,8 @@ impl SparseMatrix {
         }
     }
 
-    /// The largest row sum of absolute values of the symmetric part, `|S|_inf = |S|_1`.
+    /// The largest row sum of absolute values of the symmetric part, `|S|_inf = |S|_1`; a bound of it where there are blocks beyond the
+    /// pattern.
     pub fn norm(&self) -> f64 {
         let mut sums = vec![0.0; self.pattern.dofs()];
         let dim = self.pattern.dim();
@@ -349,6 +400,9 @@ impl SparseMatrix {
                 sums[column] += value.abs();
             }
         });
+        for block in self.beyond.iter().map(ElementBlock::symmetric_part) {
+            block.each(dim, |row, _, value| sums[row] += value.abs());
+        }
         sums.into_iter().fold(0.0, f64::max)
     }
 
@@ -358,7 +412,7 @@ impl SparseMatrix {
     /// [`FactorError::NotFinite`] with the first offender in mesh numbering.
     pub fn check_finite(&self) -> Result<(), FactorError> {
         // A sum is NaN or infinite as soon as one addend is; it overflows only for numbers that are useless anyway.
-        let skew = self.skew.iter().flatten().sum::<f64>();
+        let skew = self.skew.iter().flatten().chain(self.beyond.iter().flat_map(|block| &block.entries)).sum::<f64>();
         if self.values.iter().sum::<f64>().is_finite() && skew.is_finite() {
             return Ok(());
         }

@@ -127,7 +127,7 @@ impl Pattern {
         Ok(map)
     }
 
-    fn block_code(&self, a: u32, b: u32) -> Result<u32, NotCoupled> {
+    pub(crate) fn block_code(&self, a: u32, b: u32) -> Result<u32, NotCoupled> {
         let new = |node: u32| self.ordering.old_to_new().get(node as usize).copied();
         let (Some(row), Some(column)) = (new(a), new(b)) else { return Err(NotCoupled { a, b }) };
         let transposed = row < column;

@@ -5,7 +5,9 @@ use crate::model::{Feature, Model};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
 use crate::solution::tangent_systems::eliminate;
-use nastic_linear::{Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs};
+use nastic_linear::{
+    Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError, MassMatrix, smallest_eigenpairs,
+};
 
 /// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes'
 /// reference volumes ([`Discretization::nodal_volumes`](crate::Discretization::nodal_volumes)).
@@ -53,12 +55,19 @@ impl Model {
         self.supports(Feature::Modes)?;
         let (mut matrix, constraints) = self.acting_tangent(state, how.parallel)?;
         eliminate(self, &mut matrix);
+        let mut structure = self.discretization().structure().clone();
+        if !matrix.beyond().is_empty() {
+            let joined =
+                JoinedStructure::new(&structure, &matrix).map_err(FactorError::from).map_err(LinearError::from)?;
+            matrix = joined.join(&matrix).ok_or(LinearError::from(FactorError::ForeignPattern))?;
+            structure = joined.structure().clone();
+        }
         let problem = Eigenproblem {
             matrix: &matrix,
             mass,
             fixed: self.supports.fixed(),
             constraints: &constraints,
-            symbolic: self.discretization().symbolic(),
+            symbolic: structure.symbolic(),
             parallel: how.parallel,
         };
         Ok(smallest_eigenpairs(&problem, count)?)

@@ -325,7 +325,7 @@ impl<'a> Deformed<'a> {
     }
 
     fn system<'s>(&'s self, matrix: &'s SparseMatrix) -> System<'s> {
-        System { matrix, extra: &[], fixed: self.model.supports.fixed(), configuration: self, parallel: self.parallel }
+        System { matrix, fixed: self.model.supports.fixed(), configuration: self, parallel: self.parallel }
     }
 }
 

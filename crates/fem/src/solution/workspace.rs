@@ -3,8 +3,8 @@
 use crate::contributions::controls::Controls;
 use crate::model::Model;
 use crate::solution::state::State;
-use nastic_linear::solver::Direct;
-use nastic_linear::{Factor, LinearSolver, Pattern, Solver, SolverFactory, SparseMatrix};
+use nastic_linear::solver::{Direct, Joining};
+use nastic_linear::{Factor, LinearSolver, Pattern, Solver, SolverFactory, SparseMatrix, Structure};
 use std::fmt;
 use std::sync::Arc;
 
@@ -41,7 +41,8 @@ impl Workspace {
     /// One that holds a factor of a tangent near the expected ones.
     pub fn with_factor(factor: Factor) -> Self {
         let (name, pattern) = (Solver::DIRECT.name(), factor.symbolic().pattern().clone());
-        let solver = Box::new(Direct::with_factor(factor));
+        let structure = Structure::analysed(factor.symbolic().clone());
+        let solver = Box::new(Joining::new(&structure, Box::new(Direct::with_factor(factor))));
         Workspace { solver: Some(Kept { name, pattern, solver }), tangent: None }
     }
 
@@ -50,7 +51,10 @@ impl Workspace {
         let (name, structure) = (factory.name(), model.structure());
         let fits = |kept: &Kept| kept.name == name && Arc::ptr_eq(&kept.pattern, structure.pattern());
         let kept = self.solver.take().filter(fits);
-        let new = || Kept { name, pattern: structure.pattern().clone(), solver: factory.make(&structure) };
+        let new = || {
+            let solver = Box::new(Joining::new(&structure, factory.make(&structure)));
+            Kept { name, pattern: structure.pattern().clone(), solver }
+        };
         self.solver.insert(kept.unwrap_or_else(new)).solver.as_mut()
     }
 

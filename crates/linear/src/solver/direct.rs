@@ -4,7 +4,6 @@ use super::factor_reuse::FactorReuse;
 use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
 use crate::error::FactorError;
 use crate::factor::{Factor, Pivots, Precision};
-use crate::gmres::gmres;
 use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient, refine};
 use crate::matrix::SparseMatrix;
 use crate::operator::Operator;
@@ -21,10 +20,6 @@ const ENOUGH: f64 = 0.1;
 const FRESH: usize = 12;
 /// Relative error of a solution that rounding alone may leave.
 const SETTLED: f64 = 1e-7;
-/// Relative residual of a solution with extra blocks whose matrix is to be shown positive definite.
-const DEFINITE: f64 = 1e-10;
-/// Iterations allowed with a factor of the matrix without its extra blocks.
-const MOST: usize = 300;
 /// Rounding of a Rayleigh quotient, in units of the rounding of the terms that cancel in it.
 const ROUNDING: f64 = 4.0;
 
@@ -145,22 +140,6 @@ impl Direct {
         x
     }
 
-    /// The solution by the factor of the matrix itself: one back substitution, or GMRES where extra blocks come to it.
-    fn by_own_factor(
-        &self,
-        system: &System,
-        b: &[f64],
-        wanted: f64,
-        work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        let Some(factor) = self.factor.as_ref().filter(|_| !system.extra.is_empty()) else {
-            return Ok(self.back_substitute(b, work));
-        };
-        let (x, report) = gmres(&|v, out| system.multiply(v, out), factor, b, wanted, MOST);
-        work.back_substitutions += report.iterations;
-        if report.converged { Ok(x) } else { Err(LinearError::Singular { residual: report.residual, wanted }) }
-    }
-
     /// With the kept factor: a step, or whether the matrix showed to be indefinite.
     fn step_by_kept(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Kept {
         let Some(kept) = self.kept().filter(|_| self.reuse.serves(self.symbolic(), tolerance)) else {
@@ -262,19 +241,15 @@ impl LinearSolver for Direct {
         }
         if !indefinite {
             match self.refactorize(system, Pivots::Positive, work) {
-                Ok(()) if system.extra.is_empty() => {
-                    return Ok(Step { x: self.back_substitute(b, work), curvature: Curvature::Positive });
-                }
-                // Conjugate gradients have shown that the blocks make it indefinite, or a worse preconditioner.
-                Ok(()) => (),
+                Ok(()) => return Ok(Step { x: self.back_substitute(b, work), curvature: Curvature::Positive }),
                 Err(FactorError::NotPositive { .. }) => (),
                 Err(other) => return Err(other.into()),
             }
         }
         self.refactorize(system, Pivots::AnySign, work)?;
-        let x = self.by_own_factor(system, b, tolerance, work)?;
+        let x = self.back_substitute(b, work);
         // Of no use as a preconditioner.
-        let definite = self.factor.take().is_some_and(|f| f.negative_pivots() == 0) && system.extra.is_empty();
+        let definite = self.factor.take().is_some_and(|f| f.negative_pivots() == 0);
         if definite {
             self.precision = Precision::Double;
         }
@@ -317,7 +292,7 @@ impl LinearSolver for Direct {
         if !self.is_exact(system) {
             self.refactorize_any(system, work)?;
         }
-        let mut x = self.by_own_factor(system, b, accuracy.residual, work)?;
+        let mut x = self.back_substitute(b, work);
         let Some(fresh) = &self.factor else { return Err(LinearError::Indefinite) };
         let multiply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
         let refined = refine(&multiply, fresh, b, &mut x, accuracy.residual, 10);
@@ -352,20 +327,10 @@ impl LinearSolver for Direct {
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
         match self.refactorize(system, Pivots::Positive, work) {
-            Ok(()) if system.extra.is_empty() => {
+            Ok(()) => {
                 let x = self.back_substitute(b, work);
                 self.factor = None;
                 Ok(Some(x))
-            }
-            Ok(()) => {
-                let Some(own) = self.factor.take() else { return Err(LinearError::Indefinite) };
-                let (x, cg) = precondition(system, &own, system, b, DEFINITE.into(), MOST);
-                work.back_substitutions += cg.iterations;
-                match cg.end {
-                    CgEnd::NegativeCurvature { .. } => Ok(None),
-                    _ if cg.converged() => Ok(Some(x)),
-                    _ => Err(LinearError::Singular { residual: cg.residual, wanted: DEFINITE }),
-                }
             }
             Err(FactorError::NotPositive { .. }) => Ok(None),
             Err(other) => Err(other.into()),
@@ -374,9 +339,6 @@ impl LinearSolver for Direct {
 
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         symmetric(system)?;
-        if !system.extra.is_empty() {
-            return Ok(None);
-        }
         let symbolic = self.symbolic();
         let factor = match symbolic.factorize(system.matrix, Pivots::Positive, system.parallel) {
             Err(FactorError::NotPositive { .. }) => {
@@ -399,6 +361,10 @@ impl LinearSolver for Direct {
 
     fn bytes(&self) -> usize {
         self.factor.as_ref().map_or(0, Factor::bytes)
+    }
+
+    fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
+        Box::new(Direct::new(structure.clone()))
     }
 
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {

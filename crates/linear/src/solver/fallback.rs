@@ -120,6 +120,11 @@ impl LinearSolver for MultigridOrDirect {
         self.direct.bytes()
     }
 
+    fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
+        let multigrid = self.multigrid.as_ref().map(|_| MultigridSolver::default());
+        Box::new(MultigridOrDirect { multigrid, ..MultigridOrDirect::new(structure.clone()) })
+    }
+
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(self.clone())
     }

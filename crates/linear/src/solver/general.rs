@@ -168,15 +168,17 @@ impl LinearSolver for General {
         if !system.matrix.is_symmetric() {
             return Err(LinearError::NoInertia);
         }
-        if !system.extra.is_empty() {
-            return Ok(None);
-        }
         let factor = self.structure.symbolic().factorize(system.matrix, Pivots::AnySign, system.parallel)?;
         Ok(Some(Inertia { negative: factor.negative_pivots() }))
     }
 
     fn bytes(&self) -> usize {
         self.factor.as_ref().map_or(0, Factor::bytes) + self.lu.as_ref().map_or(0, |lu| lu.bytes())
+    }
+
+    fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
+        let lu = self.lu.as_ref().map(|_| Lu::new(structure.clone()));
+        Box::new(General { lu, ..General::new(structure.clone()) })
     }
 
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Iterations after which a new factorisation is due.
 const WORN: usize = 30;
-/// Iterations allowed with a factorisation of the matrix itself: two are enough without extra blocks.
+/// Iterations allowed with a factorisation of the matrix itself: two are enough, but where it is nearly singular.
 const MOST: usize = 100;
 
 /// `A x = b` by GMRES with `P A Q = L U` as preconditioner, which is kept while it serves; the analysis of the columns is made
@@ -121,6 +121,10 @@ impl LinearSolver for Lu {
     /// Of the entries that the elimination order of the structure would give: a lower bound.
     fn bytes(&self) -> usize {
         self.factor.as_ref().map_or(0, |factor| factor.least_bytes())
+    }
+
+    fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
+        Box::new(Lu::new(structure.clone()))
     }
 
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {

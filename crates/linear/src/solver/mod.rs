@@ -7,6 +7,7 @@ mod factor_reuse;
 mod factory;
 mod fallback;
 mod general;
+mod joining;
 mod lu;
 mod multigrid;
 mod shift;
@@ -19,13 +20,16 @@ pub(super) use factory::fits;
 pub use factory::{Solver, SolverFactory};
 pub use fallback::MultigridOrDirect;
 pub use general::General;
+pub use joining::Joining;
 pub use lu::Lu;
 pub use multigrid::MultigridSolver;
 pub use shift::Shift;
-pub use system::{Configuration, ElementBlock, System};
+pub use system::{Configuration, System};
 
 use super::operator::Operator;
+use super::structure::Structure;
 use std::fmt::Debug;
+use std::sync::Arc;
 
 /// How exact a solution has to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +87,7 @@ pub struct LinearWork {
 
 /// Solves the systems of nonlinear solves that follow each other on one mesh, and keeps what serves the next one.
 ///
-/// Matrices change from call to call, their pattern does not. Results depend on what was kept within the accuracy asked;
+/// Matrices change from call to call, their pattern does not ([`Joining`] takes those with blocks beyond it). Results depend on what was kept within the accuracy asked;
 /// the same calls in the same order give the same bits.
 pub trait LinearSolver: Debug + Send + Sync {
     /// The name of what solves now: that of its [`SolverFactory`], or of what it fell back on.
@@ -166,7 +170,7 @@ pub trait LinearSolver: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// Negative eigenvalues of the matrix (without extra blocks) whose system was prepared or solved last, where what is kept
+    /// Negative eigenvalues of the matrix whose system was prepared or solved last, where what is kept
     /// tells; else `None`.
     fn negative(&self) -> Option<usize> {
         None
@@ -174,6 +178,9 @@ pub trait LinearSolver: Debug + Send + Sync {
 
     /// Memory of what is kept, in bytes.
     fn bytes(&self) -> usize;
+
+    /// One of its kind for matrices of another structure, with nothing kept; what it fell back on stays.
+    fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver>;
 
     /// A copy with what is kept.
     fn boxed_clone(&self) -> Box<dyn LinearSolver>;

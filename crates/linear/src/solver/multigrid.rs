@@ -4,6 +4,7 @@ use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork,
 use crate::error::FactorError;
 use crate::iterative::{CgEnd, CgReport, conjugate_gradient};
 use crate::multigrid::{Geometry, Multigrid};
+use crate::structure::Structure;
 use std::sync::Arc;
 
 /// Residual wanted of a Newton step: the step is corrected by the next one anyway.
@@ -146,6 +147,10 @@ impl LinearSolver for MultigridSolver {
 
     fn bytes(&self) -> usize {
         0
+    }
+
+    fn anew(&self, _: &Arc<Structure>) -> Box<dyn LinearSolver> {
+        Box::new(MultigridSolver::default())
     }
 
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {

@@ -1,0 +1,161 @@
+//! [`Joining`]: a solver of matrices whose structure changes.
+
+use super::{Accuracy, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
+use crate::error::FactorError;
+use crate::joined_structure::JoinedStructure;
+use crate::matrix::SparseMatrix;
+use crate::operator::Operator;
+use crate::structure::Structure;
+use std::sync::Arc;
+
+/// Structures that are kept: pairs come and go between a few sets of them.
+const KEPT: usize = 4;
+
+/// A solver for matrices with blocks [beyond their pattern](SparseMatrix::add_beyond): every matrix is handed to a solver of the pattern
+/// with these blocks [joined](JoinedStructure) to it. A structure serves while it has all pairs that are needed; a new one needs a new
+/// factor. A matrix without such blocks goes as it is.
+#[derive(Debug)]
+pub struct Joining {
+    first: Arc<Structure>,
+    /// The last one first.
+    joined: Vec<Arc<JoinedStructure>>,
+    /// Whose matrices the solver takes: those of the first of `joined`, or of the first structure.
+    is_joined: bool,
+    solver: Box<dyn LinearSolver>,
+}
+
+impl Joining {
+    /// One that begins with a solver for matrices of a structure.
+    pub fn new(structure: &Arc<Structure>, solver: Box<dyn LinearSolver>) -> Self {
+        Joining { first: structure.clone(), joined: Vec::new(), is_joined: false, solver }
+    }
+
+    /// Makes the solver one of the matrix, and gives the matrix that it takes where that is another one.
+    fn ready(&mut self, matrix: &SparseMatrix) -> Result<Option<SparseMatrix>, FactorError> {
+        if matrix.beyond().is_empty() {
+            if std::mem::take(&mut self.is_joined) {
+                self.solver = self.solver.anew(&self.first);
+            }
+            return Ok(None);
+        }
+        let found = self.joined.iter().enumerate().find_map(|(k, kept)| Some((k, kept.join(matrix)?)));
+        let (at, joined) = match found {
+            Some(found) => found,
+            None => {
+                let fresh = JoinedStructure::new(&self.first, matrix)?;
+                let joined = fresh.join(matrix).ok_or(FactorError::ForeignPattern)?;
+                self.joined.truncate(KEPT - 1);
+                self.joined.insert(0, fresh);
+                self.is_joined = false;
+                (0, joined)
+            }
+        };
+        if at > 0 || !self.is_joined {
+            self.joined[..=at].rotate_right(1);
+            self.solver = self.solver.anew(self.joined[0].structure());
+            self.is_joined = true;
+        }
+        Ok(Some(joined))
+    }
+
+    /// Calls with the solver of a system and the system that it takes.
+    fn with<T>(
+        &mut self,
+        system: &System,
+        call: impl FnOnce(&mut dyn LinearSolver, &System) -> Result<T, LinearError>,
+    ) -> Result<T, LinearError> {
+        match self.ready(system.matrix)? {
+            None => call(self.solver.as_mut(), system),
+            Some(joined) => call(self.solver.as_mut(), &System { matrix: &joined, ..*system }),
+        }
+    }
+}
+
+impl LinearSolver for Joining {
+    fn name(&self) -> &'static str {
+        self.solver.name()
+    }
+
+    fn restart(&mut self) {
+        self.solver.restart();
+    }
+
+    fn clear(&mut self) {
+        self.solver.clear();
+    }
+
+    fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
+        self.with(system, |solver, system| solver.prepare(system, work))
+    }
+
+    fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
+        self.with(system, |solver, system| solver.step(system, b, tolerance, work))
+    }
+
+    fn solve(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        self.with(system, |solver, system| solver.solve(system, b, accuracy, work))
+    }
+
+    fn solve_transposed(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        self.with(system, |solver, system| solver.solve_transposed(system, b, accuracy, work))
+    }
+
+    /// The product has all blocks in it; what is kept is that of the last structure.
+    fn solve_by_products(
+        &mut self,
+        product: &dyn Operator,
+        at: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        most: usize,
+        work: &mut LinearWork,
+    ) -> Option<Vec<f64>> {
+        self.solver.solve_by_products(product, at, b, accuracy, most, work)
+    }
+
+    fn solve_definite(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        self.with(system, |solver, system| solver.solve_definite(system, b, work))
+    }
+
+    fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
+        self.with(system, |solver, system| solver.inertia(system))
+    }
+
+    fn negative(&self) -> Option<usize> {
+        self.solver.negative()
+    }
+
+    fn bytes(&self) -> usize {
+        self.solver.bytes()
+    }
+
+    fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
+        Box::new(Joining::new(structure, self.solver.anew(structure)))
+    }
+
+    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
+        Box::new(Joining {
+            first: self.first.clone(),
+            joined: self.joined.clone(),
+            is_joined: self.is_joined,
+            solver: self.solver.boxed_clone(),
+        })
+    }
+}
