@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let u = arc(solid.mesh());
     let v: Vec<f64> = (0..disc.dofs()).map(|i| f64::from(i as u32 % 7) - 3.0).collect();
 
-    let mut matrix = disc.matrix();
+    let mut matrix = solid.model().tangent_structure().matrix();
     let tangent = least(repeat, || {
         matrix.clear();
         body.evaluate_tangent(&u, &controls, &mut matrix, true).map(drop)

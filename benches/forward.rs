@@ -27,6 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let setup = began.elapsed().as_secs_f64();
 
     let disc = body.discretization().clone();
+    let structure = body.model().tangent_structure();
     let how = SolveOptions::default();
     let mut workspace = Workspace::default();
     let state = &body.solve_with(&controls, &how, &mut workspace)?;
@@ -44,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     })?;
     let memory = peak_memory();
 
-    let mut tangent = disc.matrix();
+    let mut tangent = structure.matrix();
     let assembly = median(repeat, || {
         tangent.values.fill(0.0);
         body.body().evaluate_tangent(&state.u, &controls, &mut tangent, true).map(drop)
@@ -54,11 +55,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     tangent.eliminate(body.supports().fixed(), diagonal);
     // In the precision that served; on a body solved by multigrid there is no factor to time.
     let direct = state.report.solver == Solver::DIRECT.name();
-    let single = workspace.factor_bytes() < disc.factor_bytes();
+    let single = workspace.factor_bytes() < structure.factor_bytes();
     drop(workspace);
     let (mut factorisation, mut substitution) = (f64::NAN, f64::NAN);
     if direct {
-        let mut factor = disc.symbolic().approximate(&tangent, true)?;
+        let mut factor = structure.symbolic().approximate(&tangent, true)?;
         factorisation = median(repeat, || match single {
             true => factor.approximate(&tangent, true),
             false => factor.refactorize(&tangent, Pivots::Positive, true),
@@ -96,8 +97,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         body.mesh().cells(),
         told(factorisation),
         told(substitution),
-        disc.symbolic().nonzeros() as f64 * bytes,
-        disc.symbolic().flops() * 1e-9,
+        structure.symbolic().nonzeros() as f64 * bytes,
+        structure.symbolic().flops() * 1e-9,
         memory,
     );
     Ok(())

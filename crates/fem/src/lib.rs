@@ -13,6 +13,7 @@ mod model;
 mod nonlinear;
 mod solid;
 mod solution;
+mod structure;
 pub mod time;
 
 pub use adjoint::Adjoint;
@@ -27,10 +28,10 @@ pub use contributions::{
     RigidPose, SecondSensitivities, Sensitivities, Sliding, Spring, Sums, Tendon, TimeStep, Touch, TouchParameters,
     Touches, check_contribution,
 };
+pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
-pub use discretization::{Discretization, StructureCounts};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
 pub use model::{Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing};
 pub use nastic_linear::memory::{
@@ -48,6 +49,7 @@ pub use solution::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use solution::state::{SolveReport, State};
 pub use solution::vibration_modes::{ModeKind, VibrationMode};
 pub use solution::workspace::Workspace;
+pub use structure::{StructureCounts, TangentStructure};
 pub use time::adaptive::{AdaptiveReport, Tolerance};
 pub use time::checkpoints::Checkpoints;
 pub use time::numerical_damping::{AmplificationFactor, ModalDamping};

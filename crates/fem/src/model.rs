@@ -23,6 +23,7 @@ use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
+use crate::structure::TangentStructure;
 use nastic_energy::Slot;
 use nastic_linear::{Space, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
@@ -87,11 +88,11 @@ impl Model {
             return Err(FemError::Meaningless { what });
         }
         let space = self.space_with(contribution.as_ref())?;
-        let disc = self.discretization().with_couplings(&contribution.couplings())?;
+        let structure = self.tangent_structure().with_couplings(&contribution.couplings())?;
         if let Some(moved) = contribution.prescribes() {
             self.supports.drive(name, &moved.unknowns())?;
         }
-        self.body.set_discretization(disc)?;
+        self.body.set_structure(structure)?;
         self.supports.widen(space.block());
         self.space = Arc::new(space);
         self.others.push(contribution);
@@ -101,6 +102,11 @@ impl Model {
     /// The discretisation.
     pub fn discretization(&self) -> &Arc<Discretization> {
         self.body.discretization()
+    }
+
+    /// Which nodes are coupled in its tangents, but for pairs that change with the state.
+    pub fn tangent_structure(&self) -> &Arc<TangentStructure> {
+        self.body.structure()
     }
 
     /// Everything that can be controlled, in the order of the blocks of [`Controls`]; of internal variables, which nobody controls,

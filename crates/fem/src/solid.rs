@@ -356,7 +356,7 @@ impl Solid {
     /// A region's name is unknown, a density is not positive, cells without density, a body that has an inertia already.
     pub fn inertia(mut self, inertia: Inertia) -> Result<Self, FemError> {
         self.before_damping("mass")?;
-        let contribution: BodyInertia = inertia.on(self.discretization())?;
+        let contribution: BodyInertia = inertia.on(self.model())?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)
     }

@@ -33,12 +33,12 @@ fn every_sum_has_the_same_bits_for_any_number_of_threads() -> Outcome {
     for kind in kinds() {
         let (solid, u, controls) = driven(kind)?;
         let sums = |parallel: bool| -> Outcome<_> {
-            let mut matrix = solid.discretization().matrix();
+            let mut matrix = solid.model().tangent_structure().matrix();
             let sums = solid.body().evaluate_tangent(&u, &controls, &mut matrix, parallel)?;
             let mut product = vec![0.0; u.len()];
             solid.body().tangent_product(&u, &controls, &u, &mut product, parallel)?;
             let pulled = solid.body().control_vjp(&u, &controls, &u, parallel)?;
-            let mut tangent = solid.discretization().matrix();
+            let mut tangent = solid.model().tangent_structure().matrix();
             solid.body().add_tangent(&u, &controls, &mut tangent, parallel)?;
             assert!(tangent.values == matrix.values, "{kind}: the tangent alone differs");
             let numbers = [sums.energy, sums.energy_scale, sums.min_j];

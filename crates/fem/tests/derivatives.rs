@@ -94,7 +94,7 @@ fn force(solid: &Solid, u: &[f64], controls: &Controls) -> Outcome<Vec<f64>> {
 }
 
 fn tangent(solid: &Solid, u: &[f64], controls: &Controls) -> Outcome<SparseMatrix> {
-    let mut matrix = solid.discretization().matrix();
+    let mut matrix = solid.model().tangent_structure().matrix();
     solid.body().evaluate_tangent(u, controls, &mut matrix, false)?;
     Ok(matrix)
 }

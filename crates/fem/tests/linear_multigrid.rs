@@ -42,7 +42,7 @@ struct System {
 
 impl System {
     fn new(solid: Solid, state: &State) -> Outcome<Self> {
-        let mut matrix = solid.discretization().matrix();
+        let mut matrix = solid.model().tangent_structure().matrix();
         solid.body().evaluate_tangent(&state.u, &state.controls, &mut matrix, true)?;
         let diagonal = largest(&matrix.diagonal());
         matrix.eliminate(solid.supports().fixed(), diagonal);
@@ -144,7 +144,8 @@ fn the_solution_is_that_of_the_factor() -> Outcome {
         let mut exact = b;
         system
             .solid
-            .discretization()
+            .model()
+            .tangent_structure()
             .symbolic()
             .factorize(&system.matrix, Pivots::Positive, false)?
             .solve(&mut exact, 1);
@@ -235,7 +236,7 @@ fn system_solution(matrix: &SparseMatrix, system: &System) -> Outcome<(Vec<f64>,
 fn whole_solves_and_adjoints_agree_with_those_of_the_factor() -> Outcome {
     for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tet10, CellKind::Quad8] {
         let solid = cantilever(kind, 1.0, meshes(kind)[1], 1e6)?;
-        assert_eq!(solid.discretization().solver(), Solver::DIRECT);
+        assert_eq!(solid.model().tangent_structure().solver(), Solver::DIRECT);
         let controls = bending(&solid);
         let direct = solid.solve(&controls, &STRICT)?;
         let multigrid = solid.solve(&controls, &MULTIGRID)?;

@@ -21,7 +21,7 @@ fn cantilever() -> Outcome<(Solid, Controls)> {
 }
 
 fn tangent(solid: &Solid, u: &[f64], controls: &Controls) -> Outcome<SparseMatrix> {
-    let mut matrix = solid.discretization().matrix();
+    let mut matrix = solid.model().tangent_structure().matrix();
     solid.body().evaluate_tangent(u, controls, &mut matrix, false)?;
     let largest = matrix.diagonal().into_iter().fold(0.0, f64::max);
     matrix.eliminate(solid.supports().fixed(), largest);
@@ -44,15 +44,15 @@ fn a_rigid_turn_needs_one_iteration() -> Outcome {
             matrix.values[at] += 10.0;
         }
     };
-    let mut at_rest = solid.discretization().matrix();
+    let mut at_rest = solid.model().tangent_structure().matrix();
     solid.body().evaluate_tangent(&rest, &solid.controls(), &mut at_rest, false)?;
-    let mut turned = solid.discretization().matrix();
+    let mut turned = solid.model().tangent_structure().matrix();
     solid.body().evaluate_tangent(&u, &solid.controls(), &mut turned, false)?;
     ground(&mut at_rest);
     ground(&mut turned);
 
     let nodes = mesh.points().len();
-    let mut factor = solid.discretization().symbolic().factorize(&at_rest, Pivots::Positive, false)?;
+    let mut factor = solid.model().tangent_structure().symbolic().factorize(&at_rest, Pivots::Positive, false)?;
     factor.set_rotations(Arc::new(Rotations(vec![Mat3::identity(); nodes])));
     let free = vec![false; rest.len()];
     let preconditioner = CorotatedPreconditioner::new(&factor, &Rotations(vec![turn; nodes]), &free);
@@ -72,7 +72,7 @@ fn a_factor_from_rest_serves_the_adjoint_of_the_bent_state() -> Outcome {
     let (solid, controls) = cantilever()?;
     let state = solid.solve(&controls, &SolveOptions::default())?;
     let at_rest = tangent(&solid, &vec![0.0; state.u.len()], &solid.controls())?;
-    let mut factor = solid.discretization().symbolic().factorize(&at_rest, Pivots::Positive, false)?;
+    let mut factor = solid.model().tangent_structure().symbolic().factorize(&at_rest, Pivots::Positive, false)?;
     factor.set_rotations(Arc::new(Rotations(vec![Mat3::identity(); solid.mesh().points().len()])));
     let wish: Vec<f64> = (0..state.u.len()).map(|i| (0.3 * i as f64).cos()).collect();
     let mut from_rest = Workspace::with_factor(factor);

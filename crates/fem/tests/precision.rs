@@ -23,7 +23,7 @@ fn bodies_that_single_precision_is_too_coarse_for_get_double_precision() -> comm
         let how = SolveOptions { accuracy: 1e-12, ..SolveOptions::default() };
         let residual = solid.solve_with(&controls, &how, &mut workspace)?.report.residual;
         assert!(residual < 1e-10, "{residual:e}");
-        Ok((workspace.factor_bytes(), solid.discretization().factor_bytes()))
+        Ok((workspace.factor_bytes(), solid.model().tangent_structure().factor_bytes()))
     };
     let (single, whole) = bar([1.0, 0.2, 0.2], [5, 1, 1], 3e3)?;
     assert_eq!(2 * single, whole);

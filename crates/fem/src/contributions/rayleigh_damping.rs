@@ -42,10 +42,10 @@ impl RayleighDamping {
             return Err(FemError::Meaningless { what });
         }
         let rest = model.rest();
-        let mut stiffness = model.discretization().matrix();
+        let mut stiffness = model.tangent_structure().matrix();
         let inverted = |at: Inadmissible| FemError::Meaningless { what: format!("no stiffness at rest: {at}") };
         model.body.add_tangent(&rest.u, &rest.controls, &mut stiffness, true).map_err(inverted)?;
-        let mut matrix = model.discretization().matrix();
+        let mut matrix = model.tangent_structure().matrix();
         matrix.add_scaled(a0, &mass).map_err(StructureError::from)?;
         matrix.add_scaled(a1, &stiffness).map_err(StructureError::from)?;
         Ok(RayleighDamping { matrix })

@@ -39,4 +39,12 @@ impl Discretization {
     pub(crate) fn volumes_by_unknown(&self) -> Vec<f64> {
         self.nodal_volumes().into_iter().flat_map(|volume| std::iter::repeat_n(volume, self.dim())).collect()
     }
+
+    /// The lumped mass of every unknown: [`nodal_volumes`](Self::nodal_volumes) with densities by cell, by diagonal
+    /// scaling (HRZ), which is positive on all kinds of cells. On linear simplices and parallelepipeds it is the row
+    /// sum of the consistent mass.
+    pub fn lumped_mass(&self, density: &[f64]) -> Vec<f64> {
+        let nodal = self.nodal_integrals(|cell| density[cell]);
+        nodal.into_iter().flat_map(|mass| std::iter::repeat_n(mass, self.dim())).collect()
+    }
 }

@@ -5,6 +5,7 @@ use crate::discretization::quadrature_points::{CellGroup, scatter_rows};
 use crate::error::{Inadmissible, InvertedAt};
 use crate::kernels::patch::Patch;
 use crate::kernels::{CellKernel, kernel};
+use crate::structure::TangentStructure;
 use nastic_energy::PointBatch;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
 use std::ops::Range;
@@ -17,7 +18,6 @@ pub(crate) struct Cells<'a> {
     pub dim: usize,
     /// Of all points of the body.
     weights: &'a [f64],
-    disc: &'a Discretization,
     group: usize,
 }
 
@@ -33,14 +33,7 @@ impl<'a> Cells<'a> {
     /// The p-th group of a discretisation; `None` of lines, which are no bodies.
     pub fn of(disc: &'a Discretization, p: usize) -> Option<Self> {
         let part = &disc.points().parts[p];
-        Some(Cells {
-            part,
-            kernel: kernel(part.kind)?,
-            dim: disc.dim(),
-            weights: disc.points().weights(),
-            disc,
-            group: p,
-        })
+        Some(Cells { part, kernel: kernel(part.kind)?, dim: disc.dim(), weights: disc.points().weights(), group: p })
     }
 
     /// All groups of a discretisation.
@@ -165,16 +158,15 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// Adds the matrix of a patch to the values of a tangent.
-    pub fn scatter_matrix(&self, patch: Patch, matrix: &PatchMatrix, values: &mut [f64]) {
-        let maps = self.disc.scatter(self.group);
+    /// Adds the matrix of a patch to the values of a tangent of a structure.
+    pub fn scatter_matrix(&self, patch: Patch, matrix: &PatchMatrix, of: &TangentStructure, values: &mut [f64]) {
+        let maps = of.scatter(self.group);
         let pairs = maps.len() / self.part.cells.len();
         for (matrix, &c) in matrix.cells.chunks_exact(self.matrix_length()).zip(patch.cells) {
             self.kernel.scatter(&maps[c as usize * pairs..][..pairs], matrix, values);
         }
         if patch.cells.len() > 1 {
-            let pattern = self.disc.pattern();
-            pattern.scatter(patch.map(pattern), &matrix.across, values);
+            of.pattern().scatter(patch.map(of.pattern()), &matrix.across, values);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! [`Patch`]: cells that a formulation takes together.
 
 use crate::discretization::quadrature_points::CellGroup;
-use crate::discretization::structure::map_of_coupled;
-use nastic_linear::{Graph, Pattern, StructureError};
+use crate::structure::{TangentStructure, map_of_coupled};
+use nastic_linear::{Pattern, StructureError};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -29,7 +29,7 @@ impl<'a> Patch<'a> {
         Patch { cells: std::slice::from_ref(cell), nodes: 0, local: &[], of: None }
     }
 
-    /// Of several cells: the scatter map of the distinct nodes in the pattern of their discretisation.
+    /// Of several cells: the scatter map of the distinct nodes in the pattern of the tangent.
     pub fn map(&self, pattern: &Pattern) -> &'a [u32] {
         self.of.map_or(&[], |(patches, k)| patches.maps(pattern).get(k))
     }
@@ -72,8 +72,12 @@ impl Patches {
     /// The cells with the same number in `of_cell` (by cell of the mesh) together; those for which there is none by themselves.
     ///
     /// # Errors
-    /// [`StructureError::NotCoupled`]: a graph in which nodes of a patch are not coupled.
-    pub fn new(group: &CellGroup, of_cell: impl Fn(u32) -> Option<u32>, graph: &Graph) -> Result<Self, StructureError> {
+    /// [`StructureError::NotCoupled`]: a structure in which nodes of a patch are not coupled.
+    pub fn new(
+        group: &CellGroup,
+        of_cell: impl Fn(u32) -> Option<u32>,
+        structure: &TangentStructure,
+    ) -> Result<Self, StructureError> {
         let (mut members, mut known): (Vec<Vec<u32>>, BTreeMap<u32, usize>) = Default::default();
         for (c, &cell) in group.cells.iter().enumerate() {
             let new = members.len();
@@ -91,7 +95,7 @@ impl Patches {
             nodes.sort_unstable();
             nodes.dedup();
             let local: Vec<u32> = of_cells().map(|node| nodes.partition_point(|n| n < node) as u32).collect();
-            graph.check_coupled(&nodes)?;
+            structure.check_coupled(&nodes)?;
             patches.push(&cells, [&nodes, &local]);
         }
         Ok(patches)

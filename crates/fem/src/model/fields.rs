@@ -166,7 +166,7 @@ impl Model {
             point,
             symmetry: contribution.symmetry(),
             selection,
-            disc: self.discretization(),
+            structure: self.tangent_structure(),
         }))
     }
 
@@ -178,8 +178,8 @@ impl Model {
         call: impl FnOnce(&dyn ContributionPoint) -> T,
     ) -> T {
         let Some(selection) = self.selection(contribution) else { return call(point) };
-        let (symmetry, disc) = (contribution.symmetry(), self.discretization().as_ref());
-        call(&RestrictedPoint { point, symmetry, selection, disc })
+        let (symmetry, structure) = (contribution.symmetry(), self.tangent_structure().as_ref());
+        call(&RestrictedPoint { point, symmetry, selection, structure })
     }
 
     /// What a contribution adds to a symmetric matrix, added to one of the model.
@@ -191,7 +191,7 @@ impl Model {
     ) -> Result<(), E> {
         match self.selection(contribution) {
             None => add(into),
-            Some(selection) => selection.add_matrix(self.discretization(), into, Symmetry::Symmetric, add),
+            Some(selection) => selection.add_matrix(self.tangent_structure(), into, Symmetry::Symmetric, add),
         }
     }
 
@@ -206,8 +206,8 @@ impl Model {
     /// The structure of the tangent.
     pub(crate) fn structure(&self) -> Arc<Structure> {
         match self.space.has_one_nodal_field() {
-            true => self.discretization().structure().clone(),
-            false => self.discretization().structure_of(self.space.block()),
+            true => self.tangent_structure().equations().clone(),
+            false => self.tangent_structure().with_components(self.space.block()),
         }
     }
 
@@ -225,7 +225,7 @@ impl Model {
     /// What solves its tangent systems unless told otherwise.
     pub fn solver(&self) -> &'static dyn SolverFactory {
         match (self.symmetry(), self.space.has_one_nodal_field()) {
-            (Symmetry::Symmetric, true) => self.discretization().solver(),
+            (Symmetry::Symmetric, true) => self.tangent_structure().solver(),
             (Symmetry::Symmetric, false) => Solver::DIRECT,
             (Symmetry::General, true) => Solver::GENERAL,
             (Symmetry::General, false) => Solver::LU,

@@ -3,9 +3,9 @@
 use crate::contributions::{
     ContributionPoint, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
-use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{Inadmissible, SecondDerivativeError};
+use crate::structure::TangentStructure;
 use nastic_linear::{Field, Space, SparseMatrix, Symmetry};
 use std::ops::Deref;
 
@@ -72,15 +72,15 @@ impl Selection {
     /// What is added to a matrix of its fields.
     pub fn add_matrix<E>(
         &self,
-        disc: &Discretization,
+        structure: &TangentStructure,
         into: &mut SparseMatrix,
         symmetry: Symmetry,
         add: impl FnOnce(&mut SparseMatrix) -> Result<(), E>,
     ) -> Result<(), E> {
-        let (components, of_disc) = (&self.components, disc.pattern());
-        let pattern = match components.len() == of_disc.dim() {
-            true => of_disc.clone(),
-            false => disc.structure_of(components.len()).pattern().clone(),
+        let (components, of_all) = (&self.components, structure.pattern());
+        let pattern = match components.len() == of_all.dim() {
+            true => of_all.clone(),
+            false => structure.with_components(components.len()).pattern().clone(),
         };
         let mut own = SparseMatrix::with_symmetry(pattern, symmetry);
         add(&mut own)?;
@@ -100,7 +100,7 @@ pub(crate) struct RestrictedPoint<'a, P> {
     pub point: P,
     pub symmetry: Symmetry,
     pub selection: Selection,
-    pub disc: &'a Discretization,
+    pub structure: &'a TangentStructure,
 }
 
 impl<P: Deref> RestrictedPoint<'_, P>
@@ -133,7 +133,7 @@ where
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let add = |own: &mut SparseMatrix| self.selection.at(at, |at| self.point.add_tangent(at, own));
-        self.selection.add_matrix(self.disc, tangent, self.symmetry, add)
+        self.selection.add_matrix(self.structure, tangent, self.symmetry, add)
     }
 
     fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {

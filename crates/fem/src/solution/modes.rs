@@ -55,7 +55,7 @@ impl Model {
         self.supports(Feature::Modes)?;
         let (mut matrix, constraints) = self.acting_tangent(state, how.parallel)?;
         eliminate(self, &mut matrix);
-        let mut structure = self.discretization().structure().clone();
+        let mut structure = self.tangent_structure().equations().clone();
         if !matrix.beyond().is_empty() {
             let joined =
                 JoinedStructure::new(&structure, &matrix).map_err(FactorError::from).map_err(LinearError::from)?;

@@ -48,8 +48,8 @@ impl GradientFit {
     pub fn new(model: &Model, parallel: bool) -> Option<Self> {
         let disc = model.discretization();
         let dim = disc.dim();
-        let structure = disc.structure_of(1);
-        let laplacian = laplacian(disc, SparseMatrix::zeros(structure.pattern().clone()));
+        let structure = model.tangent_structure().with_components(1);
+        let laplacian = laplacian(model, SparseMatrix::zeros(structure.pattern().clone()));
         let diagonal = laplacian.diagonal().into_iter().fold(0.0, f64::max);
         let mut known: Vec<(Vec<bool>, Arc<Factor>)> = Vec::new();
         let (mut factors, mut free) = (Vec::with_capacity(dim), Vec::with_capacity(dim));
@@ -269,7 +269,8 @@ fn rotation(w: &Vec3) -> Mat3 {
     Mat3::identity() + first * skew + second * skew * skew
 }
 
-fn laplacian(disc: &Discretization, mut matrix: SparseMatrix) -> SparseMatrix {
+fn laplacian(model: &Model, mut matrix: SparseMatrix) -> SparseMatrix {
+    let disc = model.discretization();
     let metric = Tangent::from_map(|b| *b);
     for (p, part) in disc.points().parts.iter().enumerate() {
         let Some(kernel) = kernel(part.kind) else { continue };
@@ -277,7 +278,7 @@ fn laplacian(disc: &Discretization, mut matrix: SparseMatrix) -> SparseMatrix {
         let mut g = vec![0.0; part.table.gradients.len()];
         let mut element = vec![0.0; kernel.matrix_len()];
         let (mut weighted, mut work) = (vec![Tangent::zero(); points], Vec::new());
-        let maps = disc.scatter(p);
+        let maps = model.tangent_structure().scatter(p);
         let per_cell = maps.len() / part.cells.len();
         for c in 0..part.cells.len() {
             kernel.gradients(&part.table.gradients, &part.inverse[c * points..(c + 1) * points], &mut g);

@@ -148,7 +148,7 @@ impl Job<'_> {
             self.cells.scatter(patch, &result.scale, &mut total.force_scale);
         }
         if let Some(tangent) = tangent {
-            self.cells.scatter_matrix(patch, &result.matrix, &mut tangent.values);
+            self.cells.scatter_matrix(patch, &result.matrix, self.body.structure(), &mut tangent.values);
         }
     }
 }

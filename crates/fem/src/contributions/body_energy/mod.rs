@@ -8,6 +8,7 @@ use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::{Patch, Patches};
+use crate::structure::TangentStructure;
 use assembly::Terms;
 use driving::Driving;
 use evaluated::EvaluatedBody;
@@ -39,6 +40,7 @@ pub(crate) mod tensions;
 #[derive(Debug, Clone)]
 pub struct BodyEnergy {
     disc: Arc<Discretization>,
+    structure: Arc<TangentStructure>,
     pub(crate) terms: Vec<Arc<dyn EnergyTerm>>,
     pub(crate) actuations: Vec<AttachedActuation>,
     /// The distinct sets of terms, and which one each cell has.
@@ -81,20 +83,26 @@ impl BodyEnergy {
         let of_cell = vec![0; disc.mesh().cells()];
         let patches = Arc::new(disc.points().parts.iter().map(Patches::of_single_cells).collect());
         let compositions = vec![Composition::default()];
-        BodyEnergy { disc, terms: vec![], actuations: vec![], compositions, of_cell, patches }
+        let structure = disc.of_cells().clone();
+        BodyEnergy { disc, structure, terms: vec![], actuations: vec![], compositions, of_cell, patches }
     }
 
-    /// Changes to a discretisation of the same mesh in whose tangents more nodes are coupled.
+    /// Changes to a structure of tangents in which more nodes are coupled.
     ///
     /// # Errors
     /// [`FemError::Structure`] where it does not couple what the formulations of the cells couple.
-    pub(crate) fn set_discretization(&mut self, disc: Arc<Discretization>) -> Result<(), FemError> {
-        let patch = |cell: u32| self.is_in_patch(cell).then(|| disc.patches()[cell as usize]);
-        let of_group = |group| Patches::new(group, patch, disc.graph());
-        let patches = disc.points().parts.iter().map(of_group).collect::<Result<_, _>>()?;
+    pub(crate) fn set_structure(&mut self, structure: Arc<TangentStructure>) -> Result<(), FemError> {
+        let patch = |cell: u32| self.is_in_patch(cell).then(|| self.disc.patches()[cell as usize]);
+        let of_group = |group| Patches::new(group, patch, &structure);
+        let patches = self.disc.points().parts.iter().map(of_group).collect::<Result<_, _>>()?;
         self.patches = Arc::new(patches);
-        self.disc = disc;
+        self.structure = structure;
         Ok(())
+    }
+
+    /// The structure of tangents that it is added to.
+    pub(crate) fn structure(&self) -> &Arc<TangentStructure> {
+        &self.structure
     }
 
     /// The cells by kind, with the patches that their formulations take together.

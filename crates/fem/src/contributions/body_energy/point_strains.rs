@@ -122,7 +122,7 @@ impl BodyEnergy {
             let work = Linearised { body: self, cells, u, driving, strains };
             sweep(&work, patches, parallel, |patch, (rows, matrix)| {
                 cells.scatter(patch, rows, &mut total.force);
-                cells.scatter_matrix(patch, matrix, &mut tangent.values);
+                cells.scatter_matrix(patch, matrix, self.structure(), &mut tangent.values);
             })?;
         }
         Ok(())

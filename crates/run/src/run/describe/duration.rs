@@ -65,15 +65,15 @@ fn stages(member: CaseMember<'_>) -> usize {
 
 /// Seconds that the tangent at rest takes to be assembled and factorised, or why they are not known.
 fn tangent(member: CaseMember<'_>) -> Result<f64, String> {
-    let (solid, disc) = (member.solid(), member.solid().discretization());
+    let (solid, structure) = (member.solid(), member.solid().model().tangent_structure());
     if solid.model().solver() == Solver::MULTIGRID {
         return Err("the linear solver is multigrid".to_owned());
     }
     let available = available_memory().map_err(|error| error.to_string())?.unwrap_or(usize::MAX);
-    if disc.factorisation_bytes() > available {
+    if structure.factorisation_bytes() > available {
         return Err("the memory does not suffice for a factor".to_owned());
     }
-    if disc.factor_bytes() > LARGEST {
+    if structure.factor_bytes() > LARGEST {
         return Err("making a factor as large as this one takes long".to_owned());
     }
     let began = Instant::now();

@@ -6,10 +6,10 @@ use nastic_fem::{Solver, available_memory};
 use serde_json::{Value, json};
 
 pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
-    let disc = problem.solid().discretization();
+    let structure = problem.solid().model().tangent_structure();
     let mut out = Vec::new();
     let megabytes = |bytes: usize| format!("{:.1} MB", bytes as f64 / 1e6);
-    let (factor, peak) = (megabytes(disc.factor_bytes()), megabytes(disc.factorisation_bytes()));
+    let (factor, peak) = (megabytes(structure.factor_bytes()), megabytes(structure.factorisation_bytes()));
     let members = problem.members().count();
     let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
     let text = match problem.solid().model().solver() == Solver::MULTIGRID {
@@ -34,7 +34,7 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
 
 /// What does not depend on the machine.
 pub(super) fn json(problem: &CaseProblem) -> Value {
-    let disc = problem.solid().discretization();
+    let structure = problem.solid().model().tangent_structure();
     let solver = problem.solid().model().solver().to_string();
-    json!({ "linear_solver": solver, "factor": disc.factor_bytes(), "factorisation": disc.factorisation_bytes() })
+    json!({ "linear_solver": solver, "factor": structure.factor_bytes(), "factorisation": structure.factorisation_bytes() })
 }

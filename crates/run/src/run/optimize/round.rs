@@ -121,7 +121,7 @@ impl Round<'_> {
         if problem.solid().model().solver() == Solver::MULTIGRID {
             return usize::MAX;
         }
-        let each = problem.members().count() * problem.solid().discretization().factorisation_bytes();
+        let each = problem.members().count() * problem.solid().model().tangent_structure().factorisation_bytes();
         match available_memory() {
             Ok(Some(available)) if each > 0 => available / each,
             // What cannot be asked is told where a factor is made.

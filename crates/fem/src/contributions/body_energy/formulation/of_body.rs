@@ -25,8 +25,8 @@ impl BodyEnergy {
             }
         }
         self.extend(cells, |composition| composition.formulation = Some(formulation));
-        let disc = self.disc.with_couplings(&self.patches_of(cells))?;
-        self.set_discretization(disc)
+        let structure = self.structure.with_couplings(&self.patches_of(cells))?;
+        self.set_structure(structure)
     }
 
     /// The nodes of the patches that these cells are in by their formulation.

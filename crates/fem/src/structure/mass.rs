@@ -1,11 +1,11 @@
-//! Mass matrices of a body whose density is constant in every cell.
+//! The consistent mass matrix of a body whose density is constant in every cell.
 
-use crate::discretization::Discretization;
+use super::TangentStructure;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::error::FemError;
 use nastic_linear::SparseMatrix;
 
-impl Discretization {
+impl TangentStructure {
     /// The consistent mass matrix `M_ab = int rho N_a N_b dX`, the same for every displacement component, in kg where
     /// densities (by cell) are in kg/m^3; in plane strain per unit of thickness.
     ///
@@ -14,10 +14,10 @@ impl Discretization {
     ///
     /// # Errors
     /// [`FemError::InvertedReference`] at a point of that rule.
-    pub fn consistent_mass(&self, density: &[f64]) -> Result<SparseMatrix, FemError> {
+    pub(crate) fn consistent_mass(&self, density: &[f64]) -> Result<SparseMatrix, FemError> {
         let cells = 0..self.mesh().cells() as u32;
         let sampling = QuadraturePoints::of_cells(self.mesh(), cells, |kind| kind.rule_of_degree(2 * kind.order()))?;
-        let (dim, mut mass) = (self.dim(), self.matrix());
+        let (dim, mut mass) = (self.mesh().dim(), self.matrix());
         for (p, part) in sampling.parts.iter().enumerate() {
             let nodes = part.table.nodes;
             let n = dim * nodes;
@@ -40,13 +40,5 @@ impl Discretization {
             }
         }
         Ok(mass)
-    }
-
-    /// The lumped mass of every unknown: [`nodal_volumes`](Self::nodal_volumes) with densities by cell, by diagonal
-    /// scaling (HRZ), which is positive on all kinds of cells. On linear simplices and parallelepipeds it is the row
-    /// sum of the consistent mass.
-    pub fn lumped_mass(&self, density: &[f64]) -> Vec<f64> {
-        let nodal = self.nodal_integrals(|cell| density[cell]);
-        nodal.into_iter().flat_map(|mass| std::iter::repeat_n(mass, self.dim())).collect()
     }
 }
