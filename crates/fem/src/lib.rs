@@ -25,8 +25,8 @@ pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BeforeStep, BodyPoint, Cavity, Constrains, Contact, ContactLaw, Contribution, ContributionPoint, ControlPoint,
     Controls, Demand, Foundation, History, Increment, Inertia, Instant, MovingSupport, Need, Prescribes, Remembers,
-    RigidPose, SecondSensitivities, Sensitivities, Sliding, Spring, Sums, Tendon, TimeStep, Touch, TouchParameters,
-    Touches, check_contribution,
+    RigidPose, SecondSensitivities, Sensitivities, Sliding, Spring, Sums, SurfaceContact, Tendon, TimeStep, Touch,
+    TouchParameters, Touches, check_contribution,
 };
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;

@@ -7,7 +7,7 @@ use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
 use crate::contributions::inertia::BodyInertia;
 use crate::contributions::rayleigh_damping::RayleighDamping;
-use crate::contributions::{Cavity, Contact, Foundation, Inertia, MovingSupport, Spring, Tendon};
+use crate::contributions::{Cavity, Contact, Foundation, Inertia, MovingSupport, Spring, SurfaceContact, Tendon};
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
@@ -346,6 +346,15 @@ impl Solid {
     /// # Errors
     /// As [`Contact`] says; a name that is taken.
     pub fn contact(self, contact: Contact) -> Result<Self, FemError> {
+        let contribution = contact.on(self.body())?;
+        self.contribution(contribution)
+    }
+
+    /// Lets two surfaces touch each other, or one itself; the materials come before it.
+    ///
+    /// # Errors
+    /// As [`SurfaceContact`] says; a name that is taken.
+    pub fn surface_contact(self, contact: SurfaceContact) -> Result<Self, FemError> {
         let contribution = contact.on(self.body())?;
         self.contribution(contribution)
     }

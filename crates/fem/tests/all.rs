@@ -68,6 +68,7 @@ mod stability;
 mod structure;
 mod sums_of_unknowns;
 mod supports;
+mod surface_contact;
 mod swing;
 mod tendon;
 mod thick_shells;

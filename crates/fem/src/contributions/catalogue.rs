@@ -2,7 +2,7 @@
 
 use crate::contributions::body_point::BodyPoint;
 use crate::contributions::cavity::{self, Cavity};
-use crate::contributions::contact::{Contact, ContactLaw};
+use crate::contributions::contact::{Contact, ContactLaw, SurfaceContact};
 use crate::contributions::foundation::Foundation;
 use crate::contributions::inertia::{BodyInertia, Inertia};
 use crate::contributions::moving_support::{self, MovingSupport};
@@ -190,6 +190,23 @@ pub const CATALOGUE: &[Entry] = &[
             block()?.contact(contact.thickness(3.0).stiffness(2e3).about([7.0, -6.0, 5.0]))
         },
     },
+    Entry {
+        name: "contact of surfaces",
+        form: None,
+        example: || {
+            let contact = SurfaceContact::between("contact of surfaces", "lower", "upper");
+            bodies()?.surface_contact(contact.thickness(0.24).stiffness(2e4))
+        },
+    },
+    Entry {
+        name: "contact of surfaces by the log law",
+        form: None,
+        example: || {
+            let both =
+                SurfaceContact::between("contact of surfaces by the log law", ["lower", "upper"], ["lower", "upper"]);
+            bodies()?.surface_contact(both.thickness(0.2).stiffness(2e3).law(ContactLaw::Log))
+        },
+    },
     Entry { name: BodyInertia::NAME, form: None, example: || block()?.inertia(Inertia::new("body", 1e3)) },
     Entry {
         name: RayleighDamping::NAME,
@@ -201,6 +218,36 @@ pub const CATALOGUE: &[Entry] = &[
 /// A capsule beside the cup, which its whole side is near to.
 fn pad() -> Obstacle {
     Obstacle::capsule([4.6, -0.4, 0.9], [4.4, 3.6, 1.5], 1.0)
+}
+
+/// Two bodies above each other, 0.5 apart, with the surfaces "lower" and "upper" between them.
+fn bodies() -> Result<Solid, FemError> {
+    let full = box_mesh([1.0, 1.0, 2.5], [1, 1, 5], CellKind::Hex8)?;
+    let mut raw = RawMesh::new("two bodies");
+    // no sample is above a node or an edge, where the tangent jumps
+    raw.points = full.points().to_vec();
+    raw.points.iter_mut().filter(|x| x[2] > 1.25).for_each(|x| (x[0], x[1]) = (x[0] + 0.33, x[1] + 0.12));
+    raw.names.insert((3, 4), "body".to_owned());
+    for (tag, name) in [(1, "lower"), (2, "upper"), (3, "z-")] {
+        raw.names.insert((2, tag), name.to_owned());
+    }
+    for cell in 0..full.cells() {
+        let (nodes, height) = (full.cell(cell).nodes, full.cell_centre(cell)[2]);
+        if (height - 1.25).abs() > 0.2 {
+            raw.push(CellKind::Hex8, nodes, &[4]);
+        }
+        for (kind, local) in CellKind::Hex8.faces() {
+            let nodes: Vec<u32> = local.iter().map(|&a| nodes[a]).collect();
+            let on = |z: f64| nodes.iter().all(|&node| (full.points()[node as usize][2] - z).abs() < 1e-9);
+            let tag = [(1.0, 0.75, 1), (1.5, 1.75, 2), (0.0, 0.25, 3)]
+                .iter()
+                .find(|(z, of, _)| on(*z) && (height - of).abs() < 0.1);
+            if let Some((.., tag)) = tag {
+                raw.push(*kind, &nodes, &[*tag]);
+            }
+        }
+    }
+    Solid::new(Mesh::build(raw)?)?.material("body", NeoHooke::new(1e5, 2e5)?)?.clamp("z-")
 }
 
 /// A way through the cup of the examples, between its nodes.

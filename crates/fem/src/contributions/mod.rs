@@ -31,7 +31,7 @@ pub use body_point::BodyPoint;
 pub use cavity::Cavity;
 pub use check::check_contribution;
 pub use constrains::Constrains;
-pub use contact::{Contact, ContactLaw};
+pub use contact::{Contact, ContactLaw, SurfaceContact};
 pub use controls::{ControlPoint, Controls};
 pub use foundation::Foundation;
 pub use history::{BeforeStep, History, Remembers};

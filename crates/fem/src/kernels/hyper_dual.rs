@@ -8,13 +8,23 @@ pub(crate) trait Scalar:
 {
     /// A constant.
     fn of(value: f64) -> Self;
+    /// Without derivatives.
+    fn value(self) -> f64;
     /// The n-th root of a positive number.
     fn root(self, n: usize) -> Self;
+    /// `e^x`
+    fn exp(self) -> Self;
+    /// The natural logarithm of a positive number.
+    fn ln(self) -> Self;
 }
 
 impl Scalar for f64 {
     fn of(value: f64) -> Self {
         value
+    }
+
+    fn value(self) -> f64 {
+        self
     }
 
     fn root(self, n: usize) -> Self {
@@ -23,6 +33,14 @@ impl Scalar for f64 {
             3 => self.cbrt(),
             _ => self.powf(1.0 / n as f64),
         }
+    }
+
+    fn exp(self) -> Self {
+        f64::exp(self)
+    }
+
+    fn ln(self) -> Self {
+        f64::ln(self)
     }
 }
 
@@ -46,11 +64,24 @@ impl Scalar for HyperDual {
         HyperDual([value, 0.0, 0.0, 0.0])
     }
 
+    fn value(self) -> f64 {
+        self.0[0]
+    }
+
     fn root(self, n: usize) -> Self {
         let (x, power) = (self.0[0], 1.0 / n as f64);
         let f = x.root(n);
         let first = power * f / x;
         self.chain([f, first, (power - 1.0) * first / x])
+    }
+
+    fn exp(self) -> Self {
+        self.chain([self.0[0].exp(); 3])
+    }
+
+    fn ln(self) -> Self {
+        let x = self.0[0];
+        self.chain([x.ln(), 1.0 / x, -1.0 / (x * x)])
     }
 }
 

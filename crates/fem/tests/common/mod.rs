@@ -168,3 +168,36 @@ pub fn distance(a: &[f64], b: &[f64]) -> f64 {
 pub fn largest(a: &[f64]) -> f64 {
     a.iter().fold(0.0, |m, a| m.max(a.abs()))
 }
+
+/// Some cells of a mesh, moved, with surfaces of those outer facets whose centre, before the move, fulfils a condition.
+pub fn cut(
+    full: &Mesh,
+    keep: impl Fn(Vec3) -> bool,
+    moved: impl Fn(Vec3) -> Vec3,
+    surfaces: &[(&str, &dyn Fn(Vec3) -> bool)],
+) -> Outcome<Mesh> {
+    let mut raw = RawMesh::new("cut");
+    raw.points = full.points().iter().map(|x| moved(Vec3::from(*x)).into()).collect();
+    raw.name_group(full.dim(), 1, "body");
+    let centre = |nodes: &[u32]| {
+        nodes.iter().map(|&node| Vec3::from(full.points()[node as usize])).sum::<Vec3>() / nodes.len() as f64
+    };
+    let kept: Vec<_> = (0..full.cells()).map(|c| full.cell(c)).filter(|cell| keep(centre(cell.nodes))).collect();
+    let mut faces: std::collections::BTreeMap<Vec<u32>, (CellKind, Vec<u32>, usize)> = Default::default();
+    for cell in kept {
+        raw.push(cell.kind, cell.nodes, &[1]);
+        for (kind, local) in cell.kind.faces() {
+            let nodes: Vec<u32> = local.iter().map(|&a| cell.nodes[a]).collect();
+            let mut key = nodes.clone();
+            key.sort_unstable();
+            faces.entry(key).or_insert((*kind, nodes, 0)).2 += 1;
+        }
+    }
+    for (tag, (name, on)) in (2..).zip(surfaces) {
+        raw.name_group(full.dim() - 1, tag, *name);
+        for (kind, nodes, _) in faces.values().filter(|(_, nodes, count)| *count == 1 && on(centre(nodes))) {
+            raw.push(*kind, nodes, &[tag]);
+        }
+    }
+    Ok(Mesh::build(raw)?)
+}

@@ -33,5 +33,6 @@ pub use obstacle::{Obstacle, SignedDistance};
 pub use polyhedron::{Feature, Polyhedron, SurfacePoint};
 pub use self_intersection::SelfIntersection;
 pub use shape::Shape;
+pub use tree::{Aabb, Tree};
 
 type V = nalgebra::Vector3<f64>;

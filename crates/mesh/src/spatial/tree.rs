@@ -9,43 +9,59 @@ const STACK: usize = 64;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Aabb {
+pub struct Aabb {
+    /// The lowest corner.
     pub lo: V,
+    /// The highest corner.
     pub hi: V,
 }
 
 impl Aabb {
+    /// The box of nothing.
     pub const EMPTY: Self = Self {
         lo: V::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
         hi: V::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
     };
 
+    /// The box of points.
+    #[must_use]
     pub fn around<'a>(points: impl IntoIterator<Item = &'a V>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { lo: b.lo.inf(p), hi: b.hi.sup(p) })
     }
 
+    /// The box of two.
+    #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self { lo: self.lo.inf(&other.lo), hi: self.hi.sup(&other.hi) }
     }
 
+    /// The box with so much more on every side.
+    #[must_use]
     pub fn grown(&self, by: f64) -> Self {
         Self { lo: self.lo.add_scalar(-by), hi: self.hi.add_scalar(by) }
     }
 
     /// The box with all that a deviation may add to it.
-    pub fn enlarged(&self, deviation: &InterpolationError) -> Self {
+    #[must_use]
+    pub(super) fn enlarged(&self, deviation: &InterpolationError) -> Self {
         let [x, y, z] = [V::x(), V::y(), V::z()].map(|axis| deviation.extent(&axis));
         Self { lo: self.lo + V::new(x.0, y.0, z.0), hi: self.hi + V::new(x.1, y.1, z.1) }
     }
 
+    /// Whether two have a point in common.
+    #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|a| self.lo[a] <= other.hi[a] && other.lo[a] <= self.hi[a])
     }
 
+    /// Whether a point is in it.
+    #[must_use]
     pub fn contains(&self, p: &V) -> bool {
         (0..3).all(|a| self.lo[a] <= p[a] && p[a] <= self.hi[a])
     }
 
+    /// Length of its diagonal.
+    #[must_use]
     pub fn diagonal(&self) -> f64 {
         (self.hi - self.lo).norm()
     }
@@ -71,12 +87,14 @@ struct Node {
 
 /// The hierarchy; items are `0..n` in the order of `order`.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tree {
+pub struct Tree {
     nodes: Vec<Node>,
     order: Vec<u32>,
 }
 
 impl Tree {
+    /// Over items with these boxes.
+    #[must_use]
     pub fn build(boxes: &[Aabb]) -> Self {
         let mut tree = Self { nodes: Vec::new(), order: (0..boxes.len() as u32).collect() };
         if !boxes.is_empty() {
@@ -105,6 +123,8 @@ impl Tree {
         self.fill(first + 1, from + middle, to, boxes);
     }
 
+    /// The box of all.
+    #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.nodes.first().map_or(Aabb::EMPTY, |n| n.bounds)
     }

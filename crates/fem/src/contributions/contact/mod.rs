@@ -10,6 +10,7 @@ mod pose;
 mod samples;
 mod second_order;
 mod sums;
+mod surfaces;
 
 use crate::contributions::body_energy::BodyEnergy;
 use crate::error::FemError;
@@ -17,6 +18,7 @@ pub(crate) use bound::BoundContact;
 pub use law::ContactLaw;
 use nastic_mesh::GroupNames;
 use nastic_mesh::spatial::Obstacle;
+pub use surfaces::SurfaceContact;
 
 /// A surface that an obstacle pushes back, with friction or without.
 ///

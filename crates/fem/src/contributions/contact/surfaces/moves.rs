@@ -1,0 +1,65 @@
+//! Moves on which no sample goes through the other surface.
+
+use super::bound::BoundSurfaces;
+use super::side::Side;
+use super::simplex::distance;
+use nastic_mesh::spatial::Aabb;
+use nastic_tensor::Vec3;
+
+/// Of a distance this share is left.
+const REST: f64 = 0.1;
+/// Tries of conservative advancement, and the share of the way at which it ends.
+const ADVANCES: usize = 64;
+const NEAR: f64 = 1e-3;
+
+impl BoundSurfaces {
+    /// The longest share of a straight move that leaves every sample on its side: a tenth of its distance is left from every piece.
+    pub(super) fn longest_move(&self, u: &[f64], du: &[f64]) -> f64 {
+        if du.iter().all(|du| *du == 0.0) {
+            return 1.0;
+        }
+        let end: Vec<f64> = u.iter().zip(du).map(|(u, du)| u + du).collect();
+        self.sides.iter().map(|side| side.longest_move([u, &end])).fold(1.0, f64::min)
+    }
+}
+
+impl Side {
+    fn longest_move(&self, [u, end]: [&[f64]; 2]) -> f64 {
+        let placed = self.pieces.placed(&[&|node| self.node(u, node), &|node| self.node(end, node)]);
+        let mut share = 1.0_f64;
+        for sample in 0..self.samples.len() {
+            let [x, to] = [u, end].map(|u| self.place(u, sample));
+            for piece in placed.overlapping(&Aabb::around(&[x, to])) {
+                if self.may_touch(sample, piece) {
+                    let corners = self.corners(u, piece);
+                    let moves: Vec<Vec3> = self.corners(end, piece).iter().zip(&corners).map(|(b, a)| b - a).collect();
+                    share = advance((x, to - x), (&corners, &moves), share);
+                }
+            }
+        }
+        share
+    }
+}
+
+/// Additive advancement: a distance changes no faster than its ends move against each other. Li, Kaufman, Jiang, "Codimensional incremental
+/// potential contact", ACM Trans. Graph. 40 (2021), appendix B.
+fn advance((x, dx): (Vec3, Vec3), (corners, moves): (&[Vec3], &[Vec3]), most: f64) -> f64 {
+    let mean = (moves.iter().sum::<Vec3>() + dx) / (moves.len() + 1) as f64;
+    let speed = (dx - mean).norm() + moves.iter().map(|by| (by - mean).norm()).fold(0.0, f64::max);
+    let at = |s: f64| {
+        let corners: Vec<Vec3> = corners.iter().zip(moves).map(|(corner, by)| corner + s * by).collect();
+        distance(&(x + s * dx), &corners)
+    };
+    let (start, mut share) = (at(0.0), 0.0);
+    for _ in 0..ADVANCES {
+        let room = at(share) - REST * start;
+        if room >= (most - share) * speed {
+            return most;
+        }
+        if room <= NEAR * start {
+            break;
+        }
+        share += room / speed;
+    }
+    share
+}

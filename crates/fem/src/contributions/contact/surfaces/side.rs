@@ -1,0 +1,101 @@
+//! [`Side`]: the samples of one surface before the pieces of another.
+
+use super::gap::Gap;
+use super::pieces::Pieces;
+use super::simplex::{distance, feature};
+use crate::contributions::contact::samples::Samples;
+use crate::discretization::Discretization;
+use crate::error::FemError;
+use nastic_mesh::spatial::Aabb;
+use nastic_mesh::{Facet, GroupNames, Mesh};
+use nastic_tensor::Vec3;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// The samples of one surface before the pieces of another.
+#[derive(Debug)]
+pub(super) struct Side {
+    mesh: Arc<Mesh>,
+    pub samples: Samples,
+    /// Of their areas what counts.
+    pub share: f64,
+    pub pieces: Pieces,
+    /// Of every sample the facets of the other surface that are its neighbours in the body, ascending.
+    neighbours: Vec<Vec<u32>>,
+}
+
+impl Side {
+    pub fn new(
+        disc: &Discretization,
+        (surface, refine): (&GroupNames, usize),
+        facets: &[Facet],
+        share: f64,
+    ) -> Result<Self, FemError> {
+        let (mesh, pieces) = (disc.mesh().clone(), Pieces::new(disc, facets));
+        let samples = Samples::new(&mesh, surface, refine)?;
+        let mut of_node: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (number, nodes) in pieces.facets.iter().enumerate() {
+            nodes.iter().for_each(|&node| of_node.entry(node).or_default().push(number as u32));
+        }
+        let around = |nodes: &BTreeSet<u32>| -> BTreeSet<u32> {
+            nodes.iter().filter_map(|node| of_node.get(node)).flatten().copied().collect()
+        };
+        let ring = |sample: usize| {
+            let own: BTreeSet<u32> = samples.parts(sample).iter().map(|(node, _)| *node).collect();
+            let first = around(&own);
+            let nodes = first.iter().flat_map(|&facet| pieces.facets[facet as usize].iter().copied()).collect();
+            around(&nodes).into_iter().collect()
+        };
+        let neighbours = (0..samples.len()).map(ring).collect();
+        Ok(Side { mesh, samples, share, pieces, neighbours })
+    }
+
+    /// Where a node is.
+    pub fn node(&self, u: &[f64], node: u32) -> Vec3 {
+        let (mut x, dim) = (Vec3::from(self.mesh.points()[node as usize]), self.mesh.dim());
+        (0..dim).for_each(|i| x[i] += u[dim * node as usize + i]);
+        x
+    }
+
+    /// Where a sample is.
+    pub fn place(&self, u: &[f64], sample: usize) -> Vec3 {
+        self.samples.parts(sample).iter().map(|&(node, shape)| shape * self.node(u, node)).sum()
+    }
+
+    pub fn corners(&self, u: &[f64], piece: usize) -> Vec<Vec3> {
+        self.pieces.all[piece].0.iter().map(|&node| self.node(u, node)).collect()
+    }
+
+    /// Whether a piece is no neighbour of a sample.
+    pub fn may_touch(&self, sample: usize, piece: usize) -> bool {
+        self.neighbours[sample].binary_search(&self.pieces.all[piece].1).is_err()
+    }
+
+    /// The least distance of a sample from the other surface, with the sample and the piece.
+    pub fn least(&self, u: &[f64]) -> Option<(f64, usize, usize)> {
+        let placed = self.pieces.placed(&[&|node| self.node(u, node)]);
+        let of_sample = |sample: usize| {
+            let x = self.place(u, sample);
+            let to = |piece| self.may_touch(sample, piece).then(|| distance(&x, &self.corners(u, piece)));
+            placed.least(&x, to).map(|(d, piece)| (d, sample, piece))
+        };
+        (0..self.samples.len()).filter_map(of_sample).min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The gaps of samples nearer to the other surface than a reach.
+    pub fn gaps(&self, u: &[f64], reach: f64, smooth: f64) -> Vec<Gap> {
+        let placed = self.pieces.placed(&[&|node| self.node(u, node)]);
+        let of_sample = |sample: usize| {
+            let x = self.place(u, sample);
+            let near = placed.overlapping(&Aabb { lo: x, hi: x }.grown(reach)).into_iter();
+            let found = near.filter(|&piece| self.may_touch(sample, piece)).map(|piece| {
+                let corners = self.corners(u, piece);
+                let between = feature(&x, &corners);
+                let nodes = between.iter().map(|&i| self.pieces.all[piece].0[i]).collect();
+                (distance(&x, &corners), nodes)
+            });
+            Gap::of(sample, found.collect(), reach, smooth)
+        };
+        (0..self.samples.len()).filter_map(of_sample).collect()
+    }
+}
