@@ -28,7 +28,7 @@ pub enum FemError {
     /// A contribution adds entries to a tangent for nodes that it does not couple.
     #[error(
         "contribution \"{contribution}\" adds entries to a tangent for nodes {} and {}, which share no cell; name them in its \
-         `Contribution::couplings`",
+         `Contribution::couplings`, or add pairs that change with the state by `SparseMatrix::add_beyond`",
         .lacking.a, .lacking.b
     )]
     NotCoupled {

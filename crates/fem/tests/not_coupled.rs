@@ -94,7 +94,7 @@ fn told<T: std::fmt::Debug>(found: Result<T, StateError>, nodes: [u32; 2]) {
         ("link", nodes.iter().min().unwrap(), nodes.iter().max().unwrap())
     );
     let text = error.to_string();
-    assert!(text.contains("\"link\"") && text.contains("couplings"), "{text}");
+    assert!(text.contains("\"link\"") && text.contains("couplings") && text.contains("add_beyond"), "{text}");
 }
 
 #[test]

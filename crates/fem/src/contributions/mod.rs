@@ -86,7 +86,8 @@ pub trait Contribution: Debug + Send + Sync {
         &[]
     }
 
-    /// Sets of nodes that it couples with each other beyond those that share a cell.
+    /// Sets of nodes that it couples with each other beyond those that share a cell, whatever the state. Pairs that change with the state
+    /// are not named here: [`SparseMatrix::add_beyond`].
     fn couplings(&self) -> Vec<Vec<u32>> {
         Vec::new()
     }

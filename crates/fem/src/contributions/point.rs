@@ -24,7 +24,8 @@ pub trait ContributionPoint {
     /// [`Inadmissible`] where u is.
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible>;
 
-    /// Adds the tangent by the displacement, supports not eliminated ([`SparseMatrix::add_pairs`], with `?` where nodes are not coupled).
+    /// Adds the tangent by the displacement, supports not eliminated: [`SparseMatrix::add_pairs`], with `?` where nodes are not coupled;
+    /// [`SparseMatrix::add_beyond`] for pairs of nodes that change with the state.
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
