@@ -1,7 +1,7 @@
 //! [`Column`]: chains of quadrilaterals or hexahedra through opposite faces, which tell how many cells lie over a thickness.
 
 use crate::geometry::{minus, norm};
-use crate::{CellKind, Facet, Mesh};
+use crate::{CellKind, Domain, Facet, Mesh};
 
 /// One local axis of a cell, and the chain of cells along it: from the cell through its two opposite faces to the next
 /// cells, on through theirs, until the boundary, a cell of another kind or the cell itself (a ring) is met.
@@ -65,10 +65,10 @@ impl Mesh {
 
 /// Pairs of opposite faces of a cell, one for each local axis.
 fn opposite_faces(kind: CellKind) -> &'static [[u8; 2]] {
-    match kind.corner_kind() {
-        CellKind::Quad4 => &[[3, 1], [0, 2]],
-        CellKind::Hex8 => &[[0, 1], [2, 3], [4, 5]],
-        _ => &[],
+    match (kind.domain(), kind.dim()) {
+        (Domain::Box, 2) => &[[3, 1], [0, 2]],
+        (Domain::Box, 3) => &[[0, 1], [2, 3], [4, 5]],
+        (Domain::Box | Domain::Simplex, _) => &[],
     }
 }
 

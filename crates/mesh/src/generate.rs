@@ -1,6 +1,6 @@
 //! Boxes and rectangles of any kind of cell, on a regular grid.
 
-use crate::{CellKind, Mesh, MeshError, RawMesh};
+use crate::{CellKind, Domain, Mesh, MeshError, RawMesh};
 
 /// A generated mesh has at most this many grid points; beyond it the request is taken for a slip.
 const MOST_POINTS: usize = 1 << 26;
@@ -148,10 +148,10 @@ impl Grid {
 }
 
 fn template(kind: CellKind) -> Vec<Vec<[usize; 3]>> {
-    let corners = match kind.corner_kind() {
-        CellKind::Tri3 => vec![vec![[0, 0, 0], [1, 0, 0], [1, 1, 0]], vec![[0, 0, 0], [1, 1, 0], [0, 1, 0]]],
-        CellKind::Tet4 => PATHS.iter().map(kuhn).collect(),
-        linear => vec![CORNERS[..linear.nodes()].to_vec()],
+    let corners = match (kind.domain(), kind.dim()) {
+        (Domain::Box, _) => vec![CORNERS[..kind.corners()].to_vec()],
+        (Domain::Simplex, 2) => vec![vec![[0, 0, 0], [1, 0, 0], [1, 1, 0]], vec![[0, 0, 0], [1, 1, 0], [0, 1, 0]]],
+        (Domain::Simplex, _) => PATHS.iter().map(kuhn).collect(),
     };
     corners.iter().map(|corners| steps(kind, corners)).collect()
 }

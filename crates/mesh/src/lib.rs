@@ -36,7 +36,7 @@ mod tabulated;
 
 pub use build::{RawBlock, RawMesh};
 pub use columns::Column;
-pub use element::CellKind;
+pub use element::{CellKind, Domain};
 pub use error::{Fault, MeshError};
 pub use generate::{box_mesh, rectangle};
 pub use group_names::GroupNames;

@@ -1,7 +1,7 @@
 //! [`Mesh::locate`]: the cell that holds a point of the reference body.
 
 use crate::spatial::Shape;
-use crate::{CellKind, Mesh, MeshError};
+use crate::{CellKind, Domain, Mesh, MeshError};
 use nalgebra::{Matrix3, Vector3};
 
 /// A point of a mesh: the cell that holds it, and the values of that cell's shape functions there.
@@ -95,9 +95,8 @@ fn invert(kind: CellKind, positions: &[[f64; 3]], point: [f64; 3]) -> Option<[f6
 
 fn in_domain(kind: CellKind, xi: &[f64; 3]) -> bool {
     let xi = &xi[..kind.dim()];
-    if kind.is_simplex() {
-        xi.iter().all(|x| *x >= -EDGE) && xi.iter().sum::<f64>() <= 1.0 + EDGE
-    } else {
-        xi.iter().all(|x| x.abs() <= 1.0 + EDGE)
+    match kind.domain() {
+        Domain::Box => xi.iter().all(|x| x.abs() <= 1.0 + EDGE),
+        Domain::Simplex => xi.iter().all(|x| *x >= -EDGE) && xi.iter().sum::<f64>() <= 1.0 + EDGE,
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::geometry::{minus, norm};
 use crate::tabulated::{Gathered, Tabulated};
-use crate::{CellKind, Mesh};
+use crate::{CellKind, Domain, Mesh};
 use std::fmt;
 
 /// Shape of one cell.
@@ -162,10 +162,10 @@ impl Judge {
         Judge {
             kind,
             around: (0..kind.corners()).map(ends).collect(),
-            factor: match straight {
-                CellKind::Tri3 => 2.0 / 3f64.sqrt(),
-                CellKind::Tet4 => 2f64.sqrt(),
-                _ => f64::from(1u32 << kind.dim()),
+            factor: match (kind.domain(), kind.dim()) {
+                (Domain::Box, dim) => f64::from(1u32 << dim),
+                (Domain::Simplex, 2) => 2.0 / 3f64.sqrt(),
+                (Domain::Simplex, _) => 2f64.sqrt(),
             },
             corners: Tabulated::new(straight, straight.reference_nodes()),
             places: Tabulated::new(kind, kind.reference_nodes().iter().chain(&kind.rule().points)),

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 use nastic_mesh::spatial::{Shape, SpatialError, hausdorff};
-use nastic_mesh::{CellKind, Mesh, box_mesh, rectangle};
+use nastic_mesh::{CellKind, Domain, Mesh, box_mesh, rectangle};
 
 type Point = [f64; 3];
 
@@ -57,14 +57,15 @@ fn place(positions: &[Point], nodes: &[u32], kind: CellKind, xi: &Point) -> Poin
 fn reference(kind: CellKind, u: &Point) -> Point {
     let mut xi = [0.0; 3];
     xi[..kind.dim()].copy_from_slice(&u[..kind.dim()]);
-    if !kind.is_simplex() {
-        xi[..kind.dim()].iter_mut().for_each(|v| *v = 2.0 * *v - 1.0);
-    } else {
-        // Sorted coordinates cut the cube into equal simplices; their differences fill the unit one.
-        let dim = kind.dim();
-        xi[..dim].sort_by(f64::total_cmp);
-        for a in (1..dim).rev() {
-            xi[a] -= xi[a - 1];
+    match kind.domain() {
+        Domain::Box => xi[..kind.dim()].iter_mut().for_each(|v| *v = 2.0 * *v - 1.0),
+        Domain::Simplex => {
+            // Sorted coordinates cut the cube into equal simplices; their differences fill the unit one.
+            let dim = kind.dim();
+            xi[..dim].sort_by(f64::total_cmp);
+            for a in (1..dim).rev() {
+                xi[a] -= xi[a - 1];
+            }
         }
     }
     xi
@@ -82,9 +83,9 @@ fn boundary_points(mesh: &Mesh, positions: &[Point], n: usize) -> Vec<Point> {
         for i in 0..=n {
             for j in 0..=if kind.dim() == 1 { 0 } else { n } {
                 let (u, v) = (i as f64 / n as f64, j as f64 / n as f64);
-                let xi = match kind.is_simplex() {
-                    true => [u * (1.0 - v), v, 0.0],
-                    false => [2.0 * u - 1.0, if kind.dim() == 1 { 0.0 } else { 2.0 * v - 1.0 }, 0.0],
+                let xi = match kind.domain() {
+                    Domain::Simplex => [u * (1.0 - v), v, 0.0],
+                    Domain::Box => [2.0 * u - 1.0, if kind.dim() == 1 { 0.0 } else { 2.0 * v - 1.0 }, 0.0],
                 };
                 points.push(place(positions, &nodes, kind, &xi));
             }

@@ -8,7 +8,7 @@ use nastic_energy::Place;
 use nastic_fem::{Formulation, Solid};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::Case;
-use nastic_mesh::{CellKind, Column, GroupNames};
+use nastic_mesh::{CellKind, Column, Domain, GroupNames};
 
 /// Poisson's ratio from which fully integrated first-order quadrilaterals and hexahedra lock.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.4;
@@ -128,7 +128,7 @@ fn why_locking(all: &Cells, region: &GroupNames, locking: &[u32], context: &Cont
     let why = if kind.order() > 1 {
         "second-order simplices bend some per cent too little, 1.6 to 1.8 times as much as hexahedra or quadrilaterals of \
          that size"
-    } else if kind.is_simplex() {
+    } else if kind.domain() == Domain::Simplex {
         "first-order simplices have constant strain: bent, they move too little, nearly incompressible tenfold and more"
     } else {
         "first-order elements cannot bend at nearly constant volume"

@@ -1,7 +1,7 @@
 //! Serendipity hexahedron: corners, bottom edges, top edges, upright edges.
 
 use super::hex8::EDGES;
-use super::{CellKind, Element, Face, serendipity};
+use super::{CellKind, Domain, Element, Face, serendipity};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -11,6 +11,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 2,
     vtk: 25,
     gmsh: (17, GMSH_ORDER),
+    domain: Domain::Box,
     corner_kind: CellKind::Hex8,
     nodes: NODES,
     edges: EDGES,

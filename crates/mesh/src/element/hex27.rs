@@ -2,7 +2,7 @@
 //! (VTK_TRIQUADRATIC_HEXAHEDRON).
 
 use super::hex8::EDGES;
-use super::{CellKind, Element, Face, product};
+use super::{CellKind, Domain, Element, Face, product};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -12,6 +12,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 2,
     vtk: 29,
     gmsh: (12, GMSH_ORDER),
+    domain: Domain::Box,
     corner_kind: CellKind::Hex8,
     nodes: NODES,
     edges: EDGES,

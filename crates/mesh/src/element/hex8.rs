@@ -1,6 +1,6 @@
 //! Trilinear hexahedron: the bottom counterclockwise, then the top.
 
-use super::{CellKind, Element, Face, product};
+use super::{CellKind, Domain, Element, Face, product};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -10,6 +10,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 1,
     vtk: 12,
     gmsh: (5, &[]),
+    domain: Domain::Box,
     corner_kind: CellKind::Hex8,
     nodes: NODES,
     edges: EDGES,

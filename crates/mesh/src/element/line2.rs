@@ -1,6 +1,6 @@
 //! Straight line.
 
-use super::{CellKind, Element, product};
+use super::{CellKind, Domain, Element, product};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -10,6 +10,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 1,
     vtk: 3,
     gmsh: (1, &[]),
+    domain: Domain::Box,
     corner_kind: CellKind::Line2,
     nodes: NODES,
     edges: EDGES,

@@ -1,7 +1,7 @@
 //! Quadratic line: ends, then the middle.
 
 use super::line2::EDGES;
-use super::{CellKind, Element, product};
+use super::{CellKind, Domain, Element, product};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -11,6 +11,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 2,
     vtk: 21,
     gmsh: (8, &[]),
+    domain: Domain::Box,
     corner_kind: CellKind::Line2,
     nodes: NODES,
     edges: EDGES,

@@ -1,5 +1,6 @@
 //! The catalogue of reference elements: one file each, one table row per kind.
 
+mod domain;
 mod hex20;
 mod hex27;
 mod hex8;
@@ -17,6 +18,7 @@ mod tri3;
 mod tri6;
 
 use crate::quadrature::Rule;
+pub use domain::Domain;
 use std::sync::OnceLock;
 
 /// A kind of cell. Lines, quadrilaterals and hexahedra live on [-1,1]^d, triangles and tetrahedra on the unit simplex.
@@ -63,6 +65,7 @@ struct Element {
     vtk: u8,
     /// Gmsh's number, and the permutation `vtk[i] = gmsh[order[i]]` of nodes; empty for the identity.
     gmsh: (u8, &'static [u8]),
+    domain: Domain,
     corner_kind: CellKind,
     nodes: &'static [[f64; 3]],
     edges: &'static [[usize; 2]],
@@ -167,9 +170,9 @@ impl CellKind {
         self.element().corner_kind
     }
 
-    /// Whether the reference domain is the unit simplex.
-    pub fn is_simplex(self) -> bool {
-        matches!(self.corner_kind(), CellKind::Tri3 | CellKind::Tet4)
+    /// The reference domain.
+    pub fn domain(self) -> Domain {
+        self.element().domain
     }
 
     /// Reference coordinates of the nodes; unused components are 0.
@@ -179,19 +182,19 @@ impl CellKind {
 
     /// Centroid of the reference domain.
     pub fn centre(self) -> [f64; 3] {
-        match self.corner_kind() {
-            CellKind::Tri3 => [1.0 / 3.0, 1.0 / 3.0, 0.0],
-            CellKind::Tet4 => [0.25; 3],
-            _ => [0.0; 3],
+        match (self.domain(), self.dim()) {
+            (Domain::Box, _) => [0.0; 3],
+            (Domain::Simplex, 2) => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+            (Domain::Simplex, _) => [0.25; 3],
         }
     }
 
     /// Measure of the reference domain.
     pub fn reference_measure(self) -> f64 {
-        match self.corner_kind() {
-            CellKind::Tri3 => 0.5,
-            CellKind::Tet4 => 1.0 / 6.0,
-            _ => f64::from(1u32 << self.dim()),
+        match (self.domain(), self.dim()) {
+            (Domain::Box, dim) => f64::from(1u32 << dim),
+            (Domain::Simplex, 2) => 0.5,
+            (Domain::Simplex, _) => 1.0 / 6.0,
         }
     }
 
@@ -234,10 +237,10 @@ impl CellKind {
     /// A rule with positive weights and inner points that is exact for polynomials of that total degree (in each
     /// variable, on lines, quadrilaterals and hexahedra).
     pub fn rule_of_degree(self, degree: usize) -> Rule {
-        match self.corner_kind() {
-            CellKind::Tri3 => Rule::triangle(degree),
-            CellKind::Tet4 => Rule::tetrahedron(degree),
-            _ => Rule::tensor(self.dim(), degree / 2 + 1),
+        match (self.domain(), self.dim()) {
+            (Domain::Box, dim) => Rule::tensor(dim, degree / 2 + 1),
+            (Domain::Simplex, 2) => Rule::triangle(degree),
+            (Domain::Simplex, _) => Rule::tetrahedron(degree),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Bilinear quadrilateral, counterclockwise.
 
-use super::{CellKind, Element, Face, product};
+use super::{CellKind, Domain, Element, Face, product};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -10,6 +10,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 1,
     vtk: 9,
     gmsh: (3, &[]),
+    domain: Domain::Box,
     corner_kind: CellKind::Quad4,
     nodes: NODES,
     edges: EDGES,

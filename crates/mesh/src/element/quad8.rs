@@ -1,7 +1,7 @@
 //! Serendipity quadrilateral: corners, then the middles of 01, 12, 23, 30.
 
 use super::quad4::EDGES;
-use super::{CellKind, Element, Face, serendipity};
+use super::{CellKind, Domain, Element, Face, serendipity};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -11,6 +11,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 2,
     vtk: 23,
     gmsh: (16, &[]),
+    domain: Domain::Box,
     corner_kind: CellKind::Quad4,
     nodes: NODES,
     edges: EDGES,

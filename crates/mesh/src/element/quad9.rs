@@ -1,7 +1,7 @@
 //! Biquadratic quadrilateral: `Quad8`, then the centre.
 
 use super::quad4::EDGES;
-use super::{CellKind, Element, Face, product};
+use super::{CellKind, Domain, Element, Face, product};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -11,6 +11,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 2,
     vtk: 28,
     gmsh: (10, &[]),
+    domain: Domain::Box,
     corner_kind: CellKind::Quad4,
     nodes: NODES,
     edges: EDGES,

@@ -1,7 +1,7 @@
 //! Quadratic tetrahedron: corners, then the middles of 01, 12, 20, 03, 13, 23.
 
 use super::tet4::EDGES;
-use super::{CellKind, Element, Face, simplex};
+use super::{CellKind, Domain, Element, Face, simplex};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -11,6 +11,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 2,
     vtk: 24,
     gmsh: (11, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
+    domain: Domain::Simplex,
     corner_kind: CellKind::Tet4,
     nodes: NODES,
     edges: EDGES,

@@ -1,6 +1,6 @@
 //! Linear tetrahedron.
 
-use super::{CellKind, Element, Face, simplex};
+use super::{CellKind, Domain, Element, Face, simplex};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -10,6 +10,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 1,
     vtk: 10,
     gmsh: (4, &[]),
+    domain: Domain::Simplex,
     corner_kind: CellKind::Tet4,
     nodes: NODES,
     edges: EDGES,

@@ -1,6 +1,6 @@
 //! Linear triangle.
 
-use super::{CellKind, Element, Face, simplex};
+use super::{CellKind, Domain, Element, Face, simplex};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -10,6 +10,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 1,
     vtk: 5,
     gmsh: (2, &[]),
+    domain: Domain::Simplex,
     corner_kind: CellKind::Tri3,
     nodes: NODES,
     edges: EDGES,

@@ -1,7 +1,7 @@
 //! Quadratic triangle: corners, then the middles of 01, 12, 20.
 
 use super::tri3::EDGES;
-use super::{CellKind, Element, Face, simplex};
+use super::{CellKind, Domain, Element, Face, simplex};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {
@@ -11,6 +11,7 @@ pub(super) static ELEMENT: Element = Element {
     order: 2,
     vtk: 22,
     gmsh: (9, &[]),
+    domain: Domain::Simplex,
     corner_kind: CellKind::Tri3,
     nodes: NODES,
     edges: EDGES,

@@ -1,6 +1,6 @@
 //! The polynomial space of a Bézier patch, and the control points of a cell in it.
 
-use crate::CellKind;
+use crate::{CellKind, Domain};
 
 /// Polynomial space of a patch: degree 1 or 2, over the unit box (tensor product) or the unit simplex of 1 to 3
 /// dimensions.
@@ -14,7 +14,11 @@ pub(super) struct PatchSpace {
 impl PatchSpace {
     /// The smallest space that holds the kind's shape functions (serendipity kinds sit inside the full tensor product).
     pub fn of(kind: CellKind) -> Self {
-        Self { simplex: kind.is_simplex(), dim: kind.dim(), degree: kind.order() }
+        let simplex = match kind.domain() {
+            Domain::Box => false,
+            Domain::Simplex => true,
+        };
+        Self { simplex, dim: kind.dim(), degree: kind.order() }
     }
 
     pub fn controls(self) -> usize {
@@ -110,8 +114,9 @@ impl Conversion {
     pub fn of(kind: CellKind) -> Self {
         let space = PatchSpace::of(kind);
         let nodes = kind.nodes();
-        let reference = |u: [f64; 3]| {
-            if space.simplex { u } else { std::array::from_fn(|a| if a < space.dim { 2.0 * u[a] - 1.0 } else { 0.0 }) }
+        let reference = |u: [f64; 3]| match kind.domain() {
+            Domain::Box => std::array::from_fn(|a| if a < space.dim { 2.0 * u[a] - 1.0 } else { 0.0 }),
+            Domain::Simplex => u,
         };
         let mut weights = vec![0.0; space.controls() * nodes];
         for (u, row) in space.lattice().into_iter().zip(weights.chunks_exact_mut(nodes)) {
