@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use nastic_mesh::{CellKind, Mesh, MeshError, RawMesh, Snapshot, box_mesh, rectangle};
+use nastic_mesh::{CellKind, Domain, Mesh, MeshError, RawMesh, Snapshot, box_mesh, rectangle};
 
 fn one(kind: CellKind, points: Vec<[f64; 3]>) -> Mesh {
     let mut raw = RawMesh::new("one");
@@ -12,21 +12,26 @@ fn one(kind: CellKind, points: Vec<[f64; 3]>) -> Mesh {
     Mesh::build(raw).unwrap()
 }
 
+/// Corners of the best shape of a kind.
+fn best(kind: CellKind) -> Vec<[f64; 3]> {
+    let h = 3f64.sqrt() / 2.0;
+    match (kind.domain(), kind.dim()) {
+        (Domain::Box, _) => kind.corner_kind().reference_nodes().to_vec(),
+        (Domain::Simplex, 2) => vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, h, 0.0]],
+        (Domain::Simplex, _) => vec![[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]],
+    }
+}
+
 #[test]
 fn best_shapes_score_one() {
-    let h = 3f64.sqrt() / 2.0;
-    let triangle = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, h, 0.0]];
-    let tetrahedron = vec![[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]];
-    for mesh in [
-        one(CellKind::Tri3, triangle),
-        one(CellKind::Tet4, tetrahedron),
-        box_mesh([1.0; 3], [2; 3], CellKind::Hex20).unwrap(),
-        rectangle([1.0; 2], [2; 2], CellKind::Quad9).unwrap(),
-    ] {
-        let quality = mesh.quality();
-        assert!((quality.scaled_jacobian() - 1.0).abs() < 1e-14, "{quality}");
-        assert!((quality.jacobian_ratio() - 1.0).abs() < 1e-13 && (quality.aspect() - 1.0).abs() < 1e-14);
-        assert!(quality.warnings().is_empty());
+    for kind in CellKind::ALL.into_iter().filter(|kind| kind.dim() > 1) {
+        let corners = best(kind);
+        let nodes = kind.reference_nodes().iter().map(|xi| kind.corner_kind().map(&corners, xi));
+        let quality = one(kind, nodes.collect()).quality();
+        assert!((quality.scaled_jacobian() - 1.0).abs() < 1e-14, "{kind}: {quality}");
+        assert!((quality.jacobian_ratio() - 1.0).abs() < 1e-13, "{kind}: {quality}");
+        assert!((quality.aspect() - 1.0).abs() < 1e-14, "{kind}: {quality}");
+        assert!(quality.warnings().is_empty(), "{kind}: {quality}");
     }
 }
 
@@ -83,9 +88,15 @@ fn measures_of_a_curved_body() {
 
 #[test]
 fn volumes_follow_the_deformed_positions() {
-    let mesh = box_mesh([1.0; 3], [2; 3], CellKind::Tet10).unwrap();
-    let stretched: Vec<[f64; 3]> = mesh.points().iter().map(|[x, y, z]| [2.0 * x, *y, *z]).collect();
-    assert!((mesh.volumes(&stretched).iter().sum::<f64>() - 2.0).abs() < 1e-13);
+    for kind in CellKind::ALL.into_iter().filter(|kind| kind.dim() > 1) {
+        let mesh = match kind.dim() {
+            2 => rectangle([1.0; 2], [2; 2], kind).unwrap(),
+            _ => box_mesh([1.0; 3], [2; 3], kind).unwrap(),
+        };
+        let stretched: Vec<[f64; 3]> = mesh.points().iter().map(|[x, y, z]| [2.0 * x, *y, *z]).collect();
+        let volume: f64 = mesh.volumes(&stretched).iter().sum();
+        assert!((volume - 2.0).abs() < 1e-13, "{kind}: {volume}");
+    }
     let hexes = box_mesh([1.0, 2.0, 3.0], [2, 1, 1], CellKind::Hex20).unwrap();
     assert!((0..3).all(|i| (hexes.cell_centre(1)[i] - [0.75, 1.0, 1.5][i]).abs() < 1e-15));
 }
