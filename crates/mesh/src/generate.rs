@@ -20,7 +20,7 @@ const PATHS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 
 pub fn box_mesh(size: [f64; 3], cells: [usize; 3], kind: CellKind) -> Result<Mesh, MeshError> {
     let why = |why| MeshError::Generate { what: "a box", why };
     if kind.dim() != 3 {
-        return Err(why(format!("{kind} is not a volume element; take tet4, tet10, hex8, hex20 or hex27")));
+        return Err(why(format!("{kind} is not a volume element; take {}", names(3))));
     }
     Mesh::build(Grid::new(&size, &cells, kind).map_err(why)?.raw("box"))
 }
@@ -33,9 +33,15 @@ pub fn box_mesh(size: [f64; 3], cells: [usize; 3], kind: CellKind) -> Result<Mes
 pub fn rectangle(size: [f64; 2], cells: [usize; 2], kind: CellKind) -> Result<Mesh, MeshError> {
     let why = |why| MeshError::Generate { what: "a rectangle", why };
     if kind.dim() != 2 {
-        return Err(why(format!("{kind} is not a plane element; take tri3, tri6, quad4, quad8 or quad9")));
+        return Err(why(format!("{kind} is not a plane element; take {}", names(2))));
     }
     Mesh::build(Grid::new(&size, &cells, kind).map_err(why)?.raw("rectangle"))
+}
+
+/// The kinds of a dimension.
+fn names(dim: usize) -> String {
+    let names: Vec<&str> = CellKind::ALL.iter().filter(|kind| kind.dim() == dim).map(|kind| kind.name()).collect();
+    names.join(" or ")
 }
 
 /// Grid points at spacing size / (cells * order); the corners of grid cells are those at multiples of the order.

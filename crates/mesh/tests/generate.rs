@@ -104,7 +104,10 @@ fn every_inner_facet_has_two_sides() {
 fn requests_that_make_no_sense_are_refused() {
     let message = |r: Result<Mesh, MeshError>| r.unwrap_err().to_string();
     assert!(message(box_mesh([1.0; 3], [2; 3], CellKind::Quad4)).contains("quad4 is not a volume element"));
-    assert!(message(rectangle([1.0; 2], [2; 2], CellKind::Hex8)).contains("hex8 is not a plane element"));
+    let of_a_volume = message(rectangle([1.0; 2], [2; 2], CellKind::Hex8));
+    assert!(of_a_volume.contains("hex8 is not a plane element"), "{of_a_volume}");
+    let (_, instead) = of_a_volume.split_once("take ").unwrap();
+    assert!(CellKind::ALL.iter().all(|kind| instead.contains(kind.name()) == (kind.dim() == 2)), "{instead}");
     assert!(message(box_mesh([1.0, 0.0, 1.0], [2; 3], CellKind::Hex8)).contains("size 0 is not a positive length"));
     assert!(message(box_mesh([1.0, f64::NAN, 1.0], [2; 3], CellKind::Hex8)).contains("not a positive length"));
     assert!(message(box_mesh([1.0; 3], [2, 0, 2], CellKind::Hex8)).contains("at least one along each axis"));
