@@ -106,7 +106,12 @@ impl<'a> Cells<'a> {
             CellKind::Tet4 | CellKind::Tri3 => true,
             CellKind::Hex8 | CellKind::Quad4 => poisson().is_some_and(|nu| nu > NEARLY_INCOMPRESSIBLE),
             CellKind::Tet10 | CellKind::Tri6 => poisson().is_some_and(|nu| nu >= INCOMPRESSIBLE),
-            _ => false,
+            CellKind::Line2
+            | CellKind::Line3
+            | CellKind::Quad8
+            | CellKind::Quad9
+            | CellKind::Hex20
+            | CellKind::Hex27 => false,
         }
     }
 }

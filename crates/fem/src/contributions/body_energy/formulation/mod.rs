@@ -9,12 +9,14 @@ use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::displaced::Displaced;
+use crate::kernels::kernel;
 use crate::kernels::patch::Patch;
 use nastic_mesh::CellKind;
 use nastic_tensor::{Kinematics, Mat3};
 use projected_dilatation::ProjectedDilatation;
 use standard::Standard;
 use std::fmt;
+use std::sync::LazyLock;
 
 /// How the displacement of a cell becomes the deformation gradients that its laws see, passive ones and actuations.
 ///
@@ -38,6 +40,10 @@ pub enum Formulation {
     /// Jbar is the L2 projection of J onto `1, X, Y, Z` of the cell: a linear pressure, discontinuous between cells.
     LinearDilatation,
 }
+
+/// The kinds of cells that bodies are made of.
+static BODIES: LazyLock<Vec<CellKind>> =
+    LazyLock::new(|| CellKind::ALL.into_iter().filter(|kind| kernel(*kind).is_some()).collect());
 
 impl Formulation {
     /// Every formulation.
@@ -67,9 +73,9 @@ impl Formulation {
 
     /// The kinds of cells that can have it: those it helps.
     pub fn kinds(self) -> &'static [CellKind] {
-        use CellKind::{Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6};
+        use CellKind::{Hex8, Hex27, Quad4, Quad9, Tet4, Tet10, Tri3, Tri6};
         match self {
-            Self::Standard => &[Tri3, Tri6, Quad4, Quad8, Quad9, Tet4, Tet10, Hex8, Hex20, Hex27],
+            Self::Standard => BODIES.as_slice(),
             Self::MeanDilatation => &[Hex8, Quad4, Tet10, Tri6, Tet4, Tri3],
             Self::LinearDilatation => &[Hex27, Quad9],
         }
