@@ -26,9 +26,8 @@ fn every_contribution_keeps_its_contract() -> Outcome {
         let (model, u) = (solid.model(), solid.rest().u);
         let controls = model.controls();
         let second = model.second_vjp(&Instant::new(&u, &controls, 1.0), &u, &Increment { u: &u, controls: &controls });
-        // friction, which has no potential, gives none
-        let potential = !entry.name.contains("friction");
-        assert_eq!(second.is_ok(), potential, "{}: {second:?}", entry.name);
+        // what has no potential may give none: friction
+        assert!(second.is_ok() || !model.has_potential(), "{}: {second:?}", entry.name);
     }
     check_contribution(oscillating()?.model(), "oscillators", 5)?;
     check_contribution(swirling()?.model(), "swirl", 5)?;
