@@ -33,6 +33,9 @@ const TOLERANCE: f64 = 1e-7;
 /// `lambda . r` by controls, velocity and acceleration, the latter with the mass that is given; second derivatives, where there are some, are those of the first ones and
 /// symmetric; the same question has the same answer to the bit.
 ///
+/// A potential with kinks in its second or third derivative needs an example in which no sample is within 5 % of a cell of one: differences of
+/// sixth order are compared, which cannot tell a kink from a mistake.
+///
 /// # Errors
 /// What is violated, where, by how much; an unknown name.
 pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), String> {
