@@ -124,6 +124,46 @@ fn forces_and_moments_balance() -> Outcome {
     Ok(())
 }
 
+/// The force that is told is that on the nodes of the first surface; what presses has the derivatives of differences.
+#[test]
+fn what_is_told_is_what_acts() -> Outcome {
+    let contact = SurfaceContact::between("between", "lower", "upper").thickness(0.009).refine(2);
+    let solid =
+        Solid::new(blocks(CellKind::Hex8, 1.7)?)?.material("body", law())?.clamp("z-")?.surface_contact(contact)?;
+    let u: Vec<f64> = (0..solid.rest().u.len()).map(|i| 0.006 * noise(i)).collect();
+    let controls = solid.controls();
+    let (model, mesh) = (solid.model(), solid.mesh());
+    let (_, touch) = model.touches(&Instant::new(&u, &controls, 1.0)).remove(0);
+    let at_stiffness = |factor: f64| {
+        let mut controls = controls.clone();
+        controls.values_mut(0)[0] *= factor;
+        let force = model.evaluate(&Instant::new(&u, &controls, 1.0), Demand { energy: false, force: true });
+        force.map(|sums| sums.force)
+    };
+    // what changes with the stiffness is the contact's alone
+    let [one, two] = [at_stiffness(1.0)?, at_stiffness(2.0)?];
+    for i in 0..3 {
+        let nodes = mesh.nodes_of_facets(&mesh.facets_of(&"lower".into())?);
+        let on_lower: f64 = nodes.iter().map(|&node| one[3 * node as usize + i] - two[3 * node as usize + i]).sum();
+        assert!((on_lower - touch.force[i]).abs() < 1e-10 * touch.pressing, "{i}: {on_lower} {}", touch.force[i]);
+    }
+    let by = |p: f64| [p * p, 2.0 * p];
+    let pressing = |u: &[f64]| model.pressing(&Instant::new(u, &controls, 1.0), "between", &by).unwrap();
+    let found = pressing(&u)?;
+    let along: f64 = found.by_u.iter().map(|by| by * by).sum::<f64>().sqrt();
+    let h = 1e-8;
+    let moved =
+        |sign: f64| -> Vec<f64> { u.iter().zip(&found.by_u).map(|(u, by)| u + sign * h * by / along).collect() };
+    let by_differences = (pressing(&moved(1.0))?.value - pressing(&moved(-1.0))?.value) / (2.0 * h);
+    assert!((by_differences / along - 1.0).abs() < 1e-4, "{by_differences} and {along}");
+    let by_stiffness = found.by_controls.values(0)[0] * controls.values(0)[0];
+    assert!((by_stiffness / (2.0 * found.value) - 1.0).abs() < 1e-12);
+    let pressures = model.contact_pressures(&Instant::new(&u, &controls, 1.0)).unwrap();
+    let largest = largest(&pressures);
+    assert!(largest > 0.0 && largest <= touch.largest_pressure * (1.0 + 1e-12), "{largest}");
+    Ok(())
+}
+
 /// A C whose upper arm, shorter and narrower, bends down until it lies on the lower one; its slot touches itself.
 fn closing(kind: CellKind, touches: bool) -> Outcome<Solid> {
     let full = regular(kind, [1.0, 1.0, 0.4], [20, 10, 4])?;

@@ -180,13 +180,19 @@ fn mistakes_get_answers() {
         (r#""obstacle": "floor""#, r#""obstacle": "floor", "thickness": 0"#, "contact/0/thickness"),
         (r#""obstacle": "floor""#, r#""obstacle": "floor", "law": "linear""#, "contact/0/law"),
         (r#""name": "floor""#, r#""name": "z- on floor""#, "z- on floor"),
+        (r#", "obstacle": "floor""#, "", "exactly one of \"obstacle\", \"with\""),
+        (r#""obstacle": "floor""#, r#""obstacle": "floor", "with": "z+""#, "exactly one of"),
+        (r#""obstacle": "floor""#, r#""with": "z+", "friction": 0.3"#, "contact/0/friction"),
+        (r#""obstacle": "floor""#, r#""with": "zmax""#, "surface \"zmax\" not found"),
+        (r#""obstacle": "floor""#, r#""with": "z+", "thickness": 6"#, "apart at rest"),
     ] {
         let answer = problems(&with(BLOCK, from, to));
         assert!(answer.contains(told), "{to}: {answer}");
     }
     for (key, told) in [
         (r#""friction": 0.3, "obstacles""#, "pushes it by \"contact\""),
-        (r#""self_contact": true, "obstacles""#, "no contact of a body with itself"),
+        (r#""self_contact": true, "obstacles""#, "\"with\": \"skin\""),
+        (r#""rigid_bodies": [], "obstacles""#, "no rigid bodies that move freely yet"),
     ] {
         let answer = problems(&with(BLOCK, r#""obstacles""#, key));
         assert!(answer.contains(told), "{key}: {answer}");
@@ -235,4 +241,38 @@ fn a_console_says_how_the_contact_slides() {
     let (place, heard) = (Place::new(), Heard::default());
     place.run_with(Command::Solve, SLIDER, &Console::new(heard.clone()), &place.options(&[])).unwrap();
     assert!(heard.text().contains("0 % of its pressure sticks"), "{}", heard.text());
+}
+
+/// The shipped case of two fingers and a berry, by other costs.
+fn berry(costs: &str) -> String {
+    let meshes = concat!(env!("CARGO_MANIFEST_DIR"), "/../../meshes/");
+    let case = include_str!("../../../examples/cases/berry.json").replace("../../meshes/", meshes);
+    let (before, rest) = case.split_once("\"costs\"").unwrap();
+    let (_, after) = rest.split_once("\"output\"").unwrap();
+    format!("{before}{costs}, \"output\"{after}")
+}
+
+/// What the fingers press the berry with its stalk holds; the forces have exact derivatives by pressures and the stiffness of a contact.
+#[test]
+fn surfaces_of_bodies_touch_each_other() {
+    let case = berry(r#""costs": [ { "kind": "contact_force", "contact": "right_grip" } ]"#);
+    let place = Place::new();
+    let found = place.run(Command::Solve, &case, &[]).unwrap_or_else(|error| panic!("{error}")).result;
+    let force = |name: &str| number(&found, &format!("contributions/{name}/force_x"));
+    let pressing = number(&found, "contributions/left_grip/pressing");
+    assert!(pressing > 1e-3, "{pressing}");
+    // the fingers are pushed apart
+    assert!(force("left_grip") < -0.99 * pressing && force("right_grip") > 1e-3, "{}", found["contributions"]);
+    assert_eq!(found["warnings"], serde_json::json!([]));
+    let heard = place.text(Command::Check, &case, &[]);
+    assert!(heard.contains("left_grip: layer") && heard.contains("smallest gap at rest 1.91"), "{heard}");
+    let heard = place.text(Command::Solve, &case, &["controls/0/start=\"5 kPa\"", "controls/1/start=\"5 kPa\""]);
+    assert!(heard.contains("left_grip does not act"), "{heard}");
+    let by_stiffness = with(
+        &case,
+        r#""controls": ["#,
+        r#""controls": [ { "of": "left_grip.stiffness", "space": "uniform", "lower": "1 MPa", "upper": "20 MPa" },"#,
+    );
+    let found = place.run(Command::Gradcheck, &by_stiffness, &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(found.exit.code(), 0, "{}", found.result);
 }

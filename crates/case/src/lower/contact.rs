@@ -6,11 +6,11 @@ use super::named::attempt;
 use super::{obstacle, place};
 use crate::warning::{INPUT, INSIDE_OBSTACLE};
 use nastic_control::Reduced;
-use nastic_fem::{ContactLaw, Solid};
+use nastic_fem::{ContactLaw, Solid, SurfaceContact};
 use nastic_language::number::short;
 use nastic_language::schema::{Case, Contact, Fixed, Obstacle, PressureLaw, Shape};
 use nastic_language::syntax::quoted;
-use nastic_mesh::{Mesh, spatial};
+use nastic_mesh::{GroupNames, Mesh, spatial};
 
 /// The slip speed where none is given: so much of the surface's diagonal over the motion's end.
 const SLIP: f64 = 0.01;
@@ -18,23 +18,43 @@ const SLIP: f64 = 0.01;
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for contact in &case.contact {
         let mesh = solid.mesh().clone();
-        let Some(touched) = case.obstacles.iter().find(|own| own.name == contact.obstacle) else { continue };
         if place::facets(&mesh, &contact.surface, &contact.at.key("surface"), context).is_none() {
             continue;
         }
+        if let Some(with) = &contact.with {
+            if place::facets(&mesh, with, &contact.at.key("with"), context).is_some() {
+                let built = between(contact, with);
+                attempt(solid, &contact.at, context, |solid| solid.surface_contact(built));
+            }
+            continue;
+        }
+        let Some(touched) = case.obstacles.iter().find(|own| contact.is_on(&own.name)) else { continue };
         let Some(shape) = obstacle::build((&touched.shape, touched.rounding), context) else { continue };
         let built = build(case, (contact, touched), shape.clone(), &mesh);
         attempt(solid, &contact.at, context, |solid| solid.contact(built));
         check_outside(case, (contact, touched), (&shape, solid), context);
     }
-    for untouched in
-        case.obstacles.iter().filter(|own| !case.contact.iter().any(|contact| contact.obstacle == own.name))
-    {
+    for untouched in case.obstacles.iter().filter(|own| !case.contact.iter().any(|contact| contact.is_on(&own.name))) {
         if let Some((key, _)) = untouched.pose().next() {
             let message = format!("no contact touches {}: its pose moves nothing", quoted(&untouched.name));
             context.warn(&INPUT, &untouched.at.key(key), message);
         }
     }
+}
+
+fn law(contact: &Contact) -> ContactLaw {
+    match contact.law {
+        PressureLaw::Cubic => ContactLaw::Cubic,
+        PressureLaw::Log => ContactLaw::Log,
+    }
+}
+
+/// Of a surface with another, or with itself.
+fn between(contact: &Contact, with: &GroupNames) -> SurfaceContact {
+    let built = SurfaceContact::between(&contact.name(), &contact.surface, with).law(law(contact));
+    let built = contact.thickness.into_iter().fold(built, SurfaceContact::thickness);
+    let built = contact.stiffness.into_iter().fold(built, SurfaceContact::stiffness);
+    contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize))
 }
 
 fn build(
@@ -43,12 +63,8 @@ fn build(
     shape: spatial::Obstacle,
     mesh: &Mesh,
 ) -> nastic_fem::Contact {
-    let law = match contact.law {
-        PressureLaw::Cubic => ContactLaw::Cubic,
-        PressureLaw::Log => ContactLaw::Log,
-    };
-    let built =
-        nastic_fem::Contact::of(&contact.name(), &contact.surface, shape).law(law).pose_of(&touched.name).settled();
+    let built = nastic_fem::Contact::of(&contact.name(), &contact.surface, shape);
+    let built = built.law(law(contact)).pose_of(&touched.name).settled();
     let built = contact.thickness.into_iter().fold(built, nastic_fem::Contact::thickness);
     let built = contact.stiffness.into_iter().fold(built, nastic_fem::Contact::stiffness);
     let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));
@@ -119,7 +135,7 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
                 context.complain(&at, message);
                 continue;
             }
-            for contact in case.contact.iter().filter(|contact| contact.obstacle == touched.name) {
+            for contact in case.contact.iter().filter(|contact| contact.is_on(&touched.name)) {
                 let controllable = reduced.solid().model().controllable();
                 let Some(index) = controllable.iter().position(|own| own.name == contact.name()) else { continue };
                 let first = controllable[index].slots.iter().position(|slot| slot.group == key)?;

@@ -28,7 +28,7 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
     for control in &case.controls {
         let mut owners = case.actuation.iter().filter(|a| owned(&control.of, &a.name));
         let is_missing = |contact: &Contact| {
-            [contact.name(), contact.obstacle.clone()].iter().any(|name| owned(&control.of, name))
+            std::iter::once(contact.name()).chain(contact.obstacle.clone()).any(|name| owned(&control.of, &name))
                 && !is_built(&contact.name(), &reduced)
         };
         if owners.any(|actuation| !is_built(&actuation.name, &reduced)) || case.contact.iter().any(is_missing) {

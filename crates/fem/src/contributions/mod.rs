@@ -145,7 +145,7 @@ pub trait Contribution: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// The rigid obstacle that it touches, if there is one.
+    /// What it tells of, if by it a surface touches something.
     fn touches(&self) -> Option<&dyn Touches> {
         None
     }

@@ -1,14 +1,14 @@
-//! [`Touches`]: contact with a rigid obstacle, as a contribution tells of it: [`Touch`] and [`RigidPose`].
+//! [`Touches`]: contact, as a contribution tells of it: [`Touch`], and the [`RigidPose`] of an obstacle.
 
 use super::rotation::rotation;
 use super::{Instant, Sensitivities};
 use crate::error::Inadmissible;
 use nastic_tensor::{Mat3, Vec3};
 
-/// What a contribution that touches a rigid obstacle tells of it.
+/// What a contribution by which a surface touches something tells of it.
 pub trait Touches {
-    /// Where the obstacle is, under the name of its pose.
-    fn pose(&self, at: &Instant) -> RigidPose;
+    /// Where the rigid obstacle is that it touches, if there is one, under the name of its pose.
+    fn pose(&self, at: &Instant) -> Option<RigidPose>;
 
     /// What the contact carries. With friction in a step alone ([`Instant::in_step`]): else velocities count as zero. `None` where the body
     /// cannot be (the log law inside the obstacle).
@@ -56,11 +56,11 @@ pub struct TouchParameters {
 /// What a contact carries at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch {
-    /// Force on the body, N, in plane strain per unit of thickness.
+    /// Force on the body, of two surfaces on the first, N, in plane strain per unit of thickness.
     pub force: [f64; 3],
     /// What it presses with: the sum of pressures times areas.
     pub pressing: f64,
-    /// Its moment about the obstacle's centre, N m.
+    /// Its moment about the obstacle's centre, of surfaces about the origin, N m.
     pub moment: [f64; 3],
     /// Reference area of the samples within the layer.
     pub area: f64,
@@ -72,7 +72,7 @@ pub struct Touch {
     pub largest_pressure: f64,
     /// Mean gap that remains, weighted by the pressure; zero where nothing touches.
     pub mean_gap: f64,
-    /// How deep the undeformed body would overlap the obstacle where that is now; zero where it would not.
+    /// How deep the undeformed body would overlap the obstacle where that is now; zero where it would not, and between surfaces.
     pub approach: f64,
     /// Where gaps count from (see [`Contact::settled`](crate::Contact::settled)) less the gap of that sample: above zero the pressure is larger
     /// than the stiffness.
@@ -93,6 +93,23 @@ pub struct Sliding {
 }
 
 impl Touch {
+    /// Of what does not touch, by its smallest gap and where that is.
+    pub(crate) fn none((smallest_gap, deepest): (f64, [f64; 3])) -> Self {
+        Touch {
+            force: [0.0; 3],
+            pressing: 0.0,
+            moment: [0.0; 3],
+            area: 0.0,
+            smallest_gap,
+            deepest,
+            largest_pressure: 0.0,
+            mean_gap: 0.0,
+            approach: 0.0,
+            sunk: 0.0,
+            sliding: None,
+        }
+    }
+
     /// As named numbers, of a body in so many dimensions.
     #[must_use]
     pub fn quantities(&self, dim: usize) -> Vec<(&'static str, f64)> {
@@ -103,6 +120,7 @@ impl Touch {
         }
         found.extend([
             ("moment_z", moment[2]),
+            ("pressing", self.pressing),
             ("area", self.area),
             ("smallest_gap", self.smallest_gap),
             ("mean_gap", self.mean_gap),

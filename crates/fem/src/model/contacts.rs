@@ -35,7 +35,7 @@ impl Model {
     /// Where the obstacles are that the body touches, each once.
     pub fn poses(&self, at: &Instant) -> Vec<RigidPose> {
         let mut all: Vec<RigidPose> = Vec::new();
-        self.each_touching(at, |_, touches, at| all.push(touches.pose(at)));
+        self.each_touching(at, |_, touches, at| all.extend(touches.pose(at)));
         let mut seen = BTreeSet::new();
         all.retain(|pose| seen.insert(pose.name.clone()));
         all

@@ -98,7 +98,8 @@ impl Model {
         let (at, mut moved) = (self.instant(near, None, parallel), Vec::new());
         self.each_touching(&at, |_, touches, at| {
             let pressing = touches.touch(at).map_or(0.0, |touch| touch.pressing);
-            moved.push((pressing, touches.pose(at), touches.pose(&at.under(controls))));
+            moved
+                .extend(touches.pose(at).zip(touches.pose(&at.under(controls))).map(|(from, to)| (pressing, from, to)));
         });
         let all: f64 = moved.iter().map(|(pressing, ..)| pressing).sum();
         if all <= 0.0 || moved.iter().all(|(_, from, to)| from == to) {

@@ -4,17 +4,19 @@ use crate::schema::catalogue::{SlotName, want};
 use nastic_mesh::GroupNames;
 
 object! {
-    /// A surface of the body that an obstacle pushes back, with friction or without.
-    pub struct Contact {
-        /// Name in results; its stiffness and friction are controlled as "NAME.stiffness" and "NAME.friction". "SURFACE on OBSTACLE" if left out.
+    /// A surface of the body that an obstacle pushes back, with friction or without; or another surface, or itself, without.
+    pub struct Contact one of [obstacle, with] {
+        /// Name in results; its stiffness and friction are controlled as "NAME.stiffness" and "NAME.friction". "SURFACE on OBSTACLE" or "SURFACE with SURFACE" if left out.
         pub name: Option<String>,
         /// Surface of the mesh; "skin" is all of it, where no other surface has that name.
         pub surface: GroupNames,
         /// One of the case's obstacles.
-        pub obstacle: String,
+        pub obstacle: Option<String>,
+        /// Another surface of the mesh, of the same body or another one; or the same surface, which then touches itself.
+        pub with: Option<GroupNames>,
         /// Pressure against the gap.
         pub law: PressureLaw = PressureLaw::Cubic,
-        /// Thickness of the layer in which it acts; 1/500 of the surface's diagonal if left out.
+        /// Thickness of the layer in which it acts; 1/500 of the surface's diagonal if left out; between surfaces no more than a quarter of their distance at rest.
         pub thickness: Option<f64> as POSITIVE_LENGTH,
         /// Pressure that closes the gap ("cubic"), 100 times Young's modulus behind the surface if left out; of "log" a tenth of it.
         pub stiffness: Option<f64> as POSITIVE_PRESSURE,
@@ -22,7 +24,7 @@ object! {
         pub friction: Option<f64> as NOT_NEGATIVE,
         /// Speed below which friction is smoothed: what sticks creeps at a share of it. 1/100 of the surface's diagonal over the motion's end if left out.
         pub slip_speed: Option<f64> as POSITIVE_VELOCITY,
-        /// Samples of each facet as of so many pieces squared; as many as the obstacle's width asks for if left out.
+        /// Samples of each facet as of so many pieces squared; as many as the obstacle's width asks for if left out, 1 between surfaces.
         pub refine: Option<u64> as POSITIVE,
     }
 }
@@ -41,7 +43,17 @@ impl Contact {
     /// Name in results.
     #[must_use]
     pub fn name(&self) -> String {
-        self.name.clone().unwrap_or_else(|| format!("{} on {}", self.surface, self.obstacle))
+        let touched = match (&self.obstacle, &self.with) {
+            (_, Some(with)) => format!("with {with}"),
+            (obstacle, None) => format!("on {}", obstacle.as_deref().unwrap_or_default()),
+        };
+        self.name.clone().unwrap_or_else(|| format!("{} {touched}", self.surface))
+    }
+
+    /// Whether an obstacle is what it touches.
+    #[must_use]
+    pub fn is_on(&self, obstacle: &str) -> bool {
+        self.obstacle.as_deref() == Some(obstacle)
     }
 
     /// How controls name what can be controlled of it, and that.

@@ -53,8 +53,10 @@ const TIME: &str = "a motion stands in \"time\": { \"end\": \"1 s\", \"step\": \
 const CONTACT: &str = "what touches the body stands in \"obstacles\": [ { \"name\": \"floor\", \"shape\": { \"half_space\": { \"point\": [0, 0, 0], \"normal\": [0, 0, 1] } } } ], \
     and pushes it by \"contact\": [ { \"surface\": \"skin\", \"obstacle\": \"floor\", \"friction\": 0.5 } ]";
 const SHAPE: &str = "the form stands under \"shape\": { \"sphere\": { \"center\": [0, 0, 9], \"radius\": 5 } }, or a \"capsule\", \"box\", \"half_space\", \"mesh\"";
+const BETWEEN: &str = "a surface that touches itself or another one is a contact: \"contact\": [ { \"surface\": \"skin\", \"with\": \"skin\" } ]; bodies are regions of one \
+    mesh that share no node";
 const NOT_YET: &str =
-    "nastic has no contact of a body with itself or with another body yet; \"contact\" is with rigid \"obstacles\"";
+    "nastic has no rigid bodies that move freely yet; \"obstacles\" rest, move as given, or are controlled";
 
 /// All of them; the first that fits counts.
 pub(super) const HINTS: &[Hint] = &[
@@ -71,7 +73,8 @@ pub(super) const HINTS: &[Hint] = &[
     hint("", &["tendon", "tendons", "cable", "cables"], TENDON),
     hint("", &["spring", "elastic", "rubber_band"], SPRING),
     hint("", &["friction", "floor", "ground", "obstacle", "contacts", "collision", "collisions", "touches"], CONTACT),
-    hint("", &["self_contact", "self_collision", "bodies", "rigid_bodies"], NOT_YET),
+    hint("", &["self_contact", "self_collision", "bodies"], BETWEEN),
+    hint("", &["rigid_bodies", "rigid_body"], NOT_YET),
     hint(
         "obstacles",
         &["sphere", "ball", "capsule", "box", "plane", "half_space", "mesh", "radius", "geometry", "type", "kind"],
@@ -83,7 +86,11 @@ pub(super) const HINTS: &[Hint] = &[
         &["position", "velocity", "motion", "path", "pose"],
         "where it is stands under \"translation\" and \"rotation\", in motions as formulas of t",
     ),
-    hint("contact", &["with", "body", "other"], "the rigid thing that it touches stands under \"obstacle\""),
+    hint(
+        "contact",
+        &["body", "other", "target", "master", "slave"],
+        "the rigid thing that it touches stands under \"obstacle\", another surface under \"with\"",
+    ),
     hint("contact", &["mu", "friction_coefficient", "coefficient"], "Coulomb's coefficient stands under \"friction\""),
     hint("contact", &["k", "penalty", "epsilon"], "the pressure that closes the gap stands under \"stiffness\""),
     hint("contact", &["gap", "delta", "dhat", "offset"], "the layer in which it acts stands under \"thickness\""),

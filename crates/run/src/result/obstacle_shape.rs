@@ -41,7 +41,7 @@ fn of_shape(shape: &Shape, member: CaseMember<'_>) -> Option<Arc<Mesh>> {
 fn is_moved(member: CaseMember<'_>, obstacle: &Obstacle) -> bool {
     let parts = ["translation", "rotation"].map(|part| format!("{}.{part}", obstacle.name));
     let controlled = member.case().controls.iter().any(|control| parts.contains(&control.of));
-    let touched = member.case().contact.iter().any(|contact| contact.obstacle == obstacle.name);
+    let touched = member.case().contact.iter().any(|contact| contact.is_on(&obstacle.name));
     touched && (controlled || obstacle.pose().next().is_some())
 }
 

@@ -14,6 +14,14 @@ pub(crate) fn of_state(member: CaseMember<'_>, state: &State) -> Vec<(String, To
     member.solid().model().touches(&Instant::of(state))
 }
 
+/// What is said of a contact that is pressed harder than its stiffness bears.
+pub(crate) fn inside(member: CaseMember<'_>, name: &str, depth: &str) -> String {
+    match member.case().contact.iter().any(|contact| contact.with.is_some() && contact.name() == name) {
+        true => format!("the surfaces are {depth} nearer to each other than twice the thickness"),
+        false => format!("the body is {depth} inside the obstacle"),
+    }
+}
+
 /// What deserves attention in the contacts of an equilibrium.
 pub(crate) fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
     let of = |value: f64| quantity(value, Dimension::LENGTH, member.problem().units());
@@ -21,7 +29,7 @@ pub(crate) fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
     for (name, touch) in of_state(member, state) {
         if touch.sunk > 0.0 {
             let (depth, place) = (of(touch.sunk), vector(&touch.deepest));
-            let message = format!("contact \"{name}\": the body is {depth} inside the obstacle at {place}");
+            let message = format!("contact \"{name}\": {} at {place}", inside(member, &name, &depth));
             out.push(Warning::new(&PENETRATED, message));
         }
         if touch.mean_gap.abs() > THICK * touch.approach && touch.approach > 0.0 {

@@ -66,15 +66,17 @@ fn line(name: &str, touch: &Touch, member: CaseMember<'_>) -> String {
     if touch.area == 0.0 {
         return format!("contact     {name} does not act, smallest gap {gap}{inside}");
     }
-    let force = vector(&touch.force[..member.mesh().dim()]);
+    let unit = units.force().symbol;
+    // on a surface that touches itself there is no force in all
+    let force = match touch.force == [0.0; 3] {
+        true => format!("presses with {} {unit}", short(touch.pressing)),
+        false => format!("pushes with {} {unit}", vector(&touch.force[..member.mesh().dim()])),
+    };
     let pressure = of(touch.largest_pressure, Dimension::PRESSURE);
     let sliding = touch.sliding.map_or_else(String::new, |sliding| {
         format!(", {} % of its pressure sticks", short((1000.0 * sliding.sticking).round() / 10.0))
     });
-    let unit = units.force().symbol;
-    format!(
-        "contact     {name} pushes with {force} {unit}, largest pressure {pressure}, smallest gap {gap}{sliding}{inside}"
-    )
+    format!("contact     {name} {force}, largest pressure {pressure}, smallest gap {gap}{sliding}{inside}")
 }
 
 /// What the steps of a motion say of a contact.
@@ -134,7 +136,7 @@ impl History {
         }
         if self.gap.0 < -inset {
             let (depth, t) = (length(-inset - self.gap.0), time(self.gap.1));
-            let message = format!("contact \"{name}\": the body is {depth} inside the obstacle at t = {t}");
+            let message = format!("contact \"{name}\": {} at t = {t}", touches::inside(member, name, &depth));
             out.push(Warning::new(&PENETRATED, message));
         }
         if let Some((steps, t)) = self.shortest.filter(|(steps, _)| *steps < FEW_STEPS) {

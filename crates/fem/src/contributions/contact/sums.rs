@@ -12,9 +12,9 @@ use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
 
 impl Touches for BoundContact {
-    fn pose(&self, at: &Instant) -> RigidPose {
+    fn pose(&self, at: &Instant) -> Option<RigidPose> {
         let [translation, theta] = rigid_motion::vectors(at, at.controls);
-        RigidPose::new(self.pose_name(), self.centre.into(), translation.into(), theta.into())
+        Some(RigidPose::new(self.pose_name(), self.centre.into(), translation.into(), theta.into()))
     }
 
     fn touch(&self, at: &Instant) -> Option<Touch> {

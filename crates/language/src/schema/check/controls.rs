@@ -57,8 +57,7 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
 
 /// All that can be controlled, of actuations, contacts, and obstacles that contacts touch.
 fn slots(blocks: &Blocks) -> Vec<(String, SlotName)> {
-    let touched =
-        blocks.obstacles.iter().filter(|own| blocks.contact.iter().any(|contact| contact.obstacle == own.name));
+    let touched = blocks.obstacles.iter().filter(|own| blocks.contact.iter().any(|contact| contact.is_on(&own.name)));
     let poses = touched.flat_map(|obstacle| pose_slots(&obstacle.name));
     let contacts = blocks.contact.iter().flat_map(Contact::slots);
     blocks.actuation.iter().flat_map(Actuation::slots).chain(poses).chain(contacts).collect()

@@ -7,7 +7,7 @@ use super::side::Side;
 use super::simplex::{feature, nearest};
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::contact::{ContactLaw, defaults};
-use crate::contributions::{Contribution, ContributionPoint, Instant, Need};
+use crate::contributions::{Contribution, ContributionPoint, Instant, Need, Touches};
 use crate::error::{FemError, Inadmissible};
 use nastic_energy::Slot;
 use nastic_tensor::Vec3;
@@ -32,7 +32,7 @@ pub(crate) struct BoundSurfaces {
     /// delta
     pub(super) thickness: f64,
     pub(super) sides: Vec<Side>,
-    slots: [Slot; 1],
+    pub(super) slots: [Slot; 1],
     /// Displacements that it resists to.
     normals: Vec<Vec<(u32, f64)>>,
 }
@@ -163,7 +163,11 @@ impl Contribution for BoundSurfaces {
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        self.gaps(at.u).map(|gaps| SurfacePoint::new(self, gaps).quantities(at)).unwrap_or_default()
+        self.touch(at).map(|touch| touch.quantities(self.dim)).unwrap_or_default()
+    }
+
+    fn touches(&self) -> Option<&dyn Touches> {
+        Some(self)
     }
 
     fn at<'a>(&'a self, at: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {

@@ -7,6 +7,7 @@ mod pieces;
 mod point;
 mod side;
 mod simplex;
+mod sums;
 
 use super::ContactLaw;
 use crate::contributions::body_energy::BodyEnergy;

@@ -14,20 +14,20 @@ use rayon::prelude::*;
 
 /// A [`BoundSurfaces`] at one displacement.
 pub(super) struct SurfacePoint<'a> {
-    of: &'a BoundSurfaces,
+    pub of: &'a BoundSurfaces,
     gaps: Vec<Vec<Gap>>,
 }
 
 /// A sample with what it is near to: the nodes of its own facet, with their shape functions, then those of the pieces.
-struct Sample<'a> {
-    of: &'a BoundSurfaces,
-    side: &'a Side,
-    gap: &'a Gap,
+pub(super) struct Sample<'a> {
+    pub of: &'a BoundSurfaces,
+    pub side: &'a Side,
+    pub gap: &'a Gap,
 }
 
 impl Sample<'_> {
     /// Area that counts.
-    fn weight(&self) -> f64 {
+    pub fn weight(&self) -> f64 {
         self.side.share * self.side.samples.weights[self.gap.sample]
     }
 
@@ -39,7 +39,7 @@ impl Sample<'_> {
         std::iter::once(own).chain(self.gap.nodes.iter().map(at)).collect()
     }
 
-    fn places(&self, u: &[f64]) -> Vec<Vec3> {
+    pub fn places(&self, u: &[f64]) -> Vec<Vec3> {
         let nodes = self.gap.nodes.iter().map(|&node| self.side.node(u, node));
         std::iter::once(self.side.place(u, self.gap.sample)).chain(nodes).collect()
     }
@@ -91,7 +91,7 @@ impl Sample<'_> {
     }
 
     /// Adds values of the slots to a nodal vector.
-    fn spread(&self, values: &[Vec3], mut add: impl FnMut(usize, f64)) {
+    pub fn spread(&self, values: &[Vec3], mut add: impl FnMut(usize, f64)) {
         for (node, (slot, share)) in self.nodes().into_iter().zip(self.shares()) {
             (0..self.of.dim).for_each(|i| add(self.of.dim * node as usize + i, share * values[slot][i]));
         }
@@ -131,31 +131,13 @@ impl<'a> SurfacePoint<'a> {
         SurfacePoint { of, gaps }
     }
 
-    fn samples(&self) -> Vec<Sample<'_>> {
+    pub fn samples(&self) -> Vec<Sample<'_>> {
         let sides = self.of.sides.iter().zip(&self.gaps);
         sides.flat_map(|(side, gaps)| gaps.iter().map(move |gap| Sample { of: self.of, side, gap })).collect()
     }
 
     fn touching(&self) -> impl Iterator<Item = Sample<'_>> {
         self.samples().into_iter().filter(Sample::touches)
-    }
-
-    /// What the surfaces press each other with (N), the area within the layer, the smallest gap and the largest pressure.
-    pub fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        let k = at.control(0);
-        let (mut pressing, mut area, mut smallest, mut largest) = (0.0, 0.0, f64::INFINITY, 0.0_f64);
-        for sample in self.samples() {
-            let (d, _) = sample.force(at.u);
-            let pressure = -k * slope(self.of.law, d, self.of.thickness);
-            smallest = smallest.min(d);
-            if d < self.of.thickness {
-                pressing += sample.weight() * pressure;
-                area += sample.weight();
-                largest = largest.max(pressure);
-            }
-        }
-        let all = [("pressing", pressing), ("area", area), ("smallest_gap", smallest), ("largest_pressure", largest)];
-        all.into_iter().filter(|(_, value)| value.is_finite()).collect()
     }
 
     /// `r / k`
