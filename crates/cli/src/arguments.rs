@@ -265,6 +265,9 @@ pub struct Analysis {
     /// Go on from an unstable equilibrium to a stable one, downhill along its most negative mode
     #[arg(long)]
     pub minimum: bool,
+    /// Also the equilibrium whose contacts have no layer, for verification (exact_contact.vtu): how far are forces and places from it?
+    #[arg(long)]
+    pub exact_contact: bool,
     /// Instead N equilibria with one control going from a value to another: --ramp "air=0 Pa:60 kPa:12"
     ///
     /// Writes ramp.csv, ramp.svg, ramp.pvd with its snapshots, and result.json with the critical values.

@@ -77,6 +77,7 @@ fn analysis(asked: &arguments::Analysis) -> Analysis {
         arguments::Analysis { ramp: Some(ramp), .. } => Analysis::Ramp(ramp.clone()),
         arguments::Analysis { path: true, .. } => Analysis::Path,
         arguments::Analysis { minimum: true, .. } => Analysis::Minimum,
+        arguments::Analysis { exact_contact: true, .. } => Analysis::ExactContact,
         arguments::Analysis { equilibria: Some(count), .. } => Analysis::Equilibria((*count).into()),
         _ => Analysis::Equilibrium,
     }

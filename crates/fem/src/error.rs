@@ -325,6 +325,17 @@ pub enum StateError {
         /// The state that it begins at.
         last: Box<State>,
     },
+    /// Gaps of contacts do not vanish.
+    #[error(
+        "after {rounds} equilibria the gaps of contacts are {violation:.1e} of the layer's thickness still; a thicker or softer layer takes them in \
+         longer steps"
+    )]
+    InexactContact {
+        /// Largest gap or depth that is left, in thicknesses of the layer.
+        violation: f64,
+        /// Equilibria that were found.
+        rounds: usize,
+    },
     /// Newton's method did not converge at this load, however small the step.
     #[error(
         "no equilibrium found at load {load:.4} of the way, the last one at {reached:.4}, after {cuts} cuts of the load step and \
@@ -392,6 +403,7 @@ impl StateError {
             }
             StateError::NoConvergence { .. } => "no_convergence",
             StateError::InStep { source, .. } => source.code(),
+            StateError::InexactContact { .. } => "inexact_contact",
             StateError::Linear(_) => "linear",
             StateError::Cancelled => "cancelled",
             StateError::SecondDerivatives(_) => "second_derivatives",

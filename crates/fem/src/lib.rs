@@ -24,9 +24,9 @@ pub use contributions::body_energy::tensions::ExcessTension;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BeforeStep, BodyPoint, Cavity, Constrains, Contact, ContactLaw, Contribution, ContributionPoint, ControlPoint,
-    Controls, Demand, Foundation, History, Increment, Inertia, Instant, MovingSupport, Need, Prescribes, Remembers,
-    RigidPose, SecondSensitivities, Sensitivities, Sliding, Spring, Sums, SurfaceContact, Tendon, TimeStep, Touch,
-    TouchParameters, Touches, check_contribution,
+    Controls, Demand, ExactContact, Foundation, History, Increment, Inertia, Instant, MovingSupport, Need, Prescribes,
+    Remembers, RigidPose, SecondSensitivities, Sensitivities, Sliding, Spring, Sums, SurfaceContact, Tendon, TimeStep,
+    Touch, TouchParameters, Touches, check_contribution,
 };
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
@@ -42,6 +42,7 @@ pub use solid::Solid;
 pub use solution::connection::Connection;
 pub use solution::deflation::{Equilibria, Equilibrium};
 pub use solution::descent::Descent;
+pub use solution::exact_contact::ExactEquilibrium;
 pub use solution::modes::Modes;
 pub use solution::options::{Progress, SolveOptions};
 pub use solution::path::{EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint};

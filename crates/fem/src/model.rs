@@ -68,6 +68,12 @@ pub struct Controllable<'a> {
 }
 
 impl Model {
+    /// The same model with other contributions in the place of some of its own, in their order.
+    pub(crate) fn replacing(&self, others: Vec<Option<Arc<dyn Contribution>>>) -> Self {
+        let own = self.others.iter().zip(others).map(|(own, other)| other.unwrap_or_else(|| own.clone()));
+        Model { others: own.collect(), ..self.clone() }
+    }
+
     /// A body without materials, supports or loads.
     pub fn new(disc: Arc<Discretization>) -> Self {
         let (supports, dead_load) = (Supports::new(disc.mesh()), DeadLoad(vec![0.0; disc.dofs()]));

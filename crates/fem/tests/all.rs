@@ -25,6 +25,7 @@ mod derivatives;
 mod descent;
 mod dielectric;
 mod evaluated_once;
+mod exact_contact;
 mod fields;
 mod formulations;
 mod foundation;

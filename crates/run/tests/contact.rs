@@ -5,9 +5,11 @@
 use crate::common;
 
 use common::{Heard, Place, problems, warnings, with};
+use nastic_language::number::short;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::result::find;
+use nastic_run::run::{Analysis, Options};
 use serde_json::Value;
 
 /// A block of 4 g above a floor, which nothing but the floor holds in z.
@@ -275,4 +277,28 @@ fn surfaces_of_bodies_touch_each_other() {
     );
     let found = place.run(Command::Gradcheck, &by_stiffness, &[]).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(found.exit.code(), 0, "{}", found.result);
+}
+
+/// Beside the equilibrium with its layer the one without: what is told of it, and its file.
+#[test]
+fn exact_contact_tells_how_much_the_layer_changes() {
+    let (place, heard) = (Place::new(), Heard::default());
+    let options = Options { analysis: Analysis::ExactContact, ..place.options(&[]) };
+    let found = place.run_with(Command::Solve, INDENTED, &Console::new(heard.clone()), &options).unwrap().result;
+    let of = |what: &str| number(&found, &format!("exact_contact/{what}"));
+    assert!(of("contacts/dent/smallest_gap").abs() < 1e-6 * 0.5, "{found}");
+    let [layered, exact] = [number(&found, "contributions/dent/pressing"), of("contacts/dent/pressing")];
+    // it touches at rest, so that its layer lies inside of the ball
+    assert!(layered < 0.99 * exact && exact > 1.0, "{layered} {exact}");
+    assert!(of("largest_change") > 0.01 && of("violation") <= 1e-6 && of("rounds") >= 2.0, "{found}");
+    assert!(place.files().contains(&"exact_contact.vtu".to_owned()), "{:?}", place.files());
+    let text = heard.text();
+    let line = text.lines().find(|line| line.contains("its layer changes what it presses with by")).unwrap();
+    assert!(line.ends_with(&format!("by {} %", short((1e4 * (layered / exact - 1.0)).round() / 100.0))), "{line}");
+    let sliding = with(INDENTED, r#""thickness": 0.5"#, r#""thickness": 0.5, "law": "log""#);
+    let error = place.run_with(Command::Solve, &sliding, &Console::silent(), &options).unwrap_err().to_string();
+    assert!(
+        error.contains("exact contact does not go with \"dent\": it is for obstacles with the cubic law"),
+        "{error}"
+    );
 }

@@ -206,6 +206,7 @@ fn what_looks_at_equilibria_refuses_motions() {
     let text = case(STEPS, DENSE, HELD);
     for (analysis, option) in [
         (Analysis::Minimum, "--minimum"),
+        (Analysis::ExactContact, "--exact-contact"),
         (Analysis::Modes(2), "--modes"),
         (Analysis::Path, "--path"),
         (Analysis::Equilibria(2), "--equilibria"),

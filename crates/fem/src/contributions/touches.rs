@@ -1,9 +1,10 @@
 //! [`Touches`]: contact, as a contribution tells of it: [`Touch`], and the [`RigidPose`] of an obstacle.
 
 use super::rotation::rotation;
-use super::{Instant, Sensitivities};
+use super::{Contribution, Instant, Sensitivities};
 use crate::error::Inadmissible;
 use nastic_tensor::{Mat3, Vec3};
+use std::sync::Arc;
 
 /// What a contribution by which a surface touches something tells of it.
 pub trait Touches {
@@ -30,8 +31,24 @@ pub trait Touches {
         into: &mut Sensitivities,
     ) -> Result<f64, Inadmissible>;
 
+    /// The same contact with multipliers by a state, so that its layer takes up no gap; `None` where there is no such thing.
+    fn exact(&self, _: &Instant) -> Option<ExactContact> {
+        None
+    }
+
     /// Of every node of the surface the mean pressure of its samples (Pa), by their shares of the node.
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)>;
+}
+
+/// A contact with multipliers by a state.
+#[derive(Debug, Clone)]
+pub struct ExactContact {
+    /// What takes its place.
+    pub contribution: Arc<dyn Contribution>,
+    /// Largest gap of a sample that is pressed, and depth of one that is not, in thicknesses of the layer.
+    pub violation: f64,
+    /// Samples that touch almost without a pressure.
+    pub weakly_active: usize,
 }
 
 /// What a contact is made of.

@@ -1,6 +1,7 @@
 //! [`Feature`]: what commands ask a model for, and what it cannot give.
 
 use super::Model;
+use crate::contributions::Instant;
 use crate::error::FemError;
 use crate::time::scheme::Scheme;
 use nastic_linear::Symmetry;
@@ -18,6 +19,8 @@ pub enum Feature<'a> {
     Path,
     /// Further equilibria: [`Model::equilibria`].
     Deflation,
+    /// Contacts without a layer: [`Model::exact_contact`].
+    ExactContact,
     /// From a saddle to a minimum of the potential: [`Model::descend`].
     Descent,
     /// Steps in time: [`Model::advance`].
@@ -43,6 +46,7 @@ impl Model {
             Feature::Modes => "modes",
             Feature::Deflation => "other equilibria by deflation",
             Feature::Descent => "a descent from a saddle",
+            Feature::ExactContact => "exact contact",
             Feature::Motion(scheme) | Feature::MotionAdjoint(scheme) => scheme.name(),
         };
         if feature != Feature::Equilibrium {
@@ -63,6 +67,7 @@ impl Model {
                 "other equilibria by deflation",
                 "which starts along modes: try other starts by near",
             ),
+            Feature::ExactContact => self.supports_exact_contact(),
             Feature::Descent => match self.others.iter().find(|c| !c.has_potential()) {
                 None => Ok(()),
                 Some(other) => refuse("a descent from a saddle", other.name(), "it has no potential to descend in"),
@@ -76,6 +81,22 @@ impl Model {
         match self.others.iter().find(|c| c.symmetry() != Symmetry::Symmetric) {
             None => Ok(()),
             Some(other) => refuse(what, other.name(), why),
+        }
+    }
+
+    fn supports_exact_contact(&self) -> Result<(), FemError> {
+        let (rest, controls) = (vec![0.0; self.unknowns().len()], self.controls());
+        let (mut found, mut without) = (false, None);
+        self.each_touching(&Instant::new(&rest, &controls, 0.0), |name, touches, at| {
+            found = true;
+            if touches.exact(at).is_none() {
+                without = without.take().or(Some(name.to_owned()));
+            }
+        });
+        match without {
+            Some(name) => refuse("exact contact", &name, "it is for obstacles with the cubic law, without friction"),
+            None if !found => refuse("exact contact", "this body", "nothing touches it: give it a contact"),
+            None => Ok(()),
         }
     }
 

@@ -5,6 +5,7 @@ pub(crate) mod connection;
 mod continuation;
 pub(crate) mod deflation;
 pub(crate) mod descent;
+pub(crate) mod exact_contact;
 mod limit_point;
 mod load_steps;
 pub(crate) mod modes;

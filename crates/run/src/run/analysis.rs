@@ -8,6 +8,8 @@ pub enum Analysis {
     Equilibrium,
     /// The equilibrium, and where it is unstable a stable one below it: `--minimum`.
     Minimum,
+    /// The equilibrium, and the one of exact contact: `--exact-contact`.
+    ExactContact,
     /// The equilibrium and so many smallest eigenvalues of its tangent, with their modes: `--modes N`.
     Modes(usize),
     /// Equilibria with one control going from a value to another: `--ramp CONTROL=FROM:TO:N`.
@@ -26,6 +28,7 @@ impl Analysis {
         match self {
             Self::Equilibrium => None,
             Self::Minimum => Some("--minimum"),
+            Self::ExactContact => Some("--exact-contact"),
             Self::Modes(_) => Some("--modes"),
             Self::Ramp(_) => Some("--ramp"),
             Self::Path | Self::PathToLimit => Some("--path"),

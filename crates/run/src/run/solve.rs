@@ -2,6 +2,7 @@
 
 mod equilibria;
 pub(crate) mod equilibrium;
+mod exact_contact;
 mod minimum;
 pub(super) mod modes;
 mod moving;
@@ -37,9 +38,11 @@ pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit
         return moving::run(session, None);
     }
     match analysis {
-        Analysis::Equilibrium | Analysis::Minimum | Analysis::Modes(_) | Analysis::Equilibria(_) => {
-            equilibrium(session, analysis)
-        }
+        Analysis::Equilibrium
+        | Analysis::Minimum
+        | Analysis::ExactContact
+        | Analysis::Modes(_)
+        | Analysis::Equilibria(_) => equilibrium(session, analysis),
         Analysis::Ramp(text) => ramp::run(session, text),
         Analysis::Path => path::run(session, false),
         Analysis::PathToLimit => path::run(session, true),

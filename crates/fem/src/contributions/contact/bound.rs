@@ -20,7 +20,7 @@ pub(super) const FRICTION: usize = 7;
 const DEPTH: f64 = 3.0;
 
 /// The contribution of a [`Contact`].
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct BoundContact {
     pub(super) name: String,
     pub(super) dim: usize,
@@ -31,6 +31,8 @@ pub(crate) struct BoundContact {
     pub(super) thickness: f64,
     /// How deep inside the obstacle gaps count from.
     pub(super) inset: f64,
+    /// How much further at every sample, by [`exact`](super::exact); none without.
+    pub(super) offsets: Vec<f64>,
     /// How deep a sample of the cubic law may come in an iteration: no obstacle is crossed.
     pub(super) depth: f64,
     /// e, with friction.
@@ -46,15 +48,20 @@ pub(crate) struct BoundContact {
 }
 
 impl BoundContact {
-    /// The distance from the obstacle at a pose.
-    pub(super) fn distance(&self, pose: &Pose, x: &Vec3) -> f64 {
-        pose.distance(&self.obstacle, x) + self.inset
+    /// How deep inside the obstacle the gap of a sample counts from.
+    pub(super) fn offset(&self, sample: usize) -> f64 {
+        self.inset + self.offsets.get(sample).copied().unwrap_or(0.0)
+    }
+
+    /// What the pressure at a sample depends on: its distance from the obstacle at a pose, and the offset.
+    pub(super) fn distance(&self, pose: &Pose, (sample, x): (usize, &Vec3)) -> f64 {
+        pose.distance(&self.obstacle, x) + self.offset(sample)
     }
 
     /// The same with its derivatives.
-    pub(super) fn signed_distance(&self, pose: &Pose, x: &Vec3) -> SignedDistance {
+    pub(super) fn signed_distance(&self, pose: &Pose, (sample, x): (usize, &Vec3)) -> SignedDistance {
         let found = pose.signed_distance(&self.obstacle, x);
-        SignedDistance { value: found.value + self.inset, ..found }
+        SignedDistance { value: found.value + self.offset(sample), ..found }
     }
 
     /// The name of its pose.
@@ -105,6 +112,7 @@ impl BoundContact {
             law: of.law,
             thickness,
             inset,
+            offsets: Vec::new(),
             depth,
             slip_speed,
             samples,
@@ -229,7 +237,7 @@ impl Contribution for BoundContact {
             if d - reach < floor {
                 let distance = |s: f64| {
                     let pose = Pose::at(&at.under(&from.blend(end_of, s)), self.centre);
-                    self.distance(&pose, &(x + s * dx))
+                    self.distance(&pose, (sample, &(x + s * dx)))
                 };
                 share = share.min(advance((d, floor), reach, distance));
             }

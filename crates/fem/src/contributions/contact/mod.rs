@@ -2,6 +2,7 @@
 
 mod bound;
 mod defaults;
+mod exact;
 mod friction;
 mod lagged;
 mod law;

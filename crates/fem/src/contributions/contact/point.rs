@@ -57,13 +57,13 @@ impl Gaps {
         let mut found = Gaps { pose, all: Vec::with_capacity(of.samples.len()), touches: Vec::new() };
         for (sample, reference) in of.reference.iter().enumerate() {
             let place = reference + of.samples.of(sample, of.dim, |dof| at.u[dof]);
-            let d = of.distance(&pose, &place);
+            let d = of.distance(&pose, (sample, &place));
             found.all.push((place, d));
             if of.law == ContactLaw::Log && d <= 0.0 {
                 return Err(Inadmissible::Penetrates { name: of.name.clone(), place: place.into(), depth: -d });
             }
             if d < of.thickness {
-                let distance = of.signed_distance(&pose, &place);
+                let distance = of.signed_distance(&pose, (sample, &place));
                 found.touches.push(Touch { sample, place, distance });
             }
         }
@@ -220,7 +220,7 @@ impl ContributionPoint for TouchPoint<'_> {
                 return 1.0;
             }
             let floor = floor(self.of.law, d, self.of.depth);
-            advance((d, floor), dx.norm(), |share| self.of.distance(&gaps.pose, &(x + share * dx)))
+            advance((d, floor), dx.norm(), |share| self.of.distance(&gaps.pose, (sample, &(x + share * dx))))
         });
         Ok(shares.fold(1.0, f64::min))
     }

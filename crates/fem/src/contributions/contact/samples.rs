@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 ///
 /// Nodes alone on line2, line3, tri3, quad4 and quad9; with the centroid on tri6 (weight 9/20) and quad8 (16/36), whose corners would
 /// else have weights of zero and below.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Samples {
     /// Nodes and values of their shape functions, of all samples one after the other.
     parts: Vec<(u32, f64)>,

@@ -1,10 +1,11 @@
 //! What a contact carries at an instant.
 
 use super::bound::{BoundContact, FRICTION, STIFFNESS};
+use super::exact;
 use super::point::Gaps;
 use super::pose::ByPose;
 use crate::contributions::rigid_motion;
-use crate::contributions::touches::{RigidPose, Sliding, Touch, TouchParameters, Touches};
+use crate::contributions::touches::{ExactContact, RigidPose, Sliding, Touch, TouchParameters, Touches};
 use crate::contributions::{Instant, Sensitivities};
 use crate::error::Inadmissible;
 use nastic_mesh::spatial::Obstacle;
@@ -30,7 +31,7 @@ impl Touches for BoundContact {
             area += weight;
             largest = largest.max(p);
             normal += weight * p;
-            remaining += weight * p * touch.distance.value;
+            remaining += weight * p * (touch.distance.value - self.offset(touch.sample));
             if let (Some(e), Some(_)) = (self.slip_speed, &traction.slip) {
                 let n = traction.n;
                 let slides = (traction.relative - n * n.dot(&traction.relative)).norm();
@@ -41,19 +42,21 @@ impl Touches for BoundContact {
             }
         }
         let of_all = |share: f64, none: f64| if normal > 0.0 { share / normal } else { none };
-        let (deepest, smallest_gap) = gaps.all.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let gap = |(sample, &(x, d)): (usize, &(Vec3, f64))| (x, d - self.offset(sample));
+        let (deepest, smallest_gap) = gaps.all.iter().enumerate().map(gap).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let sunk = gaps.all.iter().map(|(_, d)| -d).fold(f64::NEG_INFINITY, f64::max);
         let sliding = |slip_speed| Sliding { sticking: of_all(sticking, 1.0), speed, slip_speed };
         Some(Touch {
             force: force.into(),
             pressing: normal,
             moment: moment.into(),
             area,
-            smallest_gap: smallest_gap - self.inset,
+            smallest_gap,
             deepest: deepest.into(),
             largest_pressure: largest,
-            mean_gap: of_all(remaining - self.inset * normal, 0.0),
+            mean_gap: of_all(remaining, 0.0),
             approach: self.approach(&gaps),
-            sunk: -smallest_gap,
+            sunk,
             sliding: self.slip_speed.map(sliding),
         })
     }
@@ -104,6 +107,10 @@ impl Touches for BoundContact {
         }
     }
 
+    fn exact(&self, at: &Instant) -> Option<ExactContact> {
+        exact::step(self, at)
+    }
+
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)> {
         let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
         for sample in 0..self.samples.len() {
@@ -125,7 +132,7 @@ impl Touches for BoundContact {
 impl BoundContact {
     /// How deep the undeformed body overlaps the obstacle at its pose, among samples that touch.
     fn approach(&self, gaps: &Gaps) -> f64 {
-        let depth = |sample: usize| self.inset - self.distance(&gaps.pose, &self.reference[sample]);
+        let depth = |sample| self.offset(sample) - self.distance(&gaps.pose, (sample, &self.reference[sample]));
         gaps.touches.iter().map(|touch| depth(touch.sample)).fold(0.0, f64::max)
     }
 }

@@ -11,7 +11,7 @@ use crate::run::error::{Exit, RunError};
 use crate::run::motion;
 use crate::run::report::say_files;
 use crate::run::session::Session;
-use crate::run::solve::{equilibria, minimum, modes};
+use crate::run::solve::{equilibria, exact_contact, minimum, modes};
 use crate::run::states::Shown;
 use crate::run::terminal::{say_cost, say_members, say_probes, say_reactions, say_stability, say_tracked};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
@@ -36,6 +36,7 @@ pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Res
     session.timed("write", |session| write(session, &point, (&found, &[]), &modes))?;
     let exit = match analysis {
         Analysis::Equilibria(count) => equilibria::run(session, &point, *count)?,
+        Analysis::ExactContact => exact_contact::run(session, &point)?,
         _ => Exit::Done,
     };
     show(session, point, None, found)?;

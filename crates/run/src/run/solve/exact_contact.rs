@@ -1,0 +1,85 @@
+//! `nastic solve --exact-contact`: the equilibrium whose contacts have no layer, beside the one that has.
+
+use crate::result::snapshot;
+use crate::run::error::{Exit, RunError};
+use crate::run::report::say_files;
+use crate::run::session::Session;
+use nastic_control::{ControlError, EnsemblePoint, StateFields};
+use nastic_fem::{ExactEquilibrium, Instant, Progress, SolveOptions, Touch, Workspace};
+use nastic_language::number::{count, quantity, short, vector};
+use nastic_language::quantity::Dimension;
+use nastic_numeric::format::scientific;
+use serde_json::{Map, Value, json};
+
+/// Solves, says and writes it for every member.
+pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Exit, RunError> {
+    let mut files = Vec::new();
+    for index in 0..point.members.len() {
+        files.extend(session.timed("exact contact", |session| of_member(session, point, index))?);
+    }
+    if session.out.is_some() {
+        say_files(session, files);
+    }
+    Ok(Exit::Done)
+}
+
+fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> Result<Vec<String>, RunError> {
+    let (member, at) = (session.problem.member(index), &point.members[index]);
+    let progress = |now: &Progress| {
+        let line = format!("exact contact: Newton iteration {}, residual {:.1e}", now.newton, now.residual);
+        session.console.progress(now.newton, line);
+    };
+    let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+    let model = member.solid().model();
+    let found = model.exact_contact(at.state(), &how, &mut Workspace::default());
+    let found = found.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
+    let layered = model.touches(&Instant::of(at.state()));
+    let touches = found.model.touches(&Instant::of(&found.state));
+    let units = member.problem().units();
+    let moved = found.state.u.iter().zip(at.state().u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    session.console.say(format!(
+        "exact       contact without a layer, {} further equilibria, gaps {} of the layer, {} almost without a pressure: the body moves by at most {}{inside}",
+        found.rounds,
+        scientific(found.violation, 1),
+        count(found.weakly_active, "sample"),
+        quantity(moved, Dimension::LENGTH, units)
+    ));
+    for ((name, exact), (_, layered)) in touches.iter().zip(&layered) {
+        let share = 100.0 * (layered.pressing / exact.pressing - 1.0);
+        let change = if exact.pressing > 0.0 {
+            format!("; its layer changes what it presses with by {} %", short((100.0 * share).round() / 100.0))
+        } else {
+            String::new()
+        };
+        session.console.say(format!(
+            "            {name} pushes with {} {}, largest pressure {}{change}",
+            vector(&exact.force[..member.mesh().dim()]),
+            units.force().symbol,
+            quantity(exact.largest_pressure, Dimension::PRESSURE, units)
+        ));
+    }
+    let entry = entry((&found, moved), &touches, member.mesh().dim());
+    let name = format!("{}.vtu", member.file("exact_contact"));
+    let mut files = Vec::new();
+    if let Some(out) = &session.out {
+        let shot = snapshot::iterate(member, &StateFields::new(&found.state, &at.m))?;
+        let pressures = found.model.contact_pressures(&Instant::of(&found.state)).unwrap_or_default();
+        out.write_vtu(&name, &shot.with_points("contact_pressure", 1, pressures).map_err(ControlError::from)?)?;
+        files.push(name);
+    }
+    session.put_of_member(index, "exact_contact", entry);
+    Ok(files)
+}
+
+/// What is put into the result, in base units.
+fn entry((found, moved): (&ExactEquilibrium, f64), touches: &[(String, Touch)], dim: usize) -> Value {
+    let of = |touch: &Touch| -> Map<String, Value> {
+        touch.quantities(dim).into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect()
+    };
+    let contacts: Map<String, Value> = touches.iter().map(|(name, touch)| (name.clone(), json!(of(touch)))).collect();
+    json!({
+        "rounds": found.rounds, "newton_iterations": found.state.report.newton, "violation": found.violation,
+        "weakly_active": found.weakly_active, "largest_change": moved, "contacts": contacts,
+    })
+}
