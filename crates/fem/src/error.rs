@@ -338,8 +338,9 @@ pub enum StateError {
     },
     /// Newton's method did not converge at this load, however small the step.
     #[error(
-        "no equilibrium found at load {load:.4} of the way, the last one at {reached:.4}, after {cuts} cuts of the load step and \
-         {newton} Newton iterations (relative residual {residual:.2e}); {cause}"
+        "{}no equilibrium found at load {load:.4} of the way, the last one at {reached:.4}, after {cuts} cuts of the load step and \
+         {newton} Newton iterations (relative residual {residual:.2e}); {cause}",
+        budget.map_or_else(String::new, |budget| format!("cut after its budget of {budget} Newton iterations: "))
     )]
     NoConvergence {
         /// Fraction of the way.
@@ -354,6 +355,8 @@ pub enum StateError {
         reached: f64,
         /// The likely reason.
         cause: Cause,
+        /// Where the solve was cut since it had used up all [it was allowed](crate::SolveOptions::budget): how many that are.
+        budget: Option<usize>,
         /// The last equilibrium found on the way.
         last: Box<State>,
     },
@@ -380,9 +383,28 @@ impl StateError {
         }
     }
 
-    /// Whether no other way to the state is to be tried: the caller asked to stop, or memory is lacking.
+    /// Whether no other way to the state is to be tried: the caller asked to stop, the iterations allowed are used up, or memory is lacking.
     pub fn is_final(&self) -> bool {
-        matches!(self, StateError::Cancelled) || self.is_lack_of_memory()
+        matches!(self, StateError::Cancelled | StateError::NoConvergence { budget: Some(_), .. })
+            || self.is_lack_of_memory()
+    }
+
+    /// Of a second way that failed: the error of the first, which began nearer, unless the second one says nothing of the state. A budget that ended
+    /// the second one ended both.
+    pub(crate) fn or_cut(self, mut first: StateError, allowed: Option<usize>) -> StateError {
+        match (self, &mut first) {
+            (
+                StateError::NoConvergence { budget: Some(_), newton: again, .. },
+                StateError::NoConvergence { newton, budget, .. },
+            ) => {
+                *newton += again;
+                *budget = allowed;
+                first
+            }
+            (StateError::NoConvergence { budget: Some(_), .. }, _) => first,
+            (again, _) if again.is_final() => again,
+            _ => first,
+        }
     }
 
     /// Whether the machine has too little memory: nothing is said of the state.

@@ -39,6 +39,7 @@ pub use nastic_linear::memory::{
 };
 pub use nastic_linear::{Field, On, Role, Solver, SolverFactory, Space};
 pub use solid::Solid;
+pub use solution::ahead::{Ahead, LimitAhead};
 pub use solution::connection::Connection;
 pub use solution::deflation::{Equilibria, Equilibrium};
 pub use solution::descent::Descent;

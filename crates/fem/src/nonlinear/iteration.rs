@@ -23,7 +23,13 @@ const RESOLVED: f64 = 1e-6;
 #[derive(Debug)]
 pub(crate) enum Stop {
     Inadmissible(Inadmissible),
-    Slow { residual: f64 },
+    Slow {
+        residual: f64,
+    },
+    /// All iterations that the solve was allowed are used up.
+    Spent {
+        residual: f64,
+    },
     Linear(LinearError),
     Cancelled,
 }
@@ -32,14 +38,14 @@ impl Stop {
     /// Whether no other way would mend it.
     pub fn is_final(&self) -> bool {
         match self {
-            Stop::Cancelled => true,
+            Stop::Cancelled | Stop::Spent { .. } => true,
             Stop::Linear(error) => error.is_lack_of_memory(),
             Stop::Inadmissible(at) => at.problem().is_some(),
             Stop::Slow { .. } => false,
         }
     }
 
-    /// The error of what no other way would mend.
+    /// The error of what no other way would mend; a budget that is used up ends the way that is left, which tells how far it came.
     pub fn final_error(self) -> Option<StateError> {
         match self {
             Stop::Linear(error) if error.is_lack_of_memory() => Some(error.into()),
@@ -57,9 +63,9 @@ impl Stop {
         match self {
             Stop::Inadmissible(at) => StateError::inadmissible(at, load, 0, last),
             Stop::Linear(error) => error.into(),
-            Stop::Slow { residual } => {
-                let (reached, cause) = (load, Cause::Unknown);
-                StateError::NoConvergence { load, cuts: 0, newton, residual, reached, cause, last }
+            Stop::Slow { residual } | Stop::Spent { residual } => {
+                let (reached, cause, budget) = (load, Cause::Unknown, None);
+                StateError::NoConvergence { load, cuts: 0, newton, residual, reached, cause, budget, last }
             }
             Stop::Cancelled => StateError::Cancelled,
         }
@@ -164,6 +170,9 @@ impl<'a> Iteration<'a> {
                 return Err(Stop::Slow { residual: relative });
             }
             (before, least) = (relative, relative.min(least));
+            if equations.options.is_spent(report.newton) {
+                return Err(Stop::Spent { residual: relative });
+            }
             let here = Iterate { x, now: &now.sums, point: &now.point, residual: &residual, relative };
             (*x, now, last, tiny) = self.step(&here, direction, report)?;
         }

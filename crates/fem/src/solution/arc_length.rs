@@ -11,7 +11,7 @@ use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
 
 /// Newton iterations of a corrector.
-const ITERATIONS: usize = 10;
+pub(super) const ITERATIONS: usize = 10;
 /// A corrector whose residual grows by this factor is given up.
 const DIVERGED: f64 = 1e3;
 /// Longest change of the displacement in one step, as a share of the body's diagonal, for a longest step of 1.
@@ -30,6 +30,11 @@ pub(super) struct Point {
 impl Point {
     pub fn s(&self) -> f64 {
         self.x[self.x.len() - 1]
+    }
+
+    /// The direction without that of s.
+    pub fn direction(&self) -> Vec<f64> {
+        self.tangent[..self.tangent.len() - 1].to_vec()
     }
 
     /// ds over the length of the path.

@@ -3,10 +3,10 @@
 use crate::error::StateError;
 use crate::kernels::displaced::Displaced;
 use crate::model::Model;
+use crate::solution::ahead::Ahead;
 use crate::solution::options::SolveOptions;
-use crate::solution::path::{EventKind, PathEnd, PathOptions};
 use crate::solution::rotation_corrected_step::GradientFit;
-use crate::solution::state::State;
+use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
 use nastic_numeric::vector::{axpy, sub};
 use std::cell::OnceCell;
@@ -37,13 +37,6 @@ const FIRST_PART: f64 = 0.25;
 const REFUSED: usize = 2;
 /// Where between the two displacements the tangent is looked at.
 const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
-/// Steps of the path: as long as its direction and Newton's method allow, at most a tenth of the body's diagonal in the
-/// root mean square.
-const STEP: f64 = 1.0;
-/// A branch without limit points takes some ten points; one that takes more is given up.
-const POINTS: usize = 60;
-/// A path begins towards larger s, and ends at 1 or at its first limit point: this end is never reached.
-const BEHIND: f64 = -1.0;
 
 impl Model {
     /// Whether the solve that led from one equilibrium to another stayed on its branch. Newton's method may leave a branch
@@ -70,20 +63,15 @@ impl Model {
         {
             return Ok(Connection::Connected);
         }
-        let options = PathOptions { step: STEP, points: POINTS, range: [BEHIND, 1.0], to_limit: true };
         let target = (&*to.controls, to.load);
-        let path = self.path(from, target, &options, how, &mut Workspace::default(), &mut |_| ())?;
-        let limit = path.events.iter().find(|event| event.kind == EventKind::LimitPoint);
-        let Some(last) = path.points.last() else { return Ok(Connection::Unknown(0.0)) };
-        Ok(match (path.end, limit) {
-            (PathEnd::Cancelled, _) => return Err(StateError::Cancelled),
-            (PathEnd::Stuck(error), _) if error.is_final() => return Err(error),
-            (_, Some(limit)) => Connection::LimitPoint(limit.s),
-            (PathEnd::Left, None) if last.s > 0.0 => {
-                let apart = self.unknowns().norm(&sub(&last.state.u, &to.u)) / change;
+        let ahead = self.ahead(from, target, how, &mut Workspace::default(), &mut SolveReport::default())?;
+        Ok(match ahead {
+            Ahead::LimitPoint(limit) => Connection::LimitPoint(limit.share),
+            Ahead::Clear(state) => {
+                let apart = self.unknowns().norm(&sub(&state.u, &to.u)) / change;
                 if apart <= SAME { Connection::Connected } else { Connection::Elsewhere(apart) }
             }
-            _ => Connection::Unknown(last.s),
+            Ahead::Unknown(share) => Connection::Unknown(share),
         })
     }
 

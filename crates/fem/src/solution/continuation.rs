@@ -143,9 +143,10 @@ impl Model {
             Err(error) if error.is_final() || time_step.is_some() => Err(error),
             Err(failed) => {
                 workspace.forget();
-                let how = (how, time_step);
-                let found = self.walk(&rest, controls, how, MOST, workspace, &mut SolveReport::default());
-                let mut state = found.map_err(|again| if again.is_final() { again } else { failed })?;
+                let left = how.budget.map(|budget| budget.saturating_sub(spent.newton));
+                let left = SolveOptions { budget: left, ..how.clone() };
+                let found = self.walk(&rest, controls, (&left, None), MOST, workspace, &mut SolveReport::default());
+                let mut state = found.map_err(|again| again.or_cut(failed, how.budget))?;
                 state.report.add_work(&spent);
                 state.report.restarts += 1;
                 Ok(state)
@@ -362,11 +363,14 @@ impl Model {
                 }
                 Err(Stop::Cancelled) => return Err(StateError::Cancelled),
                 Err(Stop::Linear(error)) => return Err(error.into()),
-                Err(stop) if stop.is_final() => return Err(self.give_up(stop, path, (&steps, None), to, report, here)),
+                Err(stop) if stop.is_final() => {
+                    steps.failed(path);
+                    return Err(self.give_up(stop, path, (&steps, None), (to, how.budget), report, here));
+                }
                 Err(stop) => {
                     if steps.failed(path) || report.newton > most {
                         let suspect = newton.at(&u, |at| self.suspect(at));
-                        return Err(self.give_up(stop, path, (&steps, suspect), to, report, here));
+                        return Err(self.give_up(stop, path, (&steps, suspect), (to, None), report, here));
                     }
                     report.cuts += 1;
                     workspace.forget();
@@ -382,14 +386,14 @@ impl Model {
         stop: Stop,
         load: f64,
         (steps, suspect): (&LoadSteps, Option<Cause>),
-        controls: &Controls,
+        (controls, budget): (&Controls, Option<usize>),
         report: &SolveReport,
         here: State,
     ) -> StateError {
         let (cuts, last) = (report.cuts, Box::new(here));
         match stop {
             Stop::Inadmissible(at) => StateError::inadmissible(at, load, cuts, last),
-            Stop::Slow { residual } => {
+            Stop::Slow { residual } | Stop::Spent { residual } => {
                 let excess = self.body.excess_tension(controls).map(Cause::Convexity);
                 let limit = || steps.limit_point().map(|load| Cause::LimitPoint { load });
                 let cause = excess.or(suspect).or_else(limit).unwrap_or(Cause::Unknown);
@@ -400,6 +404,7 @@ impl Model {
                     residual,
                     reached: steps.done,
                     cause,
+                    budget,
                     last,
                 }
             }

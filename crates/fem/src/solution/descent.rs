@@ -64,8 +64,8 @@ impl Model {
             };
         }
         let (newton, residual) = (work.newton, here.report.residual);
-        let (load, cuts, reached, cause, last) = (1.0, 0, 1.0, Cause::Unknown, Box::new(here));
-        Err(StateError::NoConvergence { load, cuts, newton, residual, reached, cause, last })
+        let (load, cuts, reached, cause, budget, last) = (1.0, 0, 1.0, Cause::Unknown, None, Box::new(here));
+        Err(StateError::NoConvergence { load, cuts, newton, residual, reached, cause, budget, last })
     }
 
     /// An equilibrium of less potential, on either side of a saddle along a mode.

@@ -1,5 +1,6 @@
 //! From controls to an equilibrium: load steps, Newton's method, tangent systems.
 
+pub(crate) mod ahead;
 mod arc_length;
 pub(crate) mod connection;
 mod continuation;

@@ -23,6 +23,9 @@ pub struct SolveOptions<'a> {
     /// quadrature points follow, and as many as downhill from where these arrive. Nearly incompressible bodies turn to these after twelve,
     /// where prescribed components move them at once, as under constraints.
     pub max_newton: usize,
+    /// Newton iterations allowed in all, those of abandoned load steps and of the way from rest included; a solve that has used them up ends with
+    /// [`StateError::NoConvergence`](crate::StateError), whose `budget` they are, and no other way is tried; a path ends where it stands. Default: no limit.
+    pub budget: Option<usize>,
     /// Compute cells and factors on all threads; `false` inside parallelism over scenarios.
     pub parallel: bool,
     /// Checked between iterations; when it turns true the solve ends with [`StateError::Cancelled`](crate::StateError).
@@ -54,6 +57,7 @@ impl Default for SolveOptions<'_> {
             solver: None,
             accuracy: 1e-11,
             max_newton: 60,
+            budget: None,
             parallel: true,
             cancel: None,
             watch: None,
@@ -65,6 +69,11 @@ impl<'a> SolveOptions<'a> {
     /// A request that starts from a state.
     pub fn near(state: &'a State) -> Self {
         SolveOptions { near: Some(state), ..SolveOptions::default() }
+    }
+
+    /// Whether so many Newton iterations are all that were allowed.
+    pub(crate) fn is_spent(&self, newton: usize) -> bool {
+        self.budget.is_some_and(|budget| newton >= budget)
     }
 
     pub(crate) fn cancelled(&self) -> bool {
@@ -80,6 +89,7 @@ impl fmt::Debug for SolveOptions<'_> {
             .field("solver", &self.solver)
             .field("accuracy", &self.accuracy)
             .field("max_newton", &self.max_newton)
+            .field("budget", &self.budget)
             .field("parallel", &self.parallel)
             .finish()
     }

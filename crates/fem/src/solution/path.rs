@@ -4,7 +4,7 @@ use crate::contributions::controls::Controls;
 use crate::error::{FemError, StateError};
 use crate::model::{Feature, Model};
 use crate::nonlinear::iteration::Stop;
-use crate::solution::arc_length::{PathEquations, Point};
+use crate::solution::arc_length::{ITERATIONS, PathEquations, Point};
 use crate::solution::options::SolveOptions;
 use crate::solution::path_events::{Between, events};
 use crate::solution::state::State;
@@ -66,6 +66,8 @@ pub struct PathEvent {
     pub s: f64,
     /// The equilibrium there.
     pub state: State,
+    /// How displacement (and multipliers) change along the path there, of any length: at a limit point the direction in which the tangent is singular.
+    pub direction: Vec<f64>,
     /// Negative pivots before and behind it, where there are.
     pub before: Option<usize>,
     /// Negative pivots behind it.
@@ -88,7 +90,7 @@ pub enum PathEnd {
     Left,
     /// It has passed a limit point, and was to go no further.
     LimitPoint,
-    /// As many points as allowed.
+    /// As many points, or Newton iterations ([`SolveOptions::budget`]; those of a step that leads nowhere count as ten), as allowed.
     Points,
     /// No step, however short, leads on.
     Stuck(StateError),
@@ -154,12 +156,13 @@ impl Model {
             EquilibriumPath { points: vec![equations.told(&start)], events: Vec::new(), end: PathEnd::Points };
         watch(&path.points[0]);
         let mut here = start;
-        let (mut step, mut stretched) = (FIRST, 0);
-        while path.points.len() < options.points {
+        let (mut step, mut stretched, mut spent) = (FIRST, 0, 0);
+        while path.points.len() < options.points && !how.is_spent(spent) {
             let length = step.min(STRETCH.powi(stretched) * equations.longest(&here, options.step));
             let tried = advance(&mut equations, &path, &here, length, options.range);
             match tried {
                 Ok(Advance { point, told, events, left }) => {
+                    spent += point.report.newton;
                     path.events.extend(events);
                     watch(&told);
                     path.points.push(told);
@@ -185,6 +188,7 @@ impl Model {
                     step = STRETCH * length;
                 }
                 Err(why) => {
+                    spent += ITERATIONS;
                     step = 0.5 * length;
                     if step < SHORTEST * FIRST {
                         let last = &path.points[path.points.len() - 1].state;

@@ -38,8 +38,8 @@ pub(super) fn events(
     }
     if turns {
         let found = limit_point(equations, here, there)?;
-        let (s, state) = (found.s(), equations.state(&found));
-        return Ok(vec![PathEvent { kind: EventKind::LimitPoint, point: index, s, state, before, after }]);
+        let (s, state, direction) = (found.s(), equations.state(&found), found.direction());
+        return Ok(vec![PathEvent { kind: EventKind::LimitPoint, point: index, s, state, direction, before, after }]);
     }
     counts.map_or(Ok(Vec::new()), |counts| bifurcations(equations, here, there, counts, index))
 }
@@ -111,8 +111,8 @@ fn bifurcations(
                 count => (high, after, at) = (middle, count.unwrap_or(after), point),
             }
         }
-        let (kind, s, state) = (EventKind::Bifurcation, at.s(), equations.state(&at));
-        found.push(PathEvent { kind, point: index, s, state, before: Some(before), after: Some(after) });
+        let (kind, s, state, direction) = (EventKind::Bifurcation, at.s(), equations.state(&at), at.direction());
+        found.push(PathEvent { kind, point: index, s, state, direction, before: Some(before), after: Some(after) });
         (low, before) = (high, after);
     }
     Ok(found)

@@ -15,6 +15,7 @@ pub const STRICT: SolveOptions = SolveOptions {
     solver: None,
     accuracy: 1e-13,
     max_newton: 60,
+    budget: None,
     parallel: true,
     cancel: None,
     watch: None,

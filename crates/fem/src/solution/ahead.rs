@@ -1,0 +1,76 @@
+//! [`Ahead`]: what stands on the path of equilibria from a state towards other controls.
+
+use crate::contributions::controls::Controls;
+use crate::error::StateError;
+use crate::model::Model;
+use crate::solution::options::SolveOptions;
+use crate::solution::path::{EventKind, PathEnd, PathOptions};
+use crate::solution::state::{SolveReport, State};
+use crate::solution::workspace::Workspace;
+
+/// Where the path of equilibria from a state straight towards other controls and another load leads.
+#[derive(Debug, Clone)]
+pub enum Ahead {
+    /// To these controls, at this equilibrium, without a limit point.
+    Clear(Box<State>),
+    /// It turns back before.
+    LimitPoint(Box<LimitAhead>),
+    /// It could be followed to this share of the way only.
+    Unknown(f64),
+}
+
+/// A limit point on the way.
+#[derive(Debug, Clone)]
+pub struct LimitAhead {
+    /// The share of the way at which it is.
+    pub share: f64,
+    /// The equilibrium there.
+    pub state: State,
+    /// How the displacement changes along the path there, of any length: the direction in which the tangent is singular.
+    pub direction: Vec<f64>,
+    /// Equilibria before it, by their shares of the way, in order.
+    pub passed: Vec<(f64, State)>,
+}
+
+/// Steps of the path: as long as its direction and Newton's method allow, at most a tenth of the body's diagonal in the
+/// root mean square.
+const STEP: f64 = 1.0;
+/// A branch without limit points takes some ten points; one that takes more is given up.
+const POINTS: usize = 60;
+/// A path begins towards larger s, and ends at 1 or at its first limit point: this end is never reached.
+const BEHIND: f64 = -1.0;
+
+impl Model {
+    /// Follows the [`path`](Self::path) from an equilibrium towards other controls and another load, in long steps, to its first limit point. What
+    /// that takes is added to the work of `report`.
+    ///
+    /// # Errors
+    /// As there; a cancelled path, a lack of memory.
+    pub fn ahead(
+        &self,
+        from: &State,
+        to: (&Controls, f64),
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<Ahead, StateError> {
+        let options = PathOptions { step: STEP, points: POINTS, range: [BEHIND, 1.0], to_limit: true };
+        let mut path = self.path(from, to, &options, how, workspace, &mut |point| {
+            report.add_work(&point.state.report);
+        })?;
+        let limit = path.events.into_iter().find(|event| event.kind == EventKind::LimitPoint);
+        let Some(last) = path.points.pop() else { return Ok(Ahead::Unknown(0.0)) };
+        match (path.end, limit) {
+            (PathEnd::Cancelled, _) => Err(StateError::Cancelled),
+            (PathEnd::Stuck(error), _) if error.is_final() => Err(error),
+            (_, Some(event)) => {
+                let passed =
+                    path.points.into_iter().take(event.point + 1).map(|point| (point.s, point.state)).collect();
+                let (share, state, direction) = (event.s, event.state, event.direction);
+                Ok(Ahead::LimitPoint(Box::new(LimitAhead { share, state, direction, passed })))
+            }
+            (PathEnd::Left, None) if last.s > 0.0 => Ok(Ahead::Clear(Box::new(last.state))),
+            _ => Ok(Ahead::Unknown(last.s)),
+        }
+    }
+}
