@@ -21,12 +21,23 @@ pub struct ControlBlock {
     pub first: usize,
     /// Unit kind of the values ("Pa", "T").
     pub unit: &'static str,
+    /// How messages call it.
+    pub shown: Shown,
     /// Factor of its part of the inner product: see [`Layout::weigh`](crate::Layout::weigh).
     pub weight: f64,
     /// Of a control in time: its knots.
     pub knots: Option<Arc<Knots>>,
     /// Whether it moves a surface that it holds.
     pub holds: bool,
+}
+
+/// How messages call a control field: by its [`name`](ControlBlock::name) and [`unit`](ControlBlock::unit), unless [told](crate::Layout::show).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shown {
+    /// Its name.
+    pub name: String,
+    /// The unit of its values.
+    pub unit: String,
 }
 
 /// Consecutive slots of an actuation or contribution that a control field drives.

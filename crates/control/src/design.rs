@@ -1,6 +1,6 @@
 //! Design fields: one field from which the slots of several [`Consumer`]s follow.
 
-use crate::control_block::{ControlBlock, ControlTarget};
+use crate::control_block::{ControlBlock, ControlTarget, Shown};
 use crate::control_names::resolve;
 use crate::error::ControlError;
 use crate::layout::{Layout, basis_of};
@@ -118,6 +118,7 @@ impl Layout {
             targets,
             first: self.len(),
             unit: "1",
+            shown: Shown { name: name.to_owned(), unit: String::new() },
             weight: 1.0,
             knots: None,
             holds,

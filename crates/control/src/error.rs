@@ -1,5 +1,6 @@
 //! Errors of controls, costs and reduced problems.
 
+use crate::control_limit::ControlLimit;
 use nastic_fem::{FemError, Inadmissible, StateError};
 use nastic_mesh::MeshError;
 
@@ -15,6 +16,17 @@ pub enum ControlError {
     /// The state could not be found.
     #[error(transparent)]
     State(#[from] StateError),
+    /// The way from a control whose state is known to another leads to a limit point.
+    #[error(
+        "{limit}; the path of equilibria turns back there, beyond it the body jumps to another equilibrium or has none; keep the controls below, or \
+         control what goes on growing there, as the volume of a cavity in the place of its pressure"
+    )]
+    LimitPoint {
+        /// Where.
+        limit: ControlLimit,
+        /// Newton iterations spent.
+        newton: usize,
+    },
     /// A saddle of the potential energy, where none is accepted.
     #[error("the equilibrium is unstable: {negative} negative pivots of the tangent, and unstable states are refused")]
     Unstable {
@@ -167,11 +179,16 @@ impl ControlError {
         )
     }
 
+    /// The limit point that the way to the control leads to, where that is why there is no state.
+    pub fn limit(&self) -> Option<&ControlLimit> {
+        if let ControlError::LimitPoint { limit, .. } = self { Some(limit) } else { None }
+    }
+
     /// Newton iterations of the state solve that failed, where that is known.
     pub fn newton(&self) -> Option<usize> {
         match self {
             ControlError::State(StateError::NoConvergence { newton, .. }) => Some(*newton),
-            ControlError::Unstable { newton, .. } => Some(*newton),
+            ControlError::Unstable { newton, .. } | ControlError::LimitPoint { newton, .. } => Some(*newton),
             ControlError::State(StateError::Inadmissible { last, .. }) => Some(last.report.newton),
             _ => None,
         }

@@ -1,6 +1,7 @@
 //! [`Layout`]: how the control fields of a problem stand one after the other in one vector.
 
-use crate::control_block::{ControlBlock, ControlTarget};
+use crate::control_block::{ControlBlock, ControlTarget, Shown};
+use crate::control_limit::ControlAt;
 use crate::control_names::{groups, resolve};
 use crate::error::ControlError;
 use crate::map::{Basis, Chain, Direction, Expansion, Length, Space};
@@ -89,7 +90,8 @@ impl Layout {
         let targets = found.into_iter().map(target).collect::<Result<Vec<_>, ControlError>>()?;
         let (name, unit, holds) = (of.to_owned(), group.unit, all[lead].holds);
         let (first, weight, knots) = (self.len, 1.0, None);
-        Ok(self.push(ControlBlock { name, components, basis, targets, first, unit, weight, knots, holds }))
+        let shown = Shown { name: name.clone(), unit: unit.to_owned() };
+        Ok(self.push(ControlBlock { name, components, basis, targets, first, unit, shown, weight, knots, holds }))
     }
 
     pub(crate) fn push(&mut self, block: ControlBlock) -> &ControlBlock {
@@ -139,6 +141,25 @@ impl Layout {
         }
         self.blocks.iter_mut().filter(|block| block.first == first).for_each(|block| block.weight = weight);
         Ok(())
+    }
+
+    /// How messages are to call a field, where its values are not in SI units or it has another name for people.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn show(&mut self, of: &str, shown: Shown) -> Result<(), ControlError> {
+        let first = self.block(of)?.first;
+        self.blocks.iter_mut().filter(|block| block.first == first).for_each(|block| block.shown = shown.clone());
+        Ok(())
+    }
+
+    /// The values of all fields as messages tell them.
+    ///
+    /// # Errors
+    /// [`ControlError::Length`].
+    pub fn told(&self, m: &[f64]) -> Result<Vec<ControlAt>, ControlError> {
+        self.check(m)?;
+        Ok(self.blocks.iter().map(|block| ControlAt::new(block, m)).collect())
     }
 
     /// Gives the last control field that was added values at knots in time.

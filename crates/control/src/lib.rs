@@ -6,6 +6,7 @@
 
 mod constraint;
 mod control_block;
+mod control_limit;
 mod control_names;
 mod control_values;
 mod cost;
@@ -15,6 +16,7 @@ mod error;
 mod evaluated;
 mod grid;
 mod inner_product;
+mod known_limits;
 mod layout;
 mod map;
 mod reduced;
@@ -26,7 +28,8 @@ mod total_variation;
 mod workspace;
 
 pub use constraint::{BetweenNodes, Constraint, ConstraintPoint, CostLimit, IntoConstraint, ObstacleDistance};
-pub use control_block::{ControlBlock, ControlTarget};
+pub use control_block::{ControlBlock, ControlTarget, Shown};
+pub use control_limit::{ControlAt, ControlLimit};
 pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ContactLoad, ControlNorm, ControlSmoothness, Cost,

@@ -9,13 +9,15 @@ mod motion_progress;
 mod objective;
 mod second_order;
 mod sensitivity;
+mod static_trial;
 
 pub use adaptive_steps::AdaptiveSteps;
 pub(crate) use constrained::Lagrangian;
 pub(crate) use in_time::Motion;
-pub(crate) use objective::work_summary;
+pub(crate) use objective::{failed, work_summary};
 
 use crate::constraint::Constraint;
+use crate::control_block::Shown;
 use crate::control_values::ControlValues;
 use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost};
 use crate::design::Consumer;
@@ -169,6 +171,16 @@ impl Reduced {
     /// As there.
     pub fn design(mut self, name: &str, space: Space, consumers: &[Consumer]) -> Result<Self, ControlError> {
         self.layout.design(&self.solid, name, space, consumers)?;
+        self.update_layout();
+        Ok(self)
+    }
+
+    /// How messages are to call a control field: [`Layout::show`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn show(mut self, control: &str, shown: Shown) -> Result<Self, ControlError> {
+        self.layout.show(control, shown)?;
         self.update_layout();
         Ok(self)
     }
@@ -341,25 +353,7 @@ impl Reduced {
         if let Some(motion) = &self.motion {
             return self.evaluate_motion(motion, (m, how), None, workspace);
         }
-        let controls = self.layout.to_points(m)?;
-        let guess = match how.near {
-            Some(near) => {
-                workspace.predictor.record(&near.m, &near.state().u);
-                workspace.predictor.guess(m)
-            }
-            None => {
-                workspace.clear();
-                None
-            }
-        };
-        let near = how.near.map(|near| near.state());
-        let options = SolveOptions { guess: guess.as_deref(), near, ..self.solve_options(how.accuracy) };
-        let solved = self.solid.solve_with(&controls, &options, &mut workspace.solve);
-        self.forget(workspace);
-        let state = solved?;
-        self.check_stable(&state)?;
-        let work = state.report;
-        self.valued(SolvedStates::one(state, how.accuracy), m, how.stage, work)
+        self.evaluate_static(m, how, workspace)
     }
 
     fn solve_options(&self, accuracy: f64) -> SolveOptions<'_> {

@@ -1,4 +1,4 @@
-//! [`StatePredictor`]: the next state, extrapolated by least squares from the states of the last accepted points.
+//! [`StatePredictor`]: the next state, extrapolated by least squares from the states of the last accepted points, and what these took.
 
 use nastic_numeric::vector::{axpy, dot, norm, sub};
 use std::sync::Arc;
@@ -20,6 +20,8 @@ pub(crate) struct StatePredictor(Vec<Record>);
 struct Record {
     m: Arc<[f64]>,
     u: Arc<Vec<f64>>,
+    /// Newton iterations of its solve.
+    newton: usize,
 }
 
 /// A step of length one in the controls and what it did to the state.
@@ -32,13 +34,20 @@ struct Direction {
 
 impl StatePredictor {
     /// Takes up the point from which the next one is evaluated: it becomes the newest, wherever it stood before.
-    pub fn record(&mut self, m: &[f64], u: &Arc<Vec<f64>>) {
+    pub fn record(&mut self, m: &[f64], u: &Arc<Vec<f64>>, newton: usize) {
         if self.0.first().is_some_and(|newest| Arc::ptr_eq(&newest.u, u)) {
             return;
         }
         self.0.retain(|known| !Arc::ptr_eq(&known.u, u));
-        self.0.insert(0, Record { m: m.into(), u: u.clone() });
+        self.0.insert(0, Record { m: m.into(), u: u.clone(), newton });
         self.0.truncate(LENGTH);
+    }
+
+    /// Newton iterations of the last three points, the lower median: one that took many does not count for the next ones.
+    pub fn usual_work(&self) -> Option<usize> {
+        let mut last: Vec<usize> = self.0.iter().take(3).map(|record| record.newton).collect();
+        last.sort_unstable();
+        last.get(last.len().saturating_sub(1) / 2).copied()
     }
 
     /// A guess of the state at m: with differences `dm_i`, `du_i` from the newest point to those before it,

@@ -1,14 +1,16 @@
 //! [`ReducedWorkspace`]: what one evaluation of a reduced problem leaves for the next.
 
+use crate::known_limits::KnownLimits;
 use crate::state_predictor::StatePredictor;
 use nastic_fem::Workspace;
 
-/// The preconditioner of the last solve and the predictor of the next state. Owned by whoever makes the evaluations, one
+/// The preconditioner of the last solve, the predictor of the next state, and limit points that were met. Owned by whoever makes the evaluations, one
 /// after the other; results depend on it only within the accuracy asked of them, and the same history gives the same bits.
 #[derive(Debug, Default)]
 pub struct ReducedWorkspace {
     pub(crate) solve: Workspace,
     pub(crate) predictor: StatePredictor,
+    pub(crate) limits: KnownLimits,
 }
 
 impl ReducedWorkspace {

@@ -14,6 +14,7 @@ mod gradient;
 mod grid;
 mod hessian;
 mod history;
+mod limit_points;
 mod magnet;
 mod maps;
 mod motion;

@@ -186,7 +186,7 @@ fn accepted_points_predict_the_next_state() -> Outcome {
         problem.layout().blocks()[0].basis.positions().iter().map(|x| -1e5 * t * x[2] / 0.2).collect()
     };
     let evaluate = |m: &[f64], near: Option<&Evaluated>, workspace: &mut ReducedWorkspace| {
-        problem.evaluate(m, &Request { near, accuracy: 1e-6, stage: 0 }, workspace)
+        problem.evaluate(m, &Request { near, accuracy: 1e-6, stage: 0, ..Request::default() }, workspace)
     };
     // The same three points, then a fourth; or the third alone, which knows of no others.
     let fourth = |m: &[f64]| -> Outcome<[Evaluated; 2]> {

@@ -48,7 +48,7 @@ fn follow(problem: &Reduced, path: &[f64], accuracy: f64) -> Outcome<(Evaluated,
     let mut last: Option<Evaluated> = None;
     let mut derivative = vec![];
     for t in path {
-        let how = Request { near: last.as_ref(), accuracy, stage: 0 };
+        let how = Request { near: last.as_ref(), accuracy, stage: 0, ..Request::default() };
         let mut point = problem.evaluate(&along(problem, *t), &how, &mut workspace)?;
         derivative = problem.derivative(&mut point, &mut workspace)?;
         last = Some(point);
@@ -172,7 +172,7 @@ fn a_run_goes_on_from_a_checkpoint_to_the_bit() -> Outcome {
     let problem = bar(1.0)?;
     let (saved, _) = assert_goes_on_to_the_bit(&problem, -1e4)?;
     // Loading solves nothing, and gives the point as it was, its adjoint state included.
-    let how = Request { near: None, accuracy: 1e-8, stage: 0 };
+    let how = Request { near: None, accuracy: 1e-8, stage: 0, ..Request::default() };
     let loaded = problem.load(&saved.current.m, &saved.current.point, &how)?;
     assert!(loaded.adjoint().is_some() && loaded.work.newton > 0 && loaded.state().load == 1.0);
     assert_eq!(problem.save(&loaded), saved.current.point);
@@ -184,7 +184,7 @@ fn a_run_goes_on_from_a_checkpoint_to_the_bit() -> Outcome {
 fn an_ensemble_goes_on_from_a_checkpoint_to_the_bit() -> Outcome {
     let problem = two()?;
     let (saved, _) = assert_goes_on_to_the_bit(&problem, -1e4)?;
-    let how = Request { near: None, accuracy: 1e-8, stage: 0 };
+    let how = Request { near: None, accuracy: 1e-8, stage: 0, ..Request::default() };
     let loaded = problem.load(&saved.current.m, &saved.current.point, &how)?;
     assert_eq!(problem.value(&loaded), saved.current.cost);
     assert_eq!(problem.save(&loaded), saved.current.point);

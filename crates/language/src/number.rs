@@ -2,26 +2,7 @@
 
 use crate::quantity::{Dimension, Units};
 
-use nastic_numeric::format::scientific;
-
-/// Six significant digits, without an exponent where that reads well.
-pub fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    if rounded == 0.0 {
-        // without the sign that -0.0 has
-        "0".to_owned()
-    } else if (1e-3..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
-        format!("{rounded}")
-    } else {
-        let text = scientific(rounded, 5);
-        match text.split_once('e') {
-            Some((mantissa, exponent)) => {
-                format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
-            }
-            None => text,
-        }
-    }
-}
+pub use nastic_numeric::format::short;
 
 /// (x, y, z)
 pub fn vector(values: &[f64]) -> String {

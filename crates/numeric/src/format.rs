@@ -14,6 +14,26 @@ pub fn scientific(value: f64, digits: usize) -> String {
     }
 }
 
+/// Six significant digits, without an exponent where that reads well.
+#[must_use]
+pub fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    if rounded == 0.0 {
+        // without the sign that -0.0 has
+        "0".to_owned()
+    } else if (1e-3..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
+        format!("{rounded}")
+    } else {
+        let text = scientific(rounded, 5);
+        match text.split_once('e') {
+            Some((mantissa, exponent)) => {
+                format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
+            }
+            None => text,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::scientific;

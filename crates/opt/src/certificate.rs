@@ -65,7 +65,7 @@ impl Certificate {
         let direction = direction(set, base.m, size, seed)?;
         let slope = dot(base.derivative, &direction);
         let cost = objective.value(base.point);
-        let how = Request { near: Some(base.point), accuracy: ACCURACY, stage: base.stage };
+        let how = Request { near: Some(base.point), accuracy: ACCURACY, stage: base.stage, ..Request::default() };
         let mut certificate = Self { mismatch: f64::INFINITY, trials: 0, verdict: Verdict::Undecided, full: None };
         let mut trial = base.m.to_vec();
         for t in STEPS {

@@ -12,12 +12,13 @@ pub struct Failed {
     source: Arc<dyn Error + Send + Sync>,
     work: Summary,
     fatal: bool,
+    limit: Option<f64>,
 }
 
 impl Failed {
     /// A failure with its cause.
     pub fn new(source: impl Error + Send + Sync + 'static) -> Self {
-        Self { source: Arc::new(source), work: Summary::default(), fatal: false }
+        Self { source: Arc::new(source), work: Summary::default(), fatal: false, limit: None }
     }
 
     /// A failure that has no type of its own.
@@ -36,6 +37,17 @@ impl Failed {
     #[must_use]
     pub fn fatal(self) -> Self {
         Self { fatal: true, ..self }
+    }
+
+    /// The same failure with what is known of the way from the point it began near: beyond this share there is no value.
+    #[must_use]
+    pub fn beyond(self, share: f64) -> Self {
+        Self { limit: Some(share), ..self }
+    }
+
+    /// The share of the way from the point it began near beyond which there is no value, where that is known.
+    pub fn limit(&self) -> Option<f64> {
+        self.limit
     }
 
     /// Whether it ends the run.

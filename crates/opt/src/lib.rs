@@ -100,7 +100,7 @@ pub use lbfgs::Lbfgs;
 pub use line_search::LineSearch;
 pub use method::{Current, HessianProducts, Memory, Method, Secant};
 pub use newton_cg::NewtonCg;
-pub use objective::{DEFAULT_ACCURACY, NoSecondDerivatives, Objective, Problem, Request};
+pub use objective::{Budget, DEFAULT_ACCURACY, NoSecondDerivatives, Objective, Problem, Request};
 pub use observer::{Observer, Reason, Trial};
 pub use optimizer::{CATALOGUE, Optimizer, OptimizerRow, Options, by_name};
 pub use print::Print;

@@ -17,6 +17,33 @@ pub struct Request<'a, P> {
     pub accuracy: f64,
     /// The continuation stage whose value is asked for, below [`Objective::stages`].
     pub stage: usize,
+    /// The work that the state solve may take before it is given up.
+    pub budget: Budget,
+}
+
+/// The most work of a state solve, in the unit of the objective: Newton iterations. One that has used it up fails.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Budget {
+    /// As much as it takes.
+    #[default]
+    Unlimited,
+    /// So much.
+    Of(usize),
+    /// So many times what the last accepted points took, the one that it [starts near](Request::near) among them, and not less than what the objective
+    /// grants any trial; without such a point as much as it takes.
+    Times(f64),
+}
+
+impl Budget {
+    /// In units of work, beside accepted points that took so many, where any trial has at least `least`; `None` without a limit.
+    pub fn work(self, accepted: Option<usize>, least: usize) -> Option<usize> {
+        match (self, accepted) {
+            (Self::Unlimited, _) | (Self::Times(_), None) => None,
+            (Self::Of(most), _) => Some(most),
+            // as a float may be beyond all integers, at which the conversion ends
+            (Self::Times(factor), Some(usual)) => Some(((factor * usual as f64).ceil() as usize).max(least)),
+        }
+    }
 }
 
 /// Default relative accuracy of state solves.
@@ -24,7 +51,7 @@ pub const DEFAULT_ACCURACY: f64 = 1e-8;
 
 impl<P> Default for Request<'_, P> {
     fn default() -> Self {
-        Self { near: None, accuracy: DEFAULT_ACCURACY, stage: 0 }
+        Self { near: None, accuracy: DEFAULT_ACCURACY, stage: 0, budget: Budget::Unlimited }
     }
 }
 

@@ -35,6 +35,8 @@ pub struct Options {
     pub window: usize,
     /// Relative accuracy asked of state solves, at the end: see [`accuracy_at`](Self::accuracy_at).
     pub accuracy: f64,
+    /// State solves of trials are given up beyond so many times the work of the last accepted ones: see [`Budget::Times`](crate::Budget::Times).
+    pub patience: f64,
     /// How steps are accepted and shortened.
     pub line_search: LineSearch,
 }
@@ -50,11 +52,14 @@ impl Default for Options {
             stagnation: 1e-5,
             window: 10,
             accuracy: DEFAULT_ACCURACY,
+            patience: PATIENCE,
             line_search: LineSearch::default(),
         }
     }
 }
 
+/// A trial may take so many times the Newton iterations of the last accepted ones.
+const PATIENCE: f64 = 3.0;
 /// Accuracy of states per remaining share of the projected gradient, and the coarsest.
 const ACCURACY_PER_GRADIENT: f64 = 1e-5;
 const COARSEST: f64 = 1e-7;

@@ -5,7 +5,7 @@ use crate::failed::Failed;
 use crate::hessian::ProductsAt;
 use crate::inner_product::InnerProduct;
 use crate::method::{Current, Method};
-use crate::objective::{Objective, Request};
+use crate::objective::{Budget, Objective, Request};
 use crate::observer::{Observer, Reason, Trial};
 use crate::optimizer::Options;
 use crate::state::Progress;
@@ -155,7 +155,12 @@ impl<O: Objective> Setting<O> {
         let here = self.here(at);
         let invisible = 0.25 * f64::EPSILON * at.cost.abs();
         let accuracy = self.options.accuracy_at(progress.relative(at.gradient_norm));
-        let how = Request { near: Some(&at.point), accuracy, stage: progress.stage };
+        let how = Request {
+            near: Some(&at.point),
+            accuracy,
+            stage: progress.stage,
+            budget: Budget::Times(self.options.patience),
+        };
         let mut promised = None;
         let mut tried: Option<Vec<f64>> = None;
         let limit = line.trials + rules.max_trials;
@@ -188,8 +193,9 @@ impl<O: Objective> Setting<O> {
                 Ok(evaluated) => evaluated,
                 Err(failed) if failed.is_fatal() => return Err(Stop::Aborted(failed)),
                 Err(failed) => {
+                    let factor = rules.fall_back(&failed);
                     let reason = Reason::Failed(failed);
-                    line.reject(&reason, true, rules.after_failure);
+                    line.reject(&reason, true, factor);
                     progress.counts.failed += 1;
                     observer.trial(&self.tell(
                         progress,

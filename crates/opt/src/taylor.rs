@@ -116,7 +116,7 @@ impl Taylor {
         m: &[f64],
     ) -> Result<TaylorReport, TaylorError> {
         set.check(m)?;
-        let how = Request { near: None, accuracy: self.accuracy, stage: self.stage };
+        let how = Request { near: None, accuracy: self.accuracy, stage: self.stage, ..Request::default() };
         let mut workspace = O::Workspace::default();
         let mut point = objective.evaluate(m, &how, &mut workspace)?;
         let derivative = objective.derivative(&mut point, &mut workspace)?;
@@ -142,7 +142,7 @@ impl Taylor {
             )),
             false => None,
         };
-        let how = Request { near: Some(&base.point), accuracy: self.accuracy, stage: self.stage };
+        let how = Request { near: Some(&base.point), accuracy: self.accuracy, stage: self.stage, ..Request::default() };
         let mut m = base.m.to_vec();
         let mut rows = Vec::with_capacity(Self::PER_DECADE * Self::DECADES + 1);
         let mut remainders = Vec::with_capacity(Self::PER_DECADE * Self::DECADES + 1);

@@ -8,6 +8,7 @@ mod constraints;
 mod constraints_aborted;
 mod ill_posed;
 mod inner_products;
+mod limits;
 mod manifold;
 mod properties;
 mod published;

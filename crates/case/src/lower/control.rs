@@ -9,7 +9,7 @@ use crate::lower::tension::{beyond_limit, default_upper, limit};
 use crate::lower::time;
 use crate::lower::variant::Variant;
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
-use nastic_control::{ControlBlock, RateLimit, Reduced, Space};
+use nastic_control::{ControlBlock, RateLimit, Reduced, Shown, Space};
 use nastic_energy::Slot;
 use nastic_language::expression::Formula;
 use nastic_language::quantity::Dimension;
@@ -108,7 +108,7 @@ pub(super) fn lower(
     whole.then_some(out)
 }
 
-/// Weighs the fields of a body in the inner product, so that a change through its whole range counts the same in each; a
+/// Says how messages call the fields of a body, and weighs them in the inner product, so that a change through its whole range counts the same in each; a
 /// field without a range counts as the first one that has one.
 pub(super) fn weigh(
     variant: &Variant,
@@ -117,12 +117,16 @@ pub(super) fn weigh(
     fields: &[ControlField],
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
-    let Some(reference) = fields.iter().find_map(|field| field.admitted.range()) else { return Some(body) };
+    let reference = fields.iter().find_map(|field| field.admitted.range());
     let names: Vec<String> = body.layout().blocks().iter().map(|block| block.name.clone()).collect();
     for (k, (control, name)) in variant.case.controls.iter().zip(&names).enumerate() {
         let load_case = variant.load_case.filter(|_| k >= shared);
         let own = fields.iter().find(|field| field.load_case == load_case && field.at == control.at);
-        if let Some(range) = own.and_then(|field| field.admitted.range()) {
+        if let Some(field) = own {
+            let shown = Shown { name: field.name.clone(), unit: field.unit.clone() };
+            body = context.take(&control.at, body.show(name, shown))?;
+        }
+        if let Some((reference, range)) = reference.zip(own.and_then(|field| field.admitted.range())) {
             body = context.take(&control.at, body.weigh(name, (reference / range).powi(2)))?;
         }
     }

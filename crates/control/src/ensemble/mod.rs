@@ -237,7 +237,7 @@ impl Ensemble {
         self.check_len(m)?;
         let members = self.side_by_side(workspace, |index, member, workspace| {
             let near = how.near.and_then(|point| point.members.get(index));
-            let request = Request { near, accuracy: how.accuracy, stage: how.stage };
+            let request = Request { near, accuracy: how.accuracy, stage: how.stage, budget: how.budget };
             let own = gather(&self.blocks, member, m);
             let outcome = match observers.get(index) {
                 Some(observer) => member.problem.observe(&own, &request, *observer, workspace),

@@ -3,6 +3,7 @@
 use super::blocks::gather;
 use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
 use crate::error::ControlError;
+use crate::reduced::failed;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{Failed, Hessian, InnerProduct, Objective, Problem, Request, SavedRunError, Summary};
 use std::sync::Arc;
@@ -82,7 +83,7 @@ impl Objective for Ensemble {
     fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, Failed> {
         self.check_len(m)?;
         let own = self.read_members(bytes).map_err(Failed::new)?;
-        let how = Request { near: None, accuracy: how.accuracy, stage: how.stage };
+        let how = Request { near: None, accuracy: how.accuracy, stage: how.stage, budget: how.budget };
         let load = |(member, bytes): (&super::Member, Vec<u8>)| {
             member.problem.load(&gather(&self.blocks, member, m), &bytes, &how)
         };
@@ -115,16 +116,11 @@ impl Problem for Ensemble {
     }
 }
 
-/// A failed trial keeps the error with its type, and the Newton iterations spent. A lack of memory is fatal.
+/// As the failure of the member.
 impl From<EnsembleError> for Failed {
     fn from(error: EnsembleError) -> Self {
-        let newton = match &error {
-            EnsembleError::Member { source, .. } => source.newton(),
-            _ => None,
-        };
-        let newton = newton.map(|newton| ("newton".to_owned(), newton as f64));
-        let fatal = matches!(&error, EnsembleError::Member { source, .. } if source.is_lack_of_memory());
-        let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
-        if fatal { failed.fatal() } else { failed }
+        let EnsembleError::Member { source, .. } = &error else { return Failed::new(error) };
+        let source = source.clone();
+        failed(error, &source)
     }
 }

@@ -116,14 +116,20 @@ pub(crate) fn work_summary(work: &SolveReport) -> [(String, f64); 3] {
     ]
 }
 
-/// A failed trial keeps the error with its type, and the Newton iterations spent. A lack of memory is fatal.
+/// A failed trial keeps the error with its type, the Newton iterations spent, and how far its step may go. A lack of memory is fatal.
 impl From<ControlError> for Failed {
     fn from(error: ControlError) -> Self {
-        let newton = error.newton().map(|newton| ("newton".to_owned(), newton as f64));
-        let fatal = error.is_lack_of_memory();
-        let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
-        if fatal { failed.fatal() } else { failed }
+        let known = error.clone();
+        failed(error, &known)
     }
+}
+
+/// The failure of an evaluation, with what an error of one state says of it.
+pub(crate) fn failed(error: impl std::error::Error + Send + Sync + 'static, of: &ControlError) -> Failed {
+    let newton = of.newton().map(|newton| ("newton".to_owned(), newton as f64));
+    let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
+    let failed = of.limit().map_or(failed.clone(), |limit| failed.beyond(limit.share));
+    if of.is_lack_of_memory() { failed.fatal() } else { failed }
 }
 
 impl From<Evaluated> for Start<Evaluated> {

@@ -96,7 +96,12 @@ fn first_iterate<O: Objective>(
         Ok(begun) => begun,
         Err(m) => {
             check(setting, &m)?;
-            let how = Request { near: None, accuracy: setting.options.accuracy, stage: setting.stages.start };
+            let how = Request {
+                near: None,
+                accuracy: setting.options.accuracy,
+                stage: setting.stages.start,
+                ..Request::default()
+            };
             let point = setting.objective.evaluate(&m, &how, workspace).map_err(RunError::Start)?;
             EvaluatedStart { m, point, derivative: None }
         }
@@ -146,7 +151,7 @@ fn revive<O: Objective>(setting: &Setting<O>, saved: &SavedPoint, stage: usize) 
     if saved.derivative.len() != saved.m.len() {
         return Err(RunError::Saved(Failed::because("its derivative is of another length")));
     }
-    let how = Request { near: None, accuracy: setting.options.accuracy, stage };
+    let how = Request { near: None, accuracy: setting.options.accuracy, stage, ..Request::default() };
     let point = setting.objective.load(&saved.m, &saved.point, &how).map_err(RunError::Saved)?;
     let SavedPoint { m, derivative: whole_derivative, .. } = saved.clone();
     let mut derivative = whole_derivative.clone();

@@ -58,7 +58,7 @@ struct Known {
 impl<'a> Memo<'a> {
     pub fn new(ensemble: &'a Ensemble, m: &[f64], accuracy: f64) -> Result<Self, Failed> {
         let mut known = Known::default();
-        let how = Request { near: None, accuracy, stage: 0 };
+        let how = Request { near: None, accuracy, stage: 0, ..Request::default() };
         let first = ensemble.evaluate(m, &how, &mut known.workspace)?;
         let later = (1..ensemble.stages()).map(|stage| ensemble.restage(stage, &first));
         let later = later.collect::<Result<Vec<_>, _>>()?;
@@ -132,7 +132,7 @@ impl<'a> Memo<'a> {
     }
 
     fn evaluate(&self, m: &[f64], workspace: &mut EnsembleWorkspace) -> Values {
-        let how = Request { near: Some(&self.base[0]), accuracy: self.accuracy, stage: 0 };
+        let how = Request { near: Some(&self.base[0]), accuracy: self.accuracy, stage: 0, ..Request::default() };
         let first = self.ensemble.evaluate(m, &how, workspace).ok()?;
         let mut out = vec![self.values_of(&first)];
         for stage in 1..self.ensemble.stages() {
