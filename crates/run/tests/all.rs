@@ -2,6 +2,7 @@
 
 mod advice;
 mod automatic_stages;
+mod balloon;
 mod catalogue;
 mod cavity_volume;
 mod commands;

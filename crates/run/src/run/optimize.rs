@@ -7,6 +7,8 @@ mod constraints;
 mod early_stopping;
 mod finished_run;
 mod journal;
+mod limit_advice;
+mod met_limits;
 mod minima;
 mod minimization;
 mod ordered_output;

@@ -1,6 +1,8 @@
 //! What to try after an optimisation that stopped before it converged, or whose bounds decided: each with the command.
 
 use crate::result::summary;
+use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::limit_advice;
 use crate::run::session::Session;
 use nastic_case::lower::Admitted;
 use nastic_control::{EnsemblePoint, Smoothing};
@@ -19,16 +21,16 @@ const STARTS: usize = 4;
 const MANY: f64 = 0.5;
 
 /// One thing to try.
-struct Advice {
-    why: String,
+pub(super) struct Advice {
+    pub why: String,
     /// What to type; `None` where a program runs the optimisation.
-    command: Option<String>,
+    pub command: Option<String>,
 }
 
 /// Says what may help, the most likely first.
-pub(super) fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
+pub(super) fn say(session: &Session<'_>, ended: &FinishedRun) {
     let console = session.console;
-    for (k, Advice { why, command }) in advices(session, best).iter().enumerate() {
+    for (k, Advice { why, command }) in advices(session, ended).iter().enumerate() {
         let head = if k == 0 { "to go on   " } else { "           " };
         match command {
             Some(command) => {
@@ -40,12 +42,13 @@ pub(super) fn say(session: &Session<'_>, best: &Best<EnsemblePoint>) {
     }
 }
 
-fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
+fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
+    let best = &ended.best;
     let optimizer = &session.problem.case.optimizer;
     let from_here = starts_from_here(session, best);
     let again = |why: String, set: Vec<String>| Advice { why, command: optimize(session, &set) };
     let with = |one: String| [vec![one], from_here.clone()].concat();
-    let mut out = Vec::new();
+    let mut out = limit_advice::of(session, ended);
     match &best.stop {
         Stop::Converged { .. } => {}
         stop if stop.is_interrupted() => {
@@ -67,6 +70,8 @@ fn advices(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<Advice> {
             let why = format!("this may be good enough: a run with a tolerance of {tolerance} would have converged");
             out.push(again(why, vec![format!("optimizer/tolerance={tolerance}")]));
         }
+        // what limit points ask for stands there already
+        Stop::Stalled(Stall::LineSearch { .. }) if ended.limits.count > 0 => {}
         Stop::Stalled(Stall::LineSearch { trials, failed, .. }) if 2 * failed >= *trials => {
             let set = narrowed(session);
             let why = "most trials had no equilibrium: narrow the bounds to where the body has one".to_owned();
@@ -110,7 +115,7 @@ fn on_case(session: &Session<'_>, command: impl Fn(&str) -> String) -> Option<St
 
 /// `nastic optimize` with the overrides of this run and others. What starts from the controls of this run goes to another
 /// directory, so that these stay.
-fn optimize(session: &Session<'_>, set: &[String]) -> Option<String> {
+pub(super) fn optimize(session: &Session<'_>, set: &[String]) -> Option<String> {
     let path = |setting: &str| setting.split_once('=').map_or("", |(path, _)| path).to_owned();
     let replaced = |old: &String| set.iter().any(|new| path(new) == path(old));
     let kept = session.settings.iter().filter(|old| !replaced(old));

@@ -1,11 +1,12 @@
 //! [`FinishedRun`]: a run from one start, as a value and as bytes.
 
+use crate::run::optimize::met_limits::MetLimits;
 use nastic_control::{Ensemble, EnsemblePoint, read_report, write_report};
 use nastic_fem::SolveReport;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{AugmentedLagrangian, Best, ConstraintsReport, Failed, Objective, Request, SavedRunError};
 
-const MAGIC: &str = "nastic-finished-run-2";
+const MAGIC: &str = "nastic-finished-run-3";
 
 /// A run from one start.
 pub(super) struct FinishedRun {
@@ -16,6 +17,8 @@ pub(super) struct FinishedRun {
     pub constraints: ConstraintsReport,
     /// Work of all trials, by member.
     pub work: Vec<SolveReport>,
+    /// Its trials that met a limit point.
+    pub limits: MetLimits,
 }
 
 impl FinishedRun {
@@ -36,6 +39,7 @@ impl FinishedRun {
         out.bytes(&self.best.save(ensemble));
         self.constraints.write(&mut out);
         write_work(&self.work, &mut out);
+        self.limits.write(&mut out);
         out.finish()
     }
 
@@ -45,8 +49,9 @@ impl FinishedRun {
         let best = Best::load(ensemble, &input.list().map_err(Failed::new)?)?;
         let constraints = ConstraintsReport::read(&mut input).map_err(Failed::new)?;
         let work = read_work(&mut input).map_err(Failed::new)?;
+        let limits = MetLimits::read(&mut input).map_err(Failed::new)?;
         input.finish().map_err(Failed::new)?;
-        Ok(Self { start, best, constraints, work })
+        Ok(Self { start, best, constraints, work, limits })
     }
 }
 

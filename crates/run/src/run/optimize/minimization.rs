@@ -90,6 +90,6 @@ pub(crate) fn minimize(
     };
     let trials = recorder.finish();
     let AugmentedBest { best, constraints } = run.finish(stop);
-    let run = FinishedRun { start, best, constraints, work: trials.work.clone() };
+    let run = FinishedRun { start, best, constraints, work: trials.work.clone(), limits: trials.limits.clone() };
     Minimized::Ended(Box::new(run), trials)
 }

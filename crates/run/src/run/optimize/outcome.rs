@@ -83,6 +83,9 @@ pub(super) fn report(
     session.put("iterations", json!(best.counts.iterations));
     session.put("trials", json!(best.counts.trials));
     session.put("failed_solves", json!(best.counts.failed));
+    if let Some(limits) = ended.limits.json() {
+        session.put("limit_points", limits);
+    }
     if best.counts.products > 0 {
         session.put("hessian_products", json!(best.counts.products));
     }
@@ -174,6 +177,7 @@ fn say(
         result.factorisations.unwrap_or_default(),
         result.reused_factorisations.unwrap_or_default()
     ));
+    ended.limits.say().into_iter().for_each(|line| console.say(line));
     say_stability(session, &result);
     say_members(session, &result);
     for (name, control) in &result.controls {
@@ -197,7 +201,7 @@ fn say(
     say_probes(session, &result);
     match resumable {
         Some(checkpoint) => say_how_to_resume(session, checkpoint),
-        None => advice::say(session, best),
+        None => advice::say(session, ended),
     }
     Ok(())
 }

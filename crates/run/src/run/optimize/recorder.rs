@@ -114,6 +114,7 @@ impl<'s> Recorder<'s> {
         {
             first.newton += newton as usize;
         }
+        self.trials.limits.add(trial);
         if trial.reason == Reason::Stage {
             self.output.console.say(format!("stage {} of {}", trial.stage + 1, self.problem.stages()));
         }

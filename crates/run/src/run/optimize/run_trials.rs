@@ -2,6 +2,7 @@
 
 use crate::run::optimize::branch_changes::BranchChanges;
 use crate::run::optimize::finished_run::{read_work, write_work};
+use crate::run::optimize::met_limits::MetLimits;
 use nastic_fem::SolveReport;
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
@@ -13,6 +14,8 @@ pub(super) struct RunTrials {
     pub work: Vec<SolveReport>,
     /// Those that led to another branch of equilibria.
     pub changes: BranchChanges,
+    /// Those that met a limit point.
+    pub limits: MetLimits,
     /// Iterations of which snapshots were written.
     pub snapshots: Vec<usize>,
     /// Shapes and controls of accepted iterations, load case by load case.
@@ -27,6 +30,7 @@ impl RunTrials {
         Self {
             work: vec![SolveReport::default(); members],
             changes: BranchChanges::default(),
+            limits: MetLimits::default(),
             snapshots: vec![],
             iterates: vec![Iterates::default(); load_cases],
             lines: vec![],
@@ -36,6 +40,7 @@ impl RunTrials {
     pub fn write(&self, out: &mut Writer) {
         write_work(&self.work, out);
         self.changes.write(out);
+        self.limits.write(out);
         out.count(self.snapshots.len());
         self.snapshots.iter().for_each(|iteration| out.count(*iteration));
         out.count(self.iterates.len());
@@ -44,10 +49,10 @@ impl RunTrials {
     }
 
     pub fn read(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        let (work, changes) = (read_work(input)?, BranchChanges::read(input)?);
+        let (work, changes, limits) = (read_work(input)?, BranchChanges::read(input)?, MetLimits::read(input)?);
         let snapshots = (0..input.count(8)?).map(|_| input.number()).collect::<Result<_, _>>()?;
         let iterates = (0..input.count(8)?).map(|_| read_iterates(input)).collect::<Result<_, _>>()?;
-        Ok(Self { work, changes, snapshots, iterates, lines: input.list()? })
+        Ok(Self { work, changes, limits, snapshots, iterates, lines: input.list()? })
     }
 }
 

@@ -9,7 +9,7 @@ use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{AugmentedState, SavedRunError};
 use serde_json::Value;
 
-const MAGIC: &str = "nastic-start-1";
+const MAGIC: &str = "nastic-start-2";
 
 /// One of several starts.
 pub(super) struct StartRun {

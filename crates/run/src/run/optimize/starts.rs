@@ -195,7 +195,8 @@ impl Rounds<'_> {
         let UnderWay { record, trials, run } = *at;
         let start = read_record(self.session, &record)?;
         let AugmentedBest { best, constraints } = resume_run(self.session, self.optimizer, &run)?.finish(stop);
-        let finished = FinishedRun { start, best, constraints, work: trials.work.clone() };
+        let finished =
+            FinishedRun { start, best, constraints, work: trials.work.clone(), limits: trials.limits.clone() };
         let found = trials.changes.warnings(self.session, index);
         found.iter().for_each(|warning| say_warning(self.session.console, warning));
         write_iterates(self.session, index, &trials, self.journal);

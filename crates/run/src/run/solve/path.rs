@@ -7,13 +7,16 @@ use crate::run::session::Session;
 use crate::run::solve::series::{Row, Series};
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::Warning;
-use nastic_control::ControlError;
+use nastic_control::{ControlAt, ControlError, ControlTarget};
 use nastic_fem::{
     EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint, Progress, SolveOptions, Workspace,
 };
 use nastic_language::number::short;
 use nastic_picture::Chart;
 use serde_json::{Map, Value, json};
+
+/// Control fields that a line names.
+const NAMED: usize = 3;
 
 /// `to_limit`: to the first limit point, if there is one.
 pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, RunError> {
@@ -65,7 +68,7 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told
     };
     let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let mut found = |point: &PathPoint| {
-        let (m, state) = (start.iter().map(|m| point.s * m).collect(), point.state.clone());
+        let (m, state) = (controls_at(member, &start, point.s), point.state.clone());
         let row = Row { parameter: point.s, m, newton: state.report.newton, state, negative: point.negative };
         session.console.say(series.line(&row));
         series.rows.push(row);
@@ -74,7 +77,10 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told
     let (rest, options) = (model.rest_under(&controls), PathOptions { to_limit, ..PathOptions::default() });
     let path = model.path(&rest, (&controls, 1.0), &options, &how, &mut Workspace::default(), &mut found);
     let path = path.map_err(|error| failed(error.into()))?;
-    path.events.iter().for_each(|event| session.console.say(line(event)));
+    let told = |event: &PathEvent| member.layout().told(&controls_at(member, &start, event.s)).map_err(failed);
+    let controls: Vec<Vec<ControlAt>> = path.events.iter().map(told).collect::<Result<_, _>>()?;
+    let events = path.events.iter().zip(&controls);
+    events.clone().for_each(|(event, controls)| session.console.say(line(event, controls)));
     let warnings = series.inspect();
 
     let files = match &session.out {
@@ -84,10 +90,24 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told
     let stopped = stopped(&path, &member.name());
     let entry = json!({
         "points": series.points(),
-        "events": path.events.iter().map(|event| event_entry(member, event)).collect::<Vec<_>>(),
+        "events": events.map(|(event, controls)| event_entry(member, event, controls)).collect::<Vec<_>>(),
         "stopped": stopped.as_ref().map(|(_, why)| why),
     });
     Ok(Told { entry, files, stopped, warnings })
+}
+
+/// The controls at s on the way from rest: loads have this share of their values, designs of the body theirs.
+fn controls_at(member: CaseMember<'_>, start: &[f64], s: f64) -> Vec<f64> {
+    let all = member.solid().model().controllable();
+    let mut m = start.to_vec();
+    for block in member.layout().blocks() {
+        let is_load =
+            |target: &ControlTarget| all[target.actuation].slots.get(target.slot).is_none_or(|slot| !slot.is_design());
+        if block.targets.iter().all(is_load) {
+            m[block.first..block.first + block.len()].iter_mut().for_each(|m| *m *= s);
+        }
+    }
+    m
 }
 
 fn name(kind: EventKind) -> &'static str {
@@ -97,16 +117,25 @@ fn name(kind: EventKind) -> &'static str {
     }
 }
 
-fn line(event: &PathEvent) -> String {
+/// `critical    limit point at s = 0.512705, air = 4300 Pa: from 0 to 1 negative pivots`.
+fn line(event: &PathEvent, controls: &[ControlAt]) -> String {
     let count = |n: Option<usize>| n.map_or_else(|| "-".to_owned(), |n| n.to_string());
     let (before, after) = (count(event.before), count(event.after));
-    format!("critical    {} at s = {:.6}: from {before} to {after} negative pivots", name(event.kind), event.s)
+    let named = controls.iter().take(NAMED).map(|control| format!(", {control}")).collect::<String>();
+    let rest = controls.len().saturating_sub(NAMED);
+    let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    let kind = name(event.kind);
+    format!("critical    {kind} at s = {:.6}{named}{more}: from {before} to {after} negative pivots", event.s)
 }
 
-fn event_entry(member: CaseMember<'_>, event: &PathEvent) -> Value {
+fn event_entry(member: CaseMember<'_>, event: &PathEvent, controls: &[ControlAt]) -> Value {
     let mut entry = Map::new();
     entry.insert("kind".into(), json!(name(event.kind)));
     entry.insert("value".into(), json!(event.s));
+    let control = |ControlAt { name, range: [min, max], unit }: &ControlAt| {
+        (name.clone(), json!({ "min": min, "max": max, "unit": unit }))
+    };
+    entry.insert("controls".into(), Value::Object(controls.iter().map(control).collect()));
     entry.insert("before".into(), json!(event.before));
     entry.insert("after".into(), json!(event.after));
     entry.extend(summary::shape(member, &event.state));

@@ -1,0 +1,97 @@
+//! What to try after trials that met a limit point: another control there, or bounds before it.
+
+use crate::run::optimize::advice::{Advice, optimize};
+use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::session::Session;
+use nastic_case::lower::ControlField;
+use nastic_control::EnsemblePoint;
+use nastic_fem::Instant;
+use nastic_language::number::short;
+use nastic_language::schema::Control;
+
+/// The kind of actuation whose pressure has limit points that its volume passes.
+const CAVITY: &str = "cavity";
+/// Upper bound of an added volume that takes the place of a pressure, in volumes added so far.
+const FARTHER: f64 = 10.0;
+/// Share of the value at a limit point that a bound leaves.
+const BEFORE: f64 = 0.95;
+
+/// Nothing where no trial met a limit point, or the run converged all the same.
+pub(super) fn of(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
+    if ended.limits.count == 0 || ended.best.stop.is_converged() {
+        return vec![];
+    }
+    let mut out = Vec::new();
+    let volumes = volumes(session, ended);
+    if !volumes.names.is_empty() {
+        let names = volumes.names.join(", ");
+        let why = format!(
+            "control the added volume in the place of the pressure of {names}, which has a limit point where the volume goes on growing \
+             (bounds: {} times what was added so far)",
+            short(FARTHER)
+        );
+        out.push(Advice { why, command: optimize(session, &volumes.set) });
+    }
+    let bounds = bounds(session, ended);
+    if !bounds.is_empty() {
+        let why = "or keep the controls before the limit point, if that is enough".to_owned();
+        out.push(Advice { why, command: optimize(session, &bounds) });
+    }
+    out
+}
+
+/// Cavities whose pressure is to be left for their volume, and what to set for that.
+struct Volumes {
+    names: Vec<String>,
+    set: Vec<String>,
+}
+
+fn volumes(session: &Session<'_>, ended: &FinishedRun) -> Volumes {
+    let mut out = Volumes { names: vec![], set: vec![] };
+    for (field, control) in met(session, ended) {
+        let mut actuations = session.problem.case.actuation.iter();
+        if actuations.any(|of| of.kind() == CAVITY && of.name == control.of)
+            && let Some(added) = added_volume(session, (&ended.limits.member, &ended.best.point), &control.of)
+        {
+            let (at, upper) = (&field.at, FARTHER * added);
+            out.names.push(field.name.clone());
+            out.set.push(format!("{at}/of={}.volume", control.of));
+            out.set.push(format!("{at}/start={}", short(added)));
+            out.set.push(format!("{at}/lower={}", short(added.min(0.0))));
+            out.set.push(format!("{at}/upper={}", short(upper.max(0.0))));
+        }
+    }
+    out
+}
+
+/// Bounds of scalars before their values at the limit point.
+fn bounds(session: &Session<'_>, ended: &FinishedRun) -> Vec<String> {
+    let values = |name: &str| ended.limits.at.iter().find(|(met, ..)| met == name).map(|(_, range, _)| *range);
+    let of = |(field, _): (&ControlField, &Control)| {
+        let [low, high] = values(&field.name)?;
+        let (key, value) = if high > -low { ("upper", high) } else { ("lower", low) };
+        Some(format!("{}/{key}={}", field.at, short(BEFORE * value)))
+    };
+    met(session, ended).filter_map(of).collect()
+}
+
+/// The scalar control fields of all load cases that change on the way to the limit point.
+fn met<'s>(session: &'s Session<'_>, ended: &'s FinishedRun) -> impl Iterator<Item = (&'s ControlField, &'s Control)> {
+    let controls = &session.problem.case.controls;
+    let of = |field: &'s ControlField| {
+        let control = controls.iter().find(|control| control.at == field.at)?;
+        let is_met = ended.limits.at.iter().any(|(name, ..)| *name == field.name);
+        (is_met && field.bounds.is_some()).then_some((field, control))
+    };
+    session.problem.controls.iter().filter_map(of)
+}
+
+/// The volume added to a cavity so far, in the member that met the limit point last.
+fn added_volume(session: &Session<'_>, (met, best): (&str, &EnsemblePoint), cavity: &str) -> Option<f64> {
+    let mut members = session.problem.members().zip(&best.members);
+    let (member, at) = members.find(|(member, _)| member.name() == met)?;
+    let all = member.solid().model().quantities(&Instant::of(at.state())).ok()?;
+    let of =
+        |quantity: &str| all.iter().find(|(name, what, _)| name == cavity && *what == quantity).map(|found| found.2);
+    Some(of("volume")? - of("reference_volume")?)
+}
