@@ -81,6 +81,7 @@ pub(crate) fn of_evaluation(py: Python<'_>, failed: &Failed) -> PyErr {
 fn code(error: &ControlError) -> Option<&'static str> {
     match error {
         ControlError::State(state) => Some(state.code()),
+        ControlError::LimitPoint { .. } => Some("limit_point"),
         _ => None,
     }
 }

@@ -1,18 +1,20 @@
 //! The cost as a function of the control vector.
 
 use crate::error;
-use crate::interrupt::interruptible;
+use crate::interrupt::{Told, interruptible, tell};
 use crate::mesh::Mesh;
 use crate::run::document;
 use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
-use nastic_opt::{Failed, Hessian, Objective, Request};
+use nastic_opt::{Budget, Failed, Hessian, Objective, Request};
 use nastic_run::run::thread_pool;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use serde_json::json;
 use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Cost and derivative of a case at any control vector.
@@ -23,6 +25,11 @@ pub(crate) struct Problem {
     cancel: Arc<AtomicBool>,
     accuracy: f64,
     stage: usize,
+    budget: Budget,
+    /// Told of every Newton iteration.
+    callback: Option<Py<PyAny>>,
+    /// Where iterations are told while a call is under way.
+    told: Arc<Mutex<Option<Sender<Told>>>>,
     history: Mutex<History>,
 }
 
@@ -42,7 +49,7 @@ impl History {
     /// The cost; solves unless the last point has the same control.
     fn value(&mut self, of: &Problem, m: &[f64]) -> Result<f64, Failed> {
         if !self.last.as_ref().is_some_and(|point| point.m == m) {
-            let how = Request { near: self.last.as_ref(), accuracy: of.accuracy, stage: of.stage };
+            let how = Request { near: self.last.as_ref(), accuracy: of.accuracy, stage: of.stage, budget: of.budget };
             let point = of.problem.ensemble.evaluate(m, &how, &mut self.workspace)?;
             (self.last, self.derivative) = (Some(point), None);
             self.evaluations += 1;
@@ -76,20 +83,46 @@ impl History {
 impl Problem {
     /// Works on the history without the interpreter lock.
     fn at<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut History) -> Result<T, Failed> + Send) -> PyResult<T> {
-        let done = interruptible(py, &self.cancel, None, move |_lines| {
+        let done = interruptible(py, &self.cancel, self.callback.as_ref(), move |lines| {
             // A panic leaves a history that is whole: its fields are replaced one by one, the point first.
             let mut history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
             let history: &mut History = &mut history;
+            let _listening = Listening::new(&self.told, lines);
             self.threads.install(|| work(history))
         })?;
         done.map_err(|failed| error::of_evaluation(py, &failed))
     }
 }
 
+/// Tells the callback of the call under way, if there is one, and waits until it has returned.
+fn tell_of(told: &Mutex<Option<Sender<Told>>>, line: String) {
+    let to = told.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    if let Some(to) = to {
+        tell(&to, line);
+    }
+}
+
+/// A call under way whose iterations are told; a call ends only once nobody can tell any more, so this goes with the work, also where that panics.
+struct Listening<'a>(&'a Mutex<Option<Sender<Told>>>);
+
+impl<'a> Listening<'a> {
+    fn new(told: &'a Mutex<Option<Sender<Told>>>, lines: Sender<Told>) -> Self {
+        *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(lines);
+        Self(told)
+    }
+}
+
+impl Drop for Listening<'_> {
+    fn drop(&mut self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+}
+
 #[pymethods]
 impl Problem {
     #[new]
-    #[pyo3(signature = (name, case, meshes, *, threads, accuracy, stage))]
+    #[pyo3(signature = (name, case, meshes, *, threads, accuracy, stage, max_newton, callback))]
+    #[allow(clippy::too_many_arguments)] // all but the first three by name, from one place
     fn new(
         py: Python<'_>,
         name: &str,
@@ -98,7 +131,12 @@ impl Problem {
         threads: Option<usize>,
         accuracy: f64,
         stage: Option<usize>,
+        max_newton: Option<usize>,
+        callback: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
+        if max_newton == Some(0) {
+            return Err(error::input(py, "max_newton is 0; a solve takes one Newton iteration at least"));
+        }
         let document = document(py, name, case, meshes)?;
         if !(accuracy > 0.0 && accuracy < 1.0) {
             return Err(error::input(py, format!("accuracy is {accuracy}; it must lie between 0 and 1, such as 1e-8")));
@@ -127,7 +165,19 @@ impl Problem {
         if stage >= stages {
             return Err(error::input(py, format!("stage {stage}: the costs have {stages} stages, numbered from 0")));
         }
-        Ok(Self { problem, threads, cancel, accuracy, stage, history: Mutex::default() })
+        let told: Arc<Mutex<Option<Sender<Told>>>> = Arc::default();
+        if callback.is_some() {
+            let told = told.clone();
+            problem.ensemble.watch_solves(move |member, now| {
+                let line = json!({
+                    "member": member, "load": now.load, "newton": now.newton,
+                    "residual": now.residual, "step": now.step, "energy": now.energy
+                });
+                tell_of(&told, line.to_string());
+            });
+        }
+        let budget = max_newton.map_or(Budget::Unlimited, Budget::Of);
+        Ok(Self { problem, threads, cancel, accuracy, stage, budget, callback, told, history: Mutex::default() })
     }
 
     /// The cost at `m`.
@@ -157,6 +207,11 @@ impl Problem {
         let (m, v): (Vec<f64>, Vec<f64>) = (m.as_array().to_vec(), v.as_array().to_vec());
         let product = self.at(py, move |history| history.hessian_vector(self, &m, &v))?;
         Ok(PyArray1::from_vec(py, product))
+    }
+
+    /// Ends the call under way, of whatever thread, with an error.
+    fn stop(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
     }
 
     /// Forgets all states: the next evaluation starts from rest.

@@ -140,6 +140,38 @@ def test_a_control_without_equilibrium_is_an_error_and_the_next_one_is_not(bar):
     assert problem.value(problem.start - 1) == pytest.approx(value, rel=1e-3)
 
 
+def test_a_state_takes_no_more_iterations_than_allowed(bar):
+    told = []
+    problem = bar.problem(max_newton=3, callback=told.append)
+    with pytest.raises(nastic.SolveError, match="budget of 3 Newton iterations") as caught:
+        problem.value(problem.start - 1e5)
+    assert caught.value.kind == "no_convergence"
+    assert [line["newton"] for line in told] == [1, 2, 3]
+    assert set(told[0]) == {"member", "load", "newton", "residual", "step", "energy"}
+    with pytest.raises(nastic.CaseError, match="max_newton is 0"):
+        bar.problem(max_newton=0)
+
+
+def test_a_callback_that_raises_ends_the_call_and_the_next_one_is_whole(bar):
+    def refuse(line):
+        if line["newton"] == 2:
+            raise KeyError("enough")
+
+    told, problem = [], bar.problem(callback=refuse)
+    with pytest.raises(KeyError, match="enough"):
+        problem.value(problem.start - 1e5)
+    free = bar.problem(callback=told.append)
+    value = free.value(free.start)
+    assert told and bar.problem().value(free.start) == value
+
+
+def test_another_thread_stops_a_call(bar):
+    problem = bar.problem(callback=lambda line: problem.stop() if line["newton"] == 2 else None)
+    with pytest.raises(nastic.SolveError, match="cancelled") as caught:
+        problem.value(problem.start - 1e5)
+    assert caught.value.kind == "cancelled"
+
+
 def test_a_case_without_controls_or_costs_is_no_problem(bar):
     for key in ("controls", "costs"):
         case = bar.copy()

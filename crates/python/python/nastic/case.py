@@ -86,12 +86,29 @@ class Case(dict[str, Any]):
 
         return self._run("optimize", out, threads, report=report, restart=restart, history=history, callback=told)
 
-    def problem(self, *, threads: int | None = None, accuracy: float = 1e-8, stage: int | None = None) -> Problem:
+    def problem(
+        self,
+        *,
+        threads: int | None = None,
+        accuracy: float = 1e-8,
+        stage: int | None = None,
+        max_newton: int | None = None,
+        callback: Callable[[dict[str, Any]], object] | None = None,
+    ) -> Problem:
         """The cost as a function of the control vector, for optimisers of others.
 
-        `accuracy`: relative accuracy asked of states. `stage`: the continuation stage whose cost is evaluated, the last if None.
+        `accuracy`: relative accuracy asked of states. `stage`: the continuation stage whose cost is evaluated, the last if None. `max_newton`: Newton
+        iterations that a state may take, of each load case and scenario; as many as it takes if None. `callback`: called after every Newton iteration with
+        `newton`, `load`, `residual`, `step`, `energy`, `member`; an exception in it ends the call and is raised again by it.
         """
-        return Problem(self, threads=threads, accuracy=accuracy, stage=stage)
+        return Problem(
+            self,
+            threads=threads,
+            accuracy=accuracy,
+            stage=stage,
+            max_newton=max_newton,
+            callback=callback,
+        )
 
     def _document(self) -> tuple[str, str, dict[str, _nastic.Mesh]]:
         """Name, JSON text, and the meshes that stand for files."""

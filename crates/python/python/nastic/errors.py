@@ -29,8 +29,8 @@ class CaseError(Error, ValueError):
 class SolveError(Error):
     """There is no equilibrium, or it was not found.
 
-    `kind`: "no_convergence", "inverted", "linear", "problem" (docs/results.md), or None for a failure of another kind. `member`:
-    scenario and load case, empty where there is one state. `file`: where the last good state was written, or None. `result`: what an
+    `kind`: "no_convergence", "inverted", "linear", "problem" (docs/results.md), "limit_point" (of a `Problem`: the way from the control before
+    turns back), "cancelled" (by `Problem.stop`), or None for a failure of another kind. `member`: scenario and load case, empty where there is one state. `file`: where the last good state was written, or None. `result`: what an
     optimisation found before memory was lacking, else None.
     """
 

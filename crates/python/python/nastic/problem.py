@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,14 +46,32 @@ class Problem:
     `reset` forgets it. Nothing keeps m within its bounds here. The interpreter lock is released during computation, Ctrl-C ends it;
     calls from several threads wait for each other.
 
-    Methods raise CaseError for a vector that does not fit and SolveError where there is no equilibrium.
+    Methods raise CaseError for a vector that does not fit and SolveError where there is no equilibrium: of kind "limit_point" where the way from the
+    control before leads to a limit point, "no_convergence" where `max_newton` iterations did not suffice, "cancelled" after `stop`.
     """
 
     def __init__(
-        self, case: Case, *, threads: int | None = None, accuracy: float = 1e-8, stage: int | None = None
+        self,
+        case: Case,
+        *,
+        threads: int | None = None,
+        accuracy: float = 1e-8,
+        stage: int | None = None,
+        max_newton: int | None = None,
+        callback: Callable[[dict[str, Any]], object] | None = None,
     ) -> None:
         name, text, meshes = case._document()
-        self._problem = _nastic.Problem(name, text, meshes, threads=threads, accuracy=accuracy, stage=stage)
+        told = None if callback is None else lambda line: callback(json.loads(line))
+        self._problem = _nastic.Problem(
+            name,
+            text,
+            meshes,
+            threads=threads,
+            accuracy=accuracy,
+            stage=stage,
+            max_newton=max_newton,
+            callback=told,
+        )
         #: The control vector to start from.
         self.start: NDArray[np.float64] = self._problem.start()
         #: Bounds of every entry, infinite where there are none.
@@ -93,6 +113,10 @@ class Problem:
         derivatives (equal costs of all scenarios under a measure of risk that has a kink there).
         """
         return self._problem.hessian_vector(self._vector(m), self._vector(v, "direction"))
+
+    def stop(self) -> None:
+        """Ends the call that another thread has under way: it raises SolveError of kind "cancelled". Later calls begin anew."""
+        self._problem.stop()
 
     def reset(self) -> None:
         """Forgets all states: the next control is evaluated from rest."""
