@@ -27,6 +27,15 @@ pub enum ControlError {
         /// Newton iterations spent.
         newton: usize,
     },
+    /// The path of equilibria from a control whose state is known leads to another state under a control than the one that was found.
+    #[error(
+        "another state than the path leads to, whose displacement differs by {:.1} % of the change; shorter steps stay on the branch",
+        100.0 * apart
+    )]
+    OtherBranch {
+        /// The difference of the displacements as a share of the change on the way.
+        apart: f64,
+    },
     /// A saddle of the potential energy, where none is accepted.
     #[error("the equilibrium is unstable: {negative} negative pivots of the tangent, and unstable states are refused")]
     Unstable {

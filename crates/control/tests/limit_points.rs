@@ -108,6 +108,22 @@ fn budgets_are_kept_and_none_is_taken_unasked() -> Outcome {
     Ok(())
 }
 
+/// The state to which the body jumps behind the limit point is one of another branch, told with the limit point; one before it is not.
+#[test]
+fn a_state_on_another_branch_is_told() -> Outcome {
+    let (problem, largest) = (problem()?, largest());
+    let (near, workspace) = (problem.at(&[0.4 * largest])?, &mut ReducedWorkspace::default());
+    let jumped = problem.at(&[2.0 * largest])?;
+    let why = problem.jump(&near, &jumped, workspace).ok_or("no jump")?;
+    let (at, _) = limit(&why).ok_or_else(|| format!("no limit point: {why}"))?;
+    let value = (0.4 + 1.6 * at.share) * largest;
+    assert!((value / largest - 1.0).abs() < 0.03, "{value} instead of {largest}");
+    assert_eq!(why.limit(), Some(at.share));
+    let before = problem.at(&[0.9 * largest])?;
+    assert!(problem.jump(&near, &before, workspace).is_none());
+    Ok(())
+}
+
 /// A target behind the limit point: the run comes up to it in a bounded number of iterations per trial.
 #[test]
 fn an_optimisation_comes_up_to_the_limit_point() -> Outcome {

@@ -41,6 +41,14 @@ impl LineSearch {
         }
     }
 
+    /// Factor by which to shorten a step that did not lower the cost enough; what it changed says nothing of the branch before where it led to another one.
+    pub fn come_back(&self, jump: Option<&Failed>, [from, predicted, to]: [f64; 3]) -> f64 {
+        match jump.and_then(Failed::limit) {
+            Some(limit) if limit > 0.0 && limit < 1.0 => self.before_limit * limit,
+            _ => self.shorten(from, predicted, to),
+        }
+    }
+
     /// Factor by which to shorten a step that changed the cost from `from` to `to` where `predicted` was expected.
     pub fn shorten(&self, from: f64, predicted: f64, to: f64) -> f64 {
         let curvature = to - from - predicted;

@@ -123,6 +123,12 @@ pub trait Objective: Sync {
         Err(Failed::new(NoSecondDerivatives { objective: std::any::type_name::<Self>() }))
     }
 
+    /// Whether the states of two evaluated points lie on different branches of the state equation, the cost jumping between them, and why. Asked of a trial from
+    /// `from` whose cost is too high: what it tells of the way ([`Failed::limit`]) shortens the step. `None` where nothing says so (the default).
+    fn jump(&self, _from: &Self::Point, _to: &Self::Point, _workspace: &mut Self::Workspace) -> Option<Failed> {
+        None
+    }
+
     /// Number of continuation stages (alpha, beta, gamma of a smoothed distance): same states, another value.
     fn stages(&self) -> usize {
         1
@@ -210,6 +216,10 @@ macro_rules! forward {
                 workspace: &mut T::Workspace,
             ) -> Result<Vec<f64>, Failed> {
                 (**self).hessian_vector(point, v, which, workspace)
+            }
+
+            fn jump(&self, from: &T::Point, to: &T::Point, workspace: &mut T::Workspace) -> Option<Failed> {
+                (**self).jump(from, to, workspace)
             }
 
             fn stages(&self) -> usize {

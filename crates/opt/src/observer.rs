@@ -20,6 +20,8 @@ pub enum Reason {
         /// The cost that had to be reached.
         wanted: f64,
     },
+    /// The cost did not fall enough, and its state lies on another branch.
+    OtherBranch(Failed),
     /// The evaluation failed.
     Failed(Failed),
     /// The cost fell but its derivative could not be had.
@@ -41,6 +43,7 @@ impl fmt::Display for Reason {
             Self::Multipliers => write!(f, "multipliers"),
             Self::Armijo => write!(f, "armijo"),
             Self::NoDecrease { wanted } => write!(f, "no decrease: wanted {wanted:.6e}"),
+            Self::OtherBranch(why) => write!(f, "no decrease, on another branch: {why}"),
             Self::Failed(why) => write!(f, "failed: {why}"),
             Self::DerivativeFailed(why) => write!(f, "failed: derivative: {why}"),
         }

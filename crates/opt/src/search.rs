@@ -209,8 +209,11 @@ impl<O: Objective> Setting<O> {
             // Rounding is allowed for where the whole step predicts little more than that, not where backtracking led there.
             let slack = Some(method.slack(at.cost)).filter(|slack| whole.abs() <= 100.0 * slack).unwrap_or(0.0);
             if !rules.accepts(reference, predicted, slack, cost) {
-                let reason = Reason::NoDecrease { wanted: reference + rules.armijo * predicted };
-                line.reject(&reason, false, rules.shorten(at.cost, predicted, cost));
+                let jump = self.objective.jump(&at.point, &point, workspace);
+                let factor = rules.come_back(jump.as_ref(), [at.cost, predicted, cost]);
+                let wanted = reference + rules.armijo * predicted;
+                let reason = jump.map_or(Reason::NoDecrease { wanted }, Reason::OtherBranch);
+                line.reject(&reason, false, factor);
                 observer.trial(&self.tell(
                     progress,
                     at,

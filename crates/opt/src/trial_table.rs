@@ -126,6 +126,7 @@ fn remark(reason: &Reason) -> Option<String> {
         Reason::Stage => Some("new stage".to_owned()),
         Reason::Multipliers => Some("new multipliers".to_owned()),
         Reason::NoDecrease { .. } => Some("rejected: not enough decrease".to_owned()),
+        Reason::OtherBranch(why) => Some(format!("rejected, on another branch: {}", shortened(&why.to_string()))),
         Reason::Failed(why) | Reason::DerivativeFailed(why) => Some(format!("failed: {}", shortened(&why.to_string()))),
     }
 }

@@ -9,9 +9,11 @@ use std::sync::{Arc, Mutex};
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
-/// `(m - 10)^2` where m < 3, nothing beyond; whoever asks is told how far the step may go, or not.
+/// `(m - 10)^2` where m < 3, nothing or another branch beyond; whoever asks is told how far the step may go, or not.
 struct Cliff {
     tells: bool,
+    /// Whether there is another branch.
+    jumps: bool,
     asked: Mutex<Vec<Budget>>,
 }
 
@@ -26,7 +28,7 @@ impl Objective for Cliff {
             asked.push(how.budget);
         }
         match how.near {
-            Some(near) if m[0] >= EDGE => {
+            Some(near) if m[0] >= EDGE && !self.jumps => {
                 let failed = Failed::because("beyond the edge");
                 Err(if self.tells { failed.beyond((EDGE - near[0]) / (m[0] - near[0])) } else { failed })
             }
@@ -35,7 +37,12 @@ impl Objective for Cliff {
     }
 
     fn value(&self, m: &Vec<f64>) -> f64 {
-        (m[0] - 10.0).powi(2)
+        if m[0] >= EDGE { 1e3 } else { (m[0] - 10.0).powi(2) }
+    }
+
+    fn jump(&self, from: &Vec<f64>, to: &Vec<f64>, (): &mut ()) -> Option<Failed> {
+        let jumped = self.tells && from[0] < EDGE && to[0] >= EDGE;
+        jumped.then(|| Failed::because("over the edge").beyond((EDGE - from[0]) / (to[0] - from[0])))
     }
 
     fn derivative(&self, m: &mut Vec<f64>, (): &mut ()) -> Result<Vec<f64>, Failed> {
@@ -68,7 +75,7 @@ fn run(cliff: &Cliff, iterations: usize) -> Outcome<(Vec<f64>, usize)> {
 /// The next trial stands nine tenths of the way to the edge.
 #[test]
 fn a_known_limit_is_approached_and_not_crossed() -> Outcome {
-    let cliff = |tells| Cliff { tells, asked: Mutex::default() };
+    let cliff = |tells| Cliff { tells, jumps: false, asked: Mutex::default() };
     let (tried, failed) = run(&cliff(true), 3)?;
     let beyond = tried.iter().position(|m| *m >= EDGE).ok_or("no trial beyond the edge")?;
     let before = tried[..beyond].last().copied().unwrap_or_default();
@@ -84,7 +91,7 @@ fn a_known_limit_is_approached_and_not_crossed() -> Outcome {
 /// Trials have a multiple of the work of the point they start near, the start as much as it takes.
 #[test]
 fn trials_have_a_budget_and_the_start_has_none() -> Outcome {
-    let cliff = Cliff { tells: true, asked: Mutex::default() };
+    let cliff = Cliff { tells: true, jumps: false, asked: Mutex::default() };
     run(&cliff, 2)?;
     let asked = cliff.asked.into_inner()?;
     assert_eq!(asked[0], Budget::Unlimited);
@@ -93,5 +100,22 @@ fn trials_have_a_budget_and_the_start_has_none() -> Outcome {
     assert_eq!([work(Budget::Times(5.0), Some(3)), work(Budget::Times(5.0), Some(21))], [Some(40), Some(105)]);
     assert_eq!([work(Budget::Times(5.0), None), work(Budget::Unlimited, Some(3))], [None, None]);
     assert_eq!([work(Budget::Of(7), None), work(Budget::Of(7), Some(100))], [Some(7), Some(7)]);
+    Ok(())
+}
+
+/// A trial on another branch says so, and the next one stands before the edge, however much the cost has jumped.
+#[test]
+fn a_jump_is_told_and_the_next_trial_stays_before_it() -> Outcome {
+    let cliff = Cliff { tells: true, jumps: true, asked: Mutex::default() };
+    let mut told = vec![];
+    let watch = |trial: &Trial<'_, Vec<f64>>| told.push((trial.m[0], trial.accepted, trial.reason.clone()));
+    let method = Lbfgs { options: Options { max_iterations: 3, ..Options::default() }, ..Lbfgs::default() };
+    method.within(Bounds::new(0.0, 20.0)?).gradient_check(false).observe(watch).minimize(&cliff, 0.5)?;
+    let at = told.iter().position(|(m, ..)| *m >= EDGE).ok_or("no trial beyond the edge")?;
+    let (_, accepted, reason) = &told[at];
+    assert!(!accepted && matches!(reason, Reason::OtherBranch(_)), "{told:?}");
+    assert_eq!(reason.to_string(), "no decrease, on another branch: over the edge");
+    let expected = told[at - 1].0 + LineSearch::default().before_limit * (EDGE - told[at - 1].0);
+    assert!((told[at + 1].0 - expected).abs() < 1e-12 && told[at + 1].1, "{told:?}");
     Ok(())
 }

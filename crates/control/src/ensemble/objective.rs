@@ -45,6 +45,17 @@ impl Objective for Ensemble {
         })
     }
 
+    /// That of the first member, in order, that has one.
+    fn jump(&self, from: &EnsemblePoint, to: &EnsemblePoint, workspace: &mut EnsembleWorkspace) -> Option<Failed> {
+        let of = |index: usize, member: &super::Member, _: &mut crate::ReducedWorkspace| {
+            let points = from.members.get(index).zip(to.members.get(index));
+            Ok(points.and_then(|(from, to)| member.problem.other_branch(from, to)))
+        };
+        let found = self.side_by_side(workspace, of).ok()?;
+        let mut named = self.members.iter().zip(found);
+        named.find_map(|(member, why)| Some(EnsembleError::member(&member.name, why?).into()))
+    }
+
     /// The most of any member; one with fewer stays at its last.
     fn stages(&self) -> usize {
         self.members.iter().map(|member| member.problem.stages()).max().unwrap_or(1)

@@ -46,6 +46,11 @@ impl Objective for Reduced {
         })
     }
 
+    /// Of equilibria.
+    fn jump(&self, from: &Evaluated, to: &Evaluated, _: &mut ReducedWorkspace) -> Option<Failed> {
+        self.other_branch(from, to).map(Failed::from)
+    }
+
     fn stages(&self) -> usize {
         self.costs().iter().map(|cost| cost.stages()).max().unwrap_or(1)
     }

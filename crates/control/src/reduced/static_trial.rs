@@ -6,7 +6,8 @@ use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{
-    Ahead, Cause, Controls, Feature, Instant, LimitAhead, SolveOptions, SolveReport, State, StateError, Workspace,
+    Ahead, Cause, Connection, Controls, Feature, Instant, LimitAhead, SolveOptions, SolveReport, State, StateError,
+    Workspace,
 };
 use nastic_numeric::vector::{axpy, sub};
 use nastic_opt::{Budget, Request};
@@ -125,6 +126,24 @@ impl Reduced {
                 let solved = self.solid().solve_with(&trial.controls, &options, &mut workspace.solve)?;
                 Ok(Some(after(solved, spent)))
             }
+        }
+    }
+
+    /// Why the state of a trial lies on another branch than that of the point it started near, if it does: by the test of
+    /// [`Model::connection`](nastic_fem::Model::connection), which follows the path where the solve met a tangent that is not positive definite.
+    pub(crate) fn other_branch(&self, from: &Evaluated, to: &Evaluated) -> Option<ControlError> {
+        let model = self.solid().model();
+        if self.timeline().is_some() || model.supports(Feature::Path).is_err() {
+            return None;
+        }
+        let how = SolveOptions { budget: Some(FOLLOWED), ..self.solve_options(to.solved.accuracy) };
+        match model.connection(from.state(), to.state(), &how).ok()? {
+            Connection::LimitPoint(share) => {
+                let limit = ControlLimit::new(self.layout(), [&from.m, &to.m], share);
+                Some(ControlError::LimitPoint { limit, newton: to.work.newton })
+            }
+            Connection::Elsewhere(apart) => Some(ControlError::OtherBranch { apart }),
+            Connection::Connected | Connection::Unknown(_) => None,
         }
     }
 

@@ -98,6 +98,10 @@ impl<O: Constrained> Objective for Augmented<O> {
         self.objective.lagrangian_hessian_vector(point, [&y, &w], (v, which), workspace)
     }
 
+    fn jump(&self, from: &O::Point, to: &O::Point, workspace: &mut O::Workspace) -> Option<Failed> {
+        self.objective.jump(from, to, workspace)
+    }
+
     fn stages(&self) -> usize {
         self.objective.stages()
     }

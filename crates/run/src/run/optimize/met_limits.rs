@@ -22,7 +22,7 @@ pub(super) struct MetLimits {
 impl MetLimits {
     /// Looks at a trial.
     pub fn add<P>(&mut self, trial: &Trial<'_, P>) {
-        let Reason::Failed(why) = &trial.reason else { return };
+        let (Reason::Failed(why) | Reason::OtherBranch(why)) = &trial.reason else { return };
         let Some(EnsembleError::Member { who, source }) = why.downcast_ref::<EnsembleError>() else { return };
         let ControlError::LimitPoint { limit, .. } = source.as_ref() else { return };
         self.count += 1;
