@@ -170,7 +170,7 @@ pub const LOCKING: WarningKind = WarningKind {
     about: "the elements are too stiff for this material: displacements come out too small",
     advice: "use second-order elements: hex20, hex27 or quad9, below Poisson's ratio 0.499 also tet10 or tri6 (\"element\" of a \
              box; in Gmsh Mesh.ElementOrder = 2); nearly incompressible, \"formulation\": \"mean_dilatation\" (hex8, quad4, tet10, tri6, tet4, \
-             tri3) or \"linear_dilatation\" (hex27, quad9) in the material",
+             tri3) or \"linear_dilatation\" (hex27, quad9, hex20, quad8) in the material",
 };
 
 /// Poor cells.

@@ -66,7 +66,7 @@ impl Formulation {
                 "For nearly incompressible bodies: laws see the mean change of volume of a cell (Q1/P0 of hex8 and quad4, P2/P0 of tet10 and tri6), of a patch of cells of tet4 and tri3."
             }
             Self::LinearDilatation => {
-                "For nearly incompressible bodies: laws see the change of volume of a cell projected onto linear functions (Q2/P1 of hex27 and quad9)."
+                "For nearly incompressible bodies: laws see the change of volume of a cell projected onto linear functions (Q2/P1 of hex27 and quad9; of hex20 and quad8, whose pressures may oscillate)."
             }
         }
     }
@@ -77,7 +77,7 @@ impl Formulation {
         match self {
             Self::Standard => BODIES.as_slice(),
             Self::MeanDilatation => &[Hex8, Quad4, Tet10, Tri6, Tet4, Tri3],
-            Self::LinearDilatation => &[Hex27, Quad9],
+            Self::LinearDilatation => &[Hex27, Quad9, Hex20, Quad8],
         }
     }
 
