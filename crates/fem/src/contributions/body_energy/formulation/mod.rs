@@ -73,7 +73,7 @@ impl Formulation {
 
     /// The kinds of cells that can have it: those it helps.
     pub fn kinds(self) -> &'static [CellKind] {
-        use CellKind::{Hex8, Hex27, Quad4, Quad9, Tet4, Tet10, Tri3, Tri6};
+        use CellKind::{Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6};
         match self {
             Self::Standard => BODIES.as_slice(),
             Self::MeanDilatation => &[Hex8, Quad4, Tet10, Tri6, Tet4, Tri3],
