@@ -4,6 +4,7 @@ use crate::admissible::Admissible;
 use crate::failed::Failed;
 use crate::hessian::ProductsAt;
 use crate::inner_product::InnerProduct;
+use crate::line_search::LineSearch;
 use crate::method::{Current, Method};
 use crate::objective::{Budget, Objective, Request};
 use crate::observer::{Observer, Reason, Trial};
@@ -154,13 +155,7 @@ impl<O: Objective> Setting<O> {
         let rules = &self.options.line_search;
         let here = self.here(at);
         let invisible = 0.25 * f64::EPSILON * at.cost.abs();
-        let accuracy = self.options.accuracy_at(progress.relative(at.gradient_norm));
-        let how = Request {
-            near: Some(&at.point),
-            accuracy,
-            stage: progress.stage,
-            budget: Budget::Times(self.options.patience),
-        };
+        let how = self.request(at, progress);
         let mut promised = None;
         let mut tried: Option<Vec<f64>> = None;
         let limit = line.trials + rules.max_trials;
@@ -186,9 +181,8 @@ impl<O: Objective> Setting<O> {
             tried = Some(m.clone());
             line.shortest = line.shortest.min(length);
             progress.counts.trials += 1;
-            let step = method.step(line.fraction);
-
-            let evaluated = self.objective.evaluate(&m, &how, workspace);
+            let trial = Step { m, step: method.step(line.fraction), length, predicted };
+            let evaluated = self.objective.evaluate(&trial.m, &how, workspace);
             let (point, cost) = match evaluated.and_then(|point| self.finite_cost(&point).map(|cost| (point, cost))) {
                 Ok(evaluated) => evaluated,
                 Err(failed) if failed.is_fatal() => return Err(Stop::Aborted(failed)),
@@ -197,11 +191,7 @@ impl<O: Objective> Setting<O> {
                     let reason = Reason::Failed(failed);
                     line.reject(&reason, true, factor);
                     progress.counts.failed += 1;
-                    observer.trial(&self.tell(
-                        progress,
-                        at,
-                        Told { m: &m, point: None, cost: None, reason, step, length, predicted: Some(predicted) },
-                    ));
+                    observer.trial(&self.tell(progress, at, trial.told(None, None, reason)));
                     continue;
                 }
             };
@@ -209,56 +199,39 @@ impl<O: Objective> Setting<O> {
             // Rounding is allowed for where the whole step predicts little more than that, not where backtracking led there.
             let slack = Some(method.slack(at.cost)).filter(|slack| whole.abs() <= 100.0 * slack).unwrap_or(0.0);
             if !rules.accepts(reference, predicted, slack, cost) {
-                let jump = self.objective.jump(&at.point, &point, workspace);
-                let factor = rules.come_back(jump.as_ref(), [at.cost, predicted, cost]);
                 let wanted = reference + rules.armijo * predicted;
-                let reason = jump.map_or(Reason::NoDecrease { wanted }, Reason::OtherBranch);
-                line.reject(&reason, false, factor);
-                observer.trial(&self.tell(
-                    progress,
-                    at,
-                    Told {
-                        m: &m,
-                        point: Some(&point),
-                        cost: Some(cost),
-                        reason,
-                        step,
-                        length,
-                        predicted: Some(predicted),
-                    },
-                ));
+                let jump = self.objective.jump(&at.point, &point, workspace);
+                let reason = line.come_back(rules, jump, ([at.cost, predicted, cost], wanted));
+                observer.trial(&self.tell(progress, at, trial.told(Some(&point), Some(cost), reason)));
                 continue;
             }
             progress.counts.derivatives += 1;
-            match self.differentiate(m.clone(), point, cost, workspace) {
+            match self.differentiate(trial.m.clone(), point, cost, workspace) {
                 Ok(next) => {
-                    let accepted = self.tell_accepted(progress, &next, Reason::Armijo, step, length);
+                    let accepted = self.tell_accepted(progress, &next, Reason::Armijo, trial.step, length);
                     observer.trial(&Trial { predicted: Some(predicted), ..accepted });
-                    let (fraction, trials) = (line.fraction, line.trials);
-                    return Ok(Ok(Found { next, fraction, trials, predicted }));
+                    return Ok(Ok(Found { next, fraction: line.fraction, trials: line.trials, predicted }));
                 }
                 Err((_, failed)) if failed.is_fatal() => return Err(Stop::Aborted(failed)),
                 Err((point, failed)) => {
                     let reason = Reason::DerivativeFailed(failed);
                     line.reject(&reason, true, rules.after_failure);
                     progress.counts.failed += 1;
-                    observer.trial(&self.tell(
-                        progress,
-                        at,
-                        Told {
-                            m: &m,
-                            point: Some(&point),
-                            cost: Some(cost),
-                            reason,
-                            step,
-                            length,
-                            predicted: Some(predicted),
-                        },
-                    ));
+                    observer.trial(&self.tell(progress, at, trial.told(Some(&point), Some(cost), reason)));
                 }
             }
         }
         Ok(Err(promised.unwrap_or(0.0)))
+    }
+
+    /// What is asked of the objective in a line from `at`.
+    fn request<'p>(&self, at: &'p Iterate<O::Point>, progress: &Progress) -> Request<'p, O::Point> {
+        Request {
+            near: Some(&at.point),
+            accuracy: self.options.accuracy_at(progress.relative(at.gradient_norm)),
+            stage: progress.stage,
+            budget: Budget::Times(self.options.patience),
+        }
     }
 
     fn stalled(&self, at: &Iterate<O::Point>, progress: &Progress, line: &Line, predicted: f64) -> Stop {
@@ -317,6 +290,21 @@ impl<O: Objective> Setting<O> {
     }
 }
 
+/// A step that is tried.
+struct Step {
+    m: Vec<f64>,
+    step: f64,
+    length: f64,
+    predicted: f64,
+}
+
+impl Step {
+    fn told<'t, P>(&'t self, point: Option<&'t P>, cost: Option<f64>, reason: Reason) -> Told<'t, P> {
+        let (step, length) = (self.step, self.length);
+        Told { m: &self.m, point, cost, reason, step, length, predicted: Some(self.predicted) }
+    }
+}
+
 /// The changing parts of a history line.
 struct Told<'t, P> {
     m: &'t [f64],
@@ -338,6 +326,14 @@ struct Line {
 }
 
 impl Line {
+    /// Shortens the step after a trial whose cost was not low enough, and says why it was not.
+    fn come_back(&mut self, rules: &LineSearch, jump: Option<Failed>, (costs, wanted): ([f64; 3], f64)) -> Reason {
+        let factor = rules.come_back(jump.as_ref(), costs);
+        let reason = jump.map_or(Reason::NoDecrease { wanted }, Reason::OtherBranch);
+        self.reject(&reason, false, factor);
+        reason
+    }
+
     fn reject(&mut self, reason: &Reason, failed: bool, factor: f64) {
         self.last = reason.to_string();
         self.failed += usize::from(failed);

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used)] // helpers of tests
 #![allow(dead_code)]
 
+pub mod case;
+
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
