@@ -269,8 +269,9 @@ pub const OTHER_SIGN: WarningKind = WarningKind {
 /// The body intersects itself.
 pub const SELF_INTERSECTION: WarningKind = WarningKind {
     code: "self_intersection",
-    about: "the deformed body intersects itself: there is no contact in the model, so parts pass through each other",
-    advice: "lower the control, or look at the cells marked in the VTU file (array `intersecting`)",
+    about: "the deformed body intersects itself: parts pass through each other where no contact keeps them apart",
+    advice: "give the surface a contact with itself (\"contact\": [ { \"surface\": \"skin\", \"with\": \"skin\" } ]), lower the control, or look at the cells marked in the \
+             VTU file (array `intersecting`)",
 };
 
 /// The cold solve disagrees.

@@ -3,12 +3,13 @@
 use nastic_fem::{LimitAhead, State};
 use nastic_numeric::vector::{axpy, dot, norm, sub};
 
-/// Planes that are kept.
+/// Planes that are kept, and states before the limit point that was met last.
 const MOST: usize = 8;
+const STATES: usize = 3;
 
 /// Limit points met before. Where equilibria end, a surface in the space of controls, its normal is `phi . dr/dm`, phi the
-/// direction in which the tangent is singular; its tangent plane tells which trials probably lie beyond. They decide how a state is looked for, not
-/// whether there is one.
+/// direction in which the tangent is singular; its tangent plane tells which trials probably lie beyond. A trial behind one is looked for along the path of
+/// equilibria, and given up where that turns back: a state on another branch, which it might have found by chance, is then not looked for.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct KnownLimits {
     planes: Vec<Plane>,
@@ -44,7 +45,13 @@ impl KnownLimits {
         axpy(at.share, &step, &mut m);
         self.planes.insert(0, Plane { m, normal });
         self.planes.truncate(MOST);
-        self.way = Some(Way { from: from.to_vec(), step, passed: at.passed.clone() });
+        let passed = at.passed[at.passed.len().saturating_sub(STATES)..].to_vec();
+        self.way = Some(Way { from: from.to_vec(), step, passed });
+    }
+
+    /// Drops the states, which take memory, not the planes.
+    pub fn forget_states(&mut self) {
+        self.way = None;
     }
 
     /// The last state before a control on the way on which a limit point was met last.

@@ -400,6 +400,7 @@ impl Reduced {
     fn forget(&self, workspace: &mut ReducedWorkspace) {
         if !self.keep_factors {
             workspace.solve.clear();
+            workspace.limits.forget_states();
         }
     }
 

@@ -94,6 +94,19 @@ fn an_indentation_does_not_depend_on_the_layer() -> Outcome {
     Ok(())
 }
 
+/// Also where the layer let the body in by more than its thickness.
+#[test]
+fn a_layer_that_is_too_soft_is_led_out_of() -> Outcome {
+    let (layered, touch, found) = exact(&indented(2e-3, 0.05 * E)?, DEPTH)?;
+    // a pressure beyond 2.25 times the stiffness
+    assert!(layered.sunk > 0.5 * 2e-3, "{layered:?}");
+    assert!(touch.smallest_gap > -1e-5 * 2e-3, "{touch:?}");
+    let (_, other, _) = exact(&indented(1e-3, 100.0 * E)?, DEPTH)?;
+    assert!((touch.force[2] / other.force[2] - 1.0).abs() < 1e-4, "{} {}", touch.force[2], other.force[2]);
+    assert!(found.state.report.newton < 400, "{:?}", found.state.report);
+    Ok(())
+}
+
 #[test]
 fn what_does_not_go_with_exact_contact_is_refused() -> Outcome {
     let block = || -> Outcome<Solid> {

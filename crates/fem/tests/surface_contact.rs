@@ -8,7 +8,8 @@ use common::block::STRICT;
 use common::{Outcome, cut, largest, noise, regular};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{
-    Demand, Inertia, Instant, Scheme, Solid, SolveOptions, State, StepTo, SurfaceContact, Trajectory, Workspace,
+    ContactLaw, Demand, FemError, Inertia, Instant, Scheme, Solid, SolveOptions, State, StateError, StepTo,
+    SurfaceContact, Trajectory, Workspace,
 };
 use nastic_mesh::spatial::Shape;
 use nastic_mesh::{CellKind, Mesh};
@@ -26,8 +27,12 @@ const GAP: f64 = 0.02;
 
 /// Two unit blocks above each other; the upper one is `wide` times as wide.
 fn blocks(kind: CellKind, wide: f64) -> Outcome<Mesh> {
+    blocks_apart(kind, wide, GAP)
+}
+
+fn blocks_apart(kind: CellKind, wide: f64, gap: f64) -> Outcome<Mesh> {
     let full = regular(kind, [1.0, 1.0, 3.0], [3, 3, 9])?;
-    let upper = |x: Vec3| Vec3::new(wide * (x.x - 0.5) + 0.5, wide * (x.y - 0.5) + 0.5, x.z - 1.0 + GAP);
+    let upper = |x: Vec3| Vec3::new(wide * (x.x - 0.5) + 0.5, wide * (x.y - 0.5) + 0.5, x.z - 1.0 + gap);
     let on = |z: f64| move |x: Vec3| (x.z - z).abs() < 1e-9;
     cut(
         &full,
@@ -202,7 +207,7 @@ fn a_closing_c_touches_itself_and_does_not_cross() -> Outcome {
         let [pressing, gap] = ["pressing", "smallest_gap"].map(|name| quantity(&solid, &state, name));
         assert!(pressing > 1.0 && gap > 0.0, "{kind}: {pressing} N, gap {gap:e}");
         let (newton, made) = (state.report.newton, state.report.factorisations);
-        assert!(newton <= 100 && made <= 4 * newton, "{kind}: {newton} iterations, {made} factorisations");
+        assert!(newton <= 250 && made <= 4 * newton, "{kind}: {newton} iterations, {made} factorisations");
     }
     Ok(())
 }
@@ -258,6 +263,98 @@ fn no_move_crosses() -> Outcome {
     Ok(())
 }
 
+/// Random moves of both bodies, oblique and far, and turns: none lets the bodies into each other.
+#[test]
+fn random_moves_do_not_cross() -> Outcome {
+    let solid = Solid::new(blocks(CellKind::Hex8, 0.8)?)?.material("body", law())?.clamp("z-")?;
+    let contact = SurfaceContact::between("between", ["lower", "upper"], ["lower", "upper"]).refine(2);
+    let solid = solid.surface_contact(contact)?;
+    let controls = solid.controls();
+    let from = Instant::new(&solid.rest().u, &controls, 1.0).u.to_vec();
+    let mut shortened = 0;
+    for trial in 0..40 {
+        let draw = |i: usize| noise(1000 * trial + i);
+        let common = Vec3::new(4.0 * draw(0), 4.0 * draw(1), 4.0 * draw(2));
+        // the faces tilt by less than what their samples are apart, so that no edge gets between these
+        let (own, tilt) = (Vec3::new(0.2 * draw(3), 0.2 * draw(4), -0.3 * draw(5).abs()), 0.05 * draw(6));
+        let to = common::nodal(solid.mesh(), |x| {
+            let turn = tilt * Vec3::new(0.0, 0.5 - x.z, x.y - 0.5);
+            common + if x.z > 1.005 { own + turn } else { Vec3::zeros() }
+        });
+        let share = solid.model().admissible_move(&Instant::new(&from, &controls, 1.0), &to)?;
+        shortened += usize::from(share < 1.0);
+        // what both do together brings them no nearer
+        let together = common::nodal(solid.mesh(), |_| common);
+        assert_eq!(solid.model().admissible_move(&Instant::new(&from, &controls, 1.0), &together)?, 1.0);
+        let u: Vec<f64> = from.iter().zip(&to).map(|(from, to)| from + share * (to - from)).collect();
+        let state = State { u: u.into(), ..solid.rest() };
+        assert!(!crosses_itself(&solid, &state)?, "trial {trial}: {share}");
+    }
+    assert!(shortened > 10, "{shortened}");
+    Ok(())
+}
+
+/// A surface with itself is two surfaces with each other: the same forces, pressures and areas, on any number of threads.
+#[test]
+fn a_surface_with_itself_is_two_with_each_other() -> Outcome {
+    let solid = |contact: SurfaceContact| -> Outcome<Solid> {
+        let body = Solid::new(blocks(CellKind::Hex8, 1.7)?)?.material("body", law())?.clamp("z-")?.clamp("z+")?;
+        Ok(body.surface_contact(contact.thickness(0.009))?)
+    };
+    let two = solid(SurfaceContact::between("between", "lower", "upper"))?;
+    let one = solid(SurfaceContact::between("between", ["lower", "upper"], ["lower", "upper"]))?;
+    let u: Vec<f64> = (0..one.rest().u.len()).map(|i| 0.006 * noise(i)).collect();
+    let controls = one.controls();
+    let at = Instant::new(&u, &controls, 1.0);
+    let told = |solid: &Solid| solid.model().touches(&at).remove(0).1;
+    let (a, b) = (told(&two), told(&one));
+    for (a, b) in [(a.pressing, b.pressing), (a.area, b.area), (a.largest_pressure, b.largest_pressure)] {
+        assert!(a > 0.0 && (a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    }
+    let force = |solid: &Solid, parallel: bool| {
+        let mut at = Instant::new(&u, &controls, 1.0);
+        at.parallel = parallel;
+        solid.model().evaluate(&at, Demand { energy: true, force: true }).map(|sums| sums.force)
+    };
+    let (a, b) = (force(&two, false)?, force(&one, false)?);
+    let scale = largest(&a);
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-12 * scale));
+    assert_eq!(force(&one, true)?, b);
+    let tangent = |parallel: bool| -> Outcome<Vec<f64>> {
+        let mut matrix = one.model().matrix();
+        let mut at = Instant::new(&u, &controls, 1.0);
+        at.parallel = parallel;
+        one.model().add_tangent(&at, &mut matrix)?;
+        let mut out = vec![0.0; u.len()];
+        matrix.multiply(&u, &mut out);
+        Ok(out)
+    };
+    assert_eq!(tangent(true)?, tangent(false)?);
+    Ok(())
+}
+
+/// Bodies that hold each other alone are free together; one that is held holds the other, as far as it pushes.
+#[test]
+fn contact_between_free_bodies_is_no_support() -> Outcome {
+    let body = || -> Outcome<Solid> { Ok(Solid::new(blocks(CellKind::Hex8, 1.0)?)?.material("body", law())?) };
+    let contact = || SurfaceContact::between("between", ["lower", "upper"], ["lower", "upper"]);
+    let free = |solid: &Solid| match solid.solve(&solid.controls(), &STRICT) {
+        Err(StateError::Problem(FemError::RigidMotion { free, .. })) => free,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(free(&body()?), 6);
+    // twelve motions less the approach of the faces and two tilts
+    assert_eq!(free(&body()?.surface_contact(contact())?), 9);
+    assert_eq!(free(&body()?.clamp("z-")?.surface_contact(contact())?), 3);
+    let rollers = body()?.displace("x-", [Some(0.0), None, None])?.displace("y-", [None, Some(0.0), None])?;
+    let above = rollers.clamp("z-")?.surface_contact(contact())?.body_force("body", Vec3::new(0.0, 0.0, -100.0))?;
+    // the upper block of 1 m^3; its nodes lie a little aside of those below
+    let state = above.solve(&above.controls(), &STRICT)?;
+    let pressing = quantity(&above, &state, "pressing");
+    assert!((pressing / 100.0 - 1.0).abs() < 1e-3, "{pressing}");
+    Ok(())
+}
+
 /// A block thrown at another that is free: the momentum stays, and nothing crosses.
 #[test]
 fn an_impact_keeps_the_momentum() -> Outcome {
@@ -306,5 +403,15 @@ fn what_cannot_touch_is_refused() -> Outcome {
     assert!(told(between().stiffness(0.0))?.contains("stiffness is 0"));
     assert!(told(between().refine(0))?.contains("refine is 0"));
     assert!(told(SurfaceContact::between("between", "lower", "uper"))?.contains("upper"));
+    let near = told(between().thickness(0.00996).law(ContactLaw::Log))?;
+    assert!(near.contains("at least 2.1 times the thickness"), "{near}");
+    for gap in [0.0, -0.1] {
+        let body = Solid::new(blocks_apart(CellKind::Hex8, 0.8, gap)?)?.material("body", law())?;
+        let meets = body.surface_contact(between()).err().ok_or("not refused")?.to_string();
+        assert!(meets.contains("at rest; they are nearest at ("), "{meets}");
+    }
+    let cell = Solid::new(regular(CellKind::Hex8, [1.0; 3], [1, 1, 1])?)?.material("body", law())?;
+    let alone = cell.surface_contact(SurfaceContact::between("side", "x-", "x-")).err().ok_or("not refused")?;
+    assert!(alone.to_string().contains("neighbours of each other"), "{alone}");
     Ok(())
 }

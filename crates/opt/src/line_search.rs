@@ -45,6 +45,7 @@ impl LineSearch {
     pub fn come_back(&self, jump: Option<&Failed>, [from, predicted, to]: [f64; 3]) -> f64 {
         match jump.and_then(Failed::limit) {
             Some(limit) if limit > 0.0 && limit < 1.0 => self.before_limit * limit,
+            _ if jump.is_some() => self.after_failure,
             _ => self.shorten(from, predicted, to),
         }
     }

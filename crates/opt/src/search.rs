@@ -201,7 +201,7 @@ impl<O: Objective> Setting<O> {
             if !rules.accepts(reference, predicted, slack, cost) {
                 let wanted = reference + rules.armijo * predicted;
                 let jump = self.objective.jump(&at.point, &point, workspace);
-                let reason = line.come_back(rules, jump, ([at.cost, predicted, cost], wanted));
+                let reason = line.come_back(rules, jump, ([at.cost, predicted, cost], wanted))?;
                 observer.trial(&self.tell(progress, at, trial.told(Some(&point), Some(cost), reason)));
                 continue;
             }
@@ -326,12 +326,20 @@ struct Line {
 }
 
 impl Line {
-    /// Shortens the step after a trial whose cost was not low enough, and says why it was not.
-    fn come_back(&mut self, rules: &LineSearch, jump: Option<Failed>, (costs, wanted): ([f64; 3], f64)) -> Reason {
+    /// Shortens the step after a trial whose cost was not low enough, and says why it was not; what ends a run ends it.
+    fn come_back(
+        &mut self,
+        rules: &LineSearch,
+        jump: Option<Failed>,
+        (costs, wanted): ([f64; 3], f64),
+    ) -> Result<Reason, Stop> {
+        if let Some(fatal) = jump.as_ref().filter(|failed| failed.is_fatal()) {
+            return Err(Stop::Aborted(fatal.clone()));
+        }
         let factor = rules.come_back(jump.as_ref(), costs);
         let reason = jump.map_or(Reason::NoDecrease { wanted }, Reason::OtherBranch);
         self.reject(&reason, false, factor);
-        reason
+        Ok(reason)
     }
 
     fn reject(&mut self, reason: &Reason, failed: bool, factor: f64) {

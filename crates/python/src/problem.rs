@@ -176,6 +176,10 @@ impl Problem {
                 tell_of(&told, line.to_string());
             });
         }
+        if max_newton.is_some() && problem.is_motion() {
+            let what = "max_newton limits the iterations of an equilibrium, and the case is a motion: give shorter steps, or stop() it";
+            return Err(error::input(py, what.to_owned()));
+        }
         let budget = max_newton.map_or(Budget::Unlimited, Budget::Of);
         Ok(Self { problem, threads, cancel, accuracy, stage, budget, callback, told, history: Mutex::default() })
     }

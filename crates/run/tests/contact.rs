@@ -295,7 +295,7 @@ fn exact_contact_tells_how_much_the_layer_changes() {
     let text = heard.text();
     let line = text.lines().find(|line| line.contains("its layer changes what it presses with by")).unwrap();
     assert!(line.ends_with(&format!("by {} %", short((1e4 * (layered / exact - 1.0)).round() / 100.0))), "{line}");
-    let sliding = with(INDENTED, r#""thickness": 0.5"#, r#""thickness": 0.5, "law": "log""#);
+    let sliding = with(INDENTED, r#""thickness": 0.5"#, r#""thickness": 0.5, "law": "log", "stiffness": "2 MPa""#);
     let error = place.run_with(Command::Solve, &sliding, &Console::silent(), &options).unwrap_err().to_string();
     assert!(
         error.contains("exact contact does not go with \"dent\": it is for obstacles with the cubic law"),

@@ -269,7 +269,7 @@ impl Ensemble {
     }
 
     /// Runs `each` for every member; results in the members' order. Which of those behind a failure had run already depends on timing: their
-    /// factors are dropped, so that the next evaluation does not depend on it.
+    /// factors and the limit points that they met are dropped, so that the next evaluation does not depend on it.
     fn side_by_side<T: Send>(
         &self,
         workspace: &mut EnsembleWorkspace,
@@ -278,7 +278,7 @@ impl Ensemble {
         let workspaces = workspace.of(self.members.len());
         let outcome = self.team.map(workspaces, |index, workspace| each(index, &self.members[index], workspace));
         outcome.map_err(|(first, error)| {
-            workspaces.iter_mut().skip(first.saturating_add(1)).for_each(|own| own.solve.clear());
+            workspaces.iter_mut().skip(first.saturating_add(1)).for_each(|own| own.after_failure());
             EnsembleError::member(&self.members[first].name, error)
         })
     }

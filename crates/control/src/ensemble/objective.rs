@@ -45,15 +45,17 @@ impl Objective for Ensemble {
         })
     }
 
-    /// That of the first member, in order, that has one.
+    /// That of the member whose limit point comes first on the way, else of the first one, in order, that has one; what ends a run before all.
     fn jump(&self, from: &EnsemblePoint, to: &EnsemblePoint, workspace: &mut EnsembleWorkspace) -> Option<Failed> {
         let of = |index: usize, member: &super::Member, _: &mut crate::ReducedWorkspace| {
             let points = from.members.get(index).zip(to.members.get(index));
             Ok(points.and_then(|(from, to)| member.problem.other_branch(from, to)))
         };
         let found = self.side_by_side(workspace, of).ok()?;
-        let mut named = self.members.iter().zip(found);
-        named.find_map(|(member, why)| Some(EnsembleError::member(&member.name, why?).into()))
+        let named = self.members.iter().zip(found);
+        let all = named.filter_map(|(member, why)| Some(Failed::from(EnsembleError::member(&member.name, why?))));
+        let order = |failed: &Failed| if failed.is_fatal() { -1.0 } else { failed.limit().unwrap_or(f64::INFINITY) };
+        all.min_by(|a, b| order(a).total_cmp(&order(b)))
     }
 
     /// The most of any member; one with fewer stays at its last.

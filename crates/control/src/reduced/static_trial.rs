@@ -137,13 +137,15 @@ impl Reduced {
             return None;
         }
         let how = SolveOptions { budget: Some(FOLLOWED), ..self.solve_options(to.solved.accuracy) };
-        match model.connection(from.state(), to.state(), &how).ok()? {
-            Connection::LimitPoint(share) => {
+        match model.connection(from.state(), to.state(), &how) {
+            Err(error) if error.is_lack_of_memory() || matches!(error, StateError::Cancelled) => Some(error.into()),
+            Err(_) => None,
+            Ok(Connection::LimitPoint(share)) => {
                 let limit = ControlLimit::new(self.layout(), [&from.m, &to.m], share);
                 Some(ControlError::LimitPoint { limit, newton: to.work.newton })
             }
-            Connection::Elsewhere(apart) => Some(ControlError::OtherBranch { apart }),
-            Connection::Connected | Connection::Unknown(_) => None,
+            Ok(Connection::Elsewhere(apart)) => Some(ControlError::OtherBranch { apart }),
+            Ok(Connection::Connected | Connection::Unknown(_)) => None,
         }
     }
 

@@ -199,15 +199,30 @@ impl Supports {
     }
 
     /// Whether the supports exclude every rigid motion of every connected part of the body (small rotations about the
-    /// part's centre; rank of the motions restricted to the prescribed components and to what springs resist to).
+    /// part's centre; rank of the motions restricted to the prescribed components and to what springs resist to). Parts that springs or
+    /// contacts hold to each other are looked at together: two that hold each other alone are free.
     pub(crate) fn check(&self, mesh: &Mesh, springs: &[&Vec<(u32, f64)>]) -> Result<(), FemError> {
         let parts = connected_parts(mesh);
+        let mut part_of = vec![0; mesh.points().len()];
         for (p, nodes) in parts.iter().enumerate() {
-            let modes = self.free_motions(mesh, nodes, springs);
-            if let Some((count, example)) = modes {
+            nodes.iter().for_each(|&node| part_of[node as usize] = p);
+        }
+        let of = |terms: &Vec<(u32, f64)>| terms.iter().map(|(dof, _)| part_of[*dof as usize / self.dim]).collect();
+        let between: Vec<Vec<usize>> = springs.iter().map(|terms| of(terms)).collect();
+        let mut sets = DisjointSets::new(parts.len());
+        for row in &between {
+            row.iter().for_each(|&p| sets.union(row[0] as u32, p as u32));
+        }
+        let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        (0..parts.len()).for_each(|p| groups.entry(sets.find(p as u32)).or_default().push(p));
+        for together in groups.values() {
+            let own = springs.iter().zip(&between).filter(|(_, row)| row.first().is_some_and(|q| together.contains(q)));
+            let own: Vec<&Vec<(u32, f64)>> = own.map(|(terms, _)| *terms).collect();
+            let nodes: Vec<&[u32]> = together.iter().map(|&q| parts[q].as_slice()).collect();
+            if let Some((count, example, which)) = self.free_motions(mesh, &nodes, &own) {
                 let what = match parts.len() {
                     1 => "the body".to_owned(),
-                    n => format!("connected part {} of {n} (it has node {})", p + 1, nodes[0]),
+                    n => format!("connected part {} of {n} (it has node {})", together[which] + 1, nodes[which][0]),
                 };
                 return Err(FemError::RigidMotion { free: count, what, example });
             }
@@ -215,50 +230,63 @@ impl Supports {
         Ok(())
     }
 
-    /// How many rigid motions of these nodes stay free, and one of them in words.
-    fn free_motions(&self, mesh: &Mesh, nodes: &[u32], springs: &[&Vec<(u32, f64)>]) -> Option<(usize, String)> {
-        let (centre, radius) = extent(mesh, nodes);
-        let modes = if self.dim == 2 { 3 } else { 6 };
+    /// How many rigid motions of parts, of which these are the nodes, stay free; one of them in words, and whose it is.
+    fn free_motions(
+        &self,
+        mesh: &Mesh,
+        parts: &[&[u32]],
+        springs: &[&Vec<(u32, f64)>],
+    ) -> Option<(usize, String, usize)> {
+        let extents: Vec<([f64; 3], f64)> = parts.iter().map(|nodes| extent(mesh, nodes)).collect();
+        let each = if self.dim == 2 { 3 } else { 6 };
+        let modes = each * parts.len();
         let mut gram = DMatrix::<f64>::zeros(modes, modes);
-        let mut add = |row: &[f64]| (0..modes * modes).for_each(|at| gram[at] += row[at / modes] * row[at % modes]);
         let component = |dof: usize| {
-            let x = mesh.points()[dof / self.dim];
+            let (x, node) = (mesh.points()[dof / self.dim], (dof / self.dim) as u32);
+            let p = parts.iter().position(|nodes| nodes.binary_search(&node).is_ok())?;
+            let (centre, radius) = extents[p];
             let r: Vec<f64> = (0..3).map(|k| (x[k] - centre[k]) / radius).collect();
-            motion_component(self.dim, dof % self.dim, &r)
+            Some((each * p, motion_component(self.dim, dof % self.dim, &r)))
         };
-        for &node in nodes {
-            let held = (0..self.dim).filter(|c| self.fixed[node as usize * self.block + c]);
-            held.for_each(|c| add(&component(node as usize * self.dim + c)));
-        }
-        let own = |terms: &&&Vec<(u32, f64)>| {
-            terms.iter().all(|(dof, _)| nodes.binary_search(&(dof / self.dim as u32)).is_ok())
-        };
-        for terms in springs.iter().filter(own) {
-            let mut row = vec![0.0; modes];
-            for (dof, weight) in *terms {
-                row.iter_mut().zip(component(*dof as usize)).for_each(|(row, value)| *row += weight * value);
+        let mut add = |row: &[(usize, f64)]| {
+            for (i, a) in row {
+                row.iter().for_each(|(j, b)| gram[(*i, *j)] += a * b);
             }
-            add(&row);
+        };
+        let row_of = |terms: &[(u32, f64)]| {
+            let mut row = vec![0.0; modes];
+            for (dof, weight) in terms {
+                if let Some((first, motion)) = component(*dof as usize) {
+                    row[first..].iter_mut().zip(motion).for_each(|(row, value)| *row += weight * value);
+                }
+            }
+            row.into_iter().enumerate().filter(|(_, value)| *value != 0.0).collect::<Vec<_>>()
+        };
+        for &node in parts.iter().copied().flatten() {
+            let held = (0..self.dim).filter(|c| self.fixed[node as usize * self.block + c]);
+            held.for_each(|c| add(&row_of(&[((node as usize * self.dim + c) as u32, 1.0)])));
         }
+        springs.iter().for_each(|terms| add(&row_of(terms)));
         let eigen = gram.symmetric_eigen();
         let largest = eigen.eigenvalues.max();
         let free: Vec<usize> = (0..modes).filter(|&k| eigen.eigenvalues[k] <= 1e-9 * largest.max(1e-300)).collect();
-        let names = match self.dim {
-            2 => vec!["shift along x", "shift along y", "rotation in the plane"],
-            _ => vec![
-                "shift along x",
-                "shift along y",
-                "shift along z",
-                "rotation about x",
-                "rotation about y",
-                "rotation about z",
-            ],
-        };
-        let example = free.first().map(|&k| {
-            let mode = eigen.eigenvectors.column(k);
-            names[mode.icamax()].to_owned()
-        });
-        example.map(|example| (free.len(), example))
+        let at = eigen.eigenvectors.column(*free.first()?).icamax();
+        Some((free.len(), motion_name(self.dim, at % each).to_owned(), at / each))
+    }
+}
+
+/// A rigid motion in words.
+fn motion_name(dim: usize, motion: usize) -> &'static str {
+    match dim {
+        2 => ["shift along x", "shift along y", "rotation in the plane"][motion],
+        _ => [
+            "shift along x",
+            "shift along y",
+            "shift along z",
+            "rotation about x",
+            "rotation about y",
+            "rotation about z",
+        ][motion],
     }
 }
 

@@ -4,7 +4,7 @@ use crate::contributions::{Contribution, Instant};
 use crate::error::StateError;
 use crate::model::{Feature, Model};
 use crate::solution::options::SolveOptions;
-use crate::solution::state::State;
+use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ const ROUNDS: usize = 60;
 pub struct ExactEquilibrium {
     /// The model with the multipliers of its contacts: what they carry is told by it.
     pub model: Model,
-    /// The equilibrium, with the work of all rounds in its report.
+    /// The equilibrium, with the work of all rounds and of the first one in its report.
     pub state: State,
     /// Equilibria that it took.
     pub rounds: usize,
@@ -43,7 +43,7 @@ impl Model {
     ) -> Result<ExactEquilibrium, StateError> {
         self.supports(Feature::ExactContact)?;
         let (mut model, mut state) = (self.clone(), from.clone());
-        let mut work = from.report;
+        let mut work = SolveReport::default();
         let mut violation = f64::INFINITY;
         for rounds in 0..ROUNDS {
             let weakly_active;

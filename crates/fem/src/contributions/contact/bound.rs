@@ -214,9 +214,11 @@ impl Contribution for BoundContact {
     /// Within the layer, or no deeper than it is thick.
     fn check_start(&self, at: &Instant) -> Result<(), Inadmissible> {
         let gaps = Gaps::at(self, at)?;
-        match gaps.all.iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
-            Some((place, d)) if *d < -self.thickness => {
-                Err(Inadmissible::Penetrates { name: self.name.clone(), place: (*place).into(), depth: -d })
+        let gap = |(sample, (x, d)): (usize, &(Vec3, f64))| (*x, d - self.offset(sample) + self.inset);
+        match gaps.all.iter().enumerate().map(gap).min_by(|a, b| a.1.total_cmp(&b.1)) {
+            // multipliers begin at an equilibrium, however deep its layer let it in
+            Some((place, d)) if d < -self.thickness && self.offsets.is_empty() => {
+                Err(Inadmissible::Penetrates { name: self.name.clone(), place: place.into(), depth: -d })
             }
             _ => Ok(()),
         }

@@ -22,6 +22,9 @@ use serde_json::json;
 
 /// The equilibrium at the start controls, with its modes or others beside it.
 pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
+    if *analysis == Analysis::ExactContact {
+        exact_contact::check(session)?;
+    }
     let mut point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
     if *analysis == Analysis::Minimum {
         point = session.timed("descent", |session| minimum::descend(session, point))?;

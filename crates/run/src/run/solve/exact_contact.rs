@@ -5,11 +5,20 @@ use crate::run::error::{Exit, RunError};
 use crate::run::report::say_files;
 use crate::run::session::Session;
 use nastic_control::{ControlError, EnsemblePoint, StateFields};
-use nastic_fem::{ExactEquilibrium, Instant, Progress, SolveOptions, Touch, Workspace};
+use nastic_fem::{ExactEquilibrium, Feature, Instant, Progress, SolveOptions, StateError, Touch, Workspace};
 use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_numeric::format::scientific;
 use serde_json::{Map, Value, json};
+
+/// Refuses what does not go with it, before anything is solved.
+pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
+    for (index, member) in session.problem.members().enumerate() {
+        let supported = member.solid().model().supports(Feature::ExactContact);
+        supported.map_err(|error| session.member_failed((index, ControlError::from(StateError::from(error)))))?;
+    }
+    Ok(())
+}
 
 /// Solves, says and writes it for every member.
 pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Exit, RunError> {

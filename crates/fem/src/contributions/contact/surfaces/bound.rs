@@ -10,6 +10,7 @@ use crate::contributions::contact::{ContactLaw, defaults};
 use crate::contributions::{Contribution, ContributionPoint, Instant, Need, Touches};
 use crate::error::{FemError, Inadmissible};
 use nastic_energy::Slot;
+use nastic_mesh::spatial::Shape;
 use nastic_tensor::Vec3;
 
 /// Distance at which surfaces begin to be inside each other, in thicknesses.
@@ -18,6 +19,8 @@ const APART: f64 = 2.0;
 const OF_REST: f64 = 0.25;
 /// Width of the smooth least distance, in thicknesses.
 const SMOOTH: f64 = 0.01;
+/// What the log law needs beyond that at rest.
+const MARGIN: f64 = 0.1;
 /// Blocks of the tangent are there for samples this near to the layer, in thicknesses, so that its structure serves while they move.
 const NEAR: f64 = 2.0;
 /// Below this distance, as a share of that at which surfaces begin to be inside each other, the side of a sample is not certain.
@@ -49,32 +52,37 @@ impl BoundSurfaces {
             return Err(refuse("refine is 0; it is 1 or more".to_owned()));
         }
         let [own, other] = [mesh.facets_of(&of.surfaces[0])?, mesh.facets_of(&of.surfaces[1])?];
-        let sides = match own == other {
-            true => vec![Side::new(disc, (&of.surfaces[0], of.refine), &own, 1.0)?],
-            false => vec![
-                Side::new(disc, (&of.surfaces[0], of.refine), &other, 0.5)?,
-                Side::new(disc, (&of.surfaces[1], of.refine), &own, 0.5)?,
-            ],
-        };
+        let mut sides = vec![Side::new(disc, (&of.surfaces[0], of.refine), &other)?];
+        if own != other {
+            sides.push(Side::new(disc, (&of.surfaces[1], of.refine), &own)?);
+        }
         let stiff = |facets: &[_]| defaults::stiffness(of.law, body, facets);
         let softer = || Some(stiff(&own)?.min(stiff(&other)?));
-        let stiffness = of.stiffness.or_else(softer);
         let behind = || format!("{} or {}", of.surfaces[0], of.surfaces[1]);
-        let stiffness = stiffness.ok_or_else(|| {
+        let stiffness = of.stiffness.or_else(softer).ok_or_else(|| {
             refuse(format!("no passive law behind {} says how stiff the body is: give a stiffness", behind()))
         })?;
         let rest = vec![0.0; disc.dofs()];
-        let nearest = sides.iter().filter_map(|side| Some((side.least(&rest)?, side)));
-        let nearest = nearest.min_by(|a, b| a.0.0.total_cmp(&b.0.0));
-        let gap = nearest.as_ref().map_or(f64::INFINITY, |((gap, ..), _)| *gap);
+        let (gap, place) = least(&sides, &rest).ok_or_else(|| {
+            refuse(
+                "all of its facets are neighbours of each other: name a larger surface, or take a finer mesh"
+                    .to_owned(),
+            )
+        })?;
+        let place = format!("({:.6}, {:.6}, {:.6})", place[0], place[1], place[2]);
+        let shape = Shape::new(mesh, mesh.points(), None).map_err(|error| refuse(error.to_string()))?;
+        if gap <= 0.0 || !shape.self_intersection().is_empty() {
+            let what = "its surfaces meet, or bodies are inside of each other, at rest";
+            return Err(refuse(format!("{what}; they are nearest at {place}: move them apart")));
+        }
         let by_size = defaults::thickness(mesh, &own).min(defaults::thickness(mesh, &other));
         let thickness = positive("thickness", of.thickness.unwrap_or(by_size.min(OF_REST * gap)))?;
-        if let Some(((gap, sample, _), side)) = nearest.filter(|_| gap < APART * thickness) {
-            let x = side.place(&rest, sample);
+        // the log law has no value where the smooth least distance, which is smaller, is below that
+        let near = if of.law == ContactLaw::Log { APART + MARGIN } else { APART };
+        if gap < near * thickness {
             return Err(refuse(format!(
-                "its surfaces are {gap:.3e} apart at rest at ({:.6}, {:.6}, {:.6}); that must be at least twice the thickness, {thickness:.3e}: give \
-                 a thinner layer by `thickness`, or move the bodies apart",
-                x[0], x[1], x[2]
+                "its surfaces are {gap:.3e} apart at rest at {place}; that must be at least {near} times the thickness, {thickness:.3e}: give \
+                 a thinner layer by `thickness`, or move the bodies apart"
             )));
         }
         let slots = [Slot::design("stiffness", "Pa", positive("stiffness", stiffness)?)];
@@ -96,7 +104,7 @@ impl BoundSurfaces {
         let all: Vec<Vec<Gap>> = self.sides.iter().map(|side| side.gaps(u, reach, SMOOTH * self.thickness)).collect();
         let least = if self.law == ContactLaw::Log { 1.0 } else { LEAST } * self.apart();
         for (side, gaps) in self.sides.iter().zip(&all) {
-            if let Some(gap) = gaps.iter().find(|gap| gap.least <= least) {
+            if let Some(gap) = gaps.iter().find(|gap| gap.smoothed <= least) {
                 return Err(self.penetrates(side.place(u, gap.sample), gap.least));
             }
         }
@@ -108,7 +116,13 @@ impl BoundSurfaces {
     }
 }
 
-/// `n . u` at every sample, and at the point of the other surface that is nearest to it, n the direction between them.
+/// The least distance of a sample from the other surface, and where the sample is.
+pub(super) fn least(sides: &[Side], u: &[f64]) -> Option<(f64, Vec3)> {
+    let of_side = |side: &Side| side.least(u).map(|(distance, sample, _)| (distance, side.place(u, sample)));
+    sides.iter().filter_map(of_side).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// `n . (u - u_y)` at every sample, y the point of the other surface that is nearest to it, n the direction between them.
 fn normals(side: &Side, rest: &[f64], dim: usize) -> Vec<Vec<(u32, f64)>> {
     let placed = side.pieces.placed(&[&|node| side.node(rest, node)]);
     let of_sample = |sample: usize| {
@@ -121,11 +135,11 @@ fn normals(side: &Side, rest: &[f64], dim: usize) -> Vec<Vec<(u32, f64)>> {
         let found = nearest(x.into(), &between.iter().map(|&i| corners[i].into()).collect::<Vec<_>>());
         let along =
             |node: u32, share: f64| (0..dim).map(move |i| (dim as u32 * node + i as u32, share * found.normal[i]));
-        let own = side.samples.parts(sample).iter().flat_map(|&(node, shape)| along(node, shape)).collect();
-        let other = between.iter().zip(found.shares).flat_map(|(&i, share)| along(nodes[i], -share)).collect();
-        Some([own, other])
+        let own = side.samples.parts(sample).iter().flat_map(|&(node, shape)| along(node, shape));
+        let other = between.iter().zip(found.shares).flat_map(|(&i, share)| along(nodes[i], -share));
+        Some(own.chain(other).collect())
     };
-    (0..side.samples.len()).filter_map(of_sample).flatten().collect()
+    (0..side.samples.len()).filter_map(of_sample).collect()
 }
 
 impl Contribution for BoundSurfaces {

@@ -13,6 +13,8 @@ pub(super) struct Gap {
     pub sample: usize,
     /// Least distance of a piece.
     pub least: f64,
+    /// Smooth least distance.
+    pub smoothed: f64,
     /// The nodes of the pieces, each once.
     pub nodes: Vec<u32>,
     /// Of every piece the nodes between which its nearest point is, by their places among `nodes`.
@@ -35,7 +37,8 @@ impl Gap {
         let place = |node: &u32| nodes.partition_point(|known| known < node);
         // an edge or corner that several pieces have counts for each of them: else the sum would jump where one of them takes over
         let between = near().map(|of| of.iter().map(place).collect()).collect();
-        Some(Gap { sample, least, nodes, between, smooth })
+        let weight: f64 = pieces.iter().map(|(d, _)| ((least - d) / smooth).exp()).sum();
+        Some(Gap { sample, least, smoothed: least - smooth * weight.ln(), nodes, between, smooth })
     }
 
     /// The smooth least distance, and its derivatives by the place of the sample and by those of the nodes.

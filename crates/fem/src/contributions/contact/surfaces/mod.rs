@@ -17,8 +17,8 @@ use nastic_mesh::GroupNames;
 
 /// Two surfaces that push each other back, without friction; or one that pushes itself back.
 ///
-/// **Potential.** `sum_s w_s psi(d_s)` over the samples s of either surface, with half of their reference areas as w_s (the whole, of one
-/// surface with itself), psi a [`ContactLaw`] of thickness delta and stiffness k (Pa). The gap of a sample is its distance from the other
+/// **Potential.** `sum_s w_s psi(d_s)` over the samples s of either surface, with half of their reference areas as w_s (both walls that touch have
+/// samples), psi a [`ContactLaw`] of thickness delta and stiffness k (Pa). The gap of a sample is its distance from the other
 /// surface less `2 delta`: where surfaces touch, they stay about `2 delta` apart, and no edge is so sharp that a distance has no derivative.
 ///
 /// ```text

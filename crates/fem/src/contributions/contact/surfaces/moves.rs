@@ -5,6 +5,7 @@ use super::side::Side;
 use super::simplex::distance;
 use nastic_mesh::spatial::Aabb;
 use nastic_tensor::Vec3;
+use std::collections::BTreeSet;
 
 /// Of a distance this share is left.
 const REST: f64 = 0.1;
@@ -18,8 +19,19 @@ impl BoundSurfaces {
         if du.iter().all(|du| *du == 0.0) {
             return 1.0;
         }
-        let end: Vec<f64> = u.iter().zip(du).map(|(u, du)| u + du).collect();
+        let common = self.mean_move(du);
+        let own = |(dof, (u, du)): (usize, (&f64, &f64))| u + du - common[dof % self.dim];
+        // what both sides do together brings them no nearer
+        let end: Vec<f64> = u.iter().zip(du).enumerate().map(own).collect();
         self.sides.iter().map(|side| side.longest_move([u, &end])).fold(1.0, f64::min)
+    }
+
+    /// The mean of a change over the nodes of the surfaces.
+    fn mean_move(&self, du: &[f64]) -> [f64; 3] {
+        let nodes: BTreeSet<u32> =
+            self.sides.iter().flat_map(|side| side.pieces.facets.iter().flatten().copied()).collect();
+        let sum = |i: usize| nodes.iter().map(|&node| du[self.dim * node as usize + i]).sum::<f64>();
+        std::array::from_fn(|i| if i < self.dim { sum(i) / nodes.len().max(1) as f64 } else { 0.0 })
     }
 }
 

@@ -12,6 +12,9 @@ use nastic_linear::SparseMatrix;
 use nastic_tensor::Vec3;
 use rayon::prelude::*;
 
+/// Of the area of a sample what counts: both walls that touch have samples, and each of these pushes both.
+pub(super) const SHARE: f64 = 0.5;
+
 /// A [`BoundSurfaces`] at one displacement.
 pub(super) struct SurfacePoint<'a> {
     pub of: &'a BoundSurfaces,
@@ -28,7 +31,7 @@ pub(super) struct Sample<'a> {
 impl Sample<'_> {
     /// Area that counts.
     pub fn weight(&self) -> f64 {
-        self.side.share * self.side.samples.weights[self.gap.sample]
+        SHARE * self.side.samples.weights[self.gap.sample]
     }
 
     /// The place of the sample and of the nodes of the pieces, or the change of these along a nodal vector.

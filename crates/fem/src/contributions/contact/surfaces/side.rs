@@ -17,8 +17,6 @@ use std::sync::Arc;
 pub(super) struct Side {
     mesh: Arc<Mesh>,
     pub samples: Samples,
-    /// Of their areas what counts.
-    pub share: f64,
     pub pieces: Pieces,
     /// Of every sample the facets of the other surface that are its neighbours in the body, ascending.
     neighbours: Vec<Vec<u32>>,
@@ -29,7 +27,6 @@ impl Side {
         disc: &Discretization,
         (surface, refine): (&GroupNames, usize),
         facets: &[Facet],
-        share: f64,
     ) -> Result<Self, FemError> {
         let (mesh, pieces) = (disc.mesh().clone(), Pieces::new(disc, facets));
         let samples = Samples::new(&mesh, surface, refine)?;
@@ -47,7 +44,7 @@ impl Side {
             around(&nodes).into_iter().collect()
         };
         let neighbours = (0..samples.len()).map(ring).collect();
-        Ok(Side { mesh, samples, share, pieces, neighbours })
+        Ok(Side { mesh, samples, pieces, neighbours })
     }
 
     /// Where a node is.

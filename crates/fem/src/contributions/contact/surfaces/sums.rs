@@ -1,8 +1,8 @@
 //! What surfaces that touch each other carry at an instant.
 
-use super::bound::BoundSurfaces;
+use super::bound::{BoundSurfaces, least};
 use super::gap::slope;
-use super::point::{Sample, SurfacePoint};
+use super::point::{SHARE, Sample, SurfacePoint};
 use crate::contributions::touches::{RigidPose, Touch, TouchParameters, Touches};
 use crate::contributions::{Instant, Sensitivities};
 use crate::error::Inadmissible;
@@ -72,7 +72,7 @@ impl Touches for BoundSurfaces {
             inset: 0.0,
             stiffness: self.slots[0].rest(),
             friction: None,
-            area: self.sides.iter().map(|side| side.share * side.samples.weights.iter().sum::<f64>()).sum(),
+            area: SHARE * self.sides.iter().flat_map(|side| &side.samples.weights).sum::<f64>(),
             samples: self.sides.iter().map(|side| side.samples.len()).sum(),
             between_samples: 0.0,
         }
@@ -127,10 +127,6 @@ impl Touches for BoundSurfaces {
 impl BoundSurfaces {
     /// The least gap of a sample, however far, and where the sample is.
     fn least_gap(&self, u: &[f64]) -> Option<(f64, [f64; 3])> {
-        let of_side = |side: &super::side::Side| {
-            let (distance, sample, _) = side.least(u)?;
-            Some((distance - self.apart(), side.place(u, sample).into()))
-        };
-        self.sides.iter().filter_map(of_side).min_by(|a, b| a.0.total_cmp(&b.0))
+        least(&self.sides, u).map(|(distance, place)| (distance - self.apart(), place.into()))
     }
 }
