@@ -41,6 +41,7 @@ const SOLVE: &[&str] = &[
     "equilibrium_#.vtu",
     "equilibrium_#_lines.vtu",
     "equilibrium_#_obstacles.vtu",
+    "exact_contact.vtu",
 ];
 const OPTIMIZE: &[&str] = &[
     "history.jsonl",
@@ -72,6 +73,11 @@ pub(crate) fn written_by(command: &Command) -> Vec<&'static str> {
         Command::Optimize => &[ALL, MOTION, OPTIMIZE],
     };
     own.concat()
+}
+
+/// The first name of a list that no pattern has: such a file could replace what the case reads.
+pub(crate) fn unlisted<'n>(patterns: &[&str], names: &'n [String]) -> Option<&'n String> {
+    names.iter().find(|name| !patterns.iter().any(|pattern| matches(name, pattern)))
 }
 
 /// The first of these inputs that a file of such a name in the directory would replace.

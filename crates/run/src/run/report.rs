@@ -4,6 +4,7 @@ use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
 use crate::result::obstacle_shape;
+use crate::result::output_names;
 use crate::result::target_files::target_names;
 use crate::run::error::RunError;
 use crate::run::session::Session;
@@ -126,6 +127,7 @@ fn members(problem: &CaseProblem) -> Value {
 /// Puts the names of files into the result and says them, the first of many.
 pub(crate) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
     const NAMED: usize = 9;
+    debug_assert_eq!(output_names::unlisted(&output_names::written_by(&session.command), &files), None);
     let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
     let said: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
     session.console.say(format!("files       result.json, {}{more}", said.join(", ")));

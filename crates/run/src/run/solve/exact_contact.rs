@@ -81,7 +81,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
     Ok(files)
 }
 
-/// What is put into the result, in base units.
+/// What is put into the result, in the units of the case.
 fn entry((found, moved): (&ExactEquilibrium, f64), touches: &[(String, Touch)], dim: usize) -> Value {
     let of = |touch: &Touch| -> Map<String, Value> {
         touch.quantities(dim).into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect()
