@@ -1,7 +1,6 @@
 //! [`Warning`]: a result or an input that deserves attention although nothing failed.
 
 use nastic_language::syntax::Diagnostic;
-use serde_json::{Value, json};
 use std::fmt;
 
 /// A kind of warning: its code, what it means and what to try. docs/warnings.md explains every one.
@@ -323,21 +322,6 @@ impl Warning {
     #[must_use]
     pub fn at(kind: &'static WarningKind, diagnostic: &Diagnostic) -> Self {
         Self { kind, place: diagnostic.place(), message: diagnostic.message.clone() }
-    }
-
-    /// A warning from results; `None` where its code is of no known kind or a text is missing.
-    #[must_use]
-    pub fn from_json(value: &Value) -> Option<Self> {
-        let text = |key: &str| value[key].as_str().map(str::to_owned);
-        let (code, place, message) = (text("code")?, text("place")?, text("message")?);
-        let kind = WARNINGS.iter().find(|kind| kind.code == code)?;
-        Some(Self { kind, place, message })
-    }
-
-    /// As it stands in results: `{ "code", "place", "message", "try" }`.
-    #[must_use]
-    pub fn json(&self) -> Value {
-        json!({ "code": self.kind.code, "place": self.place, "message": self.message, "try": self.kind.advice })
     }
 }
 

@@ -82,8 +82,19 @@ pub enum Command {
     ///
     /// solve and optimize write the same page at their end, unless --no-report is given.
     Report(Report),
-    /// Print the JSON Schema of case files, for editors
-    Schema,
+    /// Print the JSON Schema of case files, for editors, or of results
+    Schema(Schema),
+}
+
+/// Which schema is printed, and how.
+#[derive(Debug, Args)]
+pub struct Schema {
+    /// That of result.json
+    #[arg(long)]
+    pub results: bool,
+    /// As tables of keys in Markdown
+    #[arg(long)]
+    pub markdown: bool,
 }
 
 /// A case to begin with.

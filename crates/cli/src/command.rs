@@ -1,19 +1,22 @@
 //! From arguments to an exit code.
 
 use crate::arguments::{
-    self, Arguments, Case, Command, Diagnosis, Fit, Modes, New, Optimize, Report, Resume, Running, StopAt, Sweep,
-    SweptCommand,
+    self, Arguments, Case, Command, Diagnosis, Fit, Modes, New, Optimize, Report, Resume, Running, Schema, StopAt,
+    Sweep, SweptCommand,
 };
+use crate::key_tables;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema;
+use nastic_language::syntax::Diagnostic;
 use nastic_language::template::{Template, TemplateError};
 use nastic_run::console::Console;
+use nastic_run::record::{ErrorRecord, ProblemRecord, RunRecord};
 use nastic_run::run;
 use nastic_run::run::{
     Analysis, Exit, ModesRequest, Options, Outcome, RunError, SpectrumRequest, report, resume, run_with, sweep,
 };
 use nastic_run::signals::cancelled_by_signals;
-use serde_json::{Value, json};
+use serde::Serialize;
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
 
@@ -44,10 +47,23 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
         Command::Sweep(swept) => on_values(catalogue, &swept),
         Command::Fit(data) => on_data(&data),
         Command::Report(folder) => on_results(&folder),
-        Command::Schema => {
-            print(&schema::json_schema(catalogue));
+        Command::Schema(wanted) => {
+            say_schema(catalogue, &wanted);
             ExitCode::SUCCESS
         }
+    }
+}
+
+/// The JSON Schema of cases or of results, or its tables of keys.
+fn say_schema(catalogue: &Catalogue, &Schema { results, markdown }: &Schema) {
+    let (schema, title, how) = match results {
+        true => (RunRecord::schema(), "Keys of results", "nastic schema --results --markdown"),
+        false => (schema::json_schema(catalogue), "Keys of case files", "nastic schema --markdown"),
+    };
+    if markdown {
+        let _ = write!(stdout().lock(), "{}", key_tables::markdown(&schema, title, how));
+    } else {
+        print(&schema);
     }
 }
 
@@ -203,7 +219,7 @@ fn answer(command: &str, running: &Running, outcome: Result<Outcome, RunError>) 
 /// Says why a command has no result.
 fn failed(command: &str, running: &Running, error: &RunError) -> ExitCode {
     if running.json {
-        print(&as_json(command, error));
+        print(&record(command, error));
     }
     tell(error);
     ExitCode::from(error.exit().code())
@@ -230,25 +246,29 @@ fn tell(error: &RunError) {
     }
 }
 
-fn as_json(command: &str, error: &RunError) -> Value {
-    let mut out = json!({ "command": command, "exit": error.exit().code(), "error": error.to_string() });
-    if let RunError::Input(problems) = error {
-        let list = problems.list().iter().map(
-            |p| json!({ "file": p.file, "path": p.path, "line": p.line, "column": p.column, "message": p.message }),
-        );
-        out["problems"] = list.collect();
-    }
-    if error.exit() == Exit::ForwardFailed
-        && let RunError::Forward { file: Some(file), .. } = error.cause()
-    {
-        out["last_good_state"] = json!(file.display().to_string());
-    }
-    out
+fn record(command: &str, error: &RunError) -> ErrorRecord {
+    let problem = |p: &Diagnostic| {
+        let Diagnostic { file, path, line, column, message } = p.clone();
+        ProblemRecord { file, path, line, column, message }
+    };
+    let problems = match error {
+        RunError::Input(problems) => Some(problems.list().iter().map(problem).collect()),
+        _ => None,
+    };
+    let last_good_state = match error.cause() {
+        RunError::Forward { file: Some(file), .. } if error.exit() == Exit::ForwardFailed => {
+            Some(file.display().to_string())
+        }
+        _ => None,
+    };
+    let (command, exit) = (command.to_owned(), error.exit().code());
+    ErrorRecord { command, exit, error: error.to_string(), problems, last_good_state }
 }
 
 /// Writes JSON to standard output; a reader who left does not matter.
-fn print(value: &Value) {
-    let _ = writeln!(stdout().lock(), "{value:#}");
+fn print(value: &impl Serialize) {
+    let mut out = stdout().lock();
+    let _ = serde_json::to_writer_pretty(&mut out, value).map(|()| writeln!(out));
 }
 
 fn complain(message: &str) {

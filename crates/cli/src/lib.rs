@@ -12,6 +12,7 @@
 
 mod arguments;
 mod command;
+mod key_tables;
 
 use arguments::Arguments;
 use clap::Parser;

@@ -1,6 +1,7 @@
 //! All tests of `nastic-cli`, in one program: `cargo test -p nastic-cli --test all NAME` runs the files and tests whose path has NAME in it.
 
 mod common;
+mod keys;
 mod new;
 mod own_program;
 mod program;

@@ -86,7 +86,7 @@ pub(crate) fn run(
         let on_trial = match is_told {
             true => {
                 let lines = lines.clone();
-                OnTrial::call(move |line| tell(&lines, line.to_string()))
+                OnTrial::call(move |line| tell(&lines, serde_json::to_string(line).unwrap_or_default()))
             }
             false => OnTrial::default(),
         };

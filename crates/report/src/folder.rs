@@ -1,11 +1,10 @@
 //! [`ResultFolder`]: the files of a run.
 
 use crate::error::ReportError;
-use crate::record::RunRecord;
+use crate::record::{RunRecord, TrialRecord};
 use nastic_io::read_snapshot;
 use nastic_mesh::Snapshot;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// What a run left behind, as far as a page shows it.
@@ -15,7 +14,7 @@ pub(crate) struct ResultFolder {
     /// `result.json`.
     pub result: RunRecord,
     /// The lines of `history.jsonl`, if the run wrote any.
-    pub history: Vec<Value>,
+    pub history: Vec<TrialRecord>,
     /// `case.json`: the case with its overrides.
     pub case: Option<String>,
 }
@@ -39,7 +38,7 @@ impl ResultFolder {
 
     /// Whether the run wrote this file: one of an earlier run in the same directory is not taken for its own.
     pub fn wrote(&self, name: &str) -> bool {
-        self.result.files.iter().any(|file| file == name)
+        self.result.files.iter().flatten().any(|file| file == name)
     }
 
     /// The files that the run wrote whose names begin and end so, in order.
@@ -48,7 +47,7 @@ impl ResultFolder {
         let fits = |file: &&String| {
             file.strip_prefix(beginning).and_then(|rest| rest.strip_suffix(ending)).is_some_and(is_number)
         };
-        let mut found: Vec<String> = self.result.files.iter().filter(fits).cloned().collect();
+        let mut found: Vec<String> = self.result.files.iter().flatten().filter(fits).cloned().collect();
         found.sort();
         found
     }

@@ -1,7 +1,5 @@
 //! Numbers for people.
 
-use crate::record::Number;
-
 /// Five significant digits, with an exponent only where that reads better.
 pub(crate) fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
@@ -21,8 +19,8 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// A number of a result with its unit; a dash where there is none.
-pub(crate) fn number(value: Number, unit: &str) -> String {
-    match value {
+pub(crate) fn number(value: impl Into<Option<f64>>, unit: &str) -> String {
+    match value.into() {
         Some(x) if unit.is_empty() => short(x),
         Some(x) => format!("{} {unit}", short(x)),
         None => "–".to_owned(),
@@ -54,7 +52,7 @@ pub fn duration(seconds: f64) -> String {
 }
 
 /// "1 thread", "2 threads".
-pub(crate) fn count(n: u64, what: &str) -> String {
+pub(crate) fn count(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 

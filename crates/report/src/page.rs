@@ -35,7 +35,7 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
     let view = scene.json(&result.units.length);
     let plots = plots(result, &folder.history);
     let file = || result.case.as_deref().map(case_name);
-    let title = result.title.clone().or_else(file).unwrap_or_else(|| "nastic".to_owned());
+    let title = result.title.as_ref().cloned().or_else(file).unwrap_or_else(|| "nastic".to_owned());
     let body = [
         summary::warnings(result),
         summary::summary(result),
@@ -122,7 +122,7 @@ fn plot_places(plots: &[Value]) -> String {
 
 /// The charts whose names end so, as the run drew them.
 fn drawings(folder: &ResultFolder, endings: &[&str]) -> String {
-    let drawn = folder.result.files.iter().filter(|file| endings.iter().any(|ending| file.ends_with(ending)));
+    let drawn = folder.result.files.iter().flatten().filter(|file| endings.iter().any(|ending| file.ends_with(ending)));
     let figure = |file: &String| {
         let text = folder.text(file).ok().flatten()?;
         let start = text.find("<svg")?;
@@ -147,7 +147,7 @@ fn fields(result: &RunRecord) -> Value {
         "B_a": { "label": "applied field B_a", "unit": units.field },
         "fiber": { "label": "fibre of the material", "unit": "" },
     });
-    for (_, control) in &result.controls {
+    for (_, control) in result.controls.iter().flatten() {
         if let Some(array) = &control.array {
             out[array] = json!({ "label": array, "unit": control.unit, "control": true });
         }

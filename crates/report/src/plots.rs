@@ -1,6 +1,6 @@
 //! The plots of a run: columns of `history.jsonl` over trials, and the costs of scenarios.
 
-use crate::record::{RunRecord, StateRecord};
+use crate::record::{Nullable, RunRecord, StateRecord, TrialRecord, number_of};
 use serde_json::{Value, json};
 
 /// One curve.
@@ -10,33 +10,35 @@ struct Curve {
 }
 
 /// All plots, as `{ "title", "x", "y", "log", "points", "columns": [x, ..], "labels": [..] }`; empty without a history.
-pub(crate) fn plots(result: &RunRecord, history: &[Value]) -> Vec<Value> {
+pub(crate) fn plots(result: &RunRecord, history: &[TrialRecord]) -> Vec<Value> {
     let mut out = convergence(result, &of_best_start(result, history));
     out.extend(scenarios(result));
     out
 }
 
 /// The trials of the start that everything else speaks of.
-fn of_best_start<'a>(result: &RunRecord, history: &'a [Value]) -> Vec<&'a Value> {
-    history.iter().filter(|line| result.best_start.is_none_or(|best| line["start"] == best)).collect()
+fn of_best_start<'a>(result: &RunRecord, history: &'a [TrialRecord]) -> Vec<&'a TrialRecord> {
+    history.iter().filter(|line| result.optimum.best_start.is_none_or(|best| line.start == Some(best))).collect()
 }
 
-fn convergence(result: &RunRecord, trials: &[&Value]) -> Vec<Value> {
+fn convergence(result: &RunRecord, trials: &[&TrialRecord]) -> Vec<Value> {
     if trials.len() < 2 {
         return Vec::new();
     }
-    let column = |path: &[&str], label: &str| {
-        let value = |line: &&Value| path.iter().fold(*line, |value, key| &value[*key]).as_f64();
-        Curve { label: label.to_owned(), values: trials.iter().map(value).collect() }
+    let column = |label: &str, value: &dyn Fn(&TrialRecord) -> Option<f64>| Curve {
+        label: label.to_owned(),
+        values: trials.iter().map(|trial| value(trial)).collect(),
     };
-    let mut costs = vec![column(&["cost"], "cost")];
+    let count =
+        |label: &str, value: fn(&TrialRecord) -> &Nullable<u64>| column(label, &|trial| value(trial).map(|n| n as f64));
+    let mut costs = vec![column("cost", &|trial| *trial.cost)];
     let terms: Vec<&String> =
-        trials.iter().find_map(|line| line["terms"].as_object()).into_iter().flat_map(|terms| terms.keys()).collect();
+        trials.iter().find_map(|trial| trial.terms.as_ref()).into_iter().flat_map(|terms| terms.keys()).collect();
     if terms.len() > 1 {
-        costs.extend(terms.into_iter().take(6).map(|name| column(&["terms", name], name)));
+        let term = |name: &&String| column(name, &|trial| number_of(trial.terms.as_ref()?, name));
+        costs.extend(terms.iter().take(6).map(term));
     }
-    let count = |name: &str, label: &str| column(&[name], label);
-    let x: Vec<Option<f64>> = (0..trials.len()).map(|k| trials[k]["trial"].as_f64().or(Some(k as f64))).collect();
+    let x: Vec<Option<f64>> = trials.iter().map(|trial| Some(trial.trial as f64)).collect();
     let plot = |title: &str, y: &str, curves: Vec<Curve>| plot((title, "trial", y), &x, curves);
     let all = [
         plot("Cost", "cost", costs),
@@ -44,24 +46,28 @@ fn convergence(result: &RunRecord, trials: &[&Value]) -> Vec<Value> {
             "Distance from the target",
             &result.units.length,
             vec![
-                count("hausdorff_true", "true Hausdorff distance"),
-                count("tracking_largest", "largest tracked distance"),
-                count("tracking_root_mean_square", "root mean square"),
+                column("true Hausdorff distance", &|trial| *trial.hausdorff_true),
+                column("largest tracked distance", &|trial| *trial.tracking_largest),
+                column("root mean square", &|trial| *trial.tracking_root_mean_square),
             ],
         ),
-        plot("Projected gradient", "norm in the control's product", vec![count("gradient_norm", "projected gradient")]),
-        plot("Step length", "step", vec![count("step", "step length")]),
+        plot(
+            "Projected gradient",
+            "norm in the control's product",
+            vec![column("projected gradient", &|trial| *trial.gradient_norm)],
+        ),
+        plot("Step length", "step", vec![column("step length", &|trial| *trial.step)]),
         plot(
             "Work per trial",
             "count",
             vec![
-                count("newton", "Newton iterations"),
-                count("factorisations", "factorisations"),
-                count("back_substitutions", "linear solves and iterations"),
+                count("Newton iterations", |trial| &trial.newton),
+                count("factorisations", |trial| &trial.factorisations),
+                count("linear solves and iterations", |trial| &trial.back_substitutions),
             ],
         ),
-        plot("Values on their bounds", "count", vec![count("active", "on a bound")]),
-        plot("Smallest volume ratio", "J", vec![count("min_J", "smallest J")]),
+        plot("Values on their bounds", "count", vec![column("on a bound", &|trial| Some(trial.active as f64))]),
+        plot("Smallest volume ratio", "J", vec![column("smallest J", &|trial| *trial.min_j)]),
     ];
     all.into_iter().flatten().collect()
 }
@@ -93,8 +99,8 @@ fn plot((title, x_label, y_label): (&str, &str, &str), x: &[Option<f64>], curves
 /// The cost of every scenario at the optimum and at the start, in the order of the former.
 fn scenarios(result: &RunRecord) -> Option<Value> {
     let all = Some(&result.scenarios).filter(|all| all.len() > 1)?;
-    let begin = |name: &str| result.start.scenarios.get(name).and_then(|entry| entry.cost.total);
-    let of = |(name, entry): (&String, &StateRecord)| (entry.cost.total, begin(name));
+    let begin = |name: &str| result.start.scenarios.get(name).and_then(|entry| *entry.cost.total);
+    let of = |(name, entry): (&String, &StateRecord)| (*entry.cost.total, begin(name));
     let mut costs: Vec<(Option<f64>, Option<f64>)> = all.iter().map(of).collect();
     costs.sort_by(|a, b| a.0.unwrap_or(f64::NAN).total_cmp(&b.0.unwrap_or(f64::NAN)));
     let (now, begin): (Vec<_>, Vec<_>) = costs.into_iter().unzip();

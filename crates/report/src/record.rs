@@ -1,36 +1,85 @@
-//! What the page and the terminal read of `result.json`, as values.
+//! `result.json` as values: what commands fill, the page and the terminal read, and the JSON Schema of results describes.
 
 use indexmap::IndexMap;
 
-/// Types whose fields are keys of `result.json`; those that it lacks have their defaults.
+/// Types whose fields are keys of results. A key that says nothing (`None`, an empty map, a group without an entry) is left out; one that a
+/// file lacks has its default.
 macro_rules! records {
     ($(
         $(#[$about:meta])*
         $name:ident { $( $(#[$attribute:meta])* $field:ident: $type:ty ),* $(,)? }
     )*) => { $(
         $(#[$about])*
-        #[derive(Clone, Debug, Default, serde::Deserialize)]
+        #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
         #[serde(default)]
-        #[allow(missing_docs)] // fields are keys
-        pub struct $name { $( $(#[$attribute])* pub $field: $type ),* }
+        pub struct $name { $(
+            $(#[$attribute])*
+            #[serde(skip_serializing_if = "crate::record::Absent::is_absent")]
+            pub $field: $type
+        ),* }
+
+        impl crate::record::Absent for $name {
+            fn is_absent(&self) -> bool {
+                *self == Self::default()
+            }
+        }
     )* };
 }
 
+mod absent;
+mod case_record;
+mod contact_record;
+mod control_record;
+mod error_record;
+mod failure_record;
+mod gradcheck_record;
+mod nullable;
+mod number;
+mod optimum_record;
 mod run_record;
+mod schema;
+mod series_record;
+mod spectrum_record;
 mod state_record;
+mod sweep_record;
+mod time_record;
+mod trial_record;
 
-pub use run_record::{
-    ControlRecord, MemberRecord, RangeRecord, RunRecord, SpectrumRecord, StartRecord, UnitsRecord, WarningRecord,
+pub use absent::Absent;
+pub use case_record::{
+    BodyPointRecord, CaseDescription, CellGroupRecord, ConstantRecord, ExistenceRecord, GrowthRecord, LawRecord,
+    MemoryRecord, MeshRecord, NamesRecord, QualityRecord, SetRecord, SpringRecord,
 };
-pub use state_record::{HausdorffRecord, MeasureRecord, ProbeRecord, ProbesRecord, SeriesRecord, StateRecord};
+pub use contact_record::{ContactRecord, ExactContactRecord};
+pub use control_record::{ControlRecord, ControlValues, RangeRecord};
+pub use error_record::{ErrorRecord, ProblemRecord};
+pub use failure_record::{
+    CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, MeetingGuidesRecord, PenetrationRecord, TensionRecord,
+};
+pub use gradcheck_record::{
+    DirectionRecord, GradcheckRecord, RemainderRecord, SecondDirectionRecord, SecondGradcheckRecord, TermCheckRecord,
+};
+pub use nullable::Nullable;
+pub use number::{Number, Numbers, number_of, numbers};
+pub use optimum_record::{
+    BetweenNodesRecord, ConstraintGroupRecord, ConstraintValueRecord, ConstraintsRecord, DerivativeNorm,
+    GradientCheckRecord, LastLimitRecord, LimitPointsRecord, OptimumRecord, ResumedRecord, StageRecord, StartRecord,
+};
+pub use run_record::{
+    ExpectRecord, MemberRecord, MissRecord, ReachedRecord, RunRecord, SmoothingRecord, UnitsRecord, VersionsRecord,
+    WarningRecord,
+};
+pub use series_record::{
+    EquilibriaRecord, JumpRecord, ModesRecord, ModesUnits, PointRecord, SeriesRecord, VibrationInSteps,
+};
+pub use spectrum_record::{EigenvectorsRecord, SpectrumRecord};
+pub use state_record::{
+    CostRecord, HausdorffRecord, IntersectionRecord, MeasureRecord, ProbeRecord, ProbesRecord, RiskRecord, StateRecord,
+    UncountedRecord,
+};
+pub use sweep_record::{SweepRecord, SweepRunRecord, SweptRecord};
+pub use time_record::{EnergiesRecord, EnergyRecord, StepErrorRecord, TimeRecord};
+pub use trial_record::TrialRecord;
 
-/// A number of a result; `None` where there is none, or none that is finite.
-pub type Number = Option<f64>;
-/// Numbers by name, in the order of the file.
-pub type Numbers = IndexMap<String, Number>;
-
-/// The number of a name.
-#[must_use]
-pub fn number_of(numbers: &Numbers, name: &str) -> Number {
-    numbers.get(name).copied().flatten()
-}
+/// Entries by name, in the order of the file.
+pub type ByName<T> = IndexMap<String, T>;

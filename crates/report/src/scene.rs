@@ -104,9 +104,12 @@ impl Scene {
             for mode in shot.point_data.iter().filter(|array| array.name.starts_with("mode_")) {
                 let number = mode.name.trim_start_matches("mode_").parse::<usize>().unwrap_or(1);
                 let modes = member.state.map(|state| &state.modes);
-                let of = |list: &[Number]| list.get(number - 1).copied().flatten().map(short);
-                let value = modes.and_then(|modes| of(&modes.eigenvalues)).map(|value| format!(", eigenvalue {value}"));
-                let frequency = || modes.and_then(|modes| of(&modes.frequencies)).map(|value| format!(", {value} Hz"));
+                let of = |list: &[Number]| list.get(number - 1).and_then(|number| **number).map(short);
+                let value = modes
+                    .and_then(|modes| of(modes.eigenvalues.as_deref()?))
+                    .map(|value| format!(", eigenvalue {value}"));
+                let frequency =
+                    || modes.and_then(|modes| of(modes.frequencies.as_deref()?)).map(|value| format!(", {value} Hz"));
                 let value = value.or_else(frequency);
                 let label = format!("mode {number}{}", value.unwrap_or_default());
                 frames.push(frame::of_mode(&label, shot, mode, &self.surfaces[surface]));
@@ -145,7 +148,7 @@ impl Scene {
         surface: usize,
         most: usize,
     ) -> Result<Vec<Value>, ReportError> {
-        let best = folder.result.best_start.unwrap_or(0);
+        let best = folder.result.optimum.best_start.unwrap_or(0);
         let names = ["iterates.bin".to_owned(), format!("start_{best}_iterates.bin")];
         let mut names = names.into_iter().map(|name| format!("{}{name}", member.record.case_stem));
         let Some(name) = names.find(|name| folder.wrote(name)) else { return Ok(Vec::new()) };
@@ -153,7 +156,7 @@ impl Scene {
         let iterates = Iterates::from_bytes(&bytes).map_err(|error| folder.content(&name, error.to_string()))?;
         let surface = &self.surfaces[surface];
         // The first is the start, the last the optimum: these are there already.
-        let last = folder.result.iterations.map_or(usize::MAX, |n| n as usize);
+        let last = folder.result.optimum.iterations.unwrap_or(usize::MAX);
         let all = iterates.iterations().into_iter().enumerate().filter(|(_, k)| *k > 0 && *k < last);
         let frames: Option<Vec<Value>> = all.map(|(index, _)| frame::of_iterate(&iterates, index, surface)).collect();
         let foreign = || folder.content(&name, "it belongs to another mesh".to_owned());
@@ -218,7 +221,7 @@ fn listed(result: &RunRecord) -> Vec<ListedMember<'_>> {
         stems.push(&record.case_stem);
         ListedMember { record, state: result.member(record), is_lead }
     };
-    result.members.iter().map(of).collect()
+    result.members.iter().flatten().map(of).collect()
 }
 
 /// All leads, and of the others those at even distances in the order of their costs.
@@ -226,7 +229,7 @@ fn chosen<'a, 'b>(members: &'a [ListedMember<'b>]) -> Vec<&'a ListedMember<'b>> 
     if members.len() <= MOST_MEMBERS {
         return members.iter().collect();
     }
-    let cost = |k: usize| members[k].state.and_then(|state| state.cost.total).unwrap_or(f64::INFINITY);
+    let cost = |k: usize| members[k].state.and_then(|state| *state.cost.total).unwrap_or(f64::INFINITY);
     let mut order: Vec<usize> = (0..members.len()).collect();
     order.sort_by(|a, b| cost(*a).total_cmp(&cost(*b)));
     let last = members.len() - 1;
@@ -247,9 +250,14 @@ fn rows(
     let step = files.len().div_ceil(MOST_ROWS).max(1);
     let series = member.state.and_then(series);
     let of = |(k, file): (usize, String)| {
-        let value = series.and_then(|series| Some((series, series.points.get(k)?.value?)));
+        let value = series.and_then(|series| Some((series, (*series.points.get(k)?.value)?)));
         let value = value.map_or_else(String::new, |(series, x)| {
-            format!(": {} {} {}", series.control.as_deref().unwrap_or("load"), short(x), series.unit)
+            format!(
+                ": {} {} {}",
+                series.control.as_deref().unwrap_or("load"),
+                short(x),
+                series.unit.as_deref().unwrap_or_default()
+            )
         });
         (file, format!("{name} {k}{}", value.trim_end()))
     };
@@ -277,7 +285,8 @@ fn instants(folder: &ResultFolder, member: &ListedMember<'_>) -> Result<Vec<(Str
 /// Arrays of vectors that belong to the material, and turn with it; so do the `direction_` of actuations.
 fn material_vectors(result: &RunRecord) -> Vec<String> {
     let mut out: Vec<String> = ["fiber", "B_r"].map(str::to_owned).to_vec();
-    let remanences = result.controls.iter().filter(|(_, control)| control.slot.as_deref() == Some("remanence"));
+    let remanences =
+        result.controls.iter().flatten().filter(|(_, control)| control.slot.as_deref() == Some("remanence"));
     out.extend(remanences.filter_map(|(_, control)| control.array.clone()));
     out
 }

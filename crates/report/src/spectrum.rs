@@ -11,17 +11,20 @@ const BAR: f64 = 20.0;
 
 /// Eigenvalues at the optimum, what each says of the control, and how far the control is determined.
 pub(crate) fn spectrum(result: &RunRecord) -> String {
-    let Some(found) = &result.spectrum else { return String::new() };
+    let Some(found) = &result.optimum.spectrum else { return String::new() };
     if let Some(why) = &found.failed {
         return section("spectrum", "Spectrum of the reduced Hessian", &paragraph(&format!("Not found: {why}.")));
     }
     let Some(values) = &found.eigenvalues else { return String::new() };
-    let largest = values.first().copied().flatten().unwrap_or(0.0);
-    let of = |list: &[Number], k: usize| list.get(k).copied().flatten();
+    let largest = values.first().and_then(|value| **value).unwrap_or(0.0);
+    let of = |list: &[Number], k: usize| list.get(k).and_then(|value| **value);
     let row = |(k, value): (usize, &Number)| {
         let share = value.map_or(0.0, |value| if largest > 0.0 { value / largest } else { 0.0 });
         let mut row = vec![(k + 1).to_string(), number(*value, ""), bar(share)];
-        row.extend([number(of(&found.residuals, k), ""), number(of(&found.half_widths, k), "")]);
+        row.extend([
+            number(of(found.residuals.as_deref().unwrap_or_default(), k), ""),
+            number(of(found.half_widths.as_deref().unwrap_or_default(), k), ""),
+        ]);
         row.extend(found.shares.iter().flatten().map(|(_, share)| percent(of(share, k))));
         row
     };
@@ -30,7 +33,14 @@ pub(crate) fn spectrum(result: &RunRecord) -> String {
     let head = ["direction", "eigenvalue", "to the largest, ten decades", "residual", "half-width"];
     let head: Vec<&str> = head.into_iter().chain(names.iter().map(String::as_str)).collect();
     let width = |(name, range): (&String, &RangeRecord)| {
-        let unit = result.controls.get(name).and_then(|control| control.unit.as_deref()).unwrap_or_default();
+        let unit = result
+            .controls
+            .iter()
+            .flatten()
+            .find(|(known, _)| *known == name)
+            .map(|(_, control)| control)
+            .and_then(|control| control.unit.as_deref())
+            .unwrap_or_default();
         vec![name.clone(), number(range.min, unit), number(range.max, unit)]
     };
     let widths: Vec<Vec<String>> = found.half_width.iter().flatten().map(width).collect();
@@ -43,7 +53,7 @@ pub(crate) fn spectrum(result: &RunRecord) -> String {
 /// In words.
 fn told(found: &SpectrumRecord, values: &[Number]) -> String {
     let (count, rise) = (values.len(), found.cost_rise.map_or_else(String::new, short));
-    let whole = |n: Option<u64>| n.map_or_else(|| "null".to_owned(), |n| n.to_string());
+    let whole = |n: Option<usize>| n.map_or_else(|| "null".to_owned(), |n| n.to_string());
     let negative = found.negative.unwrap_or(0);
     let mut text = format!(
         "{count} of {} directions free of bounds: the first {} hold 99 % of their curvature, {} have an eigenvalue above 0.001 of the largest. \
@@ -54,7 +64,7 @@ fn told(found: &SpectrumRecord, values: &[Number]) -> String {
         whole(found.above)
     );
     if negative > 0 {
-        let largest = values.first().copied().flatten().map_or(f64::NAN, f64::abs);
+        let largest = values.first().and_then(|value| **value).map_or(f64::NAN, f64::abs);
         let share = -found.lowest.unwrap_or(f64::NAN) / largest;
         text += &match share < MATTERS {
             true => format!(
@@ -75,7 +85,7 @@ fn bar(share: f64) -> String {
     "█".repeat(length as usize)
 }
 
-fn percent(share: Number) -> String {
+fn percent(share: Option<f64>) -> String {
     share.map_or_else(|| "–".to_owned(), |share| format!("{:.1} %", 100.0 * share))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::html::{escape, paragraph, section, tiles};
 use crate::number::{count, duration, millimetres, number, short};
-use crate::record::{Number, RunRecord, StateRecord, WarningRecord, number_of};
+use crate::record::{HausdorffRecord, RunRecord, StateRecord, WarningRecord, number_of};
 use crate::tables::measure;
 
 /// What went wrong, then warnings, each with what to try; nothing where all is well.
@@ -15,7 +15,7 @@ pub(crate) fn warnings(result: &RunRecord) -> String {
     if let Some(error) = &result.error {
         item("error", "failed", error, "");
     }
-    for miss in &result.expect.missed {
+    for miss in result.expect.iter().flat_map(|expect| &expect.missed) {
         let message = format!("{}: found {}, expected {}", miss.path, miss.found, miss.expected);
         item("error", "expectation missed", &message, "");
     }
@@ -45,12 +45,12 @@ fn sentence(result: &RunRecord) -> String {
     let threads = result.threads.map_or_else(String::new, |n| format!(" on {}", count(n, "thread")));
     let took = time.map_or_else(String::new, |time| format!(" It took {time}{threads}."));
     if result.command == "optimize" {
-        let Some(stop) = &result.stop else {
+        let Some(stop) = &result.optimum.stop else {
             return format!("The optimisation did not reach a result.{took}");
         };
-        let iterations = count(result.iterations.unwrap_or(0), "iteration");
-        let trials = count(result.trials.unwrap_or(0), "trial");
-        let failed = result.failed_solves.filter(|n| *n > 0);
+        let iterations = count(result.optimum.iterations.unwrap_or(0), "iteration");
+        let trials = count(result.optimum.trials.unwrap_or(0), "trial");
+        let failed = result.optimum.failed_solves.filter(|n| *n > 0);
         let failed = failed.map_or_else(String::new, |n| format!(" ({n} without an equilibrium)"));
         return format!("The optimisation ended after {iterations} and {trials}{failed}; {stop}.{took}");
     }
@@ -87,25 +87,27 @@ fn figures(result: &RunRecord) -> Vec<(String, String, String)> {
         let before = result.start.cost.total.map_or_else(String::new, |x| format!("at the start {}", short(x)));
         add(&name, number(result.cost.total, ""), before);
     }
-    if let Some(deviation) = result.risk.deviation {
+    if let Some(deviation) = *result.risk.deviation {
         let before = result.start.risk.deviation.map_or_else(String::new, |x| format!("at the start {}", short(x)));
         add("Standard deviation of the cost", short(deviation), before);
     }
-    for (name, group) in &result.constraints.groups {
-        let share = group.violation.zip(group.scale).map_or(f64::NAN, |(v, scale)| v / scale);
+    for (name, group) in &result.optimum.constraints.groups {
+        let share = group.violation.zip(*group.scale).map_or(f64::NAN, |(v, scale)| v / scale);
         let remark = format!("{} of its scale; {} of {} active", short(share), group.active, group.count);
         let unit = group.unit.as_deref().unwrap_or_default();
         add(&format!("Largest violation, {name}"), number(group.violation, unit), remark);
     }
     for (suffix, own, begin) in members(result) {
-        let begin_h = begin.and_then(|begin| begin.hausdorff).unwrap_or_default();
-        let own_h = own.hausdorff.unwrap_or_default();
-        if let Some(distance) = own_h.exact {
+        let distances =
+            |state: &StateRecord| state.hausdorff.as_ref().map(HausdorffRecord::distances).unwrap_or_default();
+        let [smoothed, exact, floor] = distances(own);
+        let [smoothed_before, exact_before, floor_before] = begin.map(distances).unwrap_or_default();
+        if let Some(distance) = exact {
             let name = format!("True Hausdorff distance{suffix}");
-            add(&name, millimetres(distance, length), from_length(begin_h.exact, length));
+            add(&name, millimetres(distance, length), from_length(exact_before, length));
         }
-        if let (Some(smoothed), Some(floor)) = (own_h.smoothed, own_h.floor) {
-            let begin = begin_h.smoothed.map(|x| x - begin_h.floor.unwrap_or(floor));
+        if let (Some(smoothed), Some(floor)) = (smoothed, floor) {
+            let begin = smoothed_before.map(|x| x - floor_before.unwrap_or(floor));
             let name = format!("Smoothed distance minus its floor{suffix}");
             add(&name, millimetres(smoothed - floor, length), from_length(begin, length));
         }
@@ -122,7 +124,7 @@ fn figures(result: &RunRecord) -> Vec<(String, String, String)> {
         add("Smallest volume ratio J", number(result.min_j, ""), "1 is undeformed, 0 is inverted".to_owned());
     }
     // states of a motion are no equilibria
-    if result.inertia.is_some() && result.time.is_none() {
+    if result.inertia.is_stated() && result.time.is_none() {
         let (value, remark) = stability(result);
         add("Stability", value.to_owned(), remark);
     }
@@ -142,7 +144,7 @@ fn members(result: &RunRecord) -> Vec<(String, &StateRecord, Option<&StateRecord
 /// What the inertia means.
 pub(crate) fn stability(state: &StateRecord) -> (&'static str, String) {
     let singular = state.inertia_missing.as_ref().is_some_and(|missing| missing.singular);
-    match state.inertia.flatten() {
+    match *state.inertia {
         Some(0) => ("stable", "no negative pivot of the tangent".to_owned()),
         Some(n) => ("UNSTABLE", format!("{} of the tangent", count(n, "negative pivot"))),
         None if singular => ("undecided", "the tangent is singular".to_owned()),
@@ -150,6 +152,6 @@ pub(crate) fn stability(state: &StateRecord) -> (&'static str, String) {
     }
 }
 
-fn from_length(start: Number, unit: &str) -> String {
+fn from_length(start: Option<f64>, unit: &str) -> String {
     start.map_or_else(String::new, |x| format!("at the start {}", millimetres(x, unit)))
 }

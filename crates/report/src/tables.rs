@@ -3,7 +3,7 @@
 use crate::html::{escape, folded, paragraph, section, table};
 use crate::number::{count, duration, number, short};
 use crate::record::{
-    ControlRecord, MemberRecord, Number, ProbesRecord, RunRecord, StateRecord, UnitsRecord, number_of,
+    ControlRecord, MemberRecord, Nullable, Number, ProbesRecord, RunRecord, StateRecord, UnitsRecord, number_of,
 };
 use crate::summary::stability;
 use nastic_mesh::Snapshot;
@@ -13,7 +13,7 @@ const OPEN: usize = 12;
 
 /// Cost, distance and stability of every scenario and load case; measures of risk.
 pub(crate) fn members(result: &RunRecord) -> String {
-    if result.members.len() < 2 {
+    if result.members.as_ref().map_or(0, Vec::len) < 2 {
         return String::new();
     }
     let none = StateRecord::default();
@@ -26,17 +26,16 @@ pub(crate) fn members(result: &RunRecord) -> String {
             number(scenario.and_then(|scenario| scenario.probability).or(own.weight), ""),
             number(begin.cost.total, ""),
             number(own.cost.total, ""),
-            number(own.hausdorff.and_then(|distances| distances.exact), &result.units.length),
+            number(own.hausdorff.as_ref().and_then(|distances| *distances.exact), &result.units.length),
             number(own.min_j, ""),
             stability(own).0.to_owned(),
         ]
     };
-    let rows: Vec<Vec<String>> = result.members.iter().map(row).collect();
+    let rows: Vec<Vec<String>> = result.members.iter().flatten().map(row).collect();
     let head =
         ["state", "probability or weight", "cost at the start", "cost", "true distance", "smallest J", "stability"];
-    let all = told_columns(&head, rows);
-    let mut content =
-        if result.members.len() > OPEN { folded(&count(result.members.len() as u64, "state"), &all) } else { all };
+    let (count_of, all) = (rows.len(), told_columns(&head, rows));
+    let mut content = if count_of > OPEN { folded(&count(count_of, "state"), &all) } else { all };
     let measures = result.risk.measures.iter().flatten();
     let rows: Vec<Vec<String>> = measures
         .map(|(name, one)| vec![measure(name, one.level), number(one.value, ""), number(one.exact, "")])
@@ -46,7 +45,7 @@ pub(crate) fn members(result: &RunRecord) -> String {
 }
 
 /// A measure of risk with its level, where it has one.
-pub(crate) fn measure(name: &str, level: Number) -> String {
+pub(crate) fn measure(name: &str, level: Option<f64>) -> String {
     let level = level.map_or_else(String::new, |level| format!(" (level {})", short(level)));
     name.replace('_', " ") + &level
 }
@@ -76,7 +75,7 @@ pub(crate) fn controls(result: &RunRecord) -> String {
             number(control.total_variation, ""),
         ]
     };
-    let rows: Vec<Vec<String>> = result.controls.iter().map(row).collect();
+    let rows: Vec<Vec<String>> = result.controls.iter().flatten().map(row).collect();
     let head = [
         "control",
         "space",
@@ -102,16 +101,20 @@ pub(crate) fn certificate(result: &RunRecord) -> String {
     section("certificate", "Gradient certificate", &paragraph(&text))
 }
 
+fn pivots(count: &Nullable<usize>) -> String {
+    number(count.map(|n| n as f64), "")
+}
+
 /// Critical values of ramps, limit points and bifurcations of paths.
 pub(crate) fn events(result: &RunRecord) -> String {
     let mut rows = Vec::new();
     for (name, own) in entries(result) {
         for series in own.ramp.iter().chain(&own.path) {
-            for event in series.critical.iter().chain(&series.events) {
+            for event in series.critical.iter().chain(&series.events).flatten() {
                 rows.push(vec![
                     format!("{name}{}", event.kind.as_deref().unwrap_or("critical value")),
-                    number(event.value, &series.unit),
-                    format!("{} to {}", number(event.before, ""), number(event.after, "")),
+                    number(event.value, series.unit.as_deref().unwrap_or_default()),
+                    format!("{} to {}", pivots(&event.before), pivots(&event.after)),
                 ]);
             }
         }
@@ -123,12 +126,12 @@ pub(crate) fn events(result: &RunRecord) -> String {
 pub(crate) fn states(result: &RunRecord) -> String {
     let UnitsRecord { length, force, pressure, .. } = &result.units;
     let vector =
-        |value: &[Number]| -> Vec<String> { (0..3).map(|k| number(value.get(k).copied().flatten(), "")).collect() };
+        |value: &[Number]| -> Vec<String> { (0..3).map(|k| number(value.get(k).and_then(|x| **x), "")).collect() };
     let (mut probes, mut reactions) = (Vec::new(), Vec::new());
     let mut others: Vec<Vec<String>> = Vec::new();
     let (mut cavities, mut tendons, mut springs) = (Vec::new(), Vec::new(), Vec::new());
     for (name, own) in entries(result) {
-        for (probe, entry) in &own.probes {
+        for (probe, entry) in own.probes.iter().flatten() {
             let (displacement, position) = match entry {
                 ProbesRecord::One(probe) => (probe.displacement.as_slice(), probe.position.as_slice()),
                 ProbesRecord::OfLoadCase(_) => Default::default(),
@@ -204,23 +207,23 @@ fn entries(result: &RunRecord) -> Vec<(String, &StateRecord)> {
 /// Inertia, modes, self-intersection.
 pub(crate) fn stabilities(result: &RunRecord) -> String {
     let mut content = String::new();
-    if result.inertia.is_some() {
+    if result.inertia.is_stated() {
         let (what, why) = stability(result);
         content += &paragraph(&format!("{what}: {why}."));
     }
-    if let Some(cells) = result.self_intersection.and_then(|found| found.cells) {
+    if let Some(cells) = result.self_intersection.as_ref().map(|found| found.cells) {
         let text = match cells {
             0 => "The deformed body does not intersect itself.".to_owned(),
             n => format!("The deformed body intersects itself in {}.", count(n, "cell")),
         };
         content += &paragraph(&text);
     }
-    let values = result.modes.eigenvalues.iter().enumerate();
-    let unit = &result.modes.unit;
+    let values = result.modes.eigenvalues.iter().flatten().enumerate();
+    let unit = result.modes.unit.as_deref().unwrap_or_default();
     let rows: Vec<Vec<String>> =
         values.map(|(k, value)| vec![format!("mode {}", k + 1), number(*value, unit)]).collect();
     content += &table(&["mode of the tangent", "eigenvalue"], &rows);
-    let values = result.modes.frequencies.iter().enumerate();
+    let values = result.modes.frequencies.iter().flatten().enumerate();
     let told = |value: Number| if value.is_none() { "unstable".to_owned() } else { number(value, "Hz") };
     let rows: Vec<Vec<String>> = values.map(|(k, value)| vec![format!("mode {}", k + 1), told(*value)]).collect();
     content += &table(&["mode of vibration", "frequency"], &rows);
@@ -261,11 +264,11 @@ pub(crate) fn mesh(first: Option<&Snapshot>, last: Option<&Snapshot>) -> String 
 /// Times, work, starts, versions, files.
 pub(crate) fn run(result: &RunRecord) -> String {
     let mut content = String::new();
-    let starts = result.starts.iter().enumerate();
+    let starts = result.optimum.starts.iter().flatten().enumerate();
     let rows: Vec<Vec<String>> = starts
         .map(|(k, start)| {
             let end = start.stop.as_ref().or(start.failed.as_ref()).cloned().unwrap_or_default();
-            let mark = if result.best_start == Some(k as u64) { " (the best)" } else { "" };
+            let mark = if result.optimum.best_start == Some(k) { " (the best)" } else { "" };
             vec![
                 format!("{}{mark}", k + 1),
                 number(start.start_cost, ""),
@@ -288,19 +291,19 @@ pub(crate) fn run(result: &RunRecord) -> String {
     content += &table(&["work", "count"], &rows);
     let times = result.seconds.iter();
     let rows: Vec<Vec<String>> =
-        times.filter_map(|(phase, seconds)| Some(vec![phase.replace('_', " "), duration((*seconds)?)])).collect();
+        times.filter_map(|(phase, seconds)| Some(vec![phase.replace('_', " "), duration((**seconds)?)])).collect();
     content += &table(&["phase", "time"], &rows);
     let rows = [
         vec!["case".to_owned(), result.case.clone().unwrap_or_default()],
         vec!["hash of the case and its files".to_owned(), result.case_hash.clone()],
         vec!["nastic".to_owned(), result.versions.nastic.clone()],
-        vec!["linear solver".to_owned(), result.linear_solver.clone()],
-        vec!["exit code".to_owned(), number(result.exit, "")],
+        vec!["linear solver".to_owned(), result.linear_solver.clone().unwrap_or_default()],
+        vec!["exit code".to_owned(), result.exit.map_or_else(String::new, |code| code.to_string())],
     ];
     let rows: Vec<Vec<String>> = rows.into_iter().filter(|row| !row[1].is_empty()).collect();
     content += &table(&["run", ""], &rows);
-    if !result.files.is_empty() {
-        content += &folded(&count(result.files.len() as u64, "file"), &paragraph(&result.files.join(", ")));
+    if let Some(files) = result.files.as_ref().filter(|files| !files.is_empty()) {
+        content += &folded(&count(files.len(), "file"), &paragraph(&files.join(", ")));
     }
     section("run", "Run", &content)
 }

@@ -2,7 +2,7 @@
 
 use nastic_io::{WriteError, write_atomically};
 use nastic_opt::{Summary, Trial};
-use serde_json::{Map, Value, json};
+use nastic_report::record::{Number, Numbers, TrialRecord};
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -62,32 +62,45 @@ impl History {
 
 /// The line of a trial. Work of a failed trial is what its error tells of, null where it tells nothing.
 #[must_use]
-pub fn line<P>(trial: &Trial<'_, P>, seconds: f64) -> Value {
+pub fn line<P>(trial: &Trial<'_, P>, seconds: f64) -> TrialRecord {
     let summary = &trial.summary;
-    let count = |name: &str| summary.get(name).map(|value| value as u64);
-    json!({
-        "trial": trial.trial,
-        "iteration": trial.iteration,
-        "stage": trial.stage,
-        "accepted": trial.accepted,
-        "reason": trial.reason.to_string(),
-        "cost": trial.cost,
-        "terms": terms(summary),
-        "gradient_norm": trial.gradient_norm,
-        "relative_gradient": trial.relative_gradient,
-        "step": trial.step,
-        "predicted": trial.predicted,
-        "newton": count("newton"),
-        "factorisations": count("factorisations"),
-        "back_substitutions": count("back_substitutions"),
-        "min_J": summary.get("min_J"),
-        "active": trial.active,
-        "seconds": seconds,
-    })
+    let count = |name: &str| summary.get(name).map(|value| value as u64).into();
+    let known = |name: &str| summary.get(name).map(Number::from).unwrap_or_default();
+    TrialRecord {
+        trial: trial.trial,
+        iteration: trial.iteration,
+        stage: trial.stage,
+        accepted: trial.accepted,
+        reason: trial.reason.to_string(),
+        cost: trial.cost.into(),
+        terms: Some(terms(summary)),
+        gradient_norm: trial.gradient_norm.into(),
+        relative_gradient: trial.relative_gradient.into(),
+        step: trial.step.into(),
+        predicted: trial.predicted.into(),
+        newton: count("newton"),
+        factorisations: count("factorisations"),
+        back_substitutions: count("back_substitutions"),
+        min_j: summary.get("min_J").into(),
+        active: trial.active,
+        seconds: seconds.into(),
+        objective: known("objective"),
+        violation: known("violation"),
+        penalty: known("penalty"),
+        ..TrialRecord::default()
+    }
 }
 
-fn terms(summary: &Summary) -> Value {
-    let own =
-        summary.0.iter().filter_map(|(name, value)| Some((name.strip_prefix("terms/")?.to_owned(), json!(value))));
-    Value::Object(own.collect::<Map<_, _>>())
+/// A line of the file.
+#[must_use]
+pub fn json_line(line: &TrialRecord) -> Vec<u8> {
+    // a record has keys that are texts: nothing in it fails
+    let mut out = serde_json::to_vec(line).unwrap_or_default();
+    out.push(b'\n');
+    out
+}
+
+fn terms(summary: &Summary) -> Numbers {
+    let of = |(name, value): &(String, f64)| Some((name.strip_prefix("terms/")?.to_owned(), (*value).into()));
+    summary.0.iter().filter_map(of).collect()
 }

@@ -5,4 +5,7 @@ pub mod history;
 pub(crate) mod pace;
 pub mod result;
 pub mod run;
+
+/// Results as values.
+pub use nastic_report::record;
 pub mod signals;

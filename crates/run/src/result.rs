@@ -2,6 +2,7 @@
 
 pub(crate) mod checkpoint_file;
 pub(crate) mod collections;
+pub(crate) mod controls;
 pub(crate) mod convergence;
 pub(crate) mod expectation;
 pub(crate) mod failure;
@@ -18,6 +19,7 @@ pub(crate) mod summary;
 pub(crate) mod target_files;
 pub(crate) mod title;
 pub(crate) mod touches;
+pub(crate) mod warning_record;
 
 pub use checkpoint_file::CheckpointError;
 pub use expectation::{Missed, find};

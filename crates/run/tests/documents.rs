@@ -66,7 +66,7 @@ fn every_trial_is_told_as_in_the_history() {
     let place = Place::new();
     let told: Arc<Mutex<Vec<Value>>> = Arc::default();
     let heard = told.clone();
-    let on_trial = OnTrial::call(move |line| heard.lock().unwrap().push(line.clone()));
+    let on_trial = OnTrial::call(move |line| heard.lock().unwrap().push(serde_json::to_value(line).unwrap()));
     run(Command::Optimize, &bar(), &Options { out: Some(place.path("out")), on_trial, ..in_memory() }).unwrap();
     let text = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
@@ -78,7 +78,7 @@ fn every_trial_is_told_as_in_the_history() {
 fn whoever_is_told_may_stop_the_run() {
     let cancel = Arc::new(AtomicBool::new(false));
     let raised = cancel.clone();
-    let on_trial = OnTrial::call(move |line| raised.store(line["trial"] == 1, Ordering::Relaxed));
+    let on_trial = OnTrial::call(move |line| raised.store(line.trial == 1, Ordering::Relaxed));
     let (outcome, _) = run(Command::Optimize, &bar(), &Options { on_trial, cancel, ..in_memory() }).unwrap();
     assert_eq!(outcome.result["iterations"], 1);
     assert_eq!(outcome.result["converged"], false);
@@ -92,7 +92,7 @@ fn an_interrupted_run_of_an_unchanged_file_is_resumed_from_the_file() {
     let file = place.write("bar.json", &case.to_string());
     let (cancel, out) = (Arc::new(AtomicBool::new(false)), Some(place.path("out")));
     let raised = cancel.clone();
-    let on_trial = OnTrial::call(move |line| raised.store(line["iteration"] == 2, Ordering::Relaxed));
+    let on_trial = OnTrial::call(move |line| raised.store(line.iteration == 2, Ordering::Relaxed));
     let document = Document::from_json(&file.display().to_string(), &case);
     let options = Options { on_trial, cancel, out, ..in_memory() };
     run_document(Command::Optimize, document, &options, &Console::silent()).unwrap();

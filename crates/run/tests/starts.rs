@@ -157,7 +157,7 @@ fn trials_are_told_in_the_order_of_the_history() {
     let told: Arc<Mutex<Vec<Value>>> = Arc::default();
     let mut options = Options { threads: Some(3), ..place.options(&STARTS) };
     let kept = told.clone();
-    options.on_trial = OnTrial::call(move |line| kept.lock().unwrap().push(line.clone()));
+    options.on_trial = OnTrial::call(move |line| kept.lock().unwrap().push(serde_json::to_value(line).unwrap()));
     place.run_with(Command::Optimize, MAGNET, &Console::silent(), &options).unwrap();
     let mut told = told.lock().unwrap().clone();
     told.iter_mut().for_each(|line| drop(line.as_object_mut().unwrap().remove("seconds")));

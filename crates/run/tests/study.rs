@@ -14,6 +14,7 @@ use nastic_language::syntax::Document;
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Ball, Bounds, Lbfgs, Options as Stops, Sphere};
 use nastic_run::console::Console;
+use nastic_run::record::TrialRecord;
 use nastic_run::run::{Exit, OnTrial, Optimum, Options, Outcome, RunError, Study, StudyError, run_document};
 use nastic_tensor::Vec3;
 use nastic_uncertainty::risk::Mean;
@@ -86,7 +87,7 @@ fn history(directory: &Path) -> String {
 fn stopped_after(study: Study, trials: usize) -> Study {
     let (flag, told) = (Arc::new(AtomicBool::new(false)), AtomicUsize::new(0));
     let raised = flag.clone();
-    let count = move |_: &Value| {
+    let count = move |_: &TrialRecord| {
         if told.fetch_add(1, Ordering::Relaxed) == trials {
             raised.store(true, Ordering::Relaxed);
         }

@@ -7,6 +7,7 @@ use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::Solid;
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Bounds, Lbfgs};
+use nastic_run::record::TrialRecord;
 use nastic_run::run::{Exit, OnTrial, Study};
 use nastic_run::signals::cancelled_by_signals;
 use nastic_tensor::Vec3;
@@ -22,8 +23,8 @@ fn ctrl_c_stops_a_study_that_is_interruptible() -> Result<(), Box<dyn std::error
         .clamp("x-")?;
     let target = Target::position(|x| [0.95 * x[0], x[1], x[2] + 0.05]);
     let problem = Reduced::new(body).control("top", Space::Cell)?.cost(Tracking::surface("x+", target))?;
-    let interrupt = |line: &serde_json::Value| {
-        if line["trial"] == 3 {
+    let interrupt = |line: &TrialRecord| {
+        if line.trial == 3 {
             signal_hook::low_level::raise(signal_hook::consts::SIGINT).unwrap();
             // The same flag, which another thread raises.
             let flag = cancelled_by_signals(|_| {});

@@ -8,6 +8,7 @@ use common::{BAR, Heard, Place};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
+use nastic_run::record::TrialRecord;
 use nastic_run::run::{Exit, OnTrial, Options, RunError, Sweep, SweepOutcome, run, sweep};
 use serde_json::Value;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -149,7 +150,7 @@ fn a_sweep_that_is_cancelled_keeps_what_it_has() {
     let trials = Arc::new(AtomicUsize::new(0));
     let options = place.options(&["costs/0/weight=1,2,3"]);
     let (cancel, counted) = (options.cancel.clone(), trials.clone());
-    let on_trial = OnTrial::call(move |_: &Value| {
+    let on_trial = OnTrial::call(move |_: &TrialRecord| {
         // Within the second run.
         if counted.fetch_add(1, Ordering::Relaxed) == 6 {
             cancel.store(true, Ordering::Relaxed);

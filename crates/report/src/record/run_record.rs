@@ -1,78 +1,168 @@
 //! [`RunRecord`]: the whole of `result.json`.
 
 use crate::error::ReportError;
-use crate::record::{Number, Numbers, StateRecord};
-use indexmap::IndexMap;
+use crate::record::{
+    ByName, CaseDescription, ControlRecord, DerivativeNorm, FailureRecord, GradcheckRecord, GradientCheckRecord,
+    Nullable, Number, OptimumRecord, ResumedRecord, StateRecord,
+};
 use serde::Deserialize;
 use serde_json::Value;
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 
 records! {
-    /// The result of a command; `start` has the costs at the start of an optimisation, `state` what was found.
+    /// The result of a command.
     RunRecord {
-        command: String, case: Option<String>, case_hash: String, title: Option<String>, versions: VersionsRecord,
-        units: UnitsRecord, threads: Option<u64>, warnings: Vec<WarningRecord>, error: Option<String>, exit: Number,
-        expect: ExpectRecord, seconds: Numbers, peak_memory: Option<u64>, stop: Option<String>,
-        iterations: Option<u64>, trials: Option<u64>, failed_solves: Option<u64>, gradient_check: GradientCheckRecord,
-        starts: Vec<StartRecord>, best_start: Option<u64>, files: Vec<String>, members: Vec<MemberRecord>,
-        controls: IndexMap<String, ControlRecord>, constraints: ConstraintsRecord, spectrum: Option<SpectrumRecord>,
-        derivative_norm: Numbers, start: StateRecord,
-        #[serde(flatten)] state: StateRecord,
+        /// By smoothed distance the exponents of its stages.
+        smoothing: ByName<Vec<SmoothingRecord>>,
+        /// What was run.
+        command: String,
+        /// The case file.
+        case: Option<String>,
+        /// Its title.
+        title: Nullable<String>,
+        /// Hash of the case and of all files that it names.
+        case_hash: String,
+        /// Versions of the program and of the case's syntax.
+        versions: VersionsRecord,
+        /// Units of all numbers.
+        units: UnitsRecord,
+        /// Number of threads, on which nothing else depends but `seconds` and `peak_memory`.
+        threads: Option<usize>,
+        /// What was mended in meshes; cells and size of obstacles from meshes.
+        notes: Option<Vec<String>>,
+        /// Where a run went on.
+        resumed: ResumedRecord,
+        /// The short check of the derivative at the start.
+        gradient_check: GradientCheckRecord,
+        /// What `gradcheck` found.
+        gradcheck: Option<GradcheckRecord>,
+        /// The case as it was understood, of `check`.
+        #[serde(flatten)]
+        description: CaseDescription,
+        /// What was found.
+        #[serde(flatten)]
+        state: StateRecord,
+        /// Costs at the start of an optimisation.
+        start: StateRecord,
+        /// By name what became of each control.
+        controls: Option<ByName<ControlRecord>>,
+        /// Norms of the derivative.
+        derivative_norm: DerivativeNorm,
+        /// Of an optimisation: how it went.
+        #[serde(flatten)]
+        optimum: OptimumRecord,
+        /// How far a motion came that has no end.
+        reached: ReachedRecord,
+        /// Why it failed or stopped on the way.
+        error: Option<String>,
+        /// Why a state solve failed.
+        failure: FailureRecord,
+        /// Wall time by phase: `read`, `ordering` (pattern and elimination order of the tangent), `solve` or `optimize`, `inspect` (stability, self-intersection), `write`, and so on.
+        seconds: ByName<Number>,
+        /// Largest memory of the process so far, in bytes (Linux; null elsewhere).
+        peak_memory: Nullable<usize>,
+        /// Values that the case expects.
+        expect: Option<ExpectRecord>,
+        /// What deserves attention.
+        warnings: Vec<WarningRecord>,
+        /// The exit code.
+        exit: Option<u8>,
+        /// Every state, and what the names of its files begin with.
+        members: Option<Vec<MemberRecord>>,
+        /// Names of the files that the run wrote.
+        files: Option<Vec<String>>,
     }
 
     /// The program that ran.
-    VersionsRecord { nastic: String }
+    VersionsRecord {
+        /// The program.
+        nastic: String,
+        /// The syntax of the case.
+        case: Option<u64>,
+    }
 
     /// The units of all numbers.
-    UnitsRecord { length: String, force: String, field: String, pressure: String }
+    UnitsRecord {
+        /// Of lengths.
+        length: String,
+        /// Of forces.
+        force: String,
+        /// Of times.
+        time: String,
+        /// Of magnetic flux densities.
+        field: String,
+        /// Of stresses.
+        pressure: String,
+    }
+
+    /// The exponents of a stage.
+    SmoothingRecord {
+        /// alpha.
+        alpha: Number,
+        /// beta.
+        beta: Number,
+        /// gamma.
+        gamma: Number,
+        /// The length that they resolve.
+        length: Number,
+    }
 
     /// What deserves attention.
-    WarningRecord { code: String, place: String, message: String, #[serde(rename = "try")] advice: String }
+    WarningRecord {
+        /// Its kind.
+        code: String,
+        /// A place of the case, a scenario, a state; empty for the case as a whole.
+        place: String,
+        /// What was found.
+        message: String,
+        /// What to try.
+        #[serde(rename = "try")]
+        advice: String,
+    }
 
     /// Values that the case expects.
-    ExpectRecord { missed: Vec<MissRecord> }
+    ExpectRecord {
+        /// How many were looked at.
+        checked: usize,
+        /// Those that were not met.
+        missed: Vec<MissRecord>,
+    }
 
     /// One that was not met.
-    MissRecord { path: String, found: Value, expected: Value }
-
-    /// What the Taylor test said of the gradient.
-    GradientCheckRecord { verdict: Option<String>, mismatch: Number }
-
-    /// One of several starts of an optimisation.
-    StartRecord {
-        seed: Option<u64>, start_cost: Number, cost: Number, iterations: Option<u64>, stop: Option<String>,
-        stopped_early: bool, failed: Option<String>, minimum: Option<u64>, distance: Number,
+    MissRecord {
+        /// Where in the result.
+        path: String,
+        /// What is there.
+        found: Value,
+        /// What the case expects.
+        expected: Value,
     }
 
     /// A member, and what the names of its files begin with.
     MemberRecord {
-        name: String, scenario: Option<String>, load_case: Option<String>, stem: String, case_stem: String,
-        targets: Vec<String>, obstacles: Vec<String>,
+        /// Its name: of the scenario, the load case or both.
+        name: String,
+        /// Its scenario.
+        scenario: Nullable<String>,
+        /// Its load case.
+        load_case: Nullable<String>,
+        /// What the names of its files begin with.
+        stem: String,
+        /// The same without the scenario.
+        case_stem: String,
+        /// Its target shapes.
+        targets: Vec<String>,
+        /// Its obstacles.
+        obstacles: Vec<String>,
     }
 
-    /// A control field.
-    ControlRecord {
-        array: Option<String>, slot: Option<String>, space: Option<String>, unit: Option<String>,
-        unknowns: Option<u64>, min: Number, max: Number, lower: Number, upper: Number, active: Option<u64>,
-        active_share: Number, total_variation: Number,
+    /// How far a motion came.
+    ReachedRecord {
+        /// The last instant.
+        t: Number,
+        /// Steps until then.
+        steps: usize,
     }
-
-    /// Constraints by group.
-    ConstraintsRecord { groups: IndexMap<String, ConstraintGroupRecord> }
-
-    /// One group.
-    ConstraintGroupRecord { count: u64, active: u64, violation: Number, scale: Number, unit: Option<String> }
-
-    /// Eigenvalues of the reduced Hessian at an optimum, or why they were not found.
-    SpectrumRecord {
-        failed: Option<String>, eigenvalues: Option<Vec<Number>>, residuals: Vec<Number>, free: Option<u64>,
-        negative: Option<u64>, lowest: Number, shares: Option<IndexMap<String, Vec<Number>>>, above: Option<u64>,
-        most: Option<u64>, cost_rise: Number, half_widths: Vec<Number>,
-        half_width: Option<IndexMap<String, RangeRecord>>,
-    }
-
-    /// Least and largest value of a control.
-    RangeRecord { min: Number, max: Number }
 }
 
 impl Deref for RunRecord {
@@ -80,6 +170,12 @@ impl Deref for RunRecord {
 
     fn deref(&self) -> &StateRecord {
         &self.state
+    }
+}
+
+impl DerefMut for RunRecord {
+    fn deref_mut(&mut self) -> &mut StateRecord {
+        &mut self.state
     }
 }
 
@@ -91,14 +187,12 @@ impl RunRecord {
     pub fn of(result: &Value) -> Result<Self, ReportError> {
         Self::deserialize(result).map_err(ReportError::of_result)
     }
-}
 
-impl StartRecord {
-    /// An entry of the list of starts.
+    /// The result as JSON.
     ///
     /// # Errors
-    /// A value of another kind than its key has.
-    pub fn of(entry: &Value) -> Result<Self, ReportError> {
-        Self::deserialize(entry).map_err(ReportError::of_result)
+    /// A value that JSON cannot hold; none of ours is.
+    pub fn to_json(&self) -> Result<Value, ReportError> {
+        serde_json::to_value(self).map_err(ReportError::of_result)
     }
 }

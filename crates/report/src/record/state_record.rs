@@ -1,82 +1,186 @@
 //! [`StateRecord`]: what a result says of a state, or of several together.
 
-use crate::record::{MemberRecord, Number, Numbers};
-use indexmap::IndexMap;
-use serde::Deserialize;
-use serde::de::{Deserializer, IgnoredAny};
+use crate::record::{
+    ByName, EquilibriaRecord, ExactContactRecord, MemberRecord, ModesRecord, Nullable, Number, Numbers, SeriesRecord,
+    TimeRecord,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 records! {
     /// Costs, distances, what a state says of itself, the work it took; below it those of scenarios and load cases.
     StateRecord {
-        probability: Number, weight: Number, cost: CostRecord, risk: RiskRecord, hausdorff: Option<HausdorffRecord>,
-        tracking: IndexMap<String, Numbers>, figures: IndexMap<String, Numbers>,
-        #[serde(rename = "min_J")] min_j: Number,
-        probes: IndexMap<String, ProbesRecord>, contributions: IndexMap<String, Numbers>,
-        reactions: Option<IndexMap<String, Vec<Number>>>,
-        /// `None` where nothing is said of it.
-        #[serde(deserialize_with = "said")] inertia: Option<Option<u64>>,
-        inertia_missing: Option<UncountedRecord>, self_intersection: Option<IntersectionRecord>,
-        newton_iterations: Option<u64>, factorisations: Option<u64>, reused_factorisations: Option<u64>,
-        back_substitutions: Option<u64>, multigrid_cycles: Option<u64>, linear_solver: String,
-        time: Option<IgnoredAny>, ramp: Option<SeriesRecord>, path: Option<SeriesRecord>,
-        equilibria: Option<IgnoredAny>, modes: ModesRecord,
-        scenarios: IndexMap<String, StateRecord>, load_cases: IndexMap<String, StateRecord>,
+        /// Of a load case: its weight in the cost.
+        weight: Option<f64>,
+        /// Of a scenario: its probability.
+        probability: Option<f64>,
+        /// Of a scenario: the values that it sets, by their paths in the case.
+        set: Option<ByName<Value>>,
+        /// Of a load case (`check`): the controls that are its own.
+        own_controls: Option<Vec<String>>,
+        /// Of a load case (`check`): its cost terms.
+        terms: Option<Vec<String>>,
+        /// Stage of the smoothed distances, counted from 0.
+        stage: Option<usize>,
+        /// The objective.
+        cost: CostRecord,
+        /// Of scenarios: measures of risk of their costs.
+        risk: RiskRecord,
+        /// Hausdorff distances from the target, of the first such term, and of each under its name where there are several.
+        hausdorff: Option<HausdorffRecord>,
+        /// By term `root_mean_square` and `largest` distance of the tracked points (quadrature points or nodes) from their targets.
+        tracking: ByName<Numbers>,
+        /// By term what other costs report of themselves, an `angle` say.
+        figures: ByName<Numbers>,
+        /// Smallest J at a quadrature point; of a motion over all its states.
+        #[serde(rename = "min_J")]
+        min_j: Number,
+        /// Relative residual.
+        residual: Number,
+        /// Total potential; of a motion that of passive laws, actuations and loads at its end.
+        potential: Number,
+        /// By name, or by load case and name.
+        probes: Option<ByName<ProbesRecord>>,
+        /// By contribution what it reports: `pressure` and `volume` of a chamber, `tension` and `length` of a tendon, what a contact carries.
+        contributions: ByName<Numbers>,
+        /// By support the force that it exerts on the body, of equilibria.
+        reactions: Option<ByName<Vec<Number>>>,
+        /// Negative pivots of the tangent: 0 is a stable equilibrium, null where they were not counted.
+        inertia: Nullable<usize>,
+        /// Why they were not counted.
+        inertia_missing: Option<UncountedRecord>,
+        /// Where the deformed body intersects itself.
+        self_intersection: Option<IntersectionRecord>,
+        /// Load steps of a solve.
+        load_steps: Option<usize>,
+        /// Newton iterations, of all members and trials together.
+        newton_iterations: Option<usize>,
+        /// Factorisations of the tangent.
+        factorisations: Option<usize>,
+        /// Factors that were used once more.
+        reused_factorisations: Option<usize>,
+        /// Solves with a factor.
+        back_substitutions: Option<usize>,
+        /// Hierarchies of multigrid.
+        multigrid_hierarchies: Option<usize>,
+        /// Cycles of multigrid.
+        multigrid_cycles: Option<usize>,
+        /// Load or time steps that were cut.
+        load_steps_cut: Option<usize>,
+        /// The solver of linear systems.
+        linear_solver: Option<String>,
+        /// The motion.
+        time: Option<TimeRecord>,
+        /// Equilibria and critical values of `solve --ramp`.
+        ramp: Option<SeriesRecord>,
+        /// Equilibria, limit points and bifurcations of `solve --path`.
+        path: Option<SeriesRecord>,
+        /// What `solve --equilibria` found.
+        equilibria: Option<EquilibriaRecord>,
+        /// The equilibrium without contact layers, of `solve --exact-contact`.
+        exact_contact: Option<ExactContactRecord>,
+        /// Modes of the tangent (`solve --modes`) or of small vibrations (`modes`).
+        modes: ModesRecord,
+        /// The same of each scenario.
+        scenarios: ByName<StateRecord>,
+        /// The same of each load case.
+        load_cases: ByName<StateRecord>,
     }
 
-    /// The sum of costs and its terms.
-    CostRecord { total: Number, terms: Numbers }
+    /// The sum of costs and its terms, weights included.
+    CostRecord {
+        /// The sum; of scenarios their measure of risk.
+        total: Number,
+        /// By name; of scenarios their expected values.
+        terms: Numbers,
+    }
 
     /// Measures of risk of the scenarios' costs.
-    RiskRecord { measure: String, deviation: Number, measures: Option<IndexMap<String, MeasureRecord>> }
+    RiskRecord {
+        /// The one that is optimised.
+        measure: String,
+        /// Its value.
+        value: Number,
+        /// Standard deviation of the costs.
+        deviation: Number,
+        /// Every measure by name.
+        measures: Option<ByName<MeasureRecord>>,
+    }
 
     /// One of them.
-    MeasureRecord { value: Number, exact: Number, level: Number }
+    MeasureRecord {
+        /// As it is optimised.
+        value: Number,
+        /// Without its smoothing, if it has one.
+        exact: Number,
+        /// The share of scenarios that it does not look at.
+        level: Option<f64>,
+    }
 
     /// Distances from a target shape.
-    #[derive(Copy)]
     HausdorffRecord {
-        #[serde(rename = "true")] exact: Number,
+        /// The smoothed distance rho, weight not included.
         smoothed: Number,
-        #[serde(rename = "self")] floor: Number,
+        /// The Hausdorff distance.
+        #[serde(rename = "true")]
+        exact: Number,
+        /// rho of the target with itself.
+        #[serde(rename = "self")]
+        floor: Number,
+        /// The same by term, where there are several.
+        #[serde(flatten)]
+        terms: ByName<HausdorffRecord>,
     }
 
     /// Why negative pivots were not counted.
-    UncountedRecord { singular: bool, why: Option<String> }
-
-    /// Cells that lie in others.
-    #[derive(Copy)]
-    IntersectionRecord { cells: Option<u64> }
-
-    /// A ramp or a path.
-    SeriesRecord {
-        control: Option<String>, unit: String, points: Vec<PointRecord>, critical: Vec<PointRecord>,
-        events: Vec<PointRecord>,
+    UncountedRecord {
+        /// Whether the tangent is singular; else nothing is known of it.
+        singular: bool,
+        /// The reason.
+        why: Option<String>,
     }
 
-    /// An equilibrium of them, or a critical one.
-    PointRecord { kind: Option<String>, value: Number, before: Number, after: Number }
-
-    /// Modes of the tangent, or of vibration.
-    ModesRecord { about: Option<String>, eigenvalues: Vec<Number>, frequencies: Vec<Number>, unit: String }
+    /// Cells that lie in others.
+    IntersectionRecord {
+        /// How many.
+        cells: usize,
+        /// Deformed volume of those whose centres lie in others.
+        volume: Number,
+    }
 }
 
 /// The displacement of a probe; of several scenarios the mean, and its standard deviation.
-#[derive(Clone, Debug, Deserialize)]
-#[allow(missing_docs)] // fields are keys
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ProbeRecord {
+    /// Its place in the reference body.
+    #[serde(default)]
+    pub point: Vec<Number>,
+    /// Its displacement.
     pub displacement: Vec<Number>,
+    /// Its place in the deformed body.
     pub position: Vec<Number>,
+    /// Standard deviations of the components.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deviation: Option<Vec<Number>>,
 }
 
 /// A probe, or those of a load case.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum ProbesRecord {
     /// A probe.
     One(ProbeRecord),
     /// Those of a load case.
-    OfLoadCase(IndexMap<String, ProbeRecord>),
+    OfLoadCase(ByName<ProbeRecord>),
+}
+
+impl HausdorffRecord {
+    /// The three distances, of the first such term.
+    #[must_use]
+    pub fn distances(&self) -> [Option<f64>; 3] {
+        [self.smoothed, self.exact, self.floor].map(|distance| *distance)
+    }
 }
 
 impl StateRecord {
@@ -85,6 +189,18 @@ impl StateRecord {
     pub fn member(&self, member: &MemberRecord) -> Option<&Self> {
         let scenario = member.scenario.as_ref().map_or(Some(self), |name| self.scenarios.get(name))?;
         member.load_case.as_ref().map_or(Some(scenario), |name| scenario.load_cases.get(name))
+    }
+
+    /// The entries of a member, made where there are none yet.
+    pub fn member_mut(&mut self, scenario: Option<&str>, load_case: Option<&str>) -> &mut Self {
+        let scenario = match scenario {
+            Some(name) => self.scenarios.entry(name.to_owned()).or_default(),
+            None => self,
+        };
+        match load_case {
+            Some(name) => scenario.load_cases.entry(name.to_owned()).or_default(),
+            None => scenario,
+        }
     }
 
     /// All members with their names, of a case that is not plain.
@@ -100,8 +216,4 @@ impl StateRecord {
         out.extend(self.load_cases.iter().map(|(name, state)| (name.clone(), state)));
         out
     }
-}
-
-fn said<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<u64>>, D::Error> {
-    Option::deserialize(deserializer).map(Some)
 }

@@ -5,7 +5,10 @@ use nastic_control::{ControlError, StateFields};
 use nastic_energy::Outside;
 use nastic_fem::{Cause, ExcessTension, Inadmissible, InvertedAt, MeetingGuides, State, StateError};
 use nastic_mesh::Snapshot;
-use serde_json::{Map, Value, json};
+use nastic_report::record::{
+    CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, MeetingGuidesRecord, PenetrationRecord,
+    TensionRecord, numbers,
+};
 
 /// Cells that are named.
 const NAMED: usize = 10;
@@ -28,65 +31,64 @@ fn of_solve(error: &StateError) -> &StateError {
     }
 }
 
-/// `kind`, and what that kind knows: `load`, `reached`, `cause`, `worst_cells` ..
-pub(crate) fn entries(member: CaseMember<'_>, error: &StateError) -> Map<String, Value> {
-    let mut out = Map::new();
-    out.insert("kind".into(), json!(error.code()));
-    if !member.name().is_empty() {
-        out.insert("member".into(), json!(member.name()));
-    }
+/// What a failure tells: `kind`, and what that kind knows.
+pub(crate) fn record(member: CaseMember<'_>, error: &StateError) -> FailureRecord {
+    let mut out = FailureRecord { kind: error.code().to_owned(), ..FailureRecord::default() };
+    out.member = Some(member.name()).filter(|name| !name.is_empty());
     if let StateError::InStep { time, dt, .. } | StateError::EndOfStep { time, dt, .. } = error {
-        out.insert("t".into(), json!(time));
-        out.insert("step".into(), json!(dt));
+        (out.t, out.step) = ((*time).into(), (*dt).into());
     }
     match of_solve(error) {
         StateError::NoConvergence { load, cuts, newton, residual, reached, cause, .. } => {
-            out.insert("load".into(), json!(load));
-            out.insert("reached".into(), json!(reached));
-            out.insert("load_steps_cut".into(), json!(cuts));
-            out.insert("newton_iterations".into(), json!(newton));
-            out.insert("residual".into(), json!(residual));
-            out.insert("cause".into(), json!(cause.code()));
-            match cause {
-                Cause::LimitPoint { load } => {
-                    out.insert("limit_point".into(), json!(load));
-                }
-                Cause::Convexity(ExcessTension { actuation, tension, limit, beside }) => {
-                    let beside: Vec<Value> =
-                        beside.iter().map(|(name, tension)| json!({ "actuation": name, "tension": tension })).collect();
-                    let bound = json!({ "actuation": actuation, "tension": tension, "limit": limit, "beside": beside });
-                    out.insert("convexity_bound".into(), bound);
-                }
-                Cause::GuidesMeet(MeetingGuides { name, places, share }) => {
-                    out.insert("guides_meet".into(), json!({ "name": name, "places": places, "share": share }));
-                }
-                Cause::Unknown => {}
-            }
+            (out.load, out.reached, out.residual) = ((*load).into(), (*reached).into(), (*residual).into());
+            (out.load_steps_cut, out.newton_iterations) = (Some(*cuts), Some(*newton));
+            add_cause(&mut out, cause);
         }
         StateError::Inadmissible { at, load, cuts, .. } => {
-            out.insert("load".into(), json!(load));
-            out.insert("load_steps_cut".into(), json!(cuts));
-            if let Some(InvertedAt { cell, point, jacobian }) = at.cell() {
-                out.insert("cell".into(), json!(cell));
-                out.insert("point".into(), json!(point));
-                out.insert("J".into(), json!(jacobian));
-            }
-            if let Inadmissible::Penetrates { name, place, depth } = at {
-                out.insert("penetrates".into(), json!({ "name": name, "place": place, "depth": depth }));
-            }
-            if let Some(outside) = at.outside() {
-                let Outside { law, measure, value, limit, .. } = outside;
-                let domain = json!({ "law": law, "measure": measure, "value": value, "limit": limit });
-                out.insert("domain".into(), domain);
-            }
+            (out.load, out.load_steps_cut) = ((*load).into(), Some(*cuts));
+            add_place(&mut out, at);
         }
         _ => {}
     }
-    if let Some(cells) = last_state(error).and_then(|last| ranked(member, last)) {
-        let entry = |(cell, j): &(usize, f64)| json!({ "cell": cell, "min_J": j });
-        out.insert("worst_cells".into(), cells.iter().take(NAMED).map(entry).collect());
-    }
+    let cells = last_state(error).and_then(|last| ranked(member, last));
+    let entry = |(cell, j): (usize, f64)| CellRecord { cell, min_j: j.into() };
+    out.worst_cells = cells.map(|cells| cells.into_iter().take(NAMED).map(entry).collect());
     out
+}
+
+fn add_cause(out: &mut FailureRecord, cause: &Cause) {
+    out.cause = Some(cause.code().to_owned());
+    match cause {
+        Cause::LimitPoint { load } => out.limit_point = (*load).into(),
+        Cause::Convexity(ExcessTension { actuation, tension, limit, beside }) => {
+            let of = |name: &String, tension: f64| TensionRecord { actuation: name.clone(), tension: tension.into() };
+            out.convexity_bound = Some(ExcessTensionRecord {
+                actuation: actuation.clone(),
+                tension: (*tension).into(),
+                limit: (*limit).into(),
+                beside: beside.iter().map(|(name, tension)| of(name, *tension)).collect(),
+            });
+        }
+        Cause::GuidesMeet(MeetingGuides { name, places, share }) => {
+            let places = places.iter().map(|place| numbers(place)).collect();
+            out.guides_meet = Some(MeetingGuidesRecord { name: name.clone(), places, share: (*share).into() });
+        }
+        Cause::Unknown => {}
+    }
+}
+
+fn add_place(out: &mut FailureRecord, at: &Inadmissible) {
+    if let Some(InvertedAt { cell, point, jacobian }) = at.cell() {
+        (out.cell, out.point, out.jacobian) = (Some(*cell), Some(*point), (*jacobian).into());
+    }
+    if let Inadmissible::Penetrates { name, place, depth } = at {
+        let (name, place) = (name.clone(), numbers(place));
+        out.penetrates = Some(PenetrationRecord { name, place, depth: (*depth).into() });
+    }
+    if let Some(Outside { law, measure, value, limit, .. }) = at.outside() {
+        let (law, measure) = ((*law).to_owned(), (*measure).to_owned());
+        out.domain = Some(DomainRecord { law, measure, value: (*value).into(), limit: (*limit).into() });
+    }
 }
 
 /// The last good state: cell data `min_J` (smallest J of the cell) and `failure_rank` (1 for the cell with the lowest, 2 for

@@ -4,7 +4,7 @@ use crate::result::lock::{DirectoryError, DirectoryLock};
 use crate::result::output_names;
 use nastic_io::{WriteError, write_atomically};
 use nastic_mesh::Snapshot;
-use serde_json::Value;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -87,9 +87,11 @@ impl Directory {
         }
     }
 
-    pub fn write_json(&self, name: &str, value: &Value) -> Result<(), WriteError> {
-        let text = format!("{value:#}\n");
-        write_atomically(self.file(name), |out| out.write_all(text.as_bytes()))
+    pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), WriteError> {
+        write_atomically(self.file(name), |out| {
+            serde_json::to_writer_pretty(&mut *out, value)?;
+            out.write_all(b"\n")
+        })
     }
 
     pub fn write_vtu(&self, name: &str, snapshot: &Snapshot) -> Result<(), WriteError> {

@@ -11,8 +11,8 @@ use nastic_language::number::{quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_mesh::spatial::{SelfIntersection, Shape};
 use nastic_numeric::vector::{norm, sub};
+use nastic_report::record::{IntersectionRecord, UncountedRecord};
 use rayon::prelude::*;
-use serde_json::{Value, json};
 
 /// Below this scaled Jacobian a cell is badly shaped.
 const POOR: f64 = 0.05;
@@ -52,9 +52,9 @@ pub(crate) struct Uncounted {
 }
 
 impl Uncounted {
-    /// `{ "singular": .., "why": .. }`
-    pub fn json(&self) -> Value {
-        json!({ "singular": self.singular, "why": self.why })
+    /// As results have it.
+    pub fn record(&self) -> UncountedRecord {
+        UncountedRecord { singular: self.singular, why: Some(self.why.clone()) }
     }
 }
 
@@ -108,9 +108,9 @@ impl Inspection {
         }
     }
 
-    /// `{ "cells": .., "volume": .. }`
-    pub fn intersection_json(&self) -> Value {
-        json!({ "cells": self.intersection.cells().len(), "volume": self.overlap })
+    /// The self-intersection, as results have it.
+    pub fn intersection_record(&self) -> IntersectionRecord {
+        IntersectionRecord { cells: self.intersection.cells().len(), volume: self.overlap.into() }
     }
 
     /// One value per cell: 1 where the body intersects itself; `None` if it does not.

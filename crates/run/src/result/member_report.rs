@@ -1,13 +1,15 @@
 //! States of all members as results show them.
 
-use crate::result::inspection::Inspection;
+use crate::result::inspection::{Inspection, Uncounted};
 use crate::result::summary;
 use nastic_case::lower::{CaseMember, CaseProblem, LocatedProbe};
-use nastic_control::{ControlError, CostPoint, EnsemblePoint};
+use nastic_control::{ControlError, CostPoint, EnsemblePoint, Measured};
 use nastic_fem::{SolveReport, State};
+use nastic_report::record::{
+    ByName, CostRecord, MeasureRecord, ProbeRecord, ProbesRecord, RiskRecord, StateRecord, numbers,
+};
 use nastic_uncertainty::risk::deviation;
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -70,31 +72,28 @@ pub(crate) fn entries(
     problem: &CaseProblem,
     reports: &[MemberReport<'_>],
     detail: Detail,
-) -> Result<Map<String, Value>, MemberError> {
-    let own: Vec<Map<String, Value>> =
+) -> Result<StateRecord, MemberError> {
+    let own: Vec<StateRecord> =
         reports.par_iter().with_max_len(1).map(|one| entry(one, detail)).collect::<Result<_, _>>()?;
     if problem.is_plain() {
         return Ok(own.into_iter().next().unwrap_or_default());
     }
-    let mut out = Map::new();
     let costs = costs(problem, reports);
+    let mut out = if detail == Detail::Full { overall(&own, reports) } else { StateRecord::default() };
     if problem.has_costs() {
-        out.insert("stage".into(), json!(reports.iter().map(|one| one.stage).max()));
+        out.stage = reports.iter().map(|one| one.stage).max();
         let terms = problem.ensemble.expected_terms(reports.iter().map(|one| one.terms.as_slice()));
-        let terms: Map<String, Value> = terms.into_iter().map(|(name, value)| (name, json!(value))).collect();
+        let terms = terms.into_iter().map(|(name, value)| (name, value.into())).collect();
         let total = problem.ensemble.risk().value(problem.ensemble.probabilities(), &costs);
-        out.insert("cost".into(), json!({ "total": total, "terms": terms }));
+        out.cost = CostRecord { total: total.into(), terms };
         if problem.has_scenarios() {
-            out.insert("risk".into(), risk(problem, &costs));
+            out.risk = risk(problem, &costs);
         }
     }
-    if detail == Detail::Full {
-        out.extend(overall(&own, reports));
-        if problem.has_scenarios() && !problem.probes.is_empty() {
-            out.insert("probes".into(), probes(problem, reports));
-        }
+    if detail == Detail::Full && problem.has_scenarios() && !problem.probes.is_empty() {
+        out.probes = Some(probes(problem, reports));
     }
-    out.extend(tree(problem, &costs, own));
+    add_members(&mut out, problem, &costs, own);
     Ok(out)
 }
 
@@ -108,132 +107,111 @@ fn costs(problem: &CaseProblem, reports: &[MemberReport<'_>]) -> Vec<f64> {
     out
 }
 
-fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<Map<String, Value>, MemberError> {
-    let mut out = Map::new();
+fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<StateRecord, MemberError> {
+    let mut out = if detail == Detail::Full { summary::state(one.member, one.state) } else { StateRecord::default() };
     if !one.terms.is_empty() {
-        out.insert("stage".into(), json!(one.stage));
-        out.insert("cost".into(), summary::cost(one));
-        let told = [
-            ("hausdorff", summary::hausdorff(one.member, &one.costs)),
-            ("tracking", summary::tracking(one.member, &one.costs)),
-            ("figures", summary::figures(one.member, &one.costs)),
-        ];
-        for (key, figures) in told {
-            let figures = figures.map_err(|error| (one.member.index(), error))?;
-            out.extend((!figures.is_empty()).then(|| (key.to_owned(), Value::Object(figures))));
-        }
+        let failed = |error: ControlError| (one.member.index(), error);
+        out.stage = Some(one.stage);
+        out.cost = summary::cost(one);
+        out.hausdorff = summary::hausdorff(one.member, &one.costs).map_err(failed)?;
+        out.tracking = summary::tracking(one.member, &one.costs).map_err(failed)?;
+        out.figures = summary::figures(one.member, &one.costs).map_err(failed)?;
     }
     if detail == Detail::Full {
-        out.extend(summary::state(one.member, one.state));
-        out.insert("min_J".into(), json!(one.min_j));
+        out.min_j = one.min_j.into();
         if let Some(found) = one.inspection {
-            out.insert("inertia".into(), json!(found.inertia.as_ref().ok()));
-            if let Err(uncounted) = &found.inertia {
-                out.insert("inertia_missing".into(), uncounted.json());
-            }
-            out.insert("self_intersection".into(), found.intersection_json());
+            out.inertia = found.inertia.as_ref().ok().copied().into();
+            out.inertia_missing = found.inertia.as_ref().err().map(Uncounted::record);
+            out.self_intersection = Some(found.intersection_record());
         }
-        out.extend(summary::work(&one.work));
+        summary::add_work(&mut out, &one.work);
     }
     Ok(out)
 }
 
-/// `{ "measure", "value", "deviation", "measures": { NAME: { "value", "exact", "level" } } }`
-fn risk(problem: &CaseProblem, costs: &[f64]) -> Value {
+fn risk(problem: &CaseProblem, costs: &[f64]) -> RiskRecord {
     let ensemble = &problem.ensemble;
-    let (name, p) = (ensemble.risk().name(), ensemble.probabilities());
-    let measures: Map<String, Value> = ensemble
-        .risks_of(costs)
-        .into_iter()
-        .map(|measured| {
-            let mut entry = json!({ "value": measured.value, "exact": measured.exact });
-            if let Some(level) = measured.level {
-                entry["level"] = json!(level);
-            }
-            (measured.name.to_owned(), entry)
-        })
-        .collect();
-    json!({
-        "measure": name, "value": ensemble.risk().value(p, costs), "deviation": deviation(p, costs),
-        "measures": measures,
-    })
+    let p = ensemble.probabilities();
+    let of = |measured: Measured| {
+        let Measured { name, level, value, exact } = measured;
+        (name.to_owned(), MeasureRecord { value: value.into(), exact: exact.into(), level })
+    };
+    RiskRecord {
+        measure: ensemble.risk().name().to_owned(),
+        value: ensemble.risk().value(p, costs).into(),
+        deviation: deviation(p, costs).into(),
+        measures: Some(ensemble.risks_of(costs).into_iter().map(of).collect()),
+    }
 }
 
 /// Of all members together: the worst of states, the sum of work.
-fn overall(own: &[Map<String, Value>], reports: &[MemberReport<'_>]) -> Map<String, Value> {
+fn overall(own: &[StateRecord], reports: &[MemberReport<'_>]) -> StateRecord {
     let mut work = SolveReport::default();
     reports.iter().for_each(|one| work.add_work(&one.work));
-    let min_j = reports.iter().map(|one| one.min_j).fold(f64::INFINITY, f64::min);
-    let residual = reports.iter().map(|one| one.state.report.residual).fold(0.0, f64::max);
     // One member without a number leaves none for all.
-    let inertia: Option<Vec<u64>> = own.iter().map(|entry| entry.get("inertia").and_then(Value::as_u64)).collect();
-    let mut out = Map::new();
-    out.insert("min_J".into(), json!(min_j));
-    out.insert("residual".into(), json!(residual));
-    out.insert("inertia".into(), json!(inertia.and_then(|all| all.into_iter().max())));
-    if let Some(why) = own.iter().find_map(|entry| entry.get("inertia_missing")) {
-        out.insert("inertia_missing".into(), why.clone());
-    }
-    out.extend(summary::work(&work));
+    let inertia: Option<Vec<usize>> = own.iter().map(|entry| *entry.inertia).collect();
+    let mut out = StateRecord {
+        min_j: reports.iter().map(|one| one.min_j).fold(f64::INFINITY, f64::min).into(),
+        residual: reports.iter().map(|one| one.state.report.residual).fold(0.0, f64::max).into(),
+        inertia: inertia.and_then(|all| all.into_iter().max()).into(),
+        inertia_missing: own.iter().find_map(|entry| entry.inertia_missing.clone()),
+        ..StateRecord::default()
+    };
+    summary::add_work(&mut out, &work);
     out
 }
 
-/// Probes over the scenarios: `{ NAME: { "point", "displacement", "position", "deviation" } }`, the expected values of displacement and
-/// position and the standard deviations of their components; with load cases `{ CASE: { NAME: .. } }`.
-fn probes(problem: &CaseProblem, reports: &[MemberReport<'_>]) -> Value {
+/// Probes over the scenarios: the expected values of displacement and position and the standard deviations of their components; with
+/// load cases those of each.
+fn probes(problem: &CaseProblem, reports: &[MemberReport<'_>]) -> ByName<ProbesRecord> {
     let (p, dim) = (problem.ensemble.probabilities(), problem.mesh().dim());
-    let of_case = |load_case: Option<&str>| {
+    let of_case = |load_case: Option<&str>| -> ByName<ProbeRecord> {
         let own: Vec<&MemberReport<'_>> = reports.iter().filter(|one| one.member.load_case() == load_case).collect();
         let of = |probe: &LocatedProbe| {
             let moved: Vec<[f64; 3]> = own.iter().map(|one| probe.displacement(&one.state.u, dim)).collect();
             let component = |c: usize| moved.iter().map(|u| u[c]).collect::<Vec<f64>>();
             let mean: [f64; 3] = std::array::from_fn(|c| component(c).iter().zip(p).map(|(u, p)| p * u).sum());
-            let position: [f64; 3] = std::array::from_fn(|c| probe.point[c] + mean[c]);
             let spread: [f64; 3] = std::array::from_fn(|c| deviation(p, &component(c)));
-            let entry =
-                json!({ "point": probe.point, "displacement": mean, "position": position, "deviation": spread });
+            let entry = ProbeRecord { deviation: Some(numbers(&spread)), ..summary::moved(probe, mean) };
             (probe.name.clone(), entry)
         };
-        Value::Object(problem.probes.iter().map(of).collect())
+        problem.probes.iter().map(of).collect()
     };
-    let of_lead = |lead: CaseMember<'_>| Some((lead.load_case()?.to_owned(), of_case(lead.load_case())));
-    let by_case: Map<String, Value> = problem.leads().filter_map(of_lead).collect();
-    if by_case.is_empty() { of_case(None) } else { Value::Object(by_case) }
+    let of_lead = |lead: CaseMember<'_>| {
+        let name = lead.load_case()?.to_owned();
+        Some((name, ProbesRecord::OfLoadCase(of_case(lead.load_case()))))
+    };
+    let by_case: ByName<ProbesRecord> = problem.leads().filter_map(of_lead).collect();
+    if !by_case.is_empty() {
+        return by_case;
+    }
+    of_case(None).into_iter().map(|(name, probe)| (name, ProbesRecord::One(probe))).collect()
 }
 
-/// The entries of all members by scenario and load case.
-fn tree(problem: &CaseProblem, costs: &[f64], own: Vec<Map<String, Value>>) -> Map<String, Value> {
-    let mut scenarios: Vec<Map<String, Value>> = costs.iter().map(|_| Map::new()).collect();
-    for (member, entry) in problem.members().zip(own) {
-        let scenario = &mut scenarios[member.part().scenario()];
-        match member.load_case() {
-            None => scenario.extend(entry),
-            Some(name) => {
-                let mut with_weight = Map::from_iter([("weight".to_owned(), json!(member.part().weight()))]);
-                with_weight.extend(entry);
-                let cases = scenario.entry("load_cases").or_insert_with(|| json!({}));
-                cases[name] = Value::Object(with_weight);
-            }
-        }
-    }
-    if !problem.has_scenarios() {
-        return scenarios.into_iter().next().unwrap_or_default();
-    }
+/// Adds the entries of all members by scenario and load case.
+fn add_members(out: &mut StateRecord, problem: &CaseProblem, costs: &[f64], own: Vec<StateRecord>) {
     let ensemble = &problem.ensemble;
-    let head = |k: usize| {
-        let mut out = Map::new();
-        out.insert("probability".into(), json!(ensemble.probabilities()[k]));
-        out.insert("set".into(), Value::Object(problem.differences(k).clone()));
-        if problem.has_costs() {
-            out.insert("cost".into(), json!({ "total": costs[k] }));
+    if problem.has_scenarios() {
+        for (k, name) in ensemble.scenarios().iter().enumerate() {
+            let head = StateRecord {
+                probability: Some(ensemble.probabilities()[k]),
+                set: Some(problem.differences(k).clone().into_iter().collect()),
+                cost: if problem.has_costs() {
+                    CostRecord { total: costs[k].into(), ..CostRecord::default() }
+                } else {
+                    CostRecord::default()
+                },
+                ..StateRecord::default()
+            };
+            out.scenarios.insert(name.clone(), head);
         }
-        out
-    };
-    let entry = |(k, entry): (usize, Map<String, Value>)| {
-        let mut out = head(k);
-        out.extend(entry);
-        (ensemble.scenarios()[k].clone(), Value::Object(out))
-    };
-    let all: Map<String, Value> = scenarios.into_iter().enumerate().map(entry).collect();
-    Map::from_iter([("scenarios".to_owned(), Value::Object(all))])
+    }
+    for (member, entry) in problem.members().zip(own) {
+        let place = out.member_mut(member.scenario(), member.load_case());
+        let cost =
+            if entry.cost == CostRecord::default() { std::mem::take(&mut place.cost) } else { entry.cost.clone() };
+        let (probability, set) = (place.probability, place.set.take());
+        let weight = member.load_case().map(|_| member.part().weight());
+        *place = StateRecord { probability, set, weight, cost, ..entry };
+    }
 }

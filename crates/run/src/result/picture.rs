@@ -217,7 +217,7 @@ fn arrows(body: &Snapshot) -> &'static str {
 /// Root mean square and true distances in a result or the entry of a member, for subtitles; empty without any.
 pub(crate) fn distance(state: &StateRecord, unit: &str) -> String {
     let short = nastic_language::number::short;
-    if let Some(distance) = state.hausdorff.and_then(|distances| distances.exact) {
+    if let Some(distance) = state.hausdorff.as_ref().and_then(|distances| *distances.exact) {
         return format!("; true Hausdorff {} {unit}", short(distance));
     }
     match state.tracking.first().and_then(|(_, tracked)| number_of(tracked, "root_mean_square")) {

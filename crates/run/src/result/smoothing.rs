@@ -3,22 +3,25 @@
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_language::number::short;
 use nastic_language::schema::{Cost, Stages};
-use serde_json::{Map, Value, json};
+use nastic_report::record::{ByName, SmoothingRecord};
 
-/// `{ TERM: [ { "alpha", "beta", "gamma", "length" } ] }`, of a load case's own terms `CASE/TERM`; empty without such a term.
-pub(crate) fn json(problem: &CaseProblem) -> Map<String, Value> {
-    let mut out = Map::new();
-    for member in problem.leads() {
-        for cost in member.reduced().costs() {
-            let smoothings = cost.smoothings();
-            let stage = |s: &nastic_control::Smoothing| json!({ "alpha": s.alpha(), "beta": s.beta(), "gamma": s.gamma(), "length": s.resolution() });
-            if !smoothings.is_empty() {
-                let case = member.load_case().map_or_else(String::new, |case| format!("{case}/"));
-                out.insert(format!("{case}{}", cost.name()), smoothings.iter().map(stage).collect());
-            }
-        }
-    }
-    out
+/// The stages of every such term, of a load case's own terms `CASE/TERM`; empty without one.
+pub(crate) fn record(problem: &CaseProblem) -> ByName<Vec<SmoothingRecord>> {
+    let stage = |s: &nastic_control::Smoothing| SmoothingRecord {
+        alpha: s.alpha().into(),
+        beta: s.beta().into(),
+        gamma: s.gamma().into(),
+        length: s.resolution().into(),
+    };
+    let of = |member: CaseMember<'_>| {
+        let case = member.load_case().map_or_else(String::new, |case| format!("{case}/"));
+        let costs = member.reduced().costs().iter().filter(|cost| !cost.smoothings().is_empty());
+        let named = |cost: &Box<dyn nastic_control::Cost>| {
+            (format!("{case}{}", cost.name()), cost.smoothings().iter().map(stage).collect())
+        };
+        costs.map(named).collect::<Vec<_>>()
+    };
+    problem.leads().flat_map(of).collect()
 }
 
 /// A line for every term whose stages are automatic.

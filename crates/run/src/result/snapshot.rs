@@ -2,7 +2,7 @@
 
 use crate::result::files::Beside;
 use crate::result::inspection::Inspection;
-use crate::result::{obstacle_shape, summary};
+use crate::result::{controls, obstacle_shape};
 use nastic_case::lower::result_array::TARGET_DISTANCE;
 use nastic_case::lower::{CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, ControlError, StateFields};
@@ -52,7 +52,7 @@ pub(crate) fn control_fields(
 /// Names of the control fields that are vectors of the material, and turn with it.
 pub(crate) fn material_vectors(member: CaseMember<'_>) -> Vec<String> {
     let of = |(block, field): (&ControlBlock, &ControlField)| {
-        (summary::slot(member, block) == Some("remanence")).then(|| field.array.clone())
+        (controls::slot(member, block) == Some("remanence")).then(|| field.array.clone())
     };
     member.fields().filter_map(of).collect()
 }

@@ -4,7 +4,6 @@ use crate::run::describe;
 use crate::run::describe::line::Line;
 use crate::run::error::{Exit, RunError};
 use crate::run::session::Session;
-use serde_json::json;
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let problem = &session.problem;
@@ -38,8 +37,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         }
     }
     let warnings = session.warnings.len();
-    let entries = describe::json(problem);
-    session.put_all(entries);
+    describe::describe(problem, &mut session.record);
     session.console.say(match warnings {
         0 => "check       the case is complete and consistent".to_owned(),
         n => format!(
@@ -47,6 +45,5 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
             nastic_language::number::count(n, "warning")
         ),
     });
-    session.put("valid", json!(true));
     Ok(Exit::Done)
 }

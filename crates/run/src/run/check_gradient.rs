@@ -5,7 +5,7 @@ use crate::run::error::RunError;
 use crate::run::session::Session;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{Base, Certificate, TaylorError, Verdict};
-use serde_json::{Value, json};
+use nastic_report::record::GradientCheckRecord;
 
 /// Checks the derivative at an evaluated control; what it finds is said.
 pub(super) fn check(
@@ -54,11 +54,11 @@ pub(super) fn of_start(
 ) -> Result<Certificate, RunError> {
     let certificate =
         session.timed("gradient_check", |session| check(session, session.console, start, derivative, workspace))?;
-    session.put("gradient_check", json(&certificate));
+    session.record.gradient_check = record(&certificate);
     Ok(certificate)
 }
 
 /// The entry of a result.
-pub(super) fn json(certificate: &Certificate) -> Value {
-    json!({ "verdict": certificate.verdict.to_string(), "mismatch": certificate.mismatch })
+pub(super) fn record(certificate: &Certificate) -> GradientCheckRecord {
+    GradientCheckRecord { verdict: Some(certificate.verdict.to_string()), mismatch: certificate.mismatch.into() }
 }

@@ -1,16 +1,14 @@
 //! The end of a command: expectations judged, the result written.
 
-use crate::result::{expectation, failure};
+use crate::result::{Missed, expectation, failure};
 use crate::run::error::{Exit, RunError};
 use crate::run::outcome::Outcome;
 use crate::run::session::Session;
 use crate::run::states::States;
 use crate::run::{motion, optimize, report};
-use nastic_case::warning::Warning;
 use nastic_control::ControlError;
 use nastic_language::number;
-use nastic_report::record::number_of;
-use serde_json::{Value, json};
+use nastic_report::record::{ExpectRecord, MissRecord, number_of};
 
 pub(crate) fn conclude(
     session: Session<'_>,
@@ -30,18 +28,15 @@ pub(crate) fn conclude(
 /// What went wrong takes the place of a result, so that no older one is taken for it.
 fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.finish_clock();
-    let warnings: Vec<Value> = session.warnings.iter().map(Warning::json).collect();
-    session.put("warnings", json!(warnings));
-    session.put("error", json!(error.to_string()));
-    session.put("exit", json!(error.exit().code()));
+    session.close(error.exit());
+    session.record.error = Some(error.to_string());
     if let RunError::Forward { member, error, file } = error.cause() {
         if file.is_some() {
             session.list_files(vec!["failure.vtu".to_owned()]);
         }
         if let ControlError::State(state) = error.as_ref() {
             let one = session.problem.members().find(|one| one.name() == *member);
-            let entry = one.map(|one| failure::entries(one, state));
-            session.put("failure", json!(entry));
+            session.record.failure = one.map(|one| failure::record(one, state)).unwrap_or_default();
         }
     }
     // The error itself is what the caller hears of.
@@ -49,15 +44,14 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
 }
 
 /// Wall time and memory.
-fn say_effort(session: &Session<'_>) -> Result<(), RunError> {
-    let result = session.record()?;
+fn say_effort(session: &Session<'_>) {
+    let result = &session.record;
     let seconds = number_of(&result.seconds, "total").unwrap_or(f64::NAN);
-    let memory = match result.peak_memory {
+    let memory = match *result.peak_memory {
         Some(bytes) => format!(", at most {:.0} MB of memory", bytes as f64 / 1e6),
         None => String::new(),
     };
     session.console.say(format!("time        {}{memory}", nastic_report::duration(seconds)));
-    Ok(())
 }
 
 /// Judges expectations and writes the result.
@@ -67,28 +61,24 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
     let expect = &session.problem.case.expect;
     // What was interrupted is not held to its expectations.
     let expect = if session.is_cancelled() || !session.expect { &Default::default() } else { expect };
-    let (checked, missed) = expectation::judge(expect, &session.command, usual, &session.result_value());
+    let (checked, missed) = expectation::judge(expect, &session.command, usual, &session.record.to_json()?);
     for miss in &missed {
         session.console.say(format!("MISSED      {miss}"));
     }
     if checked > 0 && missed.is_empty() {
         session.console.say(format!("expect      {checked} of {checked} values as expected"));
     }
-    let misses: Vec<Value> =
-        missed.iter().map(|m| json!({ "path": m.path, "found": m.found, "expected": m.expected })).collect();
-    session.put("expect", json!({ "checked": checked, "missed": misses }));
+    let miss = |m: &Missed| MissRecord { path: m.path.clone(), found: m.found.into(), expected: m.expected.into() };
+    session.record.expect = Some(ExpectRecord { checked, missed: missed.iter().map(miss).collect() });
     if !missed.is_empty() && matches!(exit, Exit::Done | Exit::NotConverged) {
         exit = Exit::ExpectMissed;
     }
-    let warnings: Vec<Value> = session.warnings.iter().map(Warning::json).collect();
-    if session.strict && !warnings.is_empty() && exit == Exit::Done {
-        session
-            .console
-            .say(format!("strict      {} under --strict: exit code 8", number::count(warnings.len(), "warning")));
+    let warnings = session.warnings.len();
+    if session.strict && warnings > 0 && exit == Exit::Done {
+        session.console.say(format!("strict      {} under --strict: exit code 8", number::count(warnings, "warning")));
         exit = Exit::Warned;
     }
-    session.put("warnings", json!(warnings));
-    session.put("exit", json!(exit.code()));
+    session.close(exit);
     report::write_result(&mut session)?;
     optimize::record_end(&session)?;
     motion::record_end(&session)?;
@@ -99,8 +89,8 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
             session.console.say(format!("page        {}", page.display()));
         }
     }
-    say_effort(&session)?;
-    let outcome = Outcome { exit, result: session.result_value(), missed };
-    let Session { problem, shown, .. } = session;
+    say_effort(&session);
+    let Session { problem, shown, record, .. } = session;
+    let outcome = Outcome { exit, result: record.to_json()?, record, missed };
     Ok((outcome, shown.map(|shown| States::new(problem, shown))))
 }

@@ -9,7 +9,7 @@ use nastic_control::EnsemblePoint;
 use nastic_fem::{Sliding, Touch};
 use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;
-use serde_json::json;
+use nastic_report::record::Numbers;
 
 /// A touch of fewer steps has no sharp end: how fast the body parts again is a number of the step.
 const FEW_STEPS: usize = 5;
@@ -41,8 +41,7 @@ impl Session<'_> {
         let (mut found, dim) = (Vec::new(), self.problem.mesh().dim());
         for record in records {
             for (name, touch) in &record.touches {
-                let values = touch.quantities(dim).into_iter().map(|(key, value)| (key.to_owned(), json!(value)));
-                self.put_of_contribution(record.member, name, values.collect());
+                self.entries_of(record.member).contributions.insert(name.clone(), quantities(touch, dim));
                 let (member, Some(table)) = (self.problem.member(record.member), &record.table) else { continue };
                 self.console.say(line(name, touch, member));
                 let inset = member.solid().model().touch_parameters().into_iter().find(|(known, _)| known == name);
@@ -55,6 +54,11 @@ impl Session<'_> {
         }
         found.into_iter().for_each(|warning| self.warn(warning));
     }
+}
+
+/// What a contact carries, as results have it.
+pub(super) fn quantities(touch: &Touch, dim: usize) -> Numbers {
+    touch.quantities(dim).into_iter().map(|(key, value)| (key.to_owned(), value.into())).collect()
 }
 
 /// One line for the terminal.

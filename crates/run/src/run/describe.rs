@@ -14,7 +14,7 @@ mod shape_cost;
 mod spring;
 mod time;
 
-use crate::result::summary::owner;
+use crate::result::controls::owner;
 pub(super) use crate::run::describe::actuation::actuation;
 pub(super) use crate::run::describe::contact::contacts;
 pub(super) use crate::run::describe::conventions::conventions;
@@ -33,7 +33,7 @@ use nastic_language::number::{count, grouped, quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::Metric;
 use nastic_mesh::CellKind;
-use serde_json::{Map, Value, json};
+use nastic_report::record::{CaseDescription, LawRecord, MeshRecord, QualityRecord, RunRecord, SetRecord, numbers};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn units(problem: &CaseProblem) -> Vec<Line> {
@@ -224,76 +224,70 @@ pub(super) fn optimizer(problem: &CaseProblem) -> Vec<Line> {
 }
 
 /// The same for programs.
-pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
-    let (mesh, measures, quality) = (problem.mesh(), problem.mesh().measures(), problem.mesh().quality());
-    let kinds: BTreeMap<&str, usize> = mesh.blocks().iter().fold(BTreeMap::new(), |mut kinds, block| {
-        *kinds.entry(CellKind::name(block.kind)).or_default() += block.len();
-        kinds
-    });
-    let regions: Map<String, Value> = mesh
-        .regions()
-        .iter()
-        .map(|(name, cells)| (name.clone(), json!({ "cells": cells.len(), "measure": measures.regions.get(name) })))
-        .collect();
-    let surfaces: Map<String, Value> = mesh
-        .surfaces()
-        .iter()
-        .map(|(name, facets)| (name.clone(), json!({ "facets": facets.len(), "measure": measures.surfaces.get(name) })))
-        .collect();
-    let sets: Map<String, Value> =
-        mesh.node_sets().iter().map(|(name, nodes)| (name.clone(), json!({ "nodes": nodes.len() }))).collect();
-    let mut out = Map::new();
-    out.insert(
-        "mesh".into(),
-        json!({
-            "name": mesh.name(), "dimensions": mesh.dim(), "nodes": mesh.points().len(), "cells": mesh.cells(),
-            "kinds": kinds, "unknowns": problem.solid().discretization().dofs(), "size": measures.size,
-            "measure": measures.volume, "boundary": measures.boundary,
-            "quality": {
-                "scaled_jacobian": quality.scaled_jacobian(), "jacobian_ratio": quality.jacobian_ratio(),
-                "aspect": quality.aspect(), "shortest_edge": quality.shortest_edge, "longest_edge": quality.longest_edge,
-            },
-            "regions": regions, "surfaces": surfaces, "node_sets": sets,
-        }),
-    );
-    out.insert(
-        "materials".into(),
-        problem
-            .case
-            .materials
-            .iter()
-            .map(|m| {
-                let mut entry = law(problem, &m.region, m.law.name, &m.parameters, m.law.forms);
-                if let Some(formulation) = m.formulation.or((!m.law.reinforcing).then(Formulation::default)) {
-                    entry["formulation"] = json!(formulation.name());
-                }
-                entry
-            })
-            .collect(),
-    );
-    out.insert("existence".into(), existence::json(problem));
-    out.insert("actuation".into(), actuation::json(problem));
-    if !problem.case.contact.is_empty() {
-        out.insert("contact".into(), contact::json(problem));
-    }
-    if !problem.case.springs.is_empty() {
-        out.insert("springs".into(), spring::json(problem));
-    }
-    out.insert("controls".into(), crate::result::summary::controls(problem, &problem.start));
-    for (field, block) in problem.controls.iter().zip(problem.ensemble.blocks()) {
-        if let Some(entry) = out.get_mut("controls").and_then(|controls| controls.get_mut(&field.name)) {
-            entry["space"] = json!(owner(problem, block).basis.space().name());
-            entry["unit"] = json!(field.unit);
-            entry["fiber_limit"] = json!(field.limit);
-            if let Admitted::Between { lower, upper } = field.admitted {
-                entry["lower"] = json!(lower);
-                entry["upper"] = json!(upper);
-            }
+pub(super) fn describe(problem: &CaseProblem, record: &mut RunRecord) {
+    let material = |m: &nastic_language::schema::Material| {
+        let formulation = m.formulation.or((!m.law.reinforcing).then(Formulation::default));
+        let formulation = formulation.map(|chosen| chosen.name().to_owned());
+        LawRecord { formulation, ..law(problem, &m.region, m.law.name, &m.parameters, m.law.forms) }
+    };
+    let held = problem.solid().supports().fixed().iter().filter(|fixed| **fixed).count();
+    let case = &problem.case;
+    record.description = CaseDescription {
+        mesh: Some(mesh_record(problem)),
+        materials: Some(case.materials.iter().map(material).collect()),
+        existence: Some(existence::records(problem)),
+        actuation: Some(actuation::records(problem)),
+        contact: (!case.contact.is_empty()).then(|| contact::records(problem)),
+        springs: (!case.springs.is_empty()).then(|| spring::records(problem)),
+        held_components: Some(held),
+        memory: Some(memory::record(problem)),
+        valid: Some(true),
+    };
+    let mut controls = crate::result::controls::controls(problem, &problem.start);
+    for field in &problem.controls {
+        if let Some(entry) = controls.get_mut(&field.name) {
+            entry.fiber_limit = field.limit.into();
         }
     }
-    let held = problem.solid().supports().fixed().iter().filter(|fixed| **fixed).count();
-    out.insert("held_components".into(), json!(held));
-    out.insert("memory".into(), memory::json(problem));
-    out.extend(members::json(problem));
-    out
+    record.controls = Some(controls);
+    members::describe(problem, &mut record.state);
+}
+
+fn mesh_record(problem: &CaseProblem) -> MeshRecord {
+    let (mesh, measures, quality) = (problem.mesh(), problem.mesh().measures(), problem.mesh().quality());
+    let mut kinds = BTreeMap::<String, usize>::new();
+    mesh.blocks()
+        .iter()
+        .for_each(|block| *kinds.entry(CellKind::name(block.kind).to_owned()).or_default() += block.len());
+    let regions = mesh.regions().iter().map(|(name, cells)| {
+        let measure = measures.regions.get(name).copied().into();
+        (name.clone(), SetRecord { cells: Some(cells.len()), measure, ..SetRecord::default() })
+    });
+    let surfaces = mesh.surfaces().iter().map(|(name, facets)| {
+        let measure = measures.surfaces.get(name).copied().into();
+        (name.clone(), SetRecord { facets: Some(facets.len()), measure, ..SetRecord::default() })
+    });
+    let sets = mesh.node_sets().iter();
+    let sets = sets.map(|(name, nodes)| (name.clone(), SetRecord { nodes: Some(nodes.len()), ..SetRecord::default() }));
+    MeshRecord {
+        name: mesh.name().to_owned(),
+        dimensions: mesh.dim(),
+        nodes: mesh.points().len(),
+        cells: mesh.cells(),
+        kinds: Some(kinds.into_iter().collect()),
+        unknowns: problem.solid().discretization().dofs(),
+        size: numbers(&measures.size),
+        measure: measures.volume.into(),
+        boundary: measures.boundary.into(),
+        quality: QualityRecord {
+            scaled_jacobian: quality.scaled_jacobian().into(),
+            jacobian_ratio: quality.jacobian_ratio().into(),
+            aspect: quality.aspect().into(),
+            shortest_edge: quality.shortest_edge.into(),
+            longest_edge: quality.longest_edge.into(),
+        },
+        regions: Some(regions.collect()),
+        surfaces: Some(surfaces.collect()),
+        node_sets: Some(sets.collect()),
+    }
 }

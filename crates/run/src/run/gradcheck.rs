@@ -9,7 +9,10 @@ use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_control::EnsembleError;
 use nastic_numeric::format::scientific;
 use nastic_opt::{Admissible, Failed, Objective, SecondOrder, Taylor, TaylorDirection, TaylorError, Verdict};
-use serde_json::{Value, json};
+use nastic_report::record::{
+    DirectionRecord, GradcheckRecord, RemainderRecord, SecondDirectionRecord, SecondGradcheckRecord, TermCheckRecord,
+    numbers,
+};
 
 /// Random directions per control field.
 const DIRECTIONS: usize = 2;
@@ -220,12 +223,17 @@ fn conclude(session: &mut Session<'_>, tests: &[GradientTest]) -> Exit {
     let lowest_second = lowest(&mut directions().filter_map(|d| Some(d.second.as_ref()?.order)));
     let right = |found: &[(&GradientTest, Verdict)]| found.iter().all(|(_, verdict)| *verdict != Verdict::Wrong);
     let (passed, second_passed) = (right(&first), right(&second));
-    let entries: Vec<Value> = tests.iter().map(entry).collect();
-    let second = json!({ "passed": second_passed, "verdict": second_verdict, "lowest_order": lowest_second });
-    session.put(
-        "gradcheck",
-        json!({ "passed": passed, "verdict": verdict, "lowest_order": lowest_first, "second": second, "tests": entries }),
-    );
+    session.record.gradcheck = Some(GradcheckRecord {
+        passed,
+        verdict,
+        lowest_order: lowest_first.into(),
+        second: SecondGradcheckRecord {
+            passed: second_passed,
+            verdict: second_verdict,
+            lowest_order: lowest_second.into(),
+        },
+        tests: tests.iter().map(record).collect(),
+    });
     if passed && second_passed { Exit::Done } else { Exit::GradientWrong }
 }
 
@@ -241,21 +249,38 @@ fn summary(tests: &[(&GradientTest, Verdict)], order: usize) -> String {
     }
 }
 
-fn entry(test: &GradientTest) -> Value {
-    let direction = |d: &TaylorDirection| {
-        let rows: Vec<Value> =
-            d.rows.iter().map(|row| json!({ "t": row.t, "r0": row.r0, "r1": row.r1, "used": row.used })).collect();
-        json!({
-            "slope": d.slope, "observed": d.observed, "noise": d.noise, "order0": d.order0, "order1": d.order1,
-            "verdict": word(d.verdict), "rows": rows, "second": d.second.as_ref().map(second_entry),
-        })
-    };
-    let directions: Vec<Value> = test.directions.iter().map(direction).collect();
-    let (verdict, second) = (word(test.verdict()), test.second_verdict().map(word));
-    json!({ "control": test.control, "term": test.term, "verdict": verdict, "second": second, "directions": directions })
+fn record(test: &GradientTest) -> TermCheckRecord {
+    TermCheckRecord {
+        control: test.control.clone(),
+        term: test.term.clone(),
+        verdict: word(test.verdict()).to_owned(),
+        second: test.second_verdict().map(|verdict| word(verdict).to_owned()).into(),
+        directions: test.directions.iter().map(direction).collect(),
+    }
 }
 
-fn second_entry(second: &SecondOrder) -> Value {
-    let SecondOrder { curvature, remainders, used, order, verdict } = second;
-    json!({ "curvature": curvature, "r2": remainders, "used": used, "order": order, "verdict": word(*verdict) })
+fn direction(d: &TaylorDirection) -> DirectionRecord {
+    let row = |row: &nastic_opt::Row| RemainderRecord {
+        t: row.t.into(),
+        r0: row.r0.into(),
+        r1: row.r1.into(),
+        used: row.used,
+    };
+    let second = |SecondOrder { curvature, remainders, used, order, verdict }: &SecondOrder| SecondDirectionRecord {
+        curvature: (*curvature).into(),
+        r2: numbers(remainders),
+        used: used.clone(),
+        order: (*order).into(),
+        verdict: word(*verdict).to_owned(),
+    };
+    DirectionRecord {
+        slope: d.slope.into(),
+        observed: d.observed.into(),
+        noise: d.noise.into(),
+        order0: d.order0.into(),
+        order1: d.order1.into(),
+        verdict: word(d.verdict).to_owned(),
+        rows: d.rows.iter().map(row).collect(),
+        second: d.second.as_ref().map(second).into(),
+    }
 }

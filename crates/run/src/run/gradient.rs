@@ -4,7 +4,7 @@ use crate::result::collections::write_collections;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::target_files::write_targets;
-use crate::result::{snapshot, summary};
+use crate::result::{controls, snapshot};
 use crate::run::check_gradient;
 use crate::run::error::{Exit, RunError};
 use crate::run::report::{remove_earlier, say_files};
@@ -15,7 +15,6 @@ use nastic_case::lower::CaseProblem;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_language::number::short;
 use nastic_opt::{Objective, Verdict};
-use nastic_report::record::number_of;
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true).map_err(|error| session.refuse(error))?;
@@ -42,18 +41,16 @@ fn report(
     found: &[Inspection],
 ) -> Result<(), RunError> {
     let entries = session.entries(point, found)?;
-    let norm = summary::derivative_norm(&session.problem, derivative);
-    let controls = summary::controls(&session.problem, &point.m);
-    session.put_all(entries);
-    session.put("derivative_norm", norm);
-    session.put("controls", controls);
-    let result = session.record()?;
-    say_cost(session, &result);
-    say_members(session, &result);
+    session.record.state = entries;
+    session.record.derivative_norm = controls::derivative_norm(&session.problem, derivative);
+    session.record.controls = Some(controls::controls(&session.problem, &point.m));
+    let result = &session.record;
+    say_cost(session, result);
+    say_members(session, result);
     session.console.say(format!(
         "derivative  Euclidean norm {}, norm in the metric {}",
-        digits(number_of(&result.derivative_norm, "euclidean"), 9),
-        digits(number_of(&result.derivative_norm, "metric"), 9)
+        digits(*result.derivative_norm.euclidean, 9),
+        digits(*result.derivative_norm.metric, 9)
     ));
     for (block, field) in session.problem.ensemble.blocks().iter().zip(&session.problem.controls) {
         let own = block.of(derivative);
@@ -66,7 +63,7 @@ fn report(
             short(high)
         ));
     }
-    say_probes(session, &result);
+    say_probes(session, result);
     Ok(())
 }
 
@@ -78,7 +75,7 @@ fn write(
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
-    out.write_json("derivative.json", &summary::control_values(problem, derivative))?;
+    out.write_json("derivative.json", &controls::control_values(problem, derivative))?;
     let mut files = vec!["derivative.json".to_owned()];
     files.extend(write_states(problem, "start", (point, derivative, found), &out)?);
     files.extend(write_targets(problem, &out)?);

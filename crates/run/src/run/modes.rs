@@ -18,7 +18,7 @@ use nastic_language::number::{quantity, short};
 use nastic_language::quantity::{Dimension, Units};
 use nastic_language::schema::Beginning;
 use nastic_mesh::Snapshot;
-use serde_json::{Value, json};
+use nastic_report::record::{ModesRecord, ModesUnits, Number, VibrationInSteps, numbers};
 use std::f64::consts::TAU;
 
 /// Modes that are drawn.
@@ -135,7 +135,7 @@ fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<Seen> {
 const TOLD: usize = 3;
 
 /// The lowest vibrations about the state that a motion begins at (undeformed and without controls, if it begins at rest), as its steps move them: said, and as the result has them.
-pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &State) -> Option<Value> {
+pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &State) -> Option<VibrationInSteps> {
     if member.reduced().timeline()?.scheme().is_quasi_static() {
         return None;
     }
@@ -173,20 +173,16 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
     if member.case().materials.iter().any(|material| !material.maxwell.is_empty() || material.kelvin_voigt.is_some()) {
         session.console.say("            without what viscous laws add: these are the relaxed body's");
     }
-    let mut entry = in_steps(&seen);
-    entry["frequencies"] = modes.iter().map(|mode| json!(per_second(mode, units) / TAU)).collect();
-    Some(entry)
+    let frequencies = modes.iter().map(|mode| (per_second(mode, units) / TAU).into()).collect();
+    Some(VibrationInSteps { frequencies: Some(frequencies), ..in_steps(&seen) })
 }
 
 /// Puts frequencies into the result and says them.
 fn tell(session: &mut Session<'_>, about: &str, found: &[Found]) {
     let (units, dim) = (*session.problem.units(), session.problem.mesh().dim());
     for (index, own) in found.iter().enumerate() {
-        let mut entry = entry(&own.modes, about, &units, dim);
-        if let Some(seen) = &own.seen {
-            entry["in_steps"] = in_steps(seen);
-        }
-        session.put_of_member(index, "modes", entry);
+        let in_steps = own.seen.as_ref().map(in_steps);
+        session.entries_of(index).modes = ModesRecord { in_steps, ..record(&own.modes, about, &units, dim) };
         let name = session.problem.member(index).name();
         let inside = if name.is_empty() { name } else { format!(" in {name}") };
         session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}"));
@@ -200,17 +196,18 @@ fn tell(session: &mut Session<'_>, about: &str, found: &[Found]) {
     }
 }
 
-fn in_steps(seen: &Seen) -> Value {
+fn in_steps(seen: &Seen) -> VibrationInSteps {
     let of = |value: fn(&ModalDamping) -> Option<f64>| {
-        seen.modes.iter().map(|mode| mode.as_ref().and_then(value)).collect::<Vec<_>>()
+        seen.modes.iter().map(|mode| mode.as_ref().and_then(value).into()).collect::<Vec<Number>>()
     };
-    json!({
-        "scheme": seen.scheme,
-        "step": seen.step,
-        "damping": of(|mode| Some(mode.physical)),
-        "damping_seen": of(|mode| Some(mode.effective)),
-        "frequency_ratio": of(|mode| mode.frequency),
-    })
+    VibrationInSteps {
+        scheme: seen.scheme.to_owned(),
+        step: seen.step.into(),
+        damping: of(|mode| Some(mode.physical)),
+        damping_seen: of(|mode| Some(mode.effective)),
+        frequency_ratio: of(|mode| mode.frequency),
+        frequencies: None,
+    }
 }
 
 fn say_in_steps(session: &Session<'_>, Seen { scheme, step, modes }: &Seen) {
@@ -233,27 +230,30 @@ fn per_second(mode: &VibrationMode, units: &Units) -> f64 {
     units.in_si(mode.square, SQUARE).abs().sqrt()
 }
 
-fn entry(modes: &[VibrationMode], about: &str, units: &Units, dim: usize) -> Value {
-    let mass = if dim == 3 { Dimension::MASS } else { MASS_PER_LENGTH };
-    let of = |value: &dyn Fn(&VibrationMode) -> Value| modes.iter().map(value).collect::<Vec<_>>();
-    let count = |is: fn(ModeKind) -> bool| modes.iter().filter(|mode| is(mode.kind())).count();
-    json!({
-        "about": about,
-        "frequencies": of(&|mode| match mode.kind() {
-            ModeKind::Vibration { .. } => json!(per_second(mode, units) / TAU),
-            ModeKind::Neutral => json!(0.0),
-            ModeKind::Unstable { .. } => Value::Null,
+fn record(modes: &[VibrationMode], about: &str, units: &Units, dim: usize) -> ModesRecord {
+    let (mass, mass_unit) = if dim == 3 { (Dimension::MASS, "kg") } else { (MASS_PER_LENGTH, "kg/m") };
+    let of =
+        |value: &dyn Fn(&VibrationMode) -> Option<f64>| Some(modes.iter().map(|mode| value(mode).into()).collect());
+    let count = |is: fn(ModeKind) -> bool| Some(modes.iter().filter(|mode| is(mode.kind())).count());
+    ModesRecord {
+        about: Some(about.to_owned()),
+        frequencies: of(&|mode| match mode.kind() {
+            ModeKind::Vibration { .. } => Some(per_second(mode, units) / TAU),
+            ModeKind::Neutral => Some(0.0),
+            ModeKind::Unstable { .. } => None,
         }),
-        "growth_rates": of(&|mode| match mode.kind() {
-            ModeKind::Unstable { .. } => json!(per_second(mode, units)),
-            _ => Value::Null,
+        growth_rates: of(&|mode| matches!(mode.kind(), ModeKind::Unstable { .. }).then(|| per_second(mode, units))),
+        modal_masses: of(&|mode| Some(units.in_si(mode.modal_mass, mass))),
+        directions: Some(modes.iter().map(|mode| numbers(&mode.directions[..dim])).collect()),
+        neutral: count(|kind| kind == ModeKind::Neutral),
+        unstable: count(|kind| matches!(kind, ModeKind::Unstable { .. })),
+        units: Some(ModesUnits {
+            frequency: "Hz".to_owned(),
+            growth_rate: "1/s".to_owned(),
+            modal_mass: mass_unit.to_owned(),
         }),
-        "modal_masses": of(&|mode| json!(units.in_si(mode.modal_mass, mass))),
-        "directions": of(&|mode| json!(&mode.directions[..dim])),
-        "neutral": count(|kind| kind == ModeKind::Neutral),
-        "unstable": count(|kind| matches!(kind, ModeKind::Unstable { .. })),
-        "units": { "frequency": "Hz", "growth_rate": "1/s", "modal_mass": if dim == 3 { "kg" } else { "kg/m" } },
-    })
+        ..ModesRecord::default()
+    }
 }
 
 fn row(number: usize, mode: &VibrationMode, units: &Units, dim: usize) -> String {

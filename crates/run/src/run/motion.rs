@@ -26,8 +26,8 @@ use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{Command, Time};
 use nastic_mesh::Snapshot;
+use nastic_report::record::{EnergiesRecord, EnergyRecord, TimeRecord};
 use rayon::prelude::*;
-use serde_json::{Value, json};
 
 /// Instants drawn as glass behind the end of a motion.
 const GHOSTS: usize = 4;
@@ -53,7 +53,7 @@ impl Session<'_> {
     /// Says how the motions went, and puts that into the result.
     pub fn report_motions(&mut self, records: &[Record], point: &EnsemblePoint) {
         for (index, entry) in report(self, records, point).into_iter().enumerate() {
-            self.put_of_member(index, "time", entry);
+            self.entries_of(index).time = Some(entry);
         }
         self.report_contacts_of(records);
     }
@@ -101,7 +101,7 @@ fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
 }
 
 /// The entry `time` of the result, and lines about the motions.
-fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> Vec<Value> {
+fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> Vec<TimeRecord> {
     let Some(time) = &session.problem.case.time else { return vec![] };
     let units = session.problem.units();
     let of = |value: f64| quantity(value, Dimension::TIME, units);
@@ -134,7 +134,7 @@ fn longest(session: &Session<'_>) -> f64 {
     timelines.map(Timeline::longest_step).fold(0.0, f64::max)
 }
 
-fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) -> Value {
+fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) -> TimeRecord {
     let (member, unit) = (session.problem.member(record.member), session.problem.units().label(ENERGY));
     let ends = [record.shown.first(), record.shown.last()].map(|state| state.map(|state| energies(member, state)));
     let [start, end] = ends.map(Option::unwrap_or_default);
@@ -142,23 +142,20 @@ fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) ->
     let pair = |[kinetic, potential]: [f64; 2]| format!("kinetic {}, potential {}", short(kinetic), short(potential));
     let console = session.console;
     console.say(format!("energy      at t = 0: {}; at the end: {} ({unit}){name}", pair(start), pair(end)));
-    let both = |[kinetic, potential]: [f64; 2]| json!({ "kinetic": kinetic, "potential": potential });
-    let mut entry = json!({
-        "end": time.end, "steps": record.states().saturating_sub(1), "scheme": time.scheme.name(),
-        "mass": time.mass.name(), "written": record.shown.len(),
-        "energies": { "start": both(start), "end": both(end) },
-    });
-    for (key, value) in time_steps::entries(session, member, time, at) {
-        entry[key] = value;
-    }
+    let both = |[kinetic, potential]: [f64; 2]| EnergyRecord { kinetic: kinetic.into(), potential: potential.into() };
     // scenarios differ little in this; friction has no modes
     let lead = member.part().scenario() == 0 && member.case().contact.iter().all(|contact| contact.friction.is_none());
-    if let Some(damping) =
-        record.shown.first().filter(|_| lead).and_then(|state| modes::damping(session, member, state))
-    {
-        entry["damping"] = damping;
+    let damping = record.shown.first().filter(|_| lead).and_then(|state| modes::damping(session, member, state));
+    TimeRecord {
+        end: time.end.into(),
+        steps: record.states().saturating_sub(1),
+        scheme: time.scheme.name().to_owned(),
+        mass: time.mass.name().to_owned(),
+        written: record.shown.len(),
+        energies: EnergiesRecord { start: both(start), end: both(end) },
+        damping,
+        ..time_steps::record(session, member, time, at)
     }
-    entry
 }
 
 /// Writes the files of all members; their names.

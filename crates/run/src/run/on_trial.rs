@@ -1,10 +1,10 @@
 //! [`OnTrial`]: who is told of the trials of an optimisation.
 
-use serde_json::Value;
+use nastic_report::record::TrialRecord;
 use std::fmt;
 use std::sync::Arc;
 
-type Listener = dyn Fn(&Value) + Send + Sync;
+type Listener = dyn Fn(&TrialRecord) + Send + Sync;
 
 /// A function that is called after every trial with its line of `history.jsonl`; nobody by default. The run waits for it.
 #[derive(Clone, Default)]
@@ -12,11 +12,11 @@ pub struct OnTrial(Option<Arc<Listener>>);
 
 impl OnTrial {
     /// Calls `told`.
-    pub fn call(told: impl Fn(&Value) + Send + Sync + 'static) -> Self {
+    pub fn call(told: impl Fn(&TrialRecord) + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(told)))
     }
 
-    pub(super) fn tell(&self, line: &Value) {
+    pub(super) fn tell(&self, line: &TrialRecord) {
         if let Some(told) = &self.0 {
             told(line);
         }

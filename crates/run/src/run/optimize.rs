@@ -37,7 +37,7 @@ use crate::run::session::Session;
 use nastic_case::warning::{INPUT, Warning};
 use nastic_control::EnsembleWorkspace;
 use nastic_opt::{Objective, Optimizer, Verdict};
-use serde_json::json;
+use nastic_report::record::ResumedRecord;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -90,7 +90,7 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
         session.warnings.extend(warnings);
         return checked.map(|_| Exit::GradientWrong);
     }
-    let check = check_gradient::json(&checked?);
+    let check = check_gradient::record(&checked?);
     spectrum::check_products(session, &point, &mut workspace)?;
     let begun = Begun { point, derivative, workspace, warnings };
     let began = Instant::now();
@@ -122,12 +122,13 @@ pub(super) fn resume(
 ) -> Result<Exit, RunError> {
     spectrum::check(session)?;
     let from = position.as_ref().map_or(Written { start: 0, iteration: 0 }, Position::place);
-    session.put("resumed", json!({ "start": from.start, "iteration": from.iteration }));
+    session.record.resumed =
+        ResumedRecord { start: Some(from.start), iteration: Some(from.iteration), ..ResumedRecord::default() };
     // Nothing was evaluated yet.
     let Some(position) = position else { return run(session, optimizer) };
     session.find_steps()?;
     warn_of_own_files(session);
-    session.put("gradient_check", position.gradient_check.clone());
+    session.record.gradient_check = position.gradient_check.clone();
     let journal = SharedJournal::new(Journal::resume(session, from)?);
     let began = Instant::now();
     let mut starts = Starts::default();
@@ -152,7 +153,7 @@ fn conclude(
     let minima = minima::tell(session, &mut starts);
     let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
     if starts.entries.len() > 1 {
-        session.put("minima", json!(minima));
+        session.record.optimum.minima = Some(minima);
     }
     let constraints = session.look_at_constraints(&ended.constraints, &ended.best.point)?;
     run_warnings::warn(session, &ended, &constraints, starts.interrupted);
@@ -171,7 +172,7 @@ fn conclude(
     outcome::show(session, ended, found)?;
     if let Some(why) = starts.aborted {
         session.console.say(format!("failed      {why}"));
-        session.put("error", json!(why));
+        session.record.error = Some(why);
         return Ok(Exit::ForwardFailed);
     }
     session.ended = !starts.interrupted;

@@ -2,6 +2,7 @@
 
 use crate::result::Missed;
 use crate::run::error::Exit;
+use nastic_report::record::RunRecord;
 use serde_json::Value;
 
 /// What a command found.
@@ -9,7 +10,9 @@ use serde_json::Value;
 pub struct Outcome {
     /// How it ended.
     pub exit: Exit,
-    /// The content of `result.json`.
+    /// What was found, as values.
+    pub record: RunRecord,
+    /// The same as JSON: the content of `result.json`.
     pub result: Value,
     /// Expectations of the case that were not met.
     pub missed: Vec<Missed>,

@@ -12,7 +12,7 @@ use nastic_case::lower::CaseProblem;
 use nastic_control::EnsemblePoint;
 use nastic_io::write_atomically;
 use nastic_language::schema::Command;
-use serde_json::{Map, Value, json};
+use nastic_report::record::{MemberRecord, RunRecord, StateRecord};
 use std::path::{Path, PathBuf};
 
 /// The case with its overrides.
@@ -35,7 +35,7 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     let is_shown = matches!(session.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
     let with_page = session.report && is_shown && session.command != Command::Gradient;
     if is_shown {
-        session.put("members", members(&session.problem));
+        session.record.members = Some(members(&session.problem));
         let case = session.problem.case_file().is_some();
         let page = with_page.then_some(nastic_report::FILE);
         session.list_files(case.then_some(CASE).into_iter().chain(page).map(str::to_owned).collect());
@@ -45,7 +45,7 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
             out.remove(CASE)?;
         }
     }
-    out.write_json("result.json", &session.result_value())?;
+    out.write_json("result.json", &session.record)?;
     if with_page { report(out.path(), None).map(|_| ()) } else { remove_old(&out) }
 }
 
@@ -57,11 +57,11 @@ impl Session<'_> {
                 self.files.push(name);
             }
         }
-        self.put("files", json!(self.files));
+        self.record.files = Some(self.files.clone());
     }
 
     /// What is told of the states of an evaluated control.
-    pub(super) fn entries(&self, point: &EnsemblePoint, found: &[Inspection]) -> Result<Map<String, Value>, RunError> {
+    pub(super) fn entries(&self, point: &EnsemblePoint, found: &[Inspection]) -> Result<StateRecord, RunError> {
         let reports = member_report::of_inspected(&self.problem, point, found);
         let entries = reports.and_then(|reports| member_report::entries(&self.problem, &reports, Detail::Full));
         entries.map_err(|error| self.member_failed(error))
@@ -80,15 +80,15 @@ pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {
     const RESULT: &str = "result.json";
     let Some(out) = &session.out else { return Ok(()) };
     let text = std::fs::read_to_string(out.file(RESULT)).unwrap_or_default();
-    let earlier: Value = serde_json::from_str(&text).unwrap_or_default();
-    if earlier["command"] != session.command.name() {
+    let earlier = serde_json::from_str::<RunRecord>(&text).unwrap_or_default();
+    if earlier.command != session.command.name() {
         return Ok(());
     }
     let problem = &session.problem;
     let read = problem.files.iter().map(PathBuf::as_path).chain(problem.case_file().map(Path::new));
     let read: Vec<PathBuf> = read.filter_map(|file| file.canonicalize().ok()).collect();
     let is_read = |name: &str| out.file(name).canonicalize().is_ok_and(|file| read.contains(&file));
-    let files = earlier["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    let files = earlier.files.iter().flatten().map(String::as_str);
     // the case is written whatever happens, and checkpoints have rules of their own, by which no list names them
     for name in files.filter(|name| is_of_runs(name) && *name != CASE && !is_read(name)) {
         out.remove(name)?;
@@ -110,16 +110,17 @@ fn remove_old(out: &Directory) -> Result<(), RunError> {
     Ok(out.remove(nastic_report::FILE)?)
 }
 
-/// Scenario and load case of every state, and what the names of its files begin with: `{ "name", "scenario", "load_case",
-/// "stem", "case_stem", "targets", "obstacles" }`.
-fn members(problem: &CaseProblem) -> Value {
+/// Scenario and load case of every state, and what the names of its files begin with.
+fn members(problem: &CaseProblem) -> Vec<MemberRecord> {
     let (targets, obstacles) = (target_names(problem), obstacle_shape::files(problem).1);
-    let of = |member: nastic_case::lower::CaseMember<'_>| {
-        json!({
-            "name": member.name(), "scenario": member.scenario(), "load_case": member.load_case(),
-            "stem": member.file(""), "case_stem": member.case_file(""), "targets": targets[member.index()],
-            "obstacles": obstacles[member.index()],
-        })
+    let of = |member: nastic_case::lower::CaseMember<'_>| MemberRecord {
+        name: member.name(),
+        scenario: member.scenario().map(str::to_owned).into(),
+        load_case: member.load_case().map(str::to_owned).into(),
+        stem: member.file(""),
+        case_stem: member.case_file(""),
+        targets: targets[member.index()].clone(),
+        obstacles: obstacles[member.index()].clone(),
     };
     problem.members().map(of).collect()
 }

@@ -5,6 +5,7 @@ use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::output_names::written_by;
+use crate::result::warning_record::warning_record;
 use crate::result::{checkpoint_file, failure, smoothing};
 use crate::run::ensemble_progress::EnsembleProgress;
 use crate::run::error::{Exit, RunError};
@@ -24,8 +25,7 @@ use nastic_language::quantity::Dimension;
 use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostics, Document};
 use nastic_opt::{Failed, Objective, Request};
-use nastic_report::record::RunRecord;
-use serde_json::{Map, Value, json};
+use nastic_report::record::{RunRecord, StateRecord, UnitsRecord, VersionsRecord};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -66,7 +66,8 @@ pub(super) struct Session<'c> {
     pub steps: Vec<AdaptiveSteps>,
     /// Names of the files that were written.
     pub files: Vec<String>,
-    result: Map<String, Value>,
+    /// The result as it stands.
+    pub record: RunRecord,
     phases: Vec<(&'static str, f64)>,
     began: Instant,
 }
@@ -180,7 +181,7 @@ impl<'c> Session<'c> {
             shown: None,
             steps: Vec::new(),
             files: Vec::new(),
-            result: Map::new(),
+            record: RunRecord::default(),
             phases: vec![("read", began.elapsed().as_secs_f64() - ordering), ("ordering", ordering)],
             began,
         };
@@ -196,14 +197,14 @@ impl<'c> Session<'c> {
         let hash = Fingerprint::of(&problem.document.canonical(), &problem.files);
         let title = case.title.clone();
         let units = problem.units();
-        let versions = json!({ "nastic": env!("CARGO_PKG_VERSION"), "case": case.nastic });
-        let labels = json!({
-            "length": units.length().symbol,
-            "force": units.force().symbol,
-            "time": units.time().symbol,
-            "field": units.field().symbol,
-            "pressure": units.label(Dimension::PRESSURE),
-        });
+        let versions = VersionsRecord { nastic: env!("CARGO_PKG_VERSION").to_owned(), case: Some(case.nastic) };
+        let labels = UnitsRecord {
+            length: units.length().symbol.to_owned(),
+            force: units.force().symbol.to_owned(),
+            time: units.time().symbol.to_owned(),
+            field: units.field().symbol.to_owned(),
+            pressure: units.label(Dimension::PRESSURE),
+        };
         let notes = problem.notes.clone();
         let command = self.command.name();
         self.console.say(match &title {
@@ -223,18 +224,18 @@ impl<'c> Session<'c> {
         for line in smoothing::automatic(&self.problem) {
             self.console.say(format!("stages      {line}"));
         }
-        let smoothing = smoothing::json(&self.problem);
-        if !smoothing.is_empty() {
-            self.put("smoothing", Value::Object(smoothing));
-        }
-        self.put("command", json!(command));
-        self.put("case", json!(path));
-        self.put("title", json!(title));
-        self.put("case_hash", json!(hash));
-        self.put("versions", versions);
-        self.put("units", labels);
-        self.put("threads", json!(rayon::current_num_threads()));
-        self.put("notes", json!(notes));
+        self.record = RunRecord {
+            command: command.to_owned(),
+            case: Some(path),
+            title: title.into(),
+            case_hash: hash,
+            versions,
+            units: labels,
+            threads: Some(rayon::current_num_threads()),
+            notes: Some(notes),
+            smoothing: smoothing::record(&self.problem),
+            ..RunRecord::default()
+        };
         for warning in self.problem.warnings.clone() {
             self.warn(warning);
         }
@@ -271,52 +272,16 @@ impl<'c> Session<'c> {
         if codes.is_empty() { String::new() } else { format!("; WARNING: {}", codes.join(", ")) }
     }
 
-    /// Adds an entry to the result.
-    pub fn put(&mut self, key: &str, value: Value) {
-        self.result.insert(key.to_owned(), value);
-    }
-
-    /// Adds an entry to those of a member; of a plain case to the result itself.
-    pub fn put_of_member(&mut self, index: usize, key: &str, value: Value) {
-        if let Some(entries) = self.entries_of_member(index) {
-            entries.insert(key.to_owned(), value);
-        }
-    }
-
-    /// Puts what a contribution reports of a member in place of what was there.
-    pub fn put_of_contribution(&mut self, index: usize, name: &str, values: Map<String, Value>) {
-        let all = self.entries_of_member(index).map(|own| own.entry("contributions").or_insert_with(|| json!({})));
-        if let Some(Value::Object(all)) = all {
-            all.insert(name.to_owned(), Value::Object(values));
-        }
-    }
-
-    fn entries_of_member(&mut self, index: usize) -> Option<&mut Map<String, Value>> {
+    /// The entries of a member; of a plain case those of the result itself.
+    pub fn entries_of(&mut self, index: usize) -> &mut StateRecord {
         let member = self.problem.member(index);
-        let groups = [("scenarios", member.scenario()), ("load_cases", member.load_case())];
-        let mut entries = &mut self.result;
-        for (group, name) in groups.into_iter().filter_map(|(group, name)| Some((group, name?))) {
-            for key in [group, name] {
-                let Value::Object(next) = entries.entry(key).or_insert_with(|| json!({})) else { return None };
-                entries = next;
-            }
-        }
-        Some(entries)
+        self.record.state.member_mut(member.scenario(), member.load_case())
     }
 
-    /// Adds entries to the result.
-    pub fn put_all(&mut self, entries: Map<String, Value>) {
-        self.result.extend(entries);
-    }
-
-    /// The result as it stands.
-    pub fn result_value(&self) -> Value {
-        Value::Object(self.result.clone())
-    }
-
-    /// The result as its printers read it.
-    pub fn record(&self) -> Result<RunRecord, RunError> {
-        Ok(RunRecord::of(&self.result_value())?)
+    /// Puts warnings and exit code into the result.
+    pub fn close(&mut self, exit: Exit) {
+        self.record.warnings = self.warnings.iter().map(warning_record).collect();
+        self.record.exit = Some(exit.code());
     }
 
     /// Does something, and notes how long it took.
@@ -337,11 +302,10 @@ impl<'c> Session<'c> {
 
     /// Puts the times into the result.
     pub fn finish_clock(&mut self) {
-        let mut times: Map<String, Value> =
-            self.phases.iter().map(|(phase, seconds)| ((*phase).to_owned(), json!(seconds))).collect();
-        times.insert("total".into(), json!(self.began.elapsed().as_secs_f64()));
-        self.put("seconds", Value::Object(times));
-        self.put("peak_memory", json!(peak_memory()));
+        let total = [("total", self.began.elapsed().as_secs_f64())];
+        let phases = self.phases.iter().copied().chain(total);
+        self.record.seconds = phases.map(|(phase, seconds)| (phase.to_owned(), seconds.into())).collect();
+        self.record.peak_memory = peak_memory().into();
     }
 
     /// The ensemble at a control vector: the one way every command comes by its states.

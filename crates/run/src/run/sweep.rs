@@ -21,6 +21,7 @@ use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostic, Diagnostics, Document, Node, Value as Tree};
 use nastic_report::case_name;
 use nastic_report::csv;
+use nastic_report::record::{SweepRecord, SweptRecord};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -110,7 +111,8 @@ pub fn sweep(
         console.say(format!("stopped     {} not made", count(missing, "run")));
     }
     console.say(format!("results     {}: sweep.csv, sweep.json, sweep.svg, sweep.pvd", out.path().display()));
-    Ok(SweepOutcome { exit: table.exit(), result: table.json() })
+    let result = serde_json::to_value(table.record()).unwrap_or_default(); // records have keys that are texts
+    Ok(SweepOutcome { exit: table.exit(), result })
 }
 
 /// What must hold of all runs: a fitting command, paths that the case has.
@@ -221,23 +223,24 @@ impl Table<'_> {
         if self.rows.len() < self.planned { worst.worst(Exit::NotConverged) } else { worst }
     }
 
-    fn json(&self) -> Value {
-        let of = |one: &Swept| json!({ "path": one.path, "values": one.values });
-        json!({
-            "command": self.sweep.command.name(),
-            "case": self.case.display().to_string(),
-            "swept": self.swept.iter().filter(|one| one.is_swept()).map(of).collect::<Vec<_>>(),
-            "fixed": self.swept.iter().filter(|one| !one.is_swept()).map(|one| one.setting(0)).collect::<Vec<_>>(),
-            "warm": self.sweep.warm,
-            "planned": self.planned,
-            "runs": self.rows.iter().map(Row::json).collect::<Vec<_>>(),
-            "exit": self.exit().code(),
-        })
+    fn record(&self) -> SweepRecord {
+        let (swept, fixed): (Vec<&Swept>, Vec<&Swept>) = self.swept.iter().partition(|one| one.is_swept());
+        let of = |one: &Swept| SweptRecord { path: one.path.clone(), values: one.values.clone() };
+        SweepRecord {
+            command: self.sweep.command.name().to_owned(),
+            case: self.case.display().to_string(),
+            swept: swept.into_iter().map(of).collect(),
+            fixed: fixed.into_iter().map(|one| one.setting(0)).collect(),
+            warm: self.sweep.warm,
+            planned: self.planned,
+            runs: self.rows.iter().map(Row::record).collect(),
+            exit: self.exit().code(),
+        }
     }
 
     /// Writes `sweep.json`, `sweep.csv`, `sweep.svg` and a `sweep.pvd` for every load case.
     fn write(&self, out: &Directory) -> Result<(), RunError> {
-        out.write_json("sweep.json", &self.json())?;
+        out.write_json("sweep.json", &self.record())?;
         let text = csv::table(&self.rows.iter().map(Row::cells).collect::<Vec<_>>());
         write_atomically(out.file("sweep.csv"), |out| out.write_all(text.as_bytes()))?;
         match plot::chart(&self.title, self.swept, &self.rows) {

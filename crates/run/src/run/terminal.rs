@@ -4,9 +4,7 @@ use crate::run::session::Session;
 use nastic_language::number::{quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_numeric::format::scientific;
-use nastic_report::record::{
-    HausdorffRecord, MeasureRecord, Number, ProbeRecord, ProbesRecord, RunRecord, StateRecord, number_of,
-};
+use nastic_report::record::{MeasureRecord, Number, ProbeRecord, ProbesRecord, RunRecord, StateRecord, number_of};
 
 /// Smallest J and inertia, of the worst member.
 pub(crate) fn say_stability(session: &Session<'_>, state: &StateRecord) {
@@ -52,7 +50,7 @@ pub(crate) fn say_members(session: &Session<'_>, result: &StateRecord) {
 
 /// What the inertia means.
 pub(crate) fn inertia(state: &StateRecord) -> String {
-    match (state.inertia.flatten(), &state.inertia_missing) {
+    match (*state.inertia, &state.inertia_missing) {
         (Some(0), _) => "stable (no negative pivot of the tangent)".to_owned(),
         (Some(1), _) => "UNSTABLE: 1 negative pivot of the tangent".to_owned(),
         (Some(n), _) => format!("UNSTABLE: {n} negative pivots of the tangent"),
@@ -73,8 +71,8 @@ pub(crate) fn say_cost(session: &Session<'_>, state: &StateRecord) {
             session.console.say(format!("            {name} {}", digits(*value, 9)));
         }
     }
-    if let Some(HausdorffRecord { exact, smoothed, floor }) = state.hausdorff {
-        let [exact, smoothed, floor] = [exact, smoothed, floor].map(|x| x.map_or_else(|| "-".to_owned(), short));
+    if let Some(distances) = &state.hausdorff {
+        let [smoothed, exact, floor] = distances.distances().map(|x| x.map_or_else(|| "-".to_owned(), short));
         let unit = session.problem.units().length().symbol;
         session.console.say(format!(
             "distance    true Hausdorff {exact} {unit}, smoothed {smoothed} {unit}, target to itself {floor} {unit}"
@@ -92,7 +90,7 @@ fn say_spread(session: &Session<'_>, state: &StateRecord) {
             "probe       {place} moves by {mean} {unit} in the mean, standard deviation {deviation} {unit}"
         ));
     };
-    for (name, probes) in &state.probes {
+    for (name, probes) in state.probes.iter().flatten() {
         match probes {
             ProbesRecord::One(probe) => say(name, probe),
             ProbesRecord::OfLoadCase(probes) => {
@@ -119,7 +117,7 @@ pub(crate) fn say_probes(session: &Session<'_>, result: &StateRecord) {
                 ));
             }
         }
-        for (name, probe) in &state.probes {
+        for (name, probe) in state.probes.iter().flatten() {
             let ProbesRecord::One(probe) = probe else { continue };
             let u = numbers(&probe.displacement);
             let digits = u.iter().map(|x| format!("{x:.9}")).collect::<Vec<_>>().join(", ");
@@ -154,23 +152,23 @@ fn inside(member: &str) -> String {
 }
 
 fn numbers(values: &[Number]) -> Vec<f64> {
-    values.iter().copied().flatten().collect()
+    values.iter().filter_map(|value| **value).collect()
 }
 
 /// A number, or NaN where there is none.
-pub(crate) fn known(number: Number) -> f64 {
-    number.unwrap_or(f64::NAN)
+pub(crate) fn known(number: impl Into<Option<f64>>) -> f64 {
+    number.into().unwrap_or(f64::NAN)
 }
 
 /// A number to so many digits, or a dash.
-pub(crate) fn digits(number: Number, digits: usize) -> String {
-    number.map_or_else(|| "-".to_owned(), |x| scientific(x, digits))
+pub(crate) fn digits(number: impl Into<Option<f64>>, digits: usize) -> String {
+    number.into().map_or_else(|| "-".to_owned(), |x| scientific(x, digits))
 }
 
 /// How far tracked points are from their targets, and were at the start of an optimisation; what other costs report.
 pub(crate) fn say_tracked(session: &Session<'_>, result: &RunRecord) {
     let unit = session.problem.units().length().symbol;
-    let change = |before: Number, now: f64, number: &dyn Fn(f64) -> String| {
+    let change = |before: Option<f64>, now: f64, number: &dyn Fn(f64) -> String| {
         let before = before.map_or_else(String::new, |before| format!("{} -> ", number(before)));
         format!("{before}{}", number(now))
     };

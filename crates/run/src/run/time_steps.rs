@@ -8,7 +8,7 @@ use nastic_control::{AdaptiveSteps, EnsemblePoint, Evaluated, StepError};
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::Time;
-use serde_json::{Value, json};
+use nastic_report::record::{StepErrorRecord, TimeRecord};
 
 /// Errors of steps beyond the tolerance by less are those of the solves, which optimisers do not ask for as exactly.
 const SLACK: f64 = 1.1;
@@ -92,25 +92,17 @@ fn warning(member: CaseMember<'_>, at: &Evaluated) -> Option<Warning> {
 }
 
 /// Of the result's entry `time`: the steps, and their largest estimated error.
-pub(super) fn entries(
-    session: &Session<'_>,
-    member: CaseMember<'_>,
-    time: &Time,
-    at: &Evaluated,
-) -> Vec<(&'static str, Value)> {
-    let mut out = vec![match time.step {
-        Some(step) => ("step", json!(step)),
-        None => ("tolerance", json!(time.tolerance)),
-    }];
+pub(super) fn record(session: &Session<'_>, member: CaseMember<'_>, time: &Time, at: &Evaluated) -> TimeRecord {
+    let mut out = match time.step {
+        Some(step) => TimeRecord { step: step.into(), ..TimeRecord::default() },
+        None => TimeRecord { tolerance: time.tolerance.into(), ..TimeRecord::default() },
+    };
     if let (None, Some(steps)) = (time.step, session.steps.get(member.index())) {
         let (least, most) = steps.range();
-        out.push(("shortest", json!(least)));
-        out.push(("longest", json!(most)));
-        out.push(("rejected", json!(steps.report.rejected)));
-        out.push(("failed", json!(steps.report.failed)));
+        (out.shortest, out.longest) = (least.into(), most.into());
+        (out.rejected, out.failed) = (Some(steps.report.rejected), Some(steps.report.failed));
     }
-    if let Some(StepError { error, time }) = at.solved.error {
-        out.push(("step_error", json!({ "largest": error, "t": time })));
-    }
+    out.step_error =
+        at.solved.error.map(|StepError { error, time }| StepErrorRecord { largest: error.into(), t: time.into() });
     out
 }

@@ -3,13 +3,13 @@
 use crate::run::describe::line::{Line, line};
 use crate::run::describe::parameters::{catalogue_of, law, parameters, scalar, vector_field};
 use nastic_case::lower::CaseProblem;
-use nastic_fem::contributions::catalogue::{Key, KeyKind};
+use nastic_fem::contributions::catalogue::{Key, KeyKind, Values as FormValues};
 use nastic_fem::{BodyEnergy, BodyPoint};
 use nastic_language::expression::dimension_of;
 use nastic_language::number::quantity;
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::{Fixed, Means};
-use serde_json::{Value, json};
+use nastic_language::schema::{Actuation, Fixed, Means};
+use nastic_report::record::{BodyPointRecord, ByName, ConstantRecord, LawRecord, Number};
 
 pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
     let mut out = Vec::new();
@@ -66,41 +66,51 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
     out
 }
 
-/// The actuations as `check --json` has them.
-pub(super) fn json(problem: &CaseProblem) -> Value {
-    let actuations = problem.case.actuation.iter().map(|a| {
-        let mut entry = match &a.means {
+/// The actuations as results have them.
+pub(super) fn records(problem: &CaseProblem) -> Vec<LawRecord> {
+    let of = |a: &Actuation| {
+        let entry = match &a.means {
             Means::Law { row, region, parameters } => law(problem, region, row.name, parameters, row.forms),
-            Means::Contribution { kind, values, .. } => {
-                let mut entry = json!({ "kind": kind });
-                values.names.iter().for_each(|(key, names)| entry[*key] = json!(names));
-                values.flags.iter().for_each(|key| entry[*key] = json!(true));
-                for (key, points) in &values.points {
-                    let point = |point: &BodyPoint| match point {
-                        BodyPoint::At(place) => json!(place),
-                        BodyPoint::Nodes(name) => json!(name),
-                    };
-                    entry[*key] = points.iter().map(point).collect();
-                }
-                values.places.iter().for_each(|(key, place)| entry[*key] = json!(place));
-                values.numbers.iter().for_each(|(key, number)| entry[*key] = json!(number));
-                for (key, quantity) in [("reference_volume", "volume"), ("reference_length", "length")] {
-                    if let Some(value) = at_rest(problem, &a.name, quantity) {
-                        entry[key] = json!(value);
-                    }
-                }
-                entry
-            }
+            Means::Contribution { kind, values, .. } => LawRecord {
+                kind: Some((*kind).to_owned()),
+                keys: keys(values),
+                reference_volume: at_rest(problem, &a.name, "volume").map(Number::from).unwrap_or_default(),
+                reference_length: at_rest(problem, &a.name, "length").map(Number::from).unwrap_or_default(),
+                ..LawRecord::default()
+            },
         };
-        entry["name"] = json!(a.name);
-        entry["fiber_limit"] = json!(limit(problem, &a.name, BodyEnergy::fiber_limit));
-        if let Some((beside, joint)) = together(problem, &a.name) {
-            entry["joint_fiber_limit"] = json!(joint);
-            entry["beside"] = json!(beside);
+        let (beside, joint) = together(problem, &a.name).unzip();
+        LawRecord {
+            name: Some(a.name.clone()),
+            fiber_limit: limit(problem, &a.name, BodyEnergy::fiber_limit).into(),
+            joint_fiber_limit: joint.map(Number::from).unwrap_or_default(),
+            beside,
+            ..entry
         }
-        entry
-    });
-    actuations.collect()
+    };
+    problem.case.actuation.iter().map(of).collect()
+}
+
+/// The keys of a contribution with their values.
+fn keys(values: &FormValues) -> ByName<ConstantRecord> {
+    let mut out = ByName::default();
+    let mut put = |key: &str, value: ConstantRecord| out.insert(key.to_owned(), value);
+    values.names.iter().for_each(|(key, names)| drop(put(key, ConstantRecord::Names(names.clone()))));
+    values.flags.iter().for_each(|key| drop(put(key, ConstantRecord::Flag(true))));
+    for (key, points) in &values.points {
+        put(key, ConstantRecord::Points(points.iter().map(body_point).collect()));
+    }
+    values.places.iter().for_each(|(key, place)| drop(put(key, ConstantRecord::Vector(*place))));
+    values.numbers.iter().for_each(|(key, number)| drop(put(key, ConstantRecord::Number(*number))));
+    out
+}
+
+/// A point as results have it.
+pub(super) fn body_point(point: &BodyPoint) -> BodyPointRecord {
+    match point {
+        BodyPoint::At(place) => BodyPointRecord::Place(*place),
+        BodyPoint::Nodes(name) => BodyPointRecord::Nodes(name.clone()),
+    }
 }
 
 /// The smallest bound on a tension of all members.

@@ -6,7 +6,7 @@ use nastic_fem::{Instant, TouchParameters};
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::Obstacle;
-use serde_json::{Value, json};
+use nastic_report::record::ContactRecord;
 
 /// How far what sticks at half of the cone creeps, as a share of the slip speed times the time.
 const CREEP_AT_HALF: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -66,14 +66,20 @@ fn told(problem: &CaseProblem, of: &TouchParameters, gap: Option<f64>) -> String
     parts.join("; ")
 }
 
-/// The contacts as `check --json` has them.
-pub(super) fn json(problem: &CaseProblem) -> Value {
+/// The contacts as results have them.
+pub(super) fn records(problem: &CaseProblem) -> Vec<ContactRecord> {
     let of = |(name, of): (String, TouchParameters)| {
-        json!({
-            "name": name, "thickness": of.thickness, "stiffness": of.stiffness, "samples": of.samples, "inset": of.inset,
-            "between_samples": of.between_samples, "friction": of.friction.map(|(friction, _)| friction),
-            "slip_speed": of.friction.map(|(_, speed)| speed),
-        })
+        let (friction, slip_speed) = of.friction.unzip();
+        ContactRecord {
+            name,
+            thickness: of.thickness.into(),
+            stiffness: of.stiffness.into(),
+            samples: of.samples,
+            inset: of.inset.into(),
+            between_samples: of.between_samples.into(),
+            friction: friction.into(),
+            slip_speed: slip_speed.into(),
+        }
     };
     problem.member(0).solid().model().touch_parameters().into_iter().map(of).collect()
 }

@@ -1,6 +1,6 @@
 //! The signs and conventions that a case uses.
 
-use crate::result::summary::owner;
+use crate::result::controls::owner;
 use crate::run::describe::line::{Line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_language::schema::{Input, Means};

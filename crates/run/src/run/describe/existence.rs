@@ -4,7 +4,7 @@ use crate::run::describe::line::{Line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_energy::{Existence, Place};
 use nastic_language::number::{count, short};
-use serde_json::{Value, json};
+use nastic_report::record::{CellGroupRecord, ExistenceRecord, GrowthRecord};
 
 /// Cells whose laws together state the same.
 struct Group {
@@ -20,19 +20,22 @@ pub(in crate::run) fn existence(problem: &CaseProblem) -> Vec<Line> {
 }
 
 /// The same for `result.json`.
-pub(super) fn json(problem: &CaseProblem) -> Value {
-    let of = |group: &Group| json!({ "cells": group.cells, "conditions": group.stated.map(conditions) });
-    groups(problem).iter().map(of).collect()
+pub(super) fn records(problem: &CaseProblem) -> Vec<CellGroupRecord> {
+    let of = |group: Group| CellGroupRecord { cells: group.cells, conditions: group.stated.map(conditions).into() };
+    groups(problem).into_iter().map(of).collect()
 }
 
 /// What is stated, in results: with the growth that the stated one implies.
-pub(in crate::run) fn conditions(stated: Existence) -> Value {
+pub(in crate::run) fn conditions(stated: Existence) -> ExistenceRecord {
     let growth = stated.growth.implied();
-    json!({
-        "polyconvex": stated.polyconvex, "resists_collapse": stated.resists_collapse,
-        "coercive": growth.is_coercive(), "growth": { "p": growth.p, "q": growth.q, "r": growth.r },
-        "balances_pressure": growth.balances_pressure(), "holds": stated.holds(),
-    })
+    ExistenceRecord {
+        polyconvex: stated.polyconvex,
+        resists_collapse: stated.resists_collapse,
+        coercive: growth.is_coercive(),
+        growth: GrowthRecord { p: growth.p.into(), q: growth.q.into(), r: growth.r.into() },
+        balances_pressure: growth.balances_pressure(),
+        holds: stated.holds(),
+    }
 }
 
 /// By what the laws of a cell state together, point by point, in the order of the cells.

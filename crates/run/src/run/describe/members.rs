@@ -5,7 +5,7 @@ use crate::run::describe::line::{Line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_language::number::{count, short};
 use nastic_language::schema::{LoadCase, Rule, Scenarios};
-use serde_json::{Map, Value, json};
+use nastic_report::record::{RiskRecord, StateRecord};
 
 /// Scenarios listed one by one; the result has them all.
 const LISTED: usize = 12;
@@ -66,26 +66,23 @@ pub(in crate::run) fn scenarios(problem: &CaseProblem) -> Vec<Line> {
 }
 
 /// The same for programs.
-pub(super) fn json(problem: &CaseProblem) -> Map<String, Value> {
-    let mut out = Map::new();
+pub(super) fn describe(problem: &CaseProblem, state: &mut StateRecord) {
     let ensemble = &problem.ensemble;
-    if problem.leads().any(|member| member.load_case().is_some()) {
-        let of = |member: nastic_case::lower::CaseMember<'_>| {
-            let own = member.fields().filter(|(_, field)| field.load_case.is_some()).map(|(_, field)| &field.name);
-            let own: Vec<&String> = own.collect();
-            let terms = member.reduced().term_names();
-            let entry = json!({ "weight": member.part().weight(), "own_controls": own, "terms": terms });
-            (member.load_case().unwrap_or_default().to_owned(), entry)
+    for member in problem.leads().filter(|member| member.load_case().is_some()) {
+        let own = member.fields().filter(|(_, field)| field.load_case.is_some()).map(|(_, field)| field.name.clone());
+        let entry = StateRecord {
+            weight: Some(member.part().weight()),
+            own_controls: Some(own.collect()),
+            terms: Some(member.reduced().term_names()),
+            ..StateRecord::default()
         };
-        out.insert("load_cases".into(), Value::Object(problem.leads().map(of).collect()));
+        state.load_cases.insert(member.load_case().unwrap_or_default().to_owned(), entry);
     }
     if problem.has_scenarios() {
-        let of = |(k, (name, p)): (usize, (&String, &f64))| {
-            (name.clone(), json!({ "probability": p, "set": problem.differences(k) }))
-        };
-        let all = ensemble.scenarios().iter().zip(ensemble.probabilities()).enumerate().map(of);
-        out.insert("scenarios".into(), Value::Object(all.collect()));
-        out.insert("risk".into(), json!({ "measure": ensemble.risk().name() }));
+        for (k, (name, p)) in ensemble.scenarios().iter().zip(ensemble.probabilities()).enumerate() {
+            let set = Some(problem.differences(k).clone().into_iter().collect());
+            state.scenarios.insert(name.clone(), StateRecord { probability: Some(*p), set, ..StateRecord::default() });
+        }
+        state.risk = RiskRecord { measure: ensemble.risk().name().to_owned(), ..RiskRecord::default() };
     }
-    out
 }

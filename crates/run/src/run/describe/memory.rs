@@ -3,7 +3,7 @@
 use crate::run::describe::line::{Line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_fem::{Solver, available_memory};
-use serde_json::{Value, json};
+use nastic_report::record::MemoryRecord;
 
 pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let structure = problem.solid().model().tangent_structure();
@@ -33,8 +33,11 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
 }
 
 /// What does not depend on the machine.
-pub(super) fn json(problem: &CaseProblem) -> Value {
+pub(super) fn record(problem: &CaseProblem) -> MemoryRecord {
     let structure = problem.solid().model().tangent_structure();
-    let solver = problem.solid().model().solver().to_string();
-    json!({ "linear_solver": solver, "factor": structure.factor_bytes(), "factorisation": structure.factorisation_bytes() })
+    MemoryRecord {
+        linear_solver: problem.solid().model().solver().to_string(),
+        factor: structure.factor_bytes(),
+        factorisation: structure.factorisation_bytes(),
+    }
 }

@@ -8,7 +8,7 @@ use nastic_language::number::{quantity, vector};
 use nastic_language::quantity::{Dimension, Units};
 use nastic_language::schema::{Input, Parameter, VectorField};
 use nastic_mesh::GroupNames;
-use serde_json::{Map, Value, json};
+use nastic_report::record::{ConstantRecord, LawRecord, NamesRecord};
 use std::collections::BTreeMap;
 
 /// The parameters of all forms by name.
@@ -66,33 +66,44 @@ pub(crate) fn law(
     name: &str,
     inputs: &BTreeMap<&'static str, Input>,
     forms: &'static [&'static [catalogue::Parameter]],
-) -> Value {
-    let dimensions = catalogue_of(forms);
-    let units = problem.units();
+) -> LawRecord {
+    let (dimensions, units) = (catalogue_of(forms), problem.units());
     let of = |(name, input): (&&'static str, &Input)| {
         let dimension = dimensions.get(name).copied().unwrap_or(Dimension::NONE);
-        let value = match input {
-            Input::Number(value) => match value.constant() {
-                Some(constant) => {
-                    json!({ "value": constant, "unit": units.label(dimension), "si": units.in_si(constant, dimension) })
-                }
-                None => json!({ "varies": scalar(value, dimension, units) }),
-            },
-            Input::Direction(value) => match value.constant() {
-                Some(constant) => json!(constant),
-                None => json!({ "varies": vector_field(value) }),
-            },
-            Input::Word(word) => json!(word),
-            Input::Name(place) => json!(place),
-        };
-        ((*name).to_owned(), value)
+        ((*name).to_owned(), constant(input, dimension, units))
     };
-    let values: Map<String, Value> = inputs.iter().map(of).collect();
-    json!({ "region": names(region), "law": name, "parameters": values })
+    LawRecord {
+        region: Some(names(region)),
+        law: Some(name.to_owned()),
+        parameters: Some(inputs.iter().map(of).collect()),
+        ..LawRecord::default()
+    }
+}
+
+fn constant(input: &Input, dimension: Dimension, units: &Units) -> ConstantRecord {
+    match input {
+        Input::Number(value) => match value.constant() {
+            Some(constant) => ConstantRecord::Quantity {
+                value: constant,
+                unit: units.label(dimension),
+                si: units.in_si(constant, dimension),
+            },
+            None => ConstantRecord::Varies { varies: scalar(value, dimension, units) },
+        },
+        Input::Direction(value) => match value.constant() {
+            Some(constant) => ConstantRecord::Vector(constant),
+            None => ConstantRecord::Varies { varies: vector_field(value) },
+        },
+        Input::Word(word) => ConstantRecord::Word((*word).to_owned()),
+        Input::Name(place) => ConstantRecord::Word(place.clone()),
+    }
 }
 
 /// A name, or a list of several.
-pub(crate) fn names(names: &GroupNames) -> Value {
+pub(crate) fn names(names: &GroupNames) -> NamesRecord {
     let list: Vec<&str> = names.iter().collect();
-    if let [one] = list.as_slice() { json!(one) } else { json!(list) }
+    match list.as_slice() {
+        [one] => NamesRecord::One((*one).to_owned()),
+        several => NamesRecord::Several(several.iter().map(ToString::to_string).collect()),
+    }
 }

@@ -1,13 +1,13 @@
 //! The springs in words and as JSON.
 
-use crate::run::describe::actuation::{at_rest, point};
+use crate::run::describe::actuation::{at_rest, body_point, point};
 use crate::run::describe::line::{Line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_fem::BodyPoint;
 use nastic_language::number::quantity;
 use nastic_language::quantity::{Dimension, Want};
 use nastic_language::schema::{Spring, SpringEnd};
-use serde_json::{Value, json};
+use nastic_report::record::{BodyPointRecord, SpringRecord};
 
 pub(in crate::run) fn springs(problem: &CaseProblem) -> Vec<Line> {
     let units = problem.units();
@@ -33,22 +33,22 @@ pub(in crate::run) fn springs(problem: &CaseProblem) -> Vec<Line> {
     problem.case.springs.iter().map(of).collect()
 }
 
-/// The springs as `check --json` has them.
-pub(super) fn json(problem: &CaseProblem) -> Value {
-    let place = |point: &BodyPoint| match point {
-        BodyPoint::At(place) => json!(place),
-        BodyPoint::Nodes(name) => json!(name),
-    };
+/// The springs as results have them.
+pub(super) fn records(problem: &CaseProblem) -> Vec<SpringRecord> {
     let of = |spring: &Spring| {
-        let to = match &spring.to {
-            SpringEnd::Body(to) => place(to),
-            SpringEnd::Ground(to) => json!({ "ground": to.ground.xyz() }),
+        let (name, to) = (spring.name(), &spring.to);
+        let to = match to {
+            SpringEnd::Body(to) => body_point(to),
+            SpringEnd::Ground(to) => BodyPointRecord::Ground { ground: to.ground.xyz() },
         };
-        let name = spring.name();
-        json!({
-            "name": name, "from": place(&spring.from), "to": to, "stiffness": spring.stiffness,
-            "rest_length": at_rest(problem, &name, "rest_length"), "force_at_rest": at_rest(problem, &name, "force"),
-        })
+        SpringRecord {
+            from: Some(body_point(&spring.from)).into(),
+            to: Some(to).into(),
+            stiffness: spring.stiffness.into(),
+            rest_length: at_rest(problem, &name, "rest_length").into(),
+            force_at_rest: at_rest(problem, &name, "force").into(),
+            name,
+        }
     };
     problem.case.springs.iter().map(of).collect()
 }

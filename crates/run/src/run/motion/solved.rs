@@ -11,7 +11,7 @@ use nastic_fem::StateError;
 use nastic_language::number::quantity;
 use nastic_language::quantity::Dimension;
 use nastic_opt::Request;
-use serde_json::json;
+use nastic_report::record::ReachedRecord;
 use std::time::Instant;
 
 /// The motions at the start controls, and what is told of them.
@@ -61,7 +61,7 @@ fn unfinished(session: &mut Session<'_>, (records, saved): (&[Record], bool), er
         Err(error) => return error,
     };
     session.list_files(files.clone());
-    session.put("reached", json!({ "t": t, "steps": steps }));
+    session.record.reached = ReachedRecord { t: t.into(), steps };
     if !saved && let Err(error) = out.remove(checkpoint::NAME) {
         return error.into();
     }

@@ -1,6 +1,6 @@
 //! What to try after an optimisation that stopped before it converged, or whose bounds decided: each with the command.
 
-use crate::result::summary;
+use crate::result::controls;
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::optimize::limit_advice;
 use crate::run::session::Session;
@@ -196,7 +196,7 @@ fn stages_before(session: &Session<'_>, stage: usize) -> Vec<String> {
 fn narrowed(session: &Session<'_>) -> Vec<String> {
     let problem = &session.problem;
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
-    let scalars = fields.filter(|(block, _)| summary::owner(problem, block).components == 1);
+    let scalars = fields.filter(|(block, _)| controls::owner(problem, block).components == 1);
     let bounds = scalars.filter_map(|(_, field)| match field.admitted {
         Admitted::Between { lower, upper } => {
             Some([("lower", lower), ("upper", upper)].map(|(key, v)| (field, key, v)))
@@ -213,9 +213,9 @@ fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> 
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     let set: Vec<String> = fields
         .filter_map(|(block, field)| {
-            let components = summary::owner(problem, block).components;
+            let components = controls::owner(problem, block).components;
             let m = block.of(&best.m);
-            let on_bounds = summary::active(m, components, field) * components;
+            let on_bounds = controls::active(m, components, field) * components;
             let Admitted::Between { lower, upper } = field.admitted else { return None };
             let at = |bound: f64| m.iter().filter(|value| **value == bound).count();
             let (key, bound) = if at(lower) > at(upper) { ("lower", lower) } else { ("upper", upper) };

@@ -9,7 +9,9 @@ use crate::run::optimize::journal::Written;
 use crate::run::optimize::start_run::StartRun;
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
-use serde_json::Value;
+use nastic_report::record::GradientCheckRecord;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::path::Path;
 
 const MAGIC: &str = "nastic-optimisation-6";
@@ -26,7 +28,7 @@ pub(in crate::run) struct Checkpoint {
 /// Where an optimisation stood.
 pub(in crate::run) struct Position {
     /// The result's entry of the gradient check at the start as written.
-    pub(super) gradient_check: Value,
+    pub(super) gradient_check: GradientCheckRecord,
     /// The round of starts under way.
     pub(super) round: usize,
     /// `history.jsonl` as it was when that round began.
@@ -39,7 +41,7 @@ pub(in crate::run) struct Position {
 /// What checkpoints of a round hold beside case and history.
 #[derive(Default)]
 pub(super) struct Record {
-    pub gradient_check: Value,
+    pub gradient_check: GradientCheckRecord,
     pub round: usize,
     /// Length of `history.jsonl` when the round began.
     pub history: usize,
@@ -101,7 +103,7 @@ impl Record {
         let mut out = Writer::new("");
         out.bytes(&case.to_bytes());
         out.count(1);
-        out.bytes(self.gradient_check.to_string().as_bytes());
+        write_json(&self.gradient_check, &mut out);
         out.count(self.round);
         out.bytes(&history[..self.history.min(history.len())]);
         out.count(usize::from(self.best.is_some()));
@@ -183,6 +185,13 @@ fn read_position(input: &mut Reader<'_>) -> Result<Position, SavedRunError> {
     Ok(Position { gradient_check, round, history, best, starts })
 }
 
-pub(super) fn read_json(input: &mut Reader<'_>) -> Result<Value, SavedRunError> {
-    serde_json::from_str(&input.text()?).map_err(|_| input.damaged("text that is not JSON"))
+/// An entry of the result as text.
+pub(super) fn write_json(entry: &impl Serialize, out: &mut Writer) {
+    // entries have keys that are texts: nothing in them fails
+    out.bytes(&serde_json::to_vec(entry).unwrap_or_default());
+}
+
+/// An entry that [`write_json`] wrote.
+pub(super) fn read_json<T: DeserializeOwned>(input: &mut Reader<'_>) -> Result<T, SavedRunError> {
+    serde_json::from_str(&input.text()?).map_err(|_| input.damaged("text that is no such entry"))
 }

@@ -8,7 +8,9 @@ use nastic_control::{BetweenNodes, ControlError, EnsemblePoint, Evaluated};
 use nastic_fem::State;
 use nastic_language::number::short;
 use nastic_opt::{AugmentedLagrangian, Constrained, ConstraintReport, ConstraintsReport, Sense};
-use serde_json::{Map, Value, json};
+use nastic_report::record::{
+    BetweenNodesRecord, ConstraintGroupRecord, ConstraintValueRecord, ConstraintsRecord, Number, numbers,
+};
 
 /// Groups of more values than this list their active ones alone.
 const FEW: usize = 20;
@@ -129,48 +131,64 @@ fn worst(one: &ConstraintReport) -> Option<(usize, f64)> {
     values.max_by(|a, b| size(a.1).total_cmp(&size(b.1)).then(b.0.cmp(&a.0)))
 }
 
-/// `{ "violation", "penalty", "updates", "groups": { NAME: { "sense", "values", "active", "violation", "scale", "unit", .. } } }`; nothing without
-/// constraints.
-pub(super) fn json(all: &ConstraintsReport, known: &[Known]) -> Option<Value> {
+/// As results have them; nothing without constraints.
+pub(super) fn record(all: &ConstraintsReport, known: &[Known]) -> ConstraintsRecord {
+    if all.groups.is_empty() {
+        return ConstraintsRecord::default();
+    }
     let of = |(one, known): (&ConstraintReport, &Known)| (one.group.name.clone(), group(one, known));
-    let groups: Map<String, Value> = all.groups.iter().zip(known).map(of).collect();
-    let out = json!({ "violation": all.violation, "penalty": all.penalty, "updates": all.updates, "groups": groups });
-    (!all.groups.is_empty()).then_some(out)
+    ConstraintsRecord {
+        violation: all.violation.into(),
+        penalty: all.penalty.into(),
+        updates: Some(all.updates),
+        groups: all.groups.iter().zip(known).map(of).collect(),
+    }
 }
 
-fn group(one: &ConstraintReport, known: &Known) -> Value {
-    let sense = if one.group.sense == Sense::Equal { "equal" } else { "at_most" };
-    let largest = one.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mut out = json!({
-        "sense": sense, "count": one.values.len(), "active": one.active(), "violation": one.violation(),
-        "largest": largest, "scale": one.group.scale, "unit": known.unit,
+fn group(one: &ConstraintReport, known: &Known) -> ConstraintGroupRecord {
+    let time = |t: Option<f64>| t.map(Number::from).unwrap_or_default();
+    let time_of = |index: usize| time(known.time(index, one.values.len()));
+    let worst = known.worst.as_ref().map(|worst| ConstraintValueRecord {
+        index: worst.index,
+        node: known.node(worst.index).into(),
+        value: worst.value.into(),
+        position: worst.position.into(),
+        t: time_of(worst.index),
+        ..ConstraintValueRecord::default()
     });
-    let with_time = |mut entry: Value, time: Option<f64>| {
-        time.into_iter().for_each(|time| entry["t"] = json!(time));
-        entry
-    };
-    let time = |index: usize| known.time(index, one.values.len());
-    if let Some(Worst { index, value, position, .. }) = known.worst {
-        let entry = json!({ "index": index, "value": value, "node": known.node(index), "position": position });
-        out["worst"] = with_time(entry, time(index));
-    }
-    if let Some((BetweenNodes { distance, position }, time)) = known.between {
-        out["between_nodes"] = with_time(json!({ "distance": distance, "position": position }), time);
-    }
-    if one.values.len() <= FEW {
-        (out["values"], out["multipliers"]) = (json!(one.values), json!(one.multipliers));
-        if !known.times.is_empty() {
-            out["t"] = json!(known.times);
-        }
-    } else {
+    let between_nodes = known.between.map(|(BetweenNodes { distance, position }, t)| BetweenNodesRecord {
+        distance: distance.into(),
+        position: numbers(&position),
+        t: time(t),
+    });
+    let is_small = one.values.len() <= FEW;
+    let touching = || {
         let touching = one.multipliers.iter().enumerate().filter(|(_, y)| **y != 0.0);
-        let entry = |(k, y): (usize, &f64)| {
-            let entry = json!({ "index": k, "node": known.node(k), "value": one.values[k], "multiplier": y });
-            with_time(entry, time(k))
+        let entry = |(k, y): (usize, &f64)| ConstraintValueRecord {
+            index: k,
+            node: known.node(k).into(),
+            value: one.values[k].into(),
+            multiplier: (*y).into(),
+            t: time_of(k),
+            ..ConstraintValueRecord::default()
         };
-        out["touching"] = touching.map(entry).collect();
+        touching.map(entry).collect()
+    };
+    ConstraintGroupRecord {
+        sense: if one.group.sense == Sense::Equal { "equal" } else { "at_most" }.to_owned(),
+        count: one.values.len(),
+        active: one.active(),
+        violation: one.violation().into(),
+        largest: one.values.iter().copied().fold(f64::NEG_INFINITY, f64::max).into(),
+        scale: one.group.scale.into(),
+        unit: known.unit.map(str::to_owned).into(),
+        worst,
+        between_nodes,
+        values: is_small.then(|| numbers(&one.values)),
+        multipliers: is_small.then(|| numbers(&one.multipliers)),
+        t: (is_small && !known.times.is_empty()).then(|| numbers(&known.times)),
+        touching: (!is_small).then(touching),
     }
-    out
 }
 
 fn at_time(problem: &CaseProblem, time: Option<f64>) -> String {

@@ -1,7 +1,7 @@
 //! [`Journal`]: what an optimisation writes while it runs, and what of that could not be written.
 
 use crate::console::Console;
-use crate::history::History;
+use crate::history::{History, json_line};
 use crate::result::checkpoint_file;
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
@@ -9,7 +9,7 @@ use crate::run::error::RunError;
 use crate::run::optimize::checkpoint;
 use crate::run::optimize::start_run::StartRun;
 use crate::run::session::Session;
-use serde_json::Value;
+use nastic_report::record::{GradientCheckRecord, TrialRecord};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// `history.jsonl` and `checkpoint.bin`. An optimisation does not end for a file that cannot be written: that is said at
@@ -103,8 +103,8 @@ impl Journal {
     }
 
     /// Adds a line to `history.jsonl`.
-    pub fn add_line(&mut self, line: &Value) {
-        self.add_recorded(format!("{line}\n").as_bytes());
+    pub fn add_line(&mut self, line: &TrialRecord) {
+        self.add_recorded(&json_line(line));
     }
 
     /// Adds lines that an earlier program made.
@@ -116,7 +116,13 @@ impl Journal {
     }
 
     /// A round of starts begins: from here on checkpoints hold these.
-    pub fn begin_round(&mut self, gradient_check: &Value, round: usize, best: Option<Vec<u8>>, starts: &[StartRun]) {
+    pub fn begin_round(
+        &mut self,
+        gradient_check: &GradientCheckRecord,
+        round: usize,
+        best: Option<Vec<u8>>,
+        starts: &[StartRun],
+    ) {
         let history = self.history.as_ref().map_or(0, |history| history.text().len());
         self.record = checkpoint::Record {
             gradient_check: gradient_check.clone(),

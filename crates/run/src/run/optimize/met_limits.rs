@@ -4,7 +4,7 @@ use nastic_control::{ControlError, ControlLimit, EnsembleError};
 use nastic_language::number::count;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{Reason, SavedRunError, Trial};
-use serde_json::{Map, Value, json};
+use nastic_report::record::{LastLimitRecord, LimitPointsRecord, RangeRecord};
 
 /// Trials that led to a limit point, and what is known of the last one.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -39,13 +39,13 @@ impl MetLimits {
     }
 
     /// The entry `limit_points` of the result.
-    pub fn json(&self) -> Option<Value> {
+    pub fn record(&self) -> Option<LimitPointsRecord> {
         let control = |(name, [min, max], unit): &(String, [f64; 2], String)| {
-            (name.clone(), json!({ "min": min, "max": max, "unit": unit }))
+            (name.clone(), RangeRecord { min: (*min).into(), max: (*max).into(), unit: Some(unit.clone()) })
         };
-        let controls: Map<String, Value> = self.at.iter().map(control).collect();
-        (self.count > 0)
-            .then(|| json!({ "trials": self.count, "last": { "member": self.member, "controls": controls } }))
+        let controls = Some(self.at.iter().map(control).collect());
+        let last = LastLimitRecord { member: self.member.clone(), controls };
+        (self.count > 0).then_some(LimitPointsRecord { trials: self.count, last })
     }
 
     pub fn write(&self, out: &mut Writer) {

@@ -3,7 +3,6 @@
 use crate::run::optimize::starts::Starts;
 use crate::run::session::Session;
 use nastic_numeric::vector::sub;
-use serde_json::json;
 
 /// Controls that differ by less than this part of the larger one, in the norm of the inner product, are one minimum.
 pub(super) const SAME: f64 = 0.05;
@@ -17,7 +16,7 @@ pub(super) fn tell(session: &Session<'_>, starts: &mut Starts) -> usize {
         if size > 0.0 { product.norm(&sub(a, b)) / size } else { 0.0 }
     };
     let best = *best;
-    let cost = |k: usize| starts.entries[k]["cost"].as_f64().unwrap_or(f64::INFINITY);
+    let cost = |k: usize| starts.entries[k].cost.unwrap_or(f64::INFINITY);
     let mut ended: Vec<usize> = (0..starts.optima.len()).filter(|&k| !starts.optima[k].is_empty()).collect();
     ended.sort_by(|&a, &b| (b == best).cmp(&(a == best)).then(cost(a).total_cmp(&cost(b))).then(a.cmp(&b)));
     let mut minima: Vec<usize> = Vec::new();
@@ -31,8 +30,8 @@ pub(super) fn tell(session: &Session<'_>, starts: &mut Starts) -> usize {
         told.push((k, minimum, distance(&starts.optima[k], &starts.optima[best])));
     }
     for (k, minimum, distance) in told {
-        starts.entries[k]["minimum"] = json!(minimum);
-        starts.entries[k]["distance"] = json!(distance);
+        let entry = &mut starts.entries[k];
+        (entry.minimum, entry.distance) = (Some(minimum), distance.into());
     }
     minima.len()
 }

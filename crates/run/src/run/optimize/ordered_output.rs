@@ -3,7 +3,7 @@
 use crate::console::Console;
 use crate::run::on_trial::OnTrial;
 use crate::run::optimize::journal::SharedJournal;
-use serde_json::Value;
+use nastic_report::record::TrialRecord;
 use std::io::Write;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -37,7 +37,7 @@ enum Event {
     /// On the terminal.
     Say(String),
     /// A trial's line of `history.jsonl`.
-    Trial(Value),
+    Trial(Box<TrialRecord>),
     /// Such lines of an earlier program, which were told there.
     Recorded(Vec<u8>),
 }
@@ -89,8 +89,8 @@ impl OrderedOutput {
 
 impl StartOutput {
     /// A trial's line of `history.jsonl`, of which whoever listens is told.
-    pub fn add_line(&self, line: Value) {
-        self.output.lock().add(self.part, Event::Trial(line));
+    pub fn add_line(&self, line: TrialRecord) {
+        self.output.lock().add(self.part, Event::Trial(Box::new(line)));
     }
 
     /// Lines of `history.jsonl` that an earlier program made.

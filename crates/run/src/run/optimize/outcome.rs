@@ -7,7 +7,7 @@ use crate::result::member_report::Detail;
 use crate::result::picture::Drawing;
 use crate::result::target_files::write_targets;
 use crate::result::title::{title, title_of_scenarios};
-use crate::result::{convergence, member_report, picture, snapshot, summary};
+use crate::result::{controls, convergence, member_report, picture, snapshot, summary};
 use crate::run::error::RunError;
 use crate::run::gradient::write_states;
 use crate::run::motion;
@@ -27,10 +27,9 @@ use nastic_fem::SolveReport;
 use nastic_language::number::{count, short};
 use nastic_mesh::Snapshot;
 use nastic_numeric::format::scientific;
-use nastic_opt::{Best, Objective, Stop};
+use nastic_opt::{Best, Objective, StageEnd, Stop};
 use nastic_picture::Picture;
-use nastic_report::record::{Number, number_of};
-use serde_json::{Value, json};
+use nastic_report::record::{OptimumRecord, StageRecord, StartRecord, number_of};
 
 /// Writes the states at the start and the targets.
 pub(super) fn write_start(
@@ -48,7 +47,7 @@ pub(super) fn write_start(
 pub(super) fn report(
     session: &mut Session<'_>,
     (index, ended, known, diagnosis): (usize, &FinishedRun, &[Known], Option<&Diagnosis>),
-    entries_of_starts: &[Value],
+    entries_of_starts: &[StartRecord],
     resumable: Option<Written>,
 ) -> Result<Vec<Inspection>, RunError> {
     let FinishedRun { start, best, work, .. } = ended;
@@ -64,47 +63,24 @@ pub(super) fn report(
     let begin = revalued(problem, start)
         .map(|start| member_report::entries(problem, &member_report::of_point(problem, &start)?, Detail::Costs));
     let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
-    let norm = summary::derivative_norm(problem, &best.derivative);
-    let controls = summary::controls(problem, &best.m);
-    let constraints = constraints::json(&ended.constraints, known);
-    session.put_all(entries);
+    let derivative_norm = controls::derivative_norm(problem, &best.derivative);
+    let controls = controls::controls(problem, &best.m);
+    session.record.state = entries;
+    session.record.start = begin.unwrap_or_default();
+    session.record.controls = Some(controls);
+    session.record.derivative_norm = derivative_norm;
     session.report_motions(&records, &best.point);
-    if let Some(begin) = begin {
-        session.put("start", Value::Object(begin));
-    }
-    if let Some(constraints) = constraints {
-        session.put("constraints", constraints);
-    }
-    session.put("controls", controls);
-    session.put("derivative_norm", norm);
-    session.put("gradient_norm", json!(best.gradient_norm));
-    session.put("stop", json!(best.stop.to_string()));
-    session.put("converged", json!(best.stop.is_converged()));
-    session.put("iterations", json!(best.counts.iterations));
-    session.put("trials", json!(best.counts.trials));
-    session.put("failed_solves", json!(best.counts.failed));
-    if let Some(limits) = ended.limits.json() {
-        session.put("limit_points", limits);
-    }
-    if best.counts.products > 0 {
-        session.put("hessian_products", json!(best.counts.products));
-    }
-    let stages: Vec<Value> = best
-        .stages
-        .iter()
-        .map(|s| json!({ "stage": s.stage, "iterations": s.iterations, "converged": s.converged, "why": s.why }))
-        .collect();
-    session.put("stages", json!(stages));
+    add_run(&mut session.record.optimum, ended, known);
     if entries_of_starts.len() > 1 {
-        session.put("starts", json!(entries_of_starts));
-        session.put("best_start", json!(index));
+        session.record.optimum.starts = Some(entries_of_starts.to_vec());
+        session.record.optimum.best_start = Some(index);
     }
     let mut total = SolveReport::default();
     work.iter().for_each(|work| total.add_work(work));
-    session.put_all(summary::work(&total));
+    summary::add_work(&mut session.record, &total);
     session.console.say("");
-    table_of_starts::say(session, entries_of_starts, index)?;
-    say(session, (ended, known, diagnosis), resumable)?;
+    table_of_starts::say(session, entries_of_starts, index);
+    say(session, (ended, known, diagnosis), resumable);
     session.report_contacts(&best.point);
     session.timed("write", |session| {
         write(session, (ended, diagnosis), (&found, &records), (index, entries_of_starts.len()))
@@ -112,13 +88,33 @@ pub(super) fn report(
     Ok(found)
 }
 
+/// How the run went, into the result.
+fn add_run(record: &mut OptimumRecord, FinishedRun { best, constraints, limits, .. }: &FinishedRun, known: &[Known]) {
+    let stage = |s: &StageEnd| StageRecord {
+        stage: s.stage,
+        iterations: s.iterations,
+        converged: s.converged,
+        why: s.why.to_string(),
+    };
+    record.constraints = constraints::record(constraints, known);
+    record.gradient_norm = best.gradient_norm.into();
+    record.stop = Some(best.stop.to_string());
+    record.converged = Some(best.stop.is_converged());
+    record.iterations = Some(best.counts.iterations);
+    record.trials = Some(best.counts.trials);
+    record.failed_solves = Some(best.counts.failed);
+    record.limit_points = limits.record();
+    record.hessian_products = Some(best.counts.products).filter(|products| *products > 0);
+    record.stages = Some(best.stages.iter().map(stage).collect());
+}
+
 /// The line below the title of a picture.
-fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Result<String, RunError> {
-    let distance = picture::distance(&session.record()?.state, session.problem.units().length().symbol);
+fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
+    let distance = picture::distance(&session.record.state, session.problem.units().length().symbol);
     let (why, iterations) = (why(&best.stop), count(best.counts.iterations, "iteration"));
     // A limit of iterations names them itself.
     let end = if why.contains("iteration") { why } else { format!("{iterations}: {why}") };
-    Ok(format!("{end}; cost {}{distance}{}", short(best.cost), session.warned()))
+    format!("{end}; cost {}{distance}{}", short(best.cost), session.warned())
 }
 
 /// Keeps the best states for whoever runs the command.
@@ -128,7 +124,7 @@ pub(super) fn show(
     inspections: Vec<Inspection>,
 ) -> Result<(), RunError> {
     let FinishedRun { start, best, .. } = ended;
-    let subtitle = subtitle(session, &best)?;
+    let subtitle = subtitle(session, &best);
     let (derivative, start) = (Some(best.derivative), Some(start));
     session.shown = Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
     Ok(())
@@ -138,9 +134,9 @@ fn say(
     session: &Session<'_>,
     (ended, known, diagnosis): (&FinishedRun, &[Known], Option<&Diagnosis>),
     resumable: Option<Written>,
-) -> Result<(), RunError> {
+) {
     let best = &ended.best;
-    let (console, result) = (session.console, session.record()?);
+    let (console, result) = (session.console, &session.record);
     console.say(format!("end         {}", why(&best.stop)));
     for stage in best.stages.iter().filter(|_| best.stages.len() > 1) {
         console.say(format!(
@@ -151,19 +147,19 @@ fn say(
         ));
     }
     let (from, now) = (&result.start.cost, &result.cost);
-    console.say(format!("cost        {}", fall(from.total, now.total)));
+    console.say(format!("cost        {}", fall(*from.total, *now.total)));
     for (name, value) in now.terms.iter().filter(|_| now.terms.len() > 1) {
-        console.say(format!("            {name} {}", fall(number_of(&from.terms, name), *value)));
+        console.say(format!("            {name} {}", fall(number_of(&from.terms, name), **value)));
     }
     constraints::say(session, &ended.constraints, known);
-    if let Some(now) = result.hausdorff {
+    if let Some(now) = &result.hausdorff {
         let unit = session.problem.units().length().symbol;
-        let from = result.start.hausdorff.and_then(|distances| distances.exact);
-        let [smoothed, floor] = [now.smoothed, now.floor].map(|x| short(known_number(x)));
-        console.say(format!("distance    true Hausdorff [{unit}] {}", fall(from, now.exact)));
+        let from = result.start.hausdorff.as_ref().and_then(|distances| *distances.exact);
+        let [smoothed, floor] = [now.smoothed, now.floor].map(|x| short(known_number(*x)));
+        console.say(format!("distance    true Hausdorff [{unit}] {}", fall(from, *now.exact)));
         console.say(format!("            smoothed {smoothed} {unit}, target to itself {floor} {unit}"));
     }
-    say_tracked(session, &result);
+    say_tracked(session, result);
     console.say(format!(
         "work        {}, {} ({} failed){}, {} Newton iterations, {} factorisations ({} reused)",
         count(best.counts.iterations, "iteration"),
@@ -178,9 +174,9 @@ fn say(
         result.reused_factorisations.unwrap_or_default()
     ));
     ended.limits.say().into_iter().for_each(|line| console.say(line));
-    say_stability(session, &result);
-    say_members(session, &result);
-    for (name, control) in &result.controls {
+    say_stability(session, result);
+    say_members(session, result);
+    for (name, control) in result.controls.iter().flatten() {
         let unit = control.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"));
         let area = format!("{}^{}", session.problem.units().length().symbol, session.problem.mesh().dim() - 1);
         let variation = control.total_variation.filter(|_| control.space.as_deref() != Some("uniform"));
@@ -188,8 +184,8 @@ fn say(
             variation.map(|v| format!(", total variation {}{unit} {}", short(v), area.trim_end_matches("^1")));
         console.say(format!(
             "control     {name} from {} to {}{unit}, {} of {} on their bounds{}",
-            short(known_number(control.min)),
-            short(known_number(control.max)),
+            short(known_number(*control.min)),
+            short(known_number(*control.max)),
             control.active.unwrap_or_default(),
             control.unknowns.unwrap_or_default(),
             variation.unwrap_or_default()
@@ -198,12 +194,11 @@ fn say(
     if let Some(diagnosis) = diagnosis {
         diagnosis.say(session);
     }
-    say_probes(session, &result);
+    say_probes(session, result);
     match resumable {
         Some(checkpoint) => say_how_to_resume(session, checkpoint),
         None => advice::say(session, ended),
     }
-    Ok(())
 }
 
 /// A run that was interrupted goes on from its last checkpoint.
@@ -233,7 +228,7 @@ fn write(
     let lead = problem.leads().next().map_or_else(String::new, title);
     let several = problem.case.optimizer.starts > 1;
     files.extend(convergence::write(&out, &lead, several.then_some(best_start))?);
-    out.write_json("controls.json", &summary::control_values(problem, &best.m))?;
+    out.write_json("controls.json", &controls::control_values(problem, &best.m))?;
     files.push("controls.json".to_owned());
     if let Some(diagnosis) = diagnosis {
         files.extend(diagnosis.write(problem, &out)?);
@@ -252,8 +247,8 @@ fn write(
         let moving = motion::ghosts(records, member, &best.point.members[member.index()])?;
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, best)?
-                + &distance(session, member)?
+            subtitle: subtitle(session, best)
+                + &distance(session, member)
                 + &left_out(session)
                 + &picture::legend(&end),
             body: ("optimum", &end),
@@ -290,11 +285,10 @@ fn write(
 }
 
 /// The distance of one of several members from its target, for a subtitle; that of all stands there anyway.
-fn distance(session: &Session<'_>, member: CaseMember<'_>) -> Result<String, RunError> {
-    let result = session.record()?;
-    let own = result.members().into_iter().find(|(name, _)| *name == member.name());
+fn distance(session: &Session<'_>, member: CaseMember<'_>) -> String {
+    let own = session.record.state.members().into_iter().find(|(name, _)| *name == member.name());
     let unit = session.problem.units().length().symbol;
-    Ok(own.map_or_else(String::new, |(_, state)| picture::distance(state, unit)))
+    own.map_or_else(String::new, |(_, state)| picture::distance(state, unit))
 }
 
 /// Members that pictures leave out, for a subtitle.
@@ -333,7 +327,7 @@ fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoin
 }
 
 /// "1.2e-03 -> 4.5e-06, a factor of 267"
-fn fall(from: Number, to: Number) -> String {
+fn fall(from: Option<f64>, to: Option<f64>) -> String {
     let (from, to) = (known_number(from), known_number(to));
     let factor =
         if to > 0.0 && from > to { format!(", a factor of {}", short(round(from / to))) } else { String::new() };

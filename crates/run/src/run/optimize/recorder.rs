@@ -1,6 +1,7 @@
 //! Trial by trial: the table, `history.jsonl`, snapshots of iterations, `iterates.bin`.
 
 use crate::history;
+use crate::history::json_line;
 use crate::pace::Pace;
 use crate::result::files::Directory;
 use crate::result::snapshot;
@@ -12,13 +13,13 @@ use crate::run::optimize::run_trials::RunTrials;
 use crate::run::optimize::start_run::StartRecord;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseMember, CaseProblem};
-use nastic_control::{EnsemblePoint, Evaluated, StateFields};
+use nastic_control::{EnsemblePoint, Evaluated, FigureKind, StateFields};
 use nastic_fem::SolveOptions;
 use nastic_io::write_atomically;
 use nastic_opt::{AugmentedState, Constrained, Objective, Reason, Summary, Trial, TrialTable};
 use nastic_report::Iterates;
+use nastic_report::record::{Nullable, Number, numbers};
 use rayon::prelude::*;
-use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -127,28 +128,20 @@ impl<'s> Recorder<'s> {
             self.output.console.set_pace(Some(self.pace));
         }
         let mut line = history::line(trial, seconds);
-        if let Some(line) = line.as_object_mut() {
-            line.extend(figures.0.into_iter().map(|(name, value)| (name, json!(value))));
-            if let Some(point) = point {
-                line.insert("inertia".into(), json!(self.inertia(point)));
-                let changed = self.changes_branch(point, trial);
-                if changed != Some(false) {
-                    line.insert("branch_changed".into(), json!(changed));
-                }
-            }
-            if let (Some(point), true) = (trial.point, self.problem.has_scenarios()) {
-                line.insert("scenarios".into(), json!(point.costs));
-            }
-            for name in ["objective", "violation", "penalty"] {
-                if let Some(value) = trial.summary.get(name) {
-                    line.insert(name.into(), json!(value));
-                }
-            }
-            if self.start.1 > 1 {
-                line.insert("start".into(), json!(self.start.0));
-            }
+        let distance = |kind: FigureKind| {
+            kind.history_name().and_then(|name| figures.get(name)).map(Number::from).unwrap_or_default()
+        };
+        line.hausdorff_true = distance(FigureKind::TrueDistance);
+        line.tracking_root_mean_square = distance(FigureKind::RootMeanSquareDistance);
+        line.tracking_largest = distance(FigureKind::LargestDistance);
+        if let Some(point) = point {
+            line.inertia = self.inertia(point).into();
+            let changed = self.changes_branch(point, trial);
+            line.branch_changed = if changed == Some(false) { Nullable::default() } else { changed.into() };
         }
-        self.trials.lines.extend(format!("{line}\n").as_bytes());
+        line.scenarios = trial.point.filter(|_| self.problem.has_scenarios()).map(|point| numbers(&point.costs));
+        line.start = (self.start.1 > 1).then_some(self.start.0);
+        self.trials.lines.extend(json_line(&line));
         self.output.add_line(line);
         self.snapshot(trial);
         self.keep(trial);

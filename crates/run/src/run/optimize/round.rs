@@ -11,13 +11,13 @@ use crate::run::optimize::recorder::{Recorder, write_iterates};
 use crate::run::optimize::run_trials::RunTrials;
 use crate::run::optimize::start_place::{place, seed};
 use crate::run::optimize::start_run::{Begun, Ended, Phase, StartRecord, StartRun, UnderWay};
-use crate::run::optimize::table_of_starts::entry;
+use crate::run::optimize::table_of_starts::{entry, failed_entry};
 use crate::run::session::{Session, say_warning};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Solver, available_memory};
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{Failed, Objective, Optimizer, Stop, TaylorError, Verdict};
-use serde_json::{Value, json};
+use nastic_report::record::{GradientCheckRecord, StartRecord as StartEntry};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -147,7 +147,7 @@ impl Round<'_> {
         self.announce(index, output);
         match start.phase {
             Phase::UnderWay(_) => self.go_on(start, output),
-            Phase::Evaluated(begun) => self.begin(index, (*begun, Value::Null), output),
+            Phase::Evaluated(begun) => self.begin(index, (*begun, GradientCheckRecord::default()), output),
             Phase::Waiting => match self.evaluate(index, output) {
                 Evaluation::Right(begun, certificate) => self.begin(index, (*begun, certificate), output),
                 Evaluation::Failed(warnings, entry) => self.end(failed(index, warnings, entry), None),
@@ -187,7 +187,7 @@ impl Round<'_> {
         });
         let refused = |why: &dyn std::fmt::Display| {
             output.console.say(format!("failed      {why}"));
-            json!({ "seed": seed, "failed": why.to_string() })
+            failed_entry(seed, why.to_string())
         };
         match evaluated {
             // Broken off, not failed: what other starts found is kept.
@@ -202,11 +202,12 @@ impl Round<'_> {
             }
             Ok((Err(error), begun)) => Evaluation::Failed(begun.warnings, refused(&error)),
             Err(why) => Evaluation::Failed(vec![], refused(&why)),
-            Ok((Ok(None), begun)) => Evaluation::Right(Box::new(begun), Value::Null),
+            Ok((Ok(None), begun)) => Evaluation::Right(Box::new(begun), GradientCheckRecord::default()),
             Ok((Ok(Some(certificate)), begun)) => {
-                let check = check_gradient::json(&certificate);
+                let check = check_gradient::record(&certificate);
                 if certificate.verdict == Verdict::Wrong {
-                    let entry = json!({ "seed": seed, "failed": "its gradient is wrong", "gradient_check": check });
+                    let gradient_check = Some(check);
+                    let entry = StartEntry { gradient_check, ..failed_entry(seed, "its gradient is wrong") };
                     return Evaluation::Failed(begun.warnings, entry);
                 }
                 Evaluation::Right(Box::new(begun), check)
@@ -215,7 +216,12 @@ impl Round<'_> {
     }
 
     /// A run from an evaluated start.
-    fn begin(&self, index: usize, (mut begun, certificate): (Begun, Value), output: &StartOutput) -> StartRun {
+    fn begin(
+        &self,
+        index: usize,
+        (mut begun, certificate): (Begun, GradientCheckRecord),
+        output: &StartOutput,
+    ) -> StartRun {
         let start = begun.point.clone();
         let mut bytes = Writer::new("");
         write_start(&start, &self.session.problem.ensemble, &mut bytes);
@@ -291,7 +297,7 @@ impl Round<'_> {
 
     fn give_up(&self, index: usize, warnings: Vec<nastic_case::warning::Warning>, error: RunError) -> StartRun {
         self.halt.store(true, Ordering::Relaxed);
-        let entry = json!({ "seed": seed(self.session, index), "failed": error.to_string() });
+        let entry = failed_entry(seed(self.session, index), error.to_string());
         self.with_found(|found| {
             if found.error.as_ref().is_none_or(|(other, _)| index < *other) {
                 found.error = Some((index, error));
@@ -304,9 +310,9 @@ impl Round<'_> {
 /// What became of the evaluation of a start.
 enum Evaluation {
     /// It can begin; with the entry of its gradient check.
-    Right(Box<Begun>, Value),
+    Right(Box<Begun>, GradientCheckRecord),
     /// It cannot; with its entry in the result.
-    Failed(Vec<nastic_case::warning::Warning>, Value),
+    Failed(Vec<nastic_case::warning::Warning>, StartEntry),
     BrokenOff,
 }
 
@@ -340,7 +346,7 @@ pub(super) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result
     start.map_err(|failed| session.unfit_checkpoint(&failed.to_string()))
 }
 
-fn failed(index: usize, warnings: Vec<nastic_case::warning::Warning>, entry: Value) -> StartRun {
+fn failed(index: usize, warnings: Vec<nastic_case::warning::Warning>, entry: StartEntry) -> StartRun {
     let ended = Ended { entry, m: vec![], standing: None, warnings, lines: vec![] };
     StartRun { index, phase: Phase::Ended(Box::new(ended)) }
 }

@@ -1,6 +1,6 @@
 //! Warnings about an optimisation that ended: nothing moved, bounds decide, terms that do not count, branches left.
 
-use crate::result::summary;
+use crate::result::controls;
 use crate::run::optimize::constraints::Known;
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::session::Session;
@@ -67,8 +67,8 @@ fn movement(run: &FinishedRun) -> Option<Warning> {
 /// A control all of whose values lie on bounds.
 fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session: &Session<'_>) -> Option<Warning> {
     let m = block.of(&run.best.m);
-    let components = summary::owner(&session.problem, block).components;
-    let on_bounds = summary::active(m, components, field);
+    let components = controls::owner(&session.problem, block).components;
+    let on_bounds = controls::active(m, components, field);
     if m.is_empty() || on_bounds * components < m.len() {
         return None;
     }
@@ -83,8 +83,8 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, sessio
                 format!("{}: all values are 0, the {bound} bound, and the cost falls {side} it", field.name);
             let owner = session.problem.member(block.owner);
             let block = &owner.layout().blocks()[block.field];
-            if summary::only_pulls(owner, block) {
-                let is_muscle = summary::slot(owner, block) == Some(CONTRACTION);
+            if controls::only_pulls(owner, block) {
+                let is_muscle = controls::slot(owner, block) == Some(CONTRACTION);
                 if !is_muscle && run.best.m.iter().any(|value| *value != 0.0) {
                     return None; // the antagonist of one that pulls
                 }

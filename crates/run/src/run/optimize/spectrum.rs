@@ -1,7 +1,7 @@
 //! The spectrum of the reduced Hessian at the optimum: asked for by `--spectrum`, in results, in files and in words.
 
 use crate::result::files::Directory;
-use crate::result::{snapshot, summary};
+use crate::result::{controls, snapshot};
 use crate::run::error::RunError;
 use crate::run::optimize::minimization::domain;
 use crate::run::session::Session;
@@ -11,7 +11,7 @@ use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_language::number::{count, short};
 use nastic_numeric::vector::dot;
 use nastic_opt::{Best, Constrained, Hessian, Objective, Spectrum, SpectrumOptions};
-use serde_json::{Map, Value, json};
+use nastic_report::record::{ByName, EigenvectorsRecord, Number, RangeRecord, SpectrumRecord, numbers};
 
 /// Rise of the cost, as a share of it, where nothing else is asked for.
 const RISE: f64 = 0.01;
@@ -72,51 +72,60 @@ pub(super) fn find(session: &mut Session<'_>, best: &Best<EnsemblePoint>) -> Res
         Ok(spectrum) => {
             let rise = request.cost_rise.unwrap_or(RISE * best.cost.abs());
             let found = Diagnosis { spectrum, rise, point };
-            session.put("spectrum", found.json(&session.problem));
+            session.record.optimum.spectrum = Some(found.record(&session.problem));
             Ok(Some(found))
         }
         Err(error) => {
             session.console.say(format!("spectrum    failed: {error}"));
-            session.put("spectrum", json!({ "failed": error.to_string() }));
+            let failed = Some(error.to_string());
+            session.record.optimum.spectrum = Some(SpectrumRecord { failed, ..SpectrumRecord::default() });
             Ok(None)
         }
     }
 }
 
 impl Diagnosis {
-    fn json(&self, problem: &CaseProblem) -> Value {
+    fn record(&self, problem: &CaseProblem) -> SpectrumRecord {
         let Spectrum { values, residuals, free, lowest, negative, products, .. } = &self.spectrum;
-        let widths: Vec<Option<f64>> = (0..values.len()).map(|k| self.spectrum.half_width(k, self.rise)).collect();
-        json!({
-            "eigenvalues": values, "residuals": residuals, "products": products, "free": free, "negative": negative,
-            "lowest": lowest, "shares": self.shares(problem), "above": self.spectrum.above(MATTERS),
-            "most": self.holds_most(), "cost_rise": self.rise, "half_widths": widths, "half_width": self.ranges(problem),
-        })
+        let widths = (0..values.len()).map(|k| self.spectrum.half_width(k, self.rise).into()).collect();
+        SpectrumRecord {
+            failed: None,
+            eigenvalues: Some(numbers(values)),
+            residuals: Some(numbers(residuals)),
+            products: Some(*products),
+            free: Some(*free),
+            negative: Some(*negative),
+            lowest: (*lowest).into(),
+            shares: self.shares(problem).into(),
+            above: Some(self.spectrum.above(MATTERS)),
+            most: Some(self.holds_most()),
+            cost_rise: self.rise.into(),
+            half_widths: Some(widths),
+            half_width: self.ranges(problem).into(),
+        }
     }
 
-    /// `{ CONTROL: [..] }`: the share of a control in the squared norm of every eigenvector.
-    fn shares(&self, problem: &CaseProblem) -> Value {
-        let Some(product) = problem.inner_product() else { return Value::Null };
+    /// By control its share in the squared norm of every eigenvector.
+    fn shares(&self, problem: &CaseProblem) -> Option<ByName<Vec<Number>>> {
+        let product = problem.inner_product()?;
         let images: Vec<Vec<f64>> = self.spectrum.vectors.iter().map(|v| product.apply(v)).collect();
         let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
         let of = |v: (&Vec<f64>, &Vec<f64>), block: &nastic_control::EnsembleBlock| dot(block.of(v.0), block.of(v.1));
-        let own = |block| self.spectrum.vectors.iter().zip(&images).map(|v| of(v, block)).collect::<Vec<f64>>();
-        fields.map(|(block, field)| (field.name.clone(), json!(own(block)))).collect::<Map<_, _>>().into()
+        let own = |block| self.spectrum.vectors.iter().zip(&images).map(|v| of(v, block).into()).collect();
+        Some(fields.map(|(block, field)| (field.name.clone(), own(block))).collect())
     }
 
-    /// `{ CONTROL: { "min", "max" } }`: least and largest half-width over its values.
-    fn ranges(&self, problem: &CaseProblem) -> Value {
+    /// By control least and largest half-width over its values.
+    fn ranges(&self, problem: &CaseProblem) -> Option<ByName<RangeRecord>> {
         let width = self.spectrum.pointwise_half_width(self.rise);
-        if width.is_empty() {
-            return Value::Null;
-        }
         let range = |own: &[f64]| own.iter().fold((f64::INFINITY, 0.0f64), |(l, h), x| (l.min(*x), h.max(*x)));
         let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
         let of = |own: &[f64]| {
             let (min, max) = range(own);
-            json!({ "min": min, "max": max })
+            RangeRecord { min: min.into(), max: max.into(), unit: None }
         };
-        fields.map(|(block, field)| (field.name.clone(), of(block.of(&width)))).collect::<Map<_, _>>().into()
+        let ranges = || fields.map(|(block, field)| (field.name.clone(), of(block.of(&width)))).collect();
+        (!width.is_empty()).then(ranges)
     }
 
     /// How many of the first directions hold [`MOST`] of the sum of the positive eigenvalues found.
@@ -166,14 +175,14 @@ impl Diagnosis {
             });
         }
         let left_out = if *negative > 0 { " (not counting directions of negative curvature)" } else { "" };
-        for (field, range) in self.ranges(&session.problem).as_object().into_iter().flatten() {
-            let of = |key: &str| short(range[key].as_f64().unwrap_or(f64::NAN));
+        for (field, range) in &self.ranges(&session.problem).unwrap_or_default() {
+            let of = |number: Number| short(number.unwrap_or(f64::NAN));
             let unit = session.problem.controls.iter().find(|own| own.name == *field).map(|own| own.unit.as_str());
             let unit = unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" {unit}"));
             console.say(format!(
                 "            {field} may differ by {} to {}{unit} at least until the cost rises by {}{left_out}",
-                of("min"),
-                of("max"),
+                of(range.min),
+                of(range.max),
                 short(self.rise)
             ));
         }
@@ -182,12 +191,13 @@ impl Diagnosis {
     /// `spectrum.json`: eigenvectors and half-width as control vectors; `spectrum.vtu`: the same as fields on the optimum. Names of the files.
     pub fn write(&self, problem: &CaseProblem, out: &Directory) -> Result<Vec<String>, RunError> {
         let width = self.spectrum.pointwise_half_width(self.rise);
-        let vectors: Vec<Value> = self.spectrum.vectors.iter().map(|v| summary::control_values(problem, v)).collect();
+        let vectors: Vec<ByName<Vec<Number>>> =
+            self.spectrum.vectors.iter().map(|v| controls::control_values(problem, v)).collect();
         if vectors.is_empty() {
             return Ok(vec![]);
         }
-        let half_width = summary::control_values(problem, &width);
-        out.write_json("spectrum.json", &json!({ "eigenvectors": vectors, "half_width": half_width }))?;
+        let half_width = controls::control_values(problem, &width);
+        out.write_json("spectrum.json", &EigenvectorsRecord { eigenvectors: vectors, half_width })?;
         let mut files = vec!["spectrum.json".to_owned()];
         let numbered = self.spectrum.vectors.iter().enumerate().map(|(k, v)| (format!("eigenvector_{}", k + 1), v));
         let fields: Vec<(String, &Vec<f64>)> = numbered.chain([("half_width".to_owned(), &width)]).collect();

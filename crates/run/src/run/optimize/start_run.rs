@@ -1,13 +1,14 @@
 //! [`StartRun`]: one of several starts and what became of it, as a value and as bytes.
 
-use crate::run::optimize::checkpoint::read_json;
+use crate::result::warning_record::{warning_of, warning_record};
+use crate::run::optimize::checkpoint::{read_json, write_json};
 use crate::run::optimize::early_stopping::Standing;
 use crate::run::optimize::run_trials::RunTrials;
 use nastic_case::warning::Warning;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{AugmentedState, SavedRunError};
-use serde_json::Value;
+use nastic_report::record::{GradientCheckRecord, StartRecord as StartEntry};
 
 const MAGIC: &str = "nastic-start-2";
 
@@ -43,13 +44,13 @@ pub(super) struct StartRecord {
     /// The start as bytes.
     pub start: Vec<u8>,
     /// Its gradient check, where it is a random one.
-    pub certificate: Value,
+    pub certificate: GradientCheckRecord,
 }
 
 /// A start that has ended or failed.
 pub(super) struct Ended {
     /// Its entry in the result.
-    pub entry: Value,
+    pub entry: StartEntry,
     /// The control at which it ended; empty of one that failed or was stopped early: it has found no minimum.
     pub m: Vec<f64>,
     /// Absent of one that failed.
@@ -150,7 +151,7 @@ impl StartRecord {
         out.count(1);
         write_warnings(&self.warnings, &mut out);
         out.bytes(&self.start);
-        out.bytes(self.certificate.to_string().as_bytes());
+        write_json(&self.certificate, &mut out);
         trials.write(&mut out);
         out.bytes(&run.to_bytes());
         out.finish()
@@ -161,7 +162,7 @@ impl Ended {
     fn to_bytes(&self) -> Vec<u8> {
         let mut out = Writer::new(MAGIC);
         out.count(2);
-        out.bytes(self.entry.to_string().as_bytes());
+        write_json(&self.entry, &mut out);
         out.floats(&self.m);
         out.count(usize::from(self.standing.is_some()));
         if let Some(standing) = self.standing {
@@ -175,7 +176,7 @@ impl Ended {
 
 fn write_warnings(warnings: &[Warning], out: &mut Writer) {
     out.count(warnings.len());
-    warnings.iter().for_each(|warning| out.bytes(warning.json().to_string().as_bytes()));
+    warnings.iter().for_each(|warning| write_json(&warning_record(warning), out));
 }
 
 fn read_warnings(input: &mut Reader<'_>) -> Result<Vec<Warning>, SavedRunError> {
@@ -183,7 +184,7 @@ fn read_warnings(input: &mut Reader<'_>) -> Result<Vec<Warning>, SavedRunError> 
 }
 
 fn read_warning(input: &mut Reader<'_>) -> Result<Warning, SavedRunError> {
-    Warning::from_json(&read_json(input)?).ok_or_else(|| input.damaged("a warning of no known kind"))
+    warning_of(read_json(input)?).ok_or_else(|| input.damaged("a warning of no known kind"))
 }
 
 /// An evaluated start.

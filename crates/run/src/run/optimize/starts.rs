@@ -12,12 +12,13 @@ use crate::run::optimize::round::{Found, Round, best_bytes, ended, read_record};
 use crate::run::optimize::same_program::same_program;
 use crate::run::optimize::start_place::seed;
 use crate::run::optimize::start_run::{Begun, Phase, StartRun, UnderWay};
+use crate::run::optimize::table_of_starts::failed_entry;
 use crate::run::session::{Session, say_warning};
 use nastic_case::warning::Warning;
 use nastic_language::number::short;
 use nastic_opt::bytes::Reader;
 use nastic_opt::{AugmentedBest, Constrained, Failed, Optimizer, Stop};
-use serde_json::Value;
+use nastic_report::record::{GradientCheckRecord, StartRecord};
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
@@ -27,7 +28,7 @@ pub(super) struct Starts {
     /// The run that came down deepest, and its number.
     pub best: Option<(usize, FinishedRun)>,
     /// An entry for each that has begun, for the result.
-    pub entries: Vec<Value>,
+    pub entries: Vec<StartRecord>,
     /// The control at which each ended; empty of one that failed or was stopped early.
     pub optima: Vec<Vec<f64>>,
     /// What deserves attention in the states at the starts; said already.
@@ -43,7 +44,7 @@ struct Rounds<'s> {
     session: &'s Session<'s>,
     optimizer: &'s dyn Optimizer,
     journal: &'s SharedJournal,
-    gradient_check: Value,
+    gradient_check: GradientCheckRecord,
     round: usize,
     starts: Vec<StartRun>,
     best: Option<(usize, FinishedRun)>,
@@ -59,7 +60,7 @@ impl Starts {
         session: &Session<'_>,
         optimizer: &dyn Optimizer,
         first: Begun,
-        gradient_check: Value,
+        gradient_check: GradientCheckRecord,
         journal: &SharedJournal,
     ) -> Result<(), RunError> {
         say_optimizer(session, optimizer);
@@ -225,8 +226,8 @@ fn read_best(session: &Session<'_>, bytes: &[u8]) -> Result<(usize, FinishedRun)
 }
 
 /// The entry of a start that an interruption found before its first trial.
-fn not_begun(session: &Session<'_>, index: usize) -> Value {
-    serde_json::json!({ "seed": seed(session, index), "failed": "interrupted before it had begun" })
+fn not_begun(session: &Session<'_>, index: usize) -> StartRecord {
+    failed_entry(seed(session, index), "interrupted before it had begun")
 }
 
 fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {

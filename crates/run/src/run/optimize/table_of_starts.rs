@@ -1,49 +1,54 @@
 //! The starts in the result and on the terminal.
 
-use crate::run::error::RunError;
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::Admitted;
 use nastic_numeric::format::scientific;
 use nastic_opt::Stop;
-use nastic_report::record::StartRecord;
-use serde_json::{Value, json};
+use nastic_report::record::{GradientCheckRecord, Number, StartRecord};
 
 /// The entry of a start that ended.
-pub(super) fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Value) -> Value {
+pub(super) fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: GradientCheckRecord) -> StartRecord {
     let best = &ended.best;
-    let mut out = json!({
-        "seed": seed, "start_cost": ended.start.risk, "cost": best.cost, "gradient_norm": best.gradient_norm,
-        "iterations": best.counts.iterations, "trials": best.counts.trials, "converged": best.stop.is_converged(),
-        "stop": best.stop.to_string(), "stopped_early": matches!(best.stop, Stop::Outperformed { .. }),
-    });
-    if !ended.constraints.groups.is_empty() {
-        out["violation"] = json!(ended.constraints.violation);
+    let violation = (!ended.constraints.groups.is_empty()).then_some(ended.constraints.violation);
+    StartRecord {
+        seed: seed.into(),
+        start_cost: ended.start.risk.into(),
+        cost: best.cost.into(),
+        gradient_norm: best.gradient_norm.into(),
+        iterations: Some(best.counts.iterations),
+        trials: Some(best.counts.trials),
+        converged: Some(best.stop.is_converged()),
+        stop: Some(best.stop.to_string()),
+        stopped_early: Some(matches!(best.stop, Stop::Outperformed { .. })),
+        violation: violation.map(Number::from).unwrap_or_default(),
+        // That of the start as written is the result's own.
+        gradient_check: seed.map(|_| certificate),
+        ..StartRecord::default()
     }
-    // That of the start as written is the result's own.
-    if seed.is_some() {
-        out["gradient_check"] = certificate;
-    }
-    out
+}
+
+/// The entry of a start that did not begin.
+pub(super) fn failed_entry(seed: Option<u64>, why: impl Into<String>) -> StartRecord {
+    StartRecord { seed: seed.into(), failed: Some(why.into()), ..StartRecord::default() }
 }
 
 /// One line per start.
-pub(super) fn say(session: &Session<'_>, entries: &[Value], best: usize) -> Result<(), RunError> {
+pub(super) fn say(session: &Session<'_>, entries: &[StartRecord], best: usize) {
     let directions = session.problem.controls.iter().any(|field| matches!(field.admitted, Admitted::Norm(_)));
     if entries.len() == 1 && session.problem.case.optimizer.starts == 1 && directions {
         let hint = "one; vectors of given length often have several minima: --set optimizer/starts=4 tries three more";
         session.console.say(format!("starts      {hint}"));
     }
-    for (k, entry) in entries.iter().enumerate().filter(|_| entries.len() > 1) {
+    for (k, start) in entries.iter().enumerate().filter(|_| entries.len() > 1) {
         let head = if k == 0 { "starts" } else { "" };
-        let start = StartRecord::of(entry)?;
         let seed = start.seed.map_or_else(|| "as written".to_owned(), |seed| format!("seed {seed}"));
-        let what = match start.cost {
+        let what = match *start.cost {
             Some(cost) => {
                 let iterations = start.iterations.unwrap_or_default();
                 format!("cost {} after {iterations} iterations", scientific(cost, 6))
             }
-            None => format!("failed: {}", start.failed.unwrap_or_default()),
+            None => format!("failed: {}", start.failed.as_deref().unwrap_or_default()),
         };
         let mark = match (start.minimum, k == best) {
             (_, true) => ", the best".to_owned(),
@@ -52,10 +57,9 @@ pub(super) fn say(session: &Session<'_>, entries: &[Value], best: usize) -> Resu
                 let percent = 100.0 * start.distance.unwrap_or(f64::NAN);
                 format!(", minimum {}, its control {percent:.0} % away", minimum + 1)
             }
-            (None, _) if start.stopped_early => ", stopped early".to_owned(),
+            (None, _) if start.stopped_early == Some(true) => ", stopped early".to_owned(),
             (None, _) => String::new(),
         };
         session.console.say(format!("{head:<12}{} ({seed}): {what}{mark}", k + 1));
     }
-    Ok(())
 }

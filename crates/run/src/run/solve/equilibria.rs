@@ -6,7 +6,7 @@ use crate::run::session::Session;
 use crate::run::solve::series::{Row, Series};
 use nastic_control::{ControlError, EnsemblePoint};
 use nastic_fem::{Equilibrium, Progress, SolveOptions, StateError, Workspace};
-use serde_json::json;
+use nastic_report::record::EquilibriaRecord;
 
 /// Finds, says and writes the equilibria of every member, beginning with that of the point.
 pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint, count: usize) -> Result<Exit, RunError> {
@@ -71,10 +71,9 @@ fn of_member(
             files.push(name);
         }
     }
-    let entry = json!({
-        "asked": count, "found": series.points(), "starts": starts, "newton_iterations": newton,
-    });
-    session.put_of_member(index, "equilibria", entry);
+    let found = series.points();
+    let entry = EquilibriaRecord { asked: count, found, starts: starts.into(), newton_iterations: newton.into() };
+    session.entries_of(index).equilibria = Some(entry);
     warnings.into_iter().for_each(|warning| session.warn(warning));
     Ok(files)
 }

@@ -5,7 +5,7 @@ use crate::result::inspection::Inspection;
 use crate::result::picture::Drawing;
 use crate::result::target_files::write_targets;
 use crate::result::title::title;
-use crate::result::{picture, snapshot, summary};
+use crate::result::{controls, picture, snapshot};
 use crate::run::analysis::Analysis;
 use crate::run::error::{Exit, RunError};
 use crate::run::motion;
@@ -18,7 +18,6 @@ use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Modes, SolveReport};
 use nastic_language::number::short;
 use nastic_numeric::format::scientific;
-use serde_json::json;
 
 /// The equilibrium at the start controls, with its modes or others beside it.
 pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
@@ -61,7 +60,7 @@ pub(crate) fn show(
 
 /// The line below the title of a picture.
 fn subtitle(session: &Session<'_>, min_j: f64) -> Result<String, RunError> {
-    let distance = picture::distance(&session.record()?.state, session.problem.units().length().symbol);
+    let distance = picture::distance(&session.record.state, session.problem.units().length().symbol);
     let what = motion::state_name(&session.problem);
     Ok(format!("{what} at the start control, min J {}{distance}{}", short(min_j), session.warned()))
 }
@@ -69,18 +68,17 @@ fn subtitle(session: &Session<'_>, min_j: f64) -> Result<String, RunError> {
 /// Puts what the equilibria are into the result and says it.
 pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
     let entries = session.entries(point, found)?;
-    let controls = summary::controls(&session.problem, &point.m);
-    session.put_all(entries);
-    session.put("controls", controls);
-    session.put("load_steps", json!(point.members.iter().map(|at| at.state().report.load_steps).max()));
-    say(session, point)?;
+    session.record.state = entries;
+    session.record.controls = Some(controls::controls(&session.problem, &point.m));
+    session.record.load_steps = point.members.iter().map(|at| at.state().report.load_steps).max();
+    say(session, point);
     session.report_contacts(point);
     Ok(())
 }
 
-fn say(session: &Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
+fn say(session: &Session<'_>, point: &EnsemblePoint) {
     let states = || point.members.iter().map(|at| at.state());
-    let (console, result) = (session.console, session.record()?);
+    let (console, result) = (session.console, &session.record);
     let mut work = SolveReport::default();
     point.members.iter().for_each(|at| work.add_work(&at.work));
     if work.newton == 0 && states().all(|state| state.u.iter().all(|u| *u == 0.0)) {
@@ -101,13 +99,12 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) -> Result<(), RunError> {
     if work.cycles > 0 {
         console.say(format!("linear      multigrid: {} cycles on {} sets of levels", work.cycles, work.hierarchies));
     }
-    say_stability(session, &result);
-    say_cost(session, &result);
-    say_members(session, &result);
-    say_tracked(session, &result);
-    say_probes(session, &result);
-    say_reactions(session, &result);
-    Ok(())
+    say_stability(session, result);
+    say_cost(session, result);
+    say_members(session, result);
+    say_tracked(session, result);
+    say_probes(session, result);
+    say_reactions(session, result);
 }
 
 pub(crate) fn write(

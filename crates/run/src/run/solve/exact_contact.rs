@@ -1,6 +1,7 @@
 //! `nastic solve --exact-contact`: the equilibrium whose contacts have no layer, beside the one that has.
 
 use crate::result::snapshot;
+use crate::run::contacts::quantities;
 use crate::run::error::{Exit, RunError};
 use crate::run::report::say_files;
 use crate::run::session::Session;
@@ -9,7 +10,7 @@ use nastic_fem::{ExactEquilibrium, Feature, Instant, Progress, SolveOptions, Sta
 use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_numeric::format::scientific;
-use serde_json::{Map, Value, json};
+use nastic_report::record::ExactContactRecord;
 
 /// Refuses what does not go with it, before anything is solved.
 pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
@@ -77,18 +78,19 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
         out.write_vtu(&name, &shot.with_points("contact_pressure", 1, pressures).map_err(ControlError::from)?)?;
         files.push(name);
     }
-    session.put_of_member(index, "exact_contact", entry);
+    session.entries_of(index).exact_contact = Some(entry);
     Ok(files)
 }
 
 /// What is put into the result, in the units of the case.
-fn entry((found, moved): (&ExactEquilibrium, f64), touches: &[(String, Touch)], dim: usize) -> Value {
-    let of = |touch: &Touch| -> Map<String, Value> {
-        touch.quantities(dim).into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect()
-    };
-    let contacts: Map<String, Value> = touches.iter().map(|(name, touch)| (name.clone(), json!(of(touch)))).collect();
-    json!({
-        "rounds": found.rounds, "newton_iterations": found.state.report.newton, "violation": found.violation,
-        "weakly_active": found.weakly_active, "largest_change": moved, "contacts": contacts,
-    })
+fn entry((found, moved): (&ExactEquilibrium, f64), touches: &[(String, Touch)], dim: usize) -> ExactContactRecord {
+    let contacts = touches.iter().map(|(name, touch)| (name.clone(), quantities(touch, dim))).collect();
+    ExactContactRecord {
+        rounds: found.rounds,
+        newton_iterations: found.state.report.newton,
+        violation: found.violation.into(),
+        weakly_active: found.weakly_active,
+        largest_change: moved.into(),
+        contacts: Some(contacts),
+    }
 }

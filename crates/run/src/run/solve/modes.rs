@@ -8,7 +8,7 @@ use nastic_fem::{Modes, SolveOptions};
 use nastic_language::quantity::Dimension;
 use nastic_mesh::Snapshot;
 use nastic_numeric::format::scientific;
-use serde_json::json;
+use nastic_report::record::{ModesRecord, numbers};
 
 /// Unit of eigenvalues: a stiffness per volume.
 const STIFFNESS: Dimension = Dimension::of(-4, 1, 0, 0);
@@ -34,8 +34,12 @@ pub(super) fn find(session: &Session<'_>, point: &EnsemblePoint, count: usize) -
 pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
     let unit = unit(&session.problem);
     for (index, own) in modes.iter().enumerate() {
-        let value = json!({ "eigenvalues": own.eigenvalues, "negative": own.negative, "unit": unit });
-        session.put_of_member(index, "modes", value);
+        session.entries_of(index).modes = ModesRecord {
+            eigenvalues: Some(numbers(&own.eigenvalues)),
+            negative: Some(own.negative),
+            unit: Some(unit.clone()),
+            ..ModesRecord::default()
+        };
         let name = session.problem.member(index).name();
         let inside = if name.is_empty() { name } else { format!(" in {name}") };
         session.console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}"));

@@ -5,7 +5,7 @@ use crate::run::motion;
 use crate::run::motion::MotionCheckpoint;
 use crate::run::session::Session;
 use crate::run::solve::equilibrium::{report, show, write};
-use serde_json::json;
+use nastic_report::record::ResumedRecord;
 use std::mem::take;
 
 /// The motion at the start controls, from the beginning or from a checkpoint.
@@ -31,6 +31,6 @@ pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCh
     let places = checkpoint.places();
     let told = places.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
     session.console.say(format!("resumed     the motion goes on behind step {told}"));
-    session.put("resumed", json!({ "steps": places }));
+    session.record.resumed = ResumedRecord { steps: Some(places), ..ResumedRecord::default() };
     run(session, Some(checkpoint))
 }

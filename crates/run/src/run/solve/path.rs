@@ -13,7 +13,7 @@ use nastic_fem::{
 };
 use nastic_language::number::short;
 use nastic_picture::Chart;
-use serde_json::{Map, Value, json};
+use nastic_report::record::{PointRecord, RangeRecord, SeriesRecord};
 
 /// Control fields that a line names.
 const NAMED: usize = 3;
@@ -26,11 +26,11 @@ pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, Run
         let told = session.timed("solve", |session| of_member(session, index, to_limit))?;
         let Told { entry, files: own, stopped, warnings } = told;
         warnings.into_iter().for_each(|warning| session.warn(warning));
-        session.put_of_member(index, "path", entry);
+        session.entries_of(index).path = Some(entry);
         files.extend(own);
         if let Some((how, why)) = stopped {
             session.console.say(format!("STOPPED     {why}"));
-            session.put("error", json!(why));
+            session.record.error = Some(why);
             exit = if exit == Exit::ForwardFailed { exit } else { how };
             if session.is_cancelled() {
                 break;
@@ -45,7 +45,7 @@ pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, Run
 
 /// What became of a member.
 struct Told {
-    entry: Value,
+    entry: SeriesRecord,
     files: Vec<String>,
     /// Why its path stopped short of the end.
     stopped: Option<(Exit, String)>,
@@ -88,11 +88,12 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told
         None => Vec::new(),
     };
     let stopped = stopped(&path, &member.name());
-    let entry = json!({
-        "points": series.points(),
-        "events": events.map(|(event, controls)| event_entry(member, event, controls)).collect::<Vec<_>>(),
-        "stopped": stopped.as_ref().map(|(_, why)| why),
-    });
+    let entry = SeriesRecord {
+        points: series.points(),
+        events: Some(events.map(|(event, controls)| event_record(member, event, controls)).collect()),
+        stopped: stopped.as_ref().map(|(_, why)| why.clone()).into(),
+        ..SeriesRecord::default()
+    };
     Ok(Told { entry, files, stopped, warnings })
 }
 
@@ -128,18 +129,19 @@ fn line(event: &PathEvent, controls: &[ControlAt]) -> String {
     format!("critical    {kind} at s = {:.6}{named}{more}: from {before} to {after} negative pivots", event.s)
 }
 
-fn event_entry(member: CaseMember<'_>, event: &PathEvent, controls: &[ControlAt]) -> Value {
-    let mut entry = Map::new();
-    entry.insert("kind".into(), json!(name(event.kind)));
-    entry.insert("value".into(), json!(event.s));
+fn event_record(member: CaseMember<'_>, event: &PathEvent, controls: &[ControlAt]) -> PointRecord {
     let control = |ControlAt { name, range: [min, max], unit }: &ControlAt| {
-        (name.clone(), json!({ "min": min, "max": max, "unit": unit }))
+        (name.clone(), RangeRecord { min: (*min).into(), max: (*max).into(), unit: Some(unit.clone()) })
     };
-    entry.insert("controls".into(), Value::Object(controls.iter().map(control).collect()));
-    entry.insert("before".into(), json!(event.before));
-    entry.insert("after".into(), json!(event.after));
-    entry.extend(summary::shape(member, &event.state));
-    Value::Object(entry)
+    PointRecord {
+        kind: Some(name(event.kind).to_owned()),
+        value: event.s.into(),
+        controls: Some(controls.iter().map(control).collect()),
+        before: event.before.into(),
+        after: event.after.into(),
+        state: summary::shape(member, &event.state),
+        ..PointRecord::default()
+    }
 }
 
 /// The load-displacement curve with its limit points.

@@ -13,7 +13,7 @@ use nastic_fem::{Progress, Ramp, RampPoint, SolveOptions, StateError, Workspace}
 use nastic_language::expression::{Formula, dimension_of};
 use nastic_language::number::short;
 use nastic_language::quantity::{Dimension, Units};
-use serde_json::{Value, json};
+use nastic_report::record::{PointRecord, SeriesRecord};
 
 /// Most equilibria of one ramp.
 const MOST: usize = 10_000;
@@ -50,14 +50,14 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
     for index in owners {
         let (entry, own, failure, warnings) = session.timed("solve", |session| asked.of_member(session, index))?;
         warnings.into_iter().for_each(|warning| session.warn(warning));
-        session.put_of_member(index, "ramp", entry);
+        session.entries_of(index).ramp = Some(entry);
         files.extend(own);
         if let Some((why, error)) = failure {
             let member = session.problem.member(index).name();
             let member = if member.is_empty() { member } else { format!("{member}: ") };
             let what = format!("{member}the ramp stops at {why}");
             session.console.say(format!("STOPPED     {what}"));
-            session.put("error", json!(what));
+            session.record.error = Some(what);
             if matches!(error, StateError::Cancelled) {
                 exit = if exit == Exit::Done { Exit::NotConverged } else { exit };
                 break;
@@ -159,23 +159,30 @@ impl Asked {
         if let Some((s, error)) = ramp.failure {
             let before = ramp.points.last().map(|point| value(point.s));
             let stopped = RampFailure { error: &error, before, target: value(s), unit: &field.unit };
-            told = Some(stopped.entry(member));
+            told = Some(stopped.record(member));
             let (name, m) = (member.file("failure.vtu"), at(stopped.reached()));
             files.extend(session.write_failure(member, (&name, &m), &error)?.map(|_| name));
             failure = Some((format!("{}: {}", stopped.at(), stopped.why()), error));
         }
-        let entry = json!({
-            "control": field.name, "unit": field.unit, "from": from, "to": to, "points": series.points(),
-            "critical": critical, "jumps": jumps, "failed": told,
-        });
+        let entry = SeriesRecord {
+            control: Some(field.name.clone()),
+            unit: Some(field.unit.clone()),
+            from: from.into(),
+            to: to.into(),
+            points: series.points(),
+            critical: Some(critical),
+            jumps: Some(jumps),
+            failed: told.into(),
+            ..SeriesRecord::default()
+        };
         Ok((entry, files, failure, warnings))
     }
 }
 
-type Told = (Value, Vec<String>, Option<(String, StateError)>, Vec<Warning>);
+type Told = (SeriesRecord, Vec<String>, Option<(String, StateError)>, Vec<Warning>);
 
 /// Critical values, said and as a list.
-fn critical(session: &Session<'_>, ramp: &Ramp, from: f64, to: f64, unit: &str) -> Value {
+fn critical(session: &Session<'_>, ramp: &Ramp, from: f64, to: f64, unit: &str) -> Vec<PointRecord> {
     let of = |point: &nastic_fem::CriticalPoint| {
         let (value, error) = (from + point.s * (to - from), 0.5 * point.width * (to - from).abs());
         session.console.say(format!(
@@ -185,7 +192,9 @@ fn critical(session: &Session<'_>, ramp: &Ramp, from: f64, to: f64, unit: &str) 
             point.before,
             point.after
         ));
-        json!({ "value": value, "error": error, "before": point.before, "after": point.after })
+        let pivots = |n: usize| Some(n).into();
+        let (before, after) = (pivots(point.before), pivots(point.after));
+        PointRecord { value: value.into(), error: error.into(), before, after, ..PointRecord::default() }
     };
     ramp.critical.iter().map(of).collect()
 }

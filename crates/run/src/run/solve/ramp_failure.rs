@@ -5,7 +5,7 @@ use nastic_case::lower::CaseMember;
 use nastic_fem::{Cause, StateError};
 use nastic_language::number::{count, short};
 use nastic_numeric::format::scientific;
-use serde_json::{Map, Value, json};
+use nastic_report::record::{FailureRecord, Number};
 
 /// An equilibrium of a ramp that was not found.
 pub(super) struct RampFailure<'e> {
@@ -72,19 +72,17 @@ impl RampFailure<'_> {
         }
     }
 
-    /// `failed` of the ramp: what a failure tells, `at`, `why`, and the values of the control.
-    pub fn entry(&self, member: CaseMember<'_>) -> Value {
-        let mut out: Map<String, Value> = failure::entries(member, self.error);
-        out.insert("at".into(), json!(self.at()));
-        out.insert("why".into(), json!(self.why()));
-        let share = out.get("load").and_then(Value::as_f64);
-        out.insert("value".into(), json!(share.and_then(|share| self.value(share)).unwrap_or(self.target)));
+    /// `failed` of the ramp: what a failure tells, `at`, `why`, and the values of the control in place of shares of the last step.
+    pub fn record(&self, member: CaseMember<'_>) -> FailureRecord {
+        let mut out = failure::record(member, self.error);
+        (out.at, out.why) = (Some(self.at()), Some(self.why()));
+        out.value = out.load.and_then(|share| self.value(share)).unwrap_or(self.target).into();
         if self.before.is_some() {
-            out.insert("last_value".into(), json!(self.reached()));
-            let limit = out.get("limit_point").and_then(Value::as_f64).and_then(|share| self.value(share));
-            out.extend(limit.map(|limit| ("limit_value".to_owned(), json!(limit))));
-            out.retain(|key, _| !["load", "reached", "limit_point"].contains(&key.as_str()));
+            out.last_value = self.reached().into();
+            let limit = out.limit_point.and_then(|share| self.value(share));
+            out.limit_value = limit.map(Number::from).unwrap_or_default();
+            (out.load, out.reached, out.limit_point) = Default::default();
         }
-        Value::Object(out)
+        out
     }
 }

@@ -4,14 +4,14 @@ use crate::run::solve::series::Series;
 use nastic_case::warning::{BRANCH_CHANGE, BRANCH_UNKNOWN, Warning};
 use nastic_fem::{Connection, SolveOptions};
 use nastic_language::number::short;
+use nastic_report::record::JumpRecord;
 use rayon::prelude::*;
-use serde_json::{Value, json};
 use std::sync::atomic::Ordering;
 
 /// Their parameters as an entry of the result, and what there is to tell of them: the first, and how many there are.
-pub(super) fn jumps(series: &Series<'_>, how: &SolveOptions) -> (Value, Vec<Warning>) {
+pub(super) fn jumps(series: &Series<'_>, how: &SolveOptions) -> (Vec<JumpRecord>, Vec<Warning>) {
     if how.cancel.is_some_and(|cancelled| cancelled.load(Ordering::Relaxed)) {
-        return (json!([]), vec![]); // nothing is known, and the ramp ends by it
+        return (vec![], vec![]); // nothing is known, and the ramp ends by it
     }
     let model = series.member.solid().model();
     let how = SolveOptions { parallel: false, watch: None, ..how.clone() };
@@ -26,7 +26,7 @@ pub(super) fn jumps(series: &Series<'_>, how: &SolveOptions) -> (Value, Vec<Warn
         (0..found.len()).filter(|k| wanted(&found[*k])).collect()
     };
     let (jumps, unknown) = (of(&is_jump), of(&|at| matches!(at, Connection::Unknown(_))));
-    let entries = jumps.iter().map(|k| json!({ "from": ends(*k).0, "to": ends(*k).1 })).collect();
+    let entries = jumps.iter().map(|k| JumpRecord { from: ends(*k).0.into(), to: ends(*k).1.into() }).collect();
     let tell = |kind, rows: &[usize], what: &str| {
         let (from, to) = ends(*rows.first()?);
         let more = if rows.len() > 1 { format!(" (the first of {} such steps)", rows.len()) } else { String::new() };
@@ -37,5 +37,5 @@ pub(super) fn jumps(series: &Series<'_>, how: &SolveOptions) -> (Value, Vec<Warn
         tell(&BRANCH_CHANGE, &jumps, "the body leaves its branch of equilibria on the step"),
         tell(&BRANCH_UNKNOWN, &unknown, "the branch could not be followed on the step"),
     ];
-    (Value::Array(entries), told.into_iter().flatten().collect())
+    (entries, told.into_iter().flatten().collect())
 }

@@ -14,8 +14,8 @@ use nastic_language::number::short;
 use nastic_mesh::Snapshot;
 use nastic_picture::{Chart, Curve};
 use nastic_report::csv::quoted;
+use nastic_report::record::{PointRecord, StateRecord};
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
 
 /// Equilibria one after the other.
 pub(super) struct Series<'p> {
@@ -132,15 +132,12 @@ impl<'p> Series<'p> {
     }
 
     /// Every row with all its numbers.
-    pub fn points(&self) -> Value {
+    pub fn points(&self) -> Vec<PointRecord> {
         let of = |row: &Row| {
-            let mut entry = Map::new();
-            entry.insert("value".into(), json!(row.parameter));
-            entry.insert("inertia".into(), json!(row.negative));
-            entry.insert("newton_iterations".into(), json!(row.newton));
-            entry.insert("restarts".into(), json!(row.state.report.restarts));
-            entry.extend(summary::shape(self.member, &row.state));
-            Value::Object(entry)
+            let (inertia, newton_iterations) = (row.negative.into(), Some(row.newton));
+            let state = StateRecord { inertia, newton_iterations, ..summary::shape(self.member, &row.state) };
+            let restarts = Some(row.state.report.restarts);
+            PointRecord { value: row.parameter.into(), restarts, state, ..PointRecord::default() }
         };
         self.rows.iter().map(of).collect()
     }

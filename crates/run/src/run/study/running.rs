@@ -17,7 +17,6 @@ use nastic_control::EnsembleBlock;
 use nastic_language::schema::{Case, Command, Method};
 use nastic_language::syntax::Document;
 use nastic_opt::Optimizer;
-use nastic_report::record::RunRecord;
 use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -72,10 +71,7 @@ impl Study {
         let (outcome, states) = pool.install(run).map_err(StudyError::of)?;
         match states {
             Some(states) => Ok(Optimum { outcome, states }),
-            None => {
-                let result = RunRecord::of(&outcome.result).map_err(|error| StudyError::of(error.into()))?;
-                Err(StudyError::Derivative { mismatch: result.gradient_check.mismatch })
-            }
+            None => Err(StudyError::Derivative { mismatch: *outcome.record.gradient_check.mismatch }),
         }
     }
 

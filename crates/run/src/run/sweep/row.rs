@@ -2,8 +2,8 @@
 
 use crate::run::error::{Exit, RunError};
 use crate::run::outcome::Outcome;
-use nastic_report::record::{MemberRecord, RunRecord};
-use serde_json::{Map, Value, json};
+use nastic_report::record::{MemberRecord, RunRecord, SweepRunRecord};
+use serde_json::{Map, Value};
 use std::path::Path;
 
 /// What one run of a sweep found.
@@ -51,17 +51,17 @@ const LEFT_OUT: [&str; 10] =
 
 impl Row {
     pub fn of(directory: &str, values: Vec<(String, String)>, ran: Result<Outcome, RunError>, out: &Path) -> Self {
-        let (exit, error, result) = match ran {
-            Ok(outcome) => (outcome.exit, None, outcome.result),
+        let (exit, error, record) = match ran {
+            Ok(outcome) => (outcome.exit, None, outcome.record),
             // What a failed solve found out before is in its directory; nothing is written of a case that is wrong.
             Err(error @ (RunError::Forward { .. } | RunError::Motion { .. })) => {
                 let text = std::fs::read_to_string(out.join(directory).join("result.json")).ok();
                 let known = text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
                 (error.exit(), Some(error.to_string()), known)
             }
-            Err(error) => (error.exit(), Some(error.to_string()), Value::Null),
+            Err(error) => (error.exit(), Some(error.to_string()), RunRecord::default()),
         };
-        let record = RunRecord::of(&result).unwrap_or_default();
+        let figures = record.to_json().map(|result| figures(&result)).unwrap_or_default();
         let mut warnings: Vec<String> = record.warnings.into_iter().map(|warning| warning.code).collect();
         warnings.sort_unstable();
         warnings.dedup();
@@ -72,8 +72,8 @@ impl Row {
             exit,
             error: error.or(record.error),
             warnings,
-            figures: figures(&result),
-            stems: stems(&record.members),
+            figures,
+            stems: stems(record.members.as_deref().unwrap_or_default()),
         }
     }
 
@@ -86,26 +86,29 @@ impl Row {
         matches!(self.exit, Exit::Done | Exit::Warned)
     }
 
-    pub fn json(&self) -> Value {
-        let values: Map<String, Value> = self
-            .values
-            .iter()
-            .map(|(path, text)| (path.clone(), serde_json::from_str(text).unwrap_or_else(|_| json!(text))))
-            .collect();
-        json!({
-            "run": self.directory, "values": values, "warm_from": self.warm_from, "exit": self.exit.code(), "warnings": self.warnings,
-            "error": self.error, "figures": self.figures,
-        })
+    pub fn record(&self) -> SweepRunRecord {
+        let value = |(path, text): &(String, String)| {
+            (path.clone(), serde_json::from_str(text).unwrap_or_else(|_| text.as_str().into()))
+        };
+        SweepRunRecord {
+            run: self.directory.clone(),
+            values: Some(self.values.iter().map(value).collect()),
+            warm_from: self.warm_from.clone().into(),
+            exit: self.exit.code(),
+            warnings: self.warnings.clone(),
+            error: self.error.clone().into(),
+            figures: Some(self.figures.clone().into_iter().collect()),
+        }
     }
 
     /// The same without depth, for the table.
     pub fn cells(&self) -> Value {
         let mut out = Map::new();
-        out.insert("run".into(), json!(self.directory));
-        out.extend(self.values.iter().map(|(path, text)| (path.clone(), json!(text))));
-        out.insert("exit".into(), json!(self.exit.code()));
-        out.insert("warnings".into(), json!(self.warnings.join(" ")));
-        out.insert("error".into(), json!(self.error));
+        out.insert("run".into(), self.directory.as_str().into());
+        out.extend(self.values.iter().map(|(path, text)| (path.clone(), text.as_str().into())));
+        out.insert("exit".into(), self.exit.code().into());
+        out.insert("warnings".into(), self.warnings.join(" ").into());
+        out.insert("error".into(), self.error.clone().into());
         out.extend(self.figures.clone());
         Value::Object(out)
     }

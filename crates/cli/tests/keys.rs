@@ -1,0 +1,48 @@
+//! The tables of keys in the documentation, and the schemas they are made of.
+
+use crate::common::{BAR, Place};
+use serde_json::Value;
+use std::path::Path;
+
+/// What the program prints with these arguments.
+fn printed(arguments: &[&str]) -> String {
+    let output = Place::new(BAR).nastic(arguments);
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn tables_in_the_documentation_are_those_of_the_program() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    for (file, arguments) in [
+        ("keys-of-case-files.md", ["schema", "--markdown"].as_slice()),
+        ("keys-of-results.md", &["schema", "--results", "--markdown"]),
+    ] {
+        let written = std::fs::read_to_string(docs.join(file)).unwrap();
+        let same = written == printed(arguments);
+        assert!(same, "docs/{file} is another: nastic {} > docs/{file}", arguments.join(" "));
+    }
+}
+
+/// Every key that a result has is one of its schema, and has a meaning there.
+#[test]
+fn results_have_the_keys_of_their_schema() {
+    let schema: Value = serde_json::from_str(&printed(&["schema", "--results"])).unwrap();
+    let output = Place::new(BAR).nastic(&["optimize", "case.json", "--json", "--no-report"]);
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let keys = schema["properties"].as_object().unwrap();
+    for key in result.as_object().unwrap().keys() {
+        assert!(keys.contains_key(key), "{key}");
+    }
+    for (key, entry) in keys {
+        let part = entry["$ref"].as_str().map(|part| part.trim_start_matches("#/$defs/"));
+        let about = entry["description"].as_str().or_else(|| schema["$defs"][part?]["description"].as_str());
+        assert!(about.is_some_and(|about| !about.is_empty()), "{key}: {entry}");
+    }
+    assert_eq!(schema["properties"]["threads"]["type"], "integer");
+    assert_eq!(
+        schema["properties"]["inertia"]["type"].as_array().unwrap().len(),
+        2,
+        "null where pivots were not counted"
+    );
+}

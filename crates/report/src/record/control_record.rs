@@ -1,0 +1,71 @@
+//! [`ControlRecord`]: what became of a control.
+
+use crate::record::{Absent, ByName, Nullable, Number};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+records! {
+    /// A control; lengths of vectors where it is one.
+    ControlRecord {
+        /// Its array in VTU files.
+        array: Option<String>,
+        /// What it drives.
+        slot: Nullable<String>,
+        /// Its space.
+        space: Option<String>,
+        /// The unit of its values.
+        unit: Option<String>,
+        /// Number of its values.
+        unknowns: Option<usize>,
+        /// The least of them.
+        min: Number,
+        /// The greatest.
+        max: Number,
+        /// Lower bound; null where there is none.
+        lower: Number,
+        /// Upper bound.
+        upper: Number,
+        /// How many values lie on a bound; vectors count once.
+        active: Option<usize>,
+        /// The same as a share.
+        active_share: Number,
+        /// Total variation of a field over the body, int |grad m| dX with its jumps.
+        total_variation: Number,
+        /// Cells of a grid along its axes.
+        grid: Option<Vec<u32>>,
+        /// Instants of a control in time.
+        instants: Option<Vec<Number>>,
+        /// Of the spaces `uniform` and `region` the values: a number or vector, or by region one for each; in time a list of them.
+        values: Option<ControlValues>,
+        /// Of `check`: the tension up to which the law stays polyconvex.
+        fiber_limit: Nullable<f64>,
+    }
+
+    /// Least and largest value of a control.
+    RangeRecord {
+        /// The least.
+        min: Number,
+        /// The largest.
+        max: Number,
+        /// Their unit, where it is not told elsewhere.
+        unit: Option<String>,
+    }
+}
+
+/// The values of a control that has few.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ControlValues {
+    /// One.
+    One(Number),
+    /// Components of a vector, or values at the instants of a control in time.
+    List(Vec<ControlValues>),
+    /// One for each region.
+    ByRegion(ByName<ControlValues>),
+}
+
+impl Absent for ControlValues {
+    fn is_absent(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,51 @@
+//! The JSON Schema of results.
+
+use crate::record::RunRecord;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde_json::Value;
+
+/// What marks a schema whose values may really be null, beside those of keys that are left out.
+const NULLABLE: &str = "nullable";
+
+/// Of `null` or a value.
+pub(super) fn nullable<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    let mut schema = Option::<T>::json_schema(generator);
+    schema.insert(NULLABLE.to_owned(), Value::Bool(true));
+    schema
+}
+
+impl RunRecord {
+    /// The JSON Schema of results.
+    #[must_use]
+    pub fn schema() -> Value {
+        let mut schema = schemars::schema_for!(Self).to_value();
+        tidy(&mut schema);
+        schema
+    }
+}
+
+/// Takes away defaults, which stand for keys that are left out, and null where no value is ever that.
+fn tidy(schema: &mut Value) {
+    match schema {
+        Value::Object(entries) => {
+            let is_nullable = entries.shift_remove(NULLABLE).is_some();
+            if entries.get("default").is_some_and(|default| !default.is_object() || !entries.contains_key("properties"))
+            {
+                entries.shift_remove("default");
+            }
+            if let (false, Some(Value::Array(kinds))) = (is_nullable, entries.get_mut("type")) {
+                kinds.retain(|kind| kind != "null");
+                if let [one] = kinds.as_slice() {
+                    let one = one.clone();
+                    entries.insert("type".to_owned(), one);
+                }
+            }
+            if let (false, Some(Value::Array(choices))) = (is_nullable, entries.get_mut("anyOf")) {
+                choices.retain(|choice| choice["type"] != "null");
+            }
+            entries.values_mut().for_each(tidy);
+        }
+        Value::Array(list) => list.iter_mut().for_each(tidy),
+        _ => {}
+    }
+}

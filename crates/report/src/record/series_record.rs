@@ -1,0 +1,124 @@
+//! [`SeriesRecord`]: equilibria along a parameter; [`ModesRecord`]: modes.
+
+use crate::record::{ByName, FailureRecord, Nullable, Number, RangeRecord, StateRecord};
+
+records! {
+    /// A ramp or a path.
+    SeriesRecord {
+        /// Of a ramp: its control.
+        control: Option<String>,
+        /// Of a ramp: the unit of its values.
+        unit: Option<String>,
+        /// Of a ramp: the first value.
+        from: Number,
+        /// Of a ramp: the last value.
+        to: Number,
+        /// The equilibria.
+        points: Vec<PointRecord>,
+        /// Of a ramp: values at which the count of negative pivots changes.
+        critical: Option<Vec<PointRecord>>,
+        /// Of a ramp: steps on which the body leaves its branch.
+        jumps: Option<Vec<JumpRecord>>,
+        /// Of a ramp: where and why it stopped.
+        failed: Nullable<FailureRecord>,
+        /// Of a path: limit points and bifurcations.
+        events: Option<Vec<PointRecord>>,
+        /// Of a path: why it stopped short of the end.
+        stopped: Nullable<String>,
+    }
+
+    /// An equilibrium of them, or a critical one.
+    PointRecord {
+        /// `limit point` or `bifurcation`.
+        kind: Option<String>,
+        /// The parameter.
+        value: Number,
+        /// How well a critical value is known.
+        error: Number,
+        /// Controls at a critical point of a path.
+        controls: Option<ByName<RangeRecord>>,
+        /// Negative pivots before a critical point.
+        before: Nullable<usize>,
+        /// Negative pivots behind it.
+        after: Nullable<usize>,
+        /// Times the solve began anew.
+        restarts: Option<usize>,
+        /// What the state says of itself.
+        #[serde(flatten)]
+        state: StateRecord,
+    }
+
+    /// A step between branches.
+    JumpRecord {
+        /// Value before it.
+        from: Number,
+        /// Value behind it.
+        to: Number,
+    }
+
+    /// What `solve --equilibria` found.
+    EquilibriaRecord {
+        /// How many were asked for.
+        asked: usize,
+        /// Those that were found.
+        found: Vec<PointRecord>,
+        /// Starts of the search.
+        starts: Nullable<usize>,
+        /// Newton iterations of the search.
+        newton_iterations: Nullable<usize>,
+    }
+
+    /// Modes of the tangent, or of vibration.
+    ModesRecord {
+        /// The state that they are about.
+        about: Option<String>,
+        /// Of `solve --modes`: eigenvalues, ascending, of K phi = lambda M phi, M the volumes of the nodes.
+        eigenvalues: Option<Vec<Number>>,
+        /// Of `solve --modes`: negative eigenvalues of K.
+        negative: Option<usize>,
+        /// Unit of the eigenvalues.
+        unit: Option<String>,
+        /// Frequencies; null of modes that do not vibrate.
+        frequencies: Option<Vec<Number>>,
+        /// Growth rates of unstable modes.
+        growth_rates: Option<Vec<Number>>,
+        /// phi . M phi with a largest component of 1.
+        modal_masses: Option<Vec<Number>>,
+        /// Shares of the squared mode along the axes.
+        directions: Option<Vec<Vec<Number>>>,
+        /// Modes of rigid motions.
+        neutral: Option<usize>,
+        /// Modes that grow.
+        unstable: Option<usize>,
+        /// Units.
+        units: Option<ModesUnits>,
+        /// The modes as the steps of a motion move them.
+        in_steps: Option<VibrationInSteps>,
+    }
+
+    /// Units of modes.
+    ModesUnits {
+        /// Of frequencies.
+        frequency: String,
+        /// Of growth rates.
+        growth_rate: String,
+        /// Of modal masses.
+        modal_mass: String,
+    }
+
+    /// Modes as the steps of a motion move them: q'' + d q' + w^2 q = 0.
+    VibrationInSteps {
+        /// The time scheme.
+        scheme: String,
+        /// The step.
+        step: Number,
+        /// d/w of Rayleigh damping.
+        damping: Vec<Number>,
+        /// d/w with that of the steps.
+        damping_seen: Vec<Number>,
+        /// The frequency seen, as a share.
+        frequency_ratio: Vec<Number>,
+        /// Of motions: the frequencies.
+        frequencies: Option<Vec<Number>>,
+    }
+}

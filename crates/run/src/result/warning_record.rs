@@ -1,0 +1,20 @@
+//! Warnings as results have them.
+
+use nastic_case::warning::{WARNINGS, Warning};
+use nastic_report::record::WarningRecord;
+
+pub(crate) fn warning_record(warning: &Warning) -> WarningRecord {
+    WarningRecord {
+        code: warning.kind.code.to_owned(),
+        place: warning.place.clone(),
+        message: warning.message.clone(),
+        advice: warning.kind.advice.to_owned(),
+    }
+}
+
+/// A warning from a result; `None` where its code is of no known kind.
+pub(crate) fn warning_of(record: WarningRecord) -> Option<Warning> {
+    let WarningRecord { code, place, message, .. } = record;
+    let kind = WARNINGS.iter().find(|kind| kind.code == code)?;
+    Some(Warning { kind, place, message })
+}
