@@ -24,7 +24,6 @@ use nastic_tensor::Mat3;
 
 use crate::{Actuation, ConvexDensity, EnergyError, EnergyTerm};
 
-pub use choose::choose as choose_form;
 use choose::{choose, distinct};
 pub use inputs::{Given, Inputs};
 
@@ -59,11 +58,6 @@ pub enum Takes {
         /// The words.
         of: &'static [&'static str],
     },
-    /// The name of a region, a surface, a node set.
-    Name {
-        /// An example.
-        example: &'static str,
-    },
 }
 
 impl Parameter {
@@ -80,11 +74,6 @@ impl Parameter {
     /// One of a few words.
     pub const fn choice(name: &'static str, of: &'static [&'static str]) -> Self {
         Parameter { name, takes: Takes::Choice { of }, optional: false }
-    }
-
-    /// The name of a region, a surface, a node set.
-    pub const fn place(name: &'static str, example: &'static str) -> Self {
-        Parameter { name, takes: Takes::Name { example }, optional: false }
     }
 
     /// The same, which may be left out.
