@@ -15,6 +15,8 @@
 //! ```
 
 mod choose;
+mod fit_form;
+mod fits;
 mod inputs;
 mod rows;
 
@@ -25,6 +27,7 @@ use nastic_tensor::Mat3;
 use crate::{Actuation, ConvexDensity, EnergyError, EnergyTerm};
 
 use choose::{choose, distinct};
+pub use fit_form::{FitForm, FitNumber, FitStarts, FitVolume, Free};
 pub use inputs::{Given, Inputs};
 
 /// A parameter of a law, as case files write it.
@@ -100,6 +103,8 @@ pub struct MaterialRow {
     pub reinforcing: bool,
     /// The sets of parameters it takes, its own coefficients first.
     pub forms: &'static [&'static [Parameter]],
+    /// How it is fitted to tests, once for every number of terms or families; empty of a law that cannot be.
+    pub fit: &'static [FitForm],
     make: MakeMaterial,
 }
 
@@ -193,7 +198,12 @@ impl MaterialRow {
         forms: &'static [&'static [Parameter]],
         make: MakeMaterial,
     ) -> Self {
-        MaterialRow { name, about, existence: "", reinforcing: false, forms, make }
+        MaterialRow { name, about, existence: "", reinforcing: false, forms, fit: &[], make }
+    }
+
+    /// The same law, which is fitted to tests so.
+    pub const fn fitted(self, fit: &'static [FitForm]) -> Self {
+        MaterialRow { fit, ..self }
     }
 
     /// The law with these parameters, which must be exactly one of its [`forms`](Self::forms).

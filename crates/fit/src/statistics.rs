@@ -7,7 +7,9 @@ use nalgebra_of_levenberg_marquardt::DMatrix;
 pub struct Estimate {
     /// Its name in case files.
     pub name: &'static str,
-    /// Its value, Pa or a pure number.
+    /// `"Pa"`, `"deg"`, `"1"` of a pure number.
+    pub unit: &'static str,
+    /// Its value.
     pub value: f64,
     /// Standard deviation; `None` for a parameter that the data do not determine, or that lies on the border of what the law admits.
     pub deviation: Option<f64>,
