@@ -1,11 +1,12 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
 use super::{
-    Compliance, ContactLoad, ControlNorm, ControlSmoothness, Cost, CostForm, Curvature, IntoCost, LargestStretch,
-    MeanPosition, ObstaclePenetration, Orientation, PumpWork, SmoothedHausdorff, Target, Tracking, compliance,
-    contact_load, curvature, obstacle, orientation, position, pump_work, regularization, stretch, tracking,
+    ContactLoad, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue, Curvature, IntoCost,
+    LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, PumpWork, SmoothedHausdorff, Target, Tracking,
+    compliance, contact_load, curvature, obstacle, orientation, position, pump_work, regularization, stretch, tracking,
 };
 use crate::error::ControlError;
+use crate::time::When;
 use nastic_fem::Solid;
 use nastic_hausdorff::Phi;
 use nastic_mesh::Mesh;
@@ -21,6 +22,31 @@ pub struct CostExample<'a> {
     pub control: &'a str,
     /// Multiplies the cost.
     pub weight: f64,
+}
+
+impl CostExample<'_> {
+    /// A cost as case files make it, of the values of its keys.
+    ///
+    /// # Errors
+    /// Those of its form.
+    pub fn make(
+        &self,
+        form: &CostForm,
+        values: impl IntoIterator<Item = (&'static str, CostValue)>,
+    ) -> Result<Vec<Box<dyn Cost>>, ControlError> {
+        let values = values.into_iter().collect();
+        let (solid, weight, when) = (self.solid, self.weight, &When::End);
+        let inputs = CostInputs { solid, weight, in_motion: false, second: false, when, values: &values };
+        match form.make {
+            MakeCost::OfStates(make) => Ok(vec![make(&inputs)?]),
+            MakeCost::OfMotion(_) => Ok(vec![]),
+        }
+    }
+
+    /// The last surface of the body.
+    pub fn surface(&self) -> String {
+        self.solid.mesh().surfaces().keys().next_back().cloned().unwrap_or_default()
+    }
 }
 
 /// Costs on a body, or why there are none.
@@ -72,8 +98,9 @@ pub const CATALOGUE: &[CostRow] = &[
 ];
 
 fn compliance(on: &CostExample) -> Bound {
-    let surface = on.solid.mesh().surfaces().keys().next_back().cloned().unwrap_or_default();
-    Ok(vec![Compliance::surface(&surface, [0.2, 0.9, 0.0]).weight(on.weight).bind(on.solid)?])
+    let values =
+        [("surface", CostValue::Names(on.surface().into())), ("direction", CostValue::Vector([0.2, 0.9, 0.0]))];
+    on.make(&compliance::FORM, values)
 }
 
 fn tracking(on: &CostExample) -> Bound {
@@ -109,8 +136,9 @@ fn position(on: &CostExample) -> Bound {
 }
 
 fn orientation(on: &CostExample) -> Bound {
-    let surface = on.solid.mesh().surfaces().keys().next_back().cloned().unwrap_or_default();
-    Ok(vec![Orientation::surface(&surface, [0.8, 0.3, 0.0]).weight(on.weight).bind(on.solid)?])
+    let values =
+        [("surface", CostValue::Names(on.surface().into())), ("direction", CostValue::Vector([0.8, 0.3, 0.0]))];
+    on.make(&orientation::FORM, values)
 }
 
 /// Of every contact of the body: none where it touches nothing.
