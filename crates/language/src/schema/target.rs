@@ -111,7 +111,10 @@ fn check_coordinates(block: &Coordinates, reader: &mut Reader<'_>) {
             reader.complain_at(&block.at.key(axis), message);
         }
     }
-    if block.entries().iter().all(Option::is_none) {
+    // what stands there under another name was complained about
+    let node = reader.document.root().find(block.at.as_str());
+    let is_empty = node.is_none_or(|node| matches!(&node.value, Value::Object(members) if members.is_empty()));
+    if is_empty && block.entries().iter().all(Option::is_none) {
         reader.complain_at(&block.at, "at least one coordinate is wanted: { \"x\": ..., \"z\": ... }");
     }
 }
