@@ -156,7 +156,9 @@ impl<'a> Open<'a> {
                 attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| error.to_string())?.into_owned();
             Ok((attribute.key.as_ref().to_owned(), value))
         });
-        let attributes = attributes.collect::<Result<Vec<_>, String>>().map_err(|what| self.fail(start, what))?;
+        let attributes = attributes
+            .collect::<Result<Vec<_>, String>>()
+            .map_err(|what| self.fail(start, format!("<{name}>: {what}")))?;
         if self.elements.len() == DEEPEST {
             return Err(self.fail(start, format!("elements are nested more than {DEEPEST} deep")));
         }
